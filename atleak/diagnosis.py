@@ -516,7 +516,8 @@ def diagnose(
         )
     )
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
-    messages = messages_of(readings, controller, fluid, profile, projections, idle, road, states)
+    messages = messages_of(readings, controller, fluid, profile, projections, idle, road, states, unworn)
+    messages = [*limits.doubts, *messages]
     if checked is not None:
         messages += checked.messages
     if log is not None and without is not None:

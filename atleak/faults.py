@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -10,6 +11,15 @@ from pydantic import BaseModel, ValidationError
 from atleak.errors import AnyInputError, InputError, Place, nearest_name, one_of
 
 Model = TypeVar("Model", bound=BaseModel)
+
+
+class WrongTogether(ValueError):
+    """Keys of a table that do not go together: what is expected, and the steps from the table to the one to change."""
+
+    def __init__(self, expected: str, *steps: str | int) -> None:
+        self.steps = steps
+        super().__init__(expected)
+
 
 _SHOWN = 80  # characters of a value
 _NAMED_BY = ("id", "name", "component")  # keys of a table that name it, the first that it has
@@ -101,7 +111,9 @@ def _in_words(fault: Any, file: str, data: Any, model: type[BaseModel], kind: ty
     location = steps_to(fault)
     value = fault["input"]
     if isinstance(value, dict) and fault["type"] == "value_error":  # keys that do not go together
-        place = place_of_table(location, data, file)
+        cause = fault["ctx"]["error"]
+        steps = (*location, *(cause.steps if isinstance(cause, WrongTogether) else ()))
+        place = replace(place_of_table(location, data, file), steps=steps)
         return kind("the keys of this table do not go together", place=place, expected=_expected(fault))
     place = place_of(location, data, file)
     if fault["type"] == "missing":

@@ -15,6 +15,7 @@ from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.readings import LandClearance, Readings
+from atleak.workshop_units import PERCENT
 
 _NEW_WAS = {
     NewOrigin.USED_UNIT: "was measured on a used unit and is taken as new: wear counts from there",
@@ -59,6 +60,19 @@ def _about_pump(pump: Pump, profile: Profile, readings: Readings | None) -> Iter
         yield Message("info", "pump_new_unknown", text)
 
 
+def _new_and_more_than_the_pump(unworn: Iterable[Projection]) -> Iterable[Message]:
+    """Doubt a description by which a new unit leaks more than its pump delivers: such a unit would never have run."""
+    shares = {projection.condition.label: projection.share for projection in unworn}
+    above = {label: share for label, share in shares.items() if share is not None and share >= 1.0}
+    if above:
+        said = ", ".join(f"{share * PERCENT:.1f} % at {label}" for label, share in above.items())
+        text = (
+            f"With every land new it would leak more than the pump delivers: {said}. Something that describes the unit "
+            "is not so: the pump's displacement, clearances (half of bore minus spool, in µm), diameters or pressures."
+        )
+        yield Message("warning", "more_than_the_pump_when_new", text)
+
+
 def messages_of(
     readings: Readings | None,
     controller: Controller,
@@ -68,6 +82,7 @@ def messages_of(
     idle: Projection | None,
     road: RoadLeakage | None,
     states: Iterable[LandClearance],
+    unworn: Iterable[Projection],
 ) -> list[Message]:
     """Return the messages on inputs and projections, each once; those of gauges, log and uncertainty are not in it.
 
@@ -79,8 +94,10 @@ def messages_of(
         leakage over a log; None without one.
     states
         the clearance of every land.
+    unworn
+        at every condition that is judged, with every land new.
     """
-    messages: list[Message] = []
+    messages: list[Message] = [*controller.doubts, *fluid.doubts]
     if controller.representative:
         messages.append(
             Message("warning", "controller_representative", f"{controller.name}: {controller.representative}")
@@ -123,6 +140,7 @@ def messages_of(
         if projection.pump_capacity <= 0.0:
             text = f"{projection.condition.label}: the pump delivers nothing at this pressure and viscosity."
             messages.append(Message("warning", "pump_delivers_nothing", text))
+    messages += _new_and_more_than_the_pump(unworn)
     if idle is None:
         text = f"{controller.name} states no operating point hot_idle, where a worn unit fails first."
         messages.append(Message("info", "no_hot_idle", text))

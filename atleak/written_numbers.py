@@ -11,6 +11,7 @@ import re
 import unicodedata
 from dataclasses import dataclass, replace
 
+from atleak.catalogue import usual
 from atleak.wording import Wording, wording
 
 _SIGNS = str.maketrans(
@@ -65,11 +66,13 @@ class WrittenNumber:
     doubt: str = ""
 
 
-TEMPERATURE = AskedNumber("temperature", "°C", 95.5, (-60.0, 200.0), (-30.0, 150.0), "temperature")
+TEMPERATURE = AskedNumber("temperature", "°C", 95.5, (-60.0, 200.0), usual.TEMPERATURE.ends, "temperature")
 MEASURING_TEMPERATURE = AskedNumber("measuring temperature", "°C", 21.5, (-20.0, 60.0), (10.0, 35.0), "temperature")
-PUMP_SIDE_CLEARANCE = AskedNumber("pump side clearance", "µm", 45.5, (1.0, 2_000.0), (10.0, 300.0), "clearance")
-PUMP_TIP_CLEARANCE = AskedNumber("pump tip clearance", "µm", 150.5, (1.0, 2_000.0), (20.0, 1_000.0), "clearance")
-ENGINE_SPEED = AskedNumber("engine speed", "rpm", 850.5, (1.0, 15_000.0), (400.0, 7_000.0), "engine_speed")
+PUMP_SIDE_CLEARANCE = AskedNumber(
+    "pump side clearance", "µm", 45.5, (1.0, 2_000.0), usual.SIDE_CLEARANCE.ends, "clearance"
+)
+PUMP_TIP_CLEARANCE = AskedNumber("pump tip clearance", "µm", 150.5, (1.0, 2e3), usual.TIP_CLEARANCE.ends, "clearance")
+ENGINE_SPEED = AskedNumber("engine speed", "rpm", 850.5, (1.0, 15_000.0), usual.ENGINE_SPEED.ends, "engine_speed")
 MILEAGE = AskedNumber("mileage", "km", 106315.0, (0.0, 9_999_999.0), (1_000.0, 1_000_000.0), "distance")
 PRICE = AskedNumber("price", "", 61.5, (0.0, 1e8), (0.0, 1e6))
 HOURS = AskedNumber("time", "h", 1.5, (0.0, 1_000.0), (0.0, 60.0))

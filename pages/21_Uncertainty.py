@@ -5,7 +5,9 @@ import streamlit as st
 from atleak.figures import uncertainty_figures as figures
 from atleak.figures.diagnosis_figures import total_share
 from atleak.views.columns import Column
+from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.drawing import spool_svg
+from atleak.views.sentences import land_in_words
 from atleak.views.uncertainty_rows import budget_rows
 from pages.shared import panel, reader, show, words
 
@@ -23,7 +25,8 @@ show.messages(unit.messages, say("about.uncertainty"))
 st.subheader(say("uncertainty.total"))
 show.chart(total_share(diagnosis), "totals")
 
-show.open_verdicts(words.advice(diagnosis))
+advised = words.advised(diagnosis, diagnosis_record(diagnosis), say)
+show.open_verdicts(words.advice(diagnosis, advised, say))
 
 st.subheader(say("uncertainty.clearances"))
 show.chart(figures.clearances(unit, say), "clearances")
@@ -32,7 +35,7 @@ show.chart(figures.leakages(unit, say), "leakages")
 
 st.subheader(say("uncertainty.made_of"))
 measured = [land.uncertainty for land in diagnosis.ranked if land.uncertainty is not None]
-land = st.selectbox(say("columns.land"), measured, format_func=lambda each: words.land_name(diagnosis, each.key))
+land = st.selectbox(say("columns.land"), measured, format_func=lambda each: land_in_words(diagnosis, each.key, say))
 show.chart(figures.budget(land, say), "budget")
 verdicts = {each.key: each.verdict for each in diagnosis.lands}
 label = f"{say('columns.component')} {land.key[0]}"

@@ -30,6 +30,8 @@ for tab, kind in zip(st.tabs(["Valve bodies", "Fluids", "Limits"]), rows.FOLDERS
         name = st.selectbox("Show", names, names.index(shown_name(getattr(diagnosis, kind))), key=f"catalogue-{kind}")
         entry = known[name]
         st.markdown(f"**Source:** {show.plain(entry.source)} ({entry.date})")
+        for doubt in entry.doubts:
+            st.warning(show.plain(doubt.text))
         if entry.note:
             st.markdown(show.plain(entry.note))
         if getattr(entry, "representative", None):

@@ -2,7 +2,8 @@
 
 import streamlit as st
 
-from pages.shared import panel, transmission, transmission_picture, transmission_tables
+from pages.shared import panel, reader, transmission, transmission_picture, transmission_tables
+from pages.shared.editing import checked_now, draw_faults
 
 case, diagnosis = panel.shown()
 st.title("Transmission")
@@ -10,14 +11,14 @@ st.write(
     "Describe any valve body in tables and keep it in your own catalogue. Numbers may have a decimal comma or point; "
     "rows can be pasted from a spreadsheet. Shipped files stay as they are: a copy is edited."
 )
-editing = transmission.current()
+editing = transmission.DESK.current()
 if editing is None:
     transmission.choose_start()
     st.stop()
-checked = transmission.checked_now(editing)
+checked = checked_now(editing)
 transmission.draw_head(editing, checked)
 step = transmission_tables.choose_step(editing)
-transmission.draw_faults(checked)
+draw_faults(editing, checked, reader.say())
 transmission_picture.draw_spools(step, checked)
 transmission_tables.draw(editing, step, checked)
 transmission.draw_learning(editing, step, checked)

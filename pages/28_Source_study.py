@@ -48,18 +48,18 @@ with variants:
         st.subheader("Points of the test that the article states")
         table(tables.point_rows(compare_points(results)), "{:.3f}")
 with over_time:
-    st.plotly_chart(figure(charts.leakage_chart(results, gear)), width="stretch", key="time")
+    show.chart(figure(charts.leakage_chart(results, gear)), "time")
     st.caption("Triangles: least and most leakage of each variant. Click in the legend to hide a variant.")
 with over_temperature:
     log_y = st.toggle("Logarithmic scale")
     chart = figure(charts.temperature_chart(curves, results, printed=what == STUDY, log_y=log_y))
-    st.plotly_chart(chart, width="stretch", key="temperature")
+    show.chart(chart, "temperature")
     st.caption("Curves: fresh oil. W4 lies above them: its printed result is that of the used oil.")
 with share:
     if results[0].computed.share is None:
         st.info("The log has no engine speed, so there is no pump flow and no share.")
     else:
-        st.plotly_chart(figure(charts.share_chart(results, gear)), width="stretch", key="share")
+        show.chart(figure(charts.share_chart(results, gear)), "share")
         st.caption("Circles: largest share; in the study at idle, the pump at its slowest. Triangles: most leakage.")
 with physics:
     st.markdown("What each option changes in the most leakage [%], one at a time and together; `–`: no data so cold.")

@@ -56,7 +56,7 @@ if diagnosis.log is not None:
     road.leakage(diagnosis)
 
 st.subheader(say("diagnosis.rest"))
-show.open_verdicts(words.advice(diagnosis))
+show.open_verdicts(words.advice(diagnosis, words.advised(diagnosis, record, say), say))
 show.sheet_messages(diagnosis)
 every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=f"all-lands-{session().generation}")
 if every.open:

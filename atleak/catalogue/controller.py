@@ -31,6 +31,7 @@ from atleak.catalogue.pump import Pump, PumpClearances
 from atleak.catalogue.repairs import Repair
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.equations import clearance as clearance_equations
+from atleak.errors import Message
 
 HOT_IDLE = "hot_idle"
 STATED = "stated"  # name of the condition that a job states: no point of a file has it
@@ -249,6 +250,7 @@ class Controller:
     repairs: tuple[Repair, ...] = ()
     gaps_described: bool = True  # else every land is taken to leak from main pressure to the sump: an upper bound
     entry: ControllerFile | None = field(default=None, repr=False, compare=False)  # the tables that it was read from
+    doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)  # values that are possible and unusual
 
     @property
     def sha256(self) -> str:

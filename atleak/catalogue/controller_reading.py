@@ -31,6 +31,7 @@ from atleak.catalogue.controller_tables import (
     LandTable,
     NewOrigin,
 )
+from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Origin, listed, read_tables
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.pump import Pump
@@ -86,7 +87,8 @@ def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
     controller, faults = _read(entry, data, origin)
     if controller is None:
         raise together(faults)
-    return controller
+    doubts = doubts_of("controllers", data, origin.file, displacement=controller.pump.displacement)
+    return replace(controller, doubts=doubts)
 
 
 def _faults_of_meaning(data: Mapping[str, Any], error: ValidationError, origin: Origin) -> list[CatalogueError]:

@@ -28,6 +28,7 @@ from atleak.system.home import home, made
 _HERE = Path(__file__).parent
 KINDS = ("controllers", "fluids", "limits", "instruments")
 """The catalogue's folders, of what ships and of the user's own."""
+_REMOVED = "removed"  # folder of what was taken out of the own catalogue
 _TOML_LINE = 300  # characters of a parser's message worth showing
 
 NonEmptyText = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
@@ -167,6 +168,44 @@ def write_own(kind: str, name: str, text: str, *, over: str = "") -> Path:
     return path
 
 
+def remove_own(kind: str, name: str) -> None:
+    """Take a file out of the user's own catalogue; `restore_own` brings it back until another one of that id goes.
+
+    Raises
+    ------
+    OutputError
+        a file that is not there, or that cannot be moved.
+    """
+    _move(own_folder(kind) / f"{name}.toml", made(own_folder(kind) / _REMOVED) / f"{name}.toml")
+
+
+def removed_own(kind: str) -> dict[str, Path]:
+    """Return ids and files that were taken out of the user's own catalogue, the last one first."""
+    files = sorted((own_folder(kind) / _REMOVED).glob("*.toml"), key=lambda path: path.stat().st_ctime, reverse=True)
+    return {path.stem: path for path in files}
+
+
+def restore_own(kind: str, name: str) -> None:
+    """Bring a file back into the user's own catalogue.
+
+    Raises
+    ------
+    OutputError
+        an id that is taken by now, or a file that is not there or cannot be moved.
+    """
+    path = own_folder(kind) / f"{name}.toml"
+    if path.exists():
+        raise OutputError("is in your catalogue already", place=Place(file=path.name), expected="another id")
+    _move(own_folder(kind) / _REMOVED / f"{name}.toml", path)
+
+
+def _move(path: Path, to: Path) -> None:
+    try:
+        path.replace(to)
+    except OSError as error:
+        raise OutputError(f"cannot be moved: {error.strerror}", place=Place(file=path.name)) from error
+
+
 def listed(kind: str, load: Callable[[str], Loaded]) -> Listed[Loaded]:
     """Load every entry of a kind by id; an own file that cannot be used hinders none of the others.
 
@@ -267,8 +306,3 @@ def _resolve(kind: str, id_or_path: str | Path) -> Path:
     looks_like_path = path.suffix.lower() == ".toml" or len(path.parts) > 1
     problem = "is a folder" if folder else "no such file" if looks_like_path else f"no such entry among the {kind}"
     raise unknown(problem, str(id_or_path), known, kind=CatalogueError, otherwise="the path of a TOML file")
-
-
-def catalogue_error(path: Path, table: str, key: str | None, problem: str, **more: Any) -> CatalogueError:
-    """Return an error of meaning (two keys that do not fit each other) in the same form as an error of type."""
-    return CatalogueError(problem, place=Place(file=path.name, table=table or None, key=key), **more)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -11,19 +12,21 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from pydantic import Field, field_validator
 
+from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import (
     Entry,
     Finite,
     Origin,
     Strict,
-    catalogue_error,
     listed,
     read_entry,
+    read_tables,
     shipped_files,
 )
 from atleak.equations import fluid as fluid_equations
 from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
 from atleak.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
+from atleak.faults import place_of, validated
 from atleak.workshop_units import PERCENT
 
 ViscosityModel = Literal["d341", "tabulated", "regression"]
@@ -59,6 +62,7 @@ class Fluid:
     used: str | None  # id of the entry with this fluid's used data
     viscosity_half_width: float  # relative: the viscosity may lie anywhere within ± this of what is given
     origin: Origin
+    doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)  # values that are possible and unusual
 
     def in_state(self, state: FluidState) -> Fluid:
         """Return this fluid fresh or used.
@@ -241,9 +245,24 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
     CatalogueError
         if the file is missing or wrong; the message names file, table, key and value.
     """
-    entry, origin = read_entry("fluids", id_or_path, FluidFile)
-    points = _falling("viscosity", entry.viscosity, origin)
-    rows = _falling("table", entry.table, origin)
+    return _fluid(*read_tables("fluids", id_or_path))
+
+
+def checked_fluid(data: Mapping[str, Any], file: str = "this description") -> Fluid:
+    """Return the fluid that tables describe which came another way than from a TOML file.
+
+    Raises
+    ------
+    CatalogueError
+        as `load_fluid`; ``place.steps`` of every fault leads to it through the tables.
+    """
+    return _fluid(data, Origin(Path(file), ""))
+
+
+def _fluid(data: Mapping[str, Any], origin: Origin) -> Fluid:
+    entry = validated(FluidFile, data, origin.file, kind=CatalogueError)
+    points = _falling("viscosity", entry.viscosity, data, origin)
+    rows = _falling("table", entry.table, data, origin)
     return Fluid(
         **entry.heading(),
         representative=tuple(entry.representative),
@@ -257,6 +276,7 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
         used=_used_entry(entry, origin),
         viscosity_half_width=0.0,
         origin=origin,
+        doubts=doubts_of("fluids", data, origin.file),
     )
 
 
@@ -269,38 +289,33 @@ def _used_entry(entry: FluidFile, origin: Origin) -> str | None:
     """Check that the entry with a fluid's used data describes a used fluid, and ships: a job file holds one fluid."""
     if entry.used is None:
         return None
+    place = Place(file=origin.file, key="used", steps=("used",))
     if entry.state == "used":
-        raise catalogue_error(origin.path, "", "used", "a used fluid has no used state of its own", value=entry.used)
+        raise CatalogueError("a used fluid has no used state of its own", place=place, value=entry.used)
     shipped = shipped_files("fluids")
     if entry.used not in shipped:
-        place = Place(file=origin.path.name, key="used")
         raise unknown("no such entry among the fluids", entry.used, shipped, kind=CatalogueError, place=place)
     if read_entry("fluids", entry.used, FluidFile)[0].state != "used":
         problem = "names an entry that does not describe a used fluid"
-        raise catalogue_error(
-            origin.path, "", "used", problem, value=entry.used, expected='an entry with state = "used"'
-        )
+        raise CatalogueError(problem, place=place, value=entry.used, expected='an entry with state = "used"')
     return entry.used
 
 
-def _falling(name: str, rows: list[ViscosityRow], origin: Origin) -> list[ViscosityRow]:
+def _falling(name: str, rows: list[ViscosityRow], data: Mapping[str, Any], origin: Origin) -> list[ViscosityRow]:
     """Sort rows by temperature and check that the viscosity falls with it."""
-    ordered = sorted(rows, key=lambda row: row.temperature_c)
-    for low, high in pairwise(ordered):
+    ordered = sorted(enumerate(rows), key=lambda numbered: numbered[1].temperature_c)
+    for (_, low), (number, high) in pairwise(ordered):
         if low.temperature_c == high.temperature_c:
-            raise catalogue_error(
-                origin.path, name, "temperature_c", "temperature given twice", value=low.temperature_c
-            )
+            place = place_of((name, number, "temperature_c"), data, origin.file)
+            raise CatalogueError("temperature given twice", place=place, value=low.temperature_c)
         if high.kinematic_viscosity_mm2_s >= low.kinematic_viscosity_mm2_s:
-            raise catalogue_error(
-                origin.path,
-                name,
-                "kinematic_viscosity_mm2_s",
+            raise CatalogueError(
                 f"viscosity must fall from {low.temperature_c:g} to {high.temperature_c:g} °C",
+                place=place_of((name, number, "kinematic_viscosity_mm2_s"), data, origin.file),
                 value=high.kinematic_viscosity_mm2_s,
                 expected=f"less than {low.kinematic_viscosity_mm2_s:g} mm²/s",
             )
-    return ordered
+    return [row for _, row in ordered]
 
 
 def _between_points(at: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
-from atleak.catalogue.entries import Entry, NonNegative, Origin, Positive, listed, read_entry
-from atleak.errors import InputError
+from atleak.catalogue.doubts import doubts_of
+from atleak.catalogue.entries import Entry, NonNegative, Origin, Positive, listed, read_tables
+from atleak.errors import CatalogueError, InputError, Message
+from atleak.faults import validated
 
 Part = Literal["spool", "sleeve"]
 DEFAULT_SPOOL_INSTRUMENT = "workshop_microscope"  # as in the source study
@@ -42,6 +45,7 @@ class Instrument:
     representative: tuple[str, ...]
     origin: Origin | None = None
     expansion: float = STEEL_EXPANSION  # [1/K]
+    doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)  # values that are possible and unusual
 
     @property
     def common(self) -> float:
@@ -99,7 +103,22 @@ def load_instrument(id_or_path: str | Path) -> Instrument:
     CatalogueError
         if the file is missing or wrong; the message names file, table, key and value.
     """
-    entry, origin = read_entry("instruments", id_or_path, InstrumentFile)
+    return _instrument(*read_tables("instruments", id_or_path))
+
+
+def checked_instrument(data: Mapping[str, Any], file: str = "this description") -> Instrument:
+    """Return the instrument that tables describe which came another way than from a TOML file.
+
+    Raises
+    ------
+    CatalogueError
+        as `load_instrument`; ``place.steps`` of every fault leads to it through the tables.
+    """
+    return _instrument(data, Origin(Path(file), ""))
+
+
+def _instrument(data: Mapping[str, Any], origin: Origin) -> Instrument:
+    entry = validated(InstrumentFile, data, origin.file, kind=CatalogueError)
     return Instrument(
         **entry.heading(),
         measures=tuple(entry.measures),
@@ -111,6 +130,7 @@ def load_instrument(id_or_path: str | Path) -> Instrument:
         representative=tuple(entry.representative),
         origin=origin,
         expansion=entry.expansion_per_k,
+        doubts=doubts_of("instruments", data, origin.file),
     )
 
 

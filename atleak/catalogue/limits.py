@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
+from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import (
     Entry,
     NonEmptyText,
@@ -21,8 +22,10 @@ from atleak.catalogue.entries import (
     Positive,
     Strict,
     listed,
-    read_entry,
+    read_tables,
 )
+from atleak.errors import CatalogueError, Message
+from atleak.faults import WrongTogether, validated
 from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.workshop_units import KPA, PERCENT, UM
 
@@ -231,6 +234,7 @@ class Limits:
     circuit_loss: Steps | None = None  # of the pressure lost against new [Pa]
     below_permissible: Steps | None = None  # of how far main pressure is below the permissible, as a fraction of it
     commanded_pressure: Steps | None = None  # of how far main pressure is from what is commanded [Pa]
+    doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)  # values that are possible and unusual
 
     @property
     def fixed_bands(self) -> tuple[tuple[Band, float], ...]:
@@ -262,7 +266,22 @@ def load_limits(id_or_path: str | Path) -> Limits:
     CatalogueError
         if the file is missing or wrong; the message names file, table, key and value.
     """
-    entry, origin = read_entry("limits", id_or_path, LimitsFile)
+    return _limits(*read_tables("limits", id_or_path))
+
+
+def checked_limits(data: Mapping[str, Any], file: str = "this description") -> Limits:
+    """Return the limit set that tables describe which came another way than from a TOML file.
+
+    Raises
+    ------
+    CatalogueError
+        as `load_limits`; ``place.steps`` of every fault leads to it through the tables.
+    """
+    return _limits(data, Origin(Path(file), ""))
+
+
+def _limits(data: Mapping[str, Any], origin: Origin) -> Limits:
+    entry = validated(LimitsFile, data, origin.file, kind=CatalogueError)
     return Limits(
         **entry.heading(),
         wear=_steps(entry.wear_percent, 1e-2),
@@ -274,6 +293,7 @@ def load_limits(id_or_path: str | Path) -> Limits:
         circuit_loss=_steps(entry.circuit_loss_kpa, 1e3),
         below_permissible=_steps(entry.below_permissible_percent, 1e-2),
         commanded_pressure=_steps(entry.commanded_pressure_kpa, 1e3),
+        doubts=doubts_of("limits", data, origin.file),
     )
 
 
@@ -346,14 +366,14 @@ class LevelTable(Strict):
             (name, each.growth) for name, each in stated.items() if each.growth is not None
         ):
             if any(high < low for low, high in zip(low_level, high_level, strict=True)):
-                raise ValueError(f"growth and added points of {high_name} not below those of {low_name}")
+                raise WrongTogether(f"growth and added points of {high_name} not below those of {low_name}", high_name)
         limits = {name: each.percent for name, each in stated.items() if each.percent is not None}
         for (low_name, low), (high_name, high) in pairwise(limits.items()):
             if high <= low:
-                raise ValueError(f"{high_name} above {low_name} ({low:g})")
+                raise WrongTogether(f"{high_name} above {low_name} ({low:g})", high_name)
         for name, each in stated.items():
             if each.added_points and each.growth is None:
-                raise ValueError(f"{name}: growth_percent beside added_points")
+                raise WrongTogether(f"{name}: growth_percent beside added_points", name)
         return self
 
 
@@ -384,7 +404,8 @@ class ReserveTable(Strict):
     @model_validator(mode="after")
     def _falling(self) -> ReserveTable:
         if not self.amber > self.red > self.critical:
-            raise ValueError("amber above red above critical: a reserve is worse the smaller it is")
+            wrong = "red" if self.red >= self.amber else "critical"
+            raise WrongTogether("amber above red above critical: a reserve is worse the smaller it is", wrong)
         return self
 
     def steps(self) -> Steps:
@@ -418,11 +439,11 @@ class LimitsFile(Entry):
             for level, each in table.stated().items() if isinstance(table, LevelTable) else ():
                 where = f"{name}.{level}"
                 if each.at_least_um is not None and name != "wear_percent":
-                    raise ValueError(f"at_least_um in wear_percent only, not in {where}")
+                    raise WrongTogether(f"at_least_um in wear_percent only, not in {where}", name, level)
                 if each.growth is not None and "share" not in name:
-                    raise ValueError(f"growth_percent of a share only, not in {where}")
+                    raise WrongTogether(f"growth_percent of a share only, not in {where}", name, level)
                 if each.percent == 0.0 and name != "below_permissible_percent":
-                    raise ValueError(f"a number greater than 0 in {where}")
+                    raise WrongTogether(f"a number greater than 0 in {where}", name, level)
                 if each.percent is None and (each.growth is None or name == "wear_percent"):
-                    raise ValueError(f"a limit in {where}: a number, or growth_percent of a share")
+                    raise WrongTogether(f"a limit in {where}: a number, or growth_percent of a share", name, level)
         return self

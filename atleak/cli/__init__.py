@@ -12,7 +12,19 @@ import os
 import sys
 from collections.abc import Sequence
 
-from atleak.cli import app, catalogue, compare, controller, diagnose, import_log, jobs, report, template, variants
+from atleak.cli import (
+    app,
+    catalogue,
+    compare,
+    controller,
+    diagnose,
+    gauge_study,
+    import_log,
+    jobs,
+    report,
+    template,
+    variants,
+)
 from atleak.cli.shared import without_colours
 from atleak.errors import AtleakError
 from atleak.system.printable import printable_streams
@@ -71,6 +83,7 @@ def _parser() -> argparse.ArgumentParser:
         report,
         template,
         controller,
+        gauge_study,
         catalogue,
         app,
     ):  # as --help lists them

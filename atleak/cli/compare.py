@@ -51,6 +51,7 @@ def run(options: argparse.Namespace) -> int:
             compared.before.job,
             compared.after.job,
             language=options.language,
+            units=options.units,
             paper=options.paper,
         )
         written += write(options.pdf, content)

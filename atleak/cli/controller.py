@@ -99,7 +99,7 @@ def _write_workbook(options: argparse.Namespace, source: str | None, data: Mappi
 
 
 def _from_workbook(options: argparse.Namespace) -> int:
-    from atleak.catalogue.controller_toml import written_toml
+    from atleak.catalogue.catalogue_toml import written_toml
 
     if options.output != "-":
         _check_name(options.output, ".toml", "the description")
@@ -116,6 +116,8 @@ def _check(options: argparse.Namespace) -> int:
 
     controller = _described(options.file)[1]
     print(f"{_summary(controller)}; nothing is wrong with it")
+    for doubt in controller.doubts:
+        print(f"in doubt: {doubt.place}: {doubt.text}")
     if not controller.gaps_described:
         print(
             "no gap is described: every land is taken to leak from main pressure to the sump, which is an upper bound"

@@ -77,7 +77,8 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: a
         from atleak.report.pdf import write_pdf
 
         sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
-        content = write_pdf(diagnosis, job, language=options.language, paper=options.paper, sections=sections)
+        asked = {"language": options.language, "units": options.units, "paper": options.paper}
+        content = write_pdf(diagnosis, job, **asked, sections=sections)
         written += write(options.pdf, content)
     if options.job_file is not None:
         from atleak.job.file import write_job_file

@@ -125,8 +125,8 @@ def _of_book(options: argparse.Namespace, controller: str) -> tuple[NewSheet, ..
 
 
 def _write(options: argparse.Namespace, learned: Learned) -> list[str]:
+    from atleak.catalogue.catalogue_toml import written_toml
     from atleak.catalogue.controller_reading import checked_controller
-    from atleak.catalogue.controller_toml import written_toml
     from atleak.catalogue.entries import read_tables
     from atleak.learning.tables import with_learned
 

@@ -39,6 +39,7 @@ def run(options: argparse.Namespace) -> int:
             Path(options.output),
             formats=options.formats,
             language=options.language,
+            units=options.units,
             paper=options.paper,
             progress=lambda done, total, last: bar.update(task, completed=done, total=total),
         )

@@ -13,6 +13,7 @@ from atleak.errors import unknown
 from atleak.paper import DEFAULT_PAPER, PAPERS
 from atleak.system.files import replace_file
 from atleak.system.printable import unguarded
+from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages
 from atleak.written_numbers import AskedNumber, decimal_number, read_number
 
@@ -62,8 +63,9 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 
 def add_print(parser: argparse.ArgumentParser) -> None:
-    """Add the options of printing: language and paper."""
+    """Add the options of printing: language, units and paper."""
     parser.add_argument("--language", choices=languages(), default="en", help="of the PDF")
+    parser.add_argument("--units", choices=tuple(SYSTEMS), default="metric", help="of the PDF")
     parser.add_argument("--paper", choices=list(PAPERS), default=DEFAULT_PAPER, help="of the PDF and the workbook")
 
 

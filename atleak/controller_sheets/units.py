@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 from decimal import Context, Decimal
 from typing import Literal, get_args
 
+from atleak.catalogue import usual
+
 Length = Literal["mm", "inch"]
 Clearance = Literal["radial", "diametral"]
 PressureUnit = Literal["kPa", "psi", "bar"]
@@ -103,12 +105,12 @@ def cell_number(value: float, measure: Measure, units: Units) -> float | str:
 
 
 LENGTH = Measure("mm", "inch", Decimal(1), _MM, quantity="length", si=Decimal("1e-3"), usual=(0.5, 100.0))
-# What is usual in valve bodies is a choice of this project: wide enough that no shipped unit is asked about.
-LAND_DIAMETER = replace(LENGTH, usual=(3.0, 80.0), is_doubted=True)
-CONTACT_LENGTH = replace(LENGTH, usual=(0.8, 40.0), is_doubted=True)
-ORIFICE = replace(LENGTH, usual=(0.2, 12.0), is_doubted=True)
+LAND_DIAMETER, CONTACT_LENGTH, ORIFICE = (
+    replace(LENGTH, usual=each.ends, is_doubted=True)
+    for each in (usual.LAND_DIAMETER, usual.CONTACT_LENGTH, usual.ORIFICE)
+)
 SMALL_LENGTH = Measure("µm", "inch", Decimal(1), _MM * 1000, quantity="length", si=Decimal("1e-6"))
-CLEARANCE = replace(SMALL_LENGTH, of_clearance=True, usual=(2.0, 100.0), is_doubted=True)
+CLEARANCE = replace(SMALL_LENGTH, of_clearance=True, usual=usual.CLEARANCE.ends, is_doubted=True)
 VOLUME = Measure("mm³", "inch³", Decimal(1), _MM**3)
 PRESSURE = Measure("kPa", of_pressure=True, quantity="pressure", si=Decimal(1000))
 EXPANSION = Measure("10⁻⁶/K", factor=Decimal("1e-6"))

@@ -43,7 +43,7 @@ Moments = tuple[float, float]  # second [m²] and third [m³] central moment of 
 
 
 class Clearance(Protocol):
-    """The measured or assumed clearance of a land, as far as the engine needs it."""
+    """The measured, assumed or tried clearance of a land, as far as the engine needs it."""
 
     @property
     def land(self) -> Land: ...
@@ -312,15 +312,21 @@ class LeakageModel:
         """Return the gaps that see a pressure drop in a gear, in the order of `network` and `gaps`."""
         return tuple(geometry.gap for geometry in self.geometries if gear in geometry.gap.gears)
 
-    def network(self, condition: OperatingPoint) -> circuits.Network:
+    def network(self, condition: OperatingPoint, temperature: Any = None) -> circuits.Network:
         """Return the gaps, leaks and feeds of the condition's gear, with its fluid, as a network.
+
+        Parameters
+        ----------
+        temperature
+            [°C] in place of the condition's; an array gives a network of arrays.
 
         Raises
         ------
         DomainError
-            temperature outside the fluid's data.
+            a temperature outside the fluid's data.
         """
-        factors = self._factors(condition)
+        temperature = condition.temperature if temperature is None else temperature
+        factors = self._factors(condition.gear, temperature)
         terms = self.law.restriction(
             factors.diameter,
             factors.clearance,
@@ -329,7 +335,8 @@ class LeakageModel:
             factors.length,
         )
         stacked = np.broadcast_arrays(terms.conductance, terms.bend)
-        restricted = (restrictions.Gap(*each) for each in zip(*(row.tolist() for row in stacked), strict=True))
+        rows = stacked if np.ndim(temperature) else [row.tolist() for row in stacked]
+        restricted = (restrictions.Gap(*each) for each in zip(*rows, strict=True))
         gaps = [
             (geometry.gap, restriction, geometry.drawn_from_pump)
             for geometry, restriction in zip(self._in_gear(condition.gear), restricted, strict=True)
@@ -342,24 +349,27 @@ class LeakageModel:
     def _in_gear(self, gear: int) -> list[GapGeometry]:
         return [geometry for geometry in self.geometries if gear in geometry.gap.gears]
 
-    def _factors(self, condition: OperatingPoint) -> _Factors:
-        """Return the factors of the gap law of every gap of the condition's gear."""
-        viscosity, density = self._fluid_at(condition)
+    def _factors(self, gear: int, temperature: Any) -> _Factors:
+        """Return the factors of the gap law of every gap of a gear; gaps come first where temperatures are several."""
+        viscosity, density = self._fluid_at(temperature)
         rows = [
             (each.spool_diameter, each.contact_length, each.radial_clearance, *each.form_moments, each.thermal_rate)
-            for each in self._in_gear(condition.gear)
+            for each in self._in_gear(gear)
         ]
-        spool, length, radial, m2, m3, rate = np.array(rows, float).reshape(-1, 6).T
-        rise = condition.temperature - REFERENCE_TEMPERATURE
+        shape = np.shape(temperature)
+        wide = [[np.broadcast_to(value, shape) for value in row] for row in rows] if shape else rows
+        spool, length, radial, m2, m3, rate = np.moveaxis(np.array(wide, float).reshape(-1, 6, *shape), 1, 0)
+        rise = temperature - REFERENCE_TEMPERATURE
         mean = clearance_equations.effective_clearance(radial, rate, rise)
         uneven = (m2 != 0.0) | (m3 != 0.0)
         clearance = np.where(uneven, self.law.flow_clearance(mean, m2, m3), mean)
         return _Factors(self.law.diameter(spool, mean), clearance, viscosity, density, length)
 
-    def _fluid_at(self, condition: OperatingPoint) -> tuple[float, float]:
+    def _fluid_at(self, temperature: Any) -> tuple[Any, Any]:
         """Return ν [m²/s] and ρ [kg/m³]; DomainError outside the fluid's data."""
-        temperature, model = condition.temperature, self.profile.viscosity
-        self.fluid.require(temperature, model)
+        model = self.profile.viscosity
+        for end in {float(np.min(temperature)), float(np.max(temperature))}:
+            self.fluid.require(end, model)
         return self.fluid.kinematic_viscosity(temperature, model), self.fluid.density(temperature, model)
 
     def gaps(
@@ -382,7 +392,7 @@ class LeakageModel:
         DomainError
             temperature outside the fluid's data.
         """
-        factors, geometries = self._factors(condition), self._in_gear(condition.gear)
+        factors, geometries = self._factors(condition.gear, condition.temperature), self._in_gear(condition.gear)
         if network is None:
             network = self.network(condition)
         if pressures is None:

@@ -229,15 +229,16 @@ def stated_condition(
     temperature: float | None = None,
     engine_speed: float | None = None,
     gear: int | None = None,
+    base: OperatingPoint | None = None,
 ) -> OperatingPoint:
-    """Return the controller's first operating point, with the given values in place of its own.
+    """Return an operating point, the controller's first unless given, with the given values in place of its own.
 
     Raises
     ------
     InputError
         a gear the controller does not have, or a speed that is not positive.
     """
-    point = controller.operating_points[0]
+    point = controller.operating_points[0] if base is None else base
     if temperature is None and engine_speed is None and gear is None:
         return point
     if gear is not None and gear not in controller.gears:
@@ -296,10 +297,8 @@ def project_beside(model: LeakageModel, now: Projection) -> Projection:
     return replace(project(model, now.condition), pump_capacity=now.pump_capacity)
 
 
-def project_unworn(
-    states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
-) -> tuple[Projection, ...]:
-    """Project the same unit with every land as wide as it may have been when new, given its reading.
+def model_unworn(states: Iterable[LandClearance], model: LeakageModel) -> LeakageModel:
+    """Return the model of the same unit with every land as wide as it may have been when new, given its reading.
 
     This is what growth is judged against: where only a range or a type's value is known of new pairs, a reading within
     it is no wear. Where each pair's own clearance is known, it is the unit of `model_new`.
@@ -311,7 +310,14 @@ def project_unworn(
         for state in states
     )
     clearances = tuple(replace(state, stations=()) for state in unworn)
-    other = replace(model, controller=model.controller.with_new_pump, clearances=clearances)
+    return replace(model, controller=model.controller.with_new_pump, clearances=clearances)
+
+
+def project_unworn(
+    states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
+) -> tuple[Projection, ...]:
+    """Project the unit of `model_unworn` beside the same unit as it is."""
+    other = model_unworn(states, model)
     return tuple(project_beside(other, each) for each in projections)
 
 

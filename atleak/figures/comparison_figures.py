@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from atleak.catalogue.limits import RuleKind
 from atleak.comparison import Comparison, EventPair, LandComparison, LogComparison
 from atleak.diagnosis import LandDiagnosis
+from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import SCREEN, look_of
 from atleak.road_test import QUANTITIES, Channel
@@ -24,13 +23,13 @@ POINTS = 1500  # samples of a channel that are drawn of each log
 _STEPS = ("gear", "selector", "lock_up")  # channels that hold their value until the next sample
 
 
-def clearances(comparison: Comparison, lands: Sequence[LandComparison], say: Wording) -> go.Figure:
+def clearances(comparison: Comparison, lands: Sequence[LandComparison], say: Wording) -> Figure:
     """Draw the clearances of lands before (open) and after (filled), a line between them, with their 95 % intervals.
 
     Marks are the mounting clearance and the lowest limit of wear or clearance, as they stand after.
     """
     names = [_name(land) for land in lands]
-    figure, um, unit = go.Figure(), say.convert(UM, "clearance"), say.unit("clearance")
+    figure, um, unit = Figure(), say.convert(UM, "clearance"), say.unit("clearance")
     number = f"%{{x:.{say.digits('clearance', 1)}f}} {unit}"
     for name, symbol, value in (
         (say("figures.mounting"), "line-ns-open", _mounting),
@@ -69,7 +68,7 @@ def clearances(comparison: Comparison, lands: Sequence[LandComparison], say: Wor
                 x=[value * um for value in values],
                 y=[_name(land) for land, _ in these],
                 mode="markers",
-                name=say.signed(verdict),
+                name=say.level(verdict),
                 legendgroup=verdict,
                 showlegend=verdict not in named,
                 marker={
@@ -115,7 +114,7 @@ def _limit(land: LandComparison) -> float | None:
 
 def logs_over_one_another(
     logs: LogComparison, pair: EventPair, scales: Scales, say: Wording, points: int = POINTS
-) -> go.Figure:
+) -> Figure:
     """Draw the channels that both logs hold around an event, each log from the event's own start.
 
     Parameters
@@ -131,7 +130,7 @@ def logs_over_one_another(
         for quantity in parts[0][1].channels
         if all((channel := test.channel(quantity)) is not None and channel.samples for _, test, _ in parts)
     ]
-    figure = make_subplots(rows=max(len(common), 1), cols=1, shared_xaxes=True, vertical_spacing=0.03)
+    figure = Figure(max(len(common), 1), 0.03)
     looks = {"before": {"color": SCREEN.share, "dash": "dash"}, "after": {"color": SCREEN.leakage}}
     for row, quantity in enumerate(common, start=1):
         unit, convert = scales.get(quantity, ("", _as_it_is))
@@ -140,25 +139,22 @@ def logs_over_one_another(
             assert channel is not None
             time, values = _samples(channel, test.time, start)
             keep = thinned([values], points)
-            figure.add_trace(
-                go.Scatter(
-                    x=time[keep],
-                    y=convert(values[keep]),
-                    name=say(f"compare.{name}"),
-                    legendgroup=name,
-                    showlegend=row == 1,
-                    mode="lines",
-                    line={"width": 2, "shape": "hv" if quantity in _STEPS else "linear", **looks[name]},
-                    connectgaps=False,
-                    hovertemplate=f"{say(f'compare.{name}')}: %{{y:.5g}}<extra></extra>",
-                ),
+            figure.add_scatter(
+                x=time[keep],
+                y=convert(values[keep]),
+                name=say(f"compare.{name}"),
+                legendgroup=name,
+                showlegend=row == 1,
+                mode="lines",
+                line={"width": 2, "shape": "hv" if quantity in _STEPS else "linear", **looks[name]},
+                connectgaps=False,
+                hovertemplate=f"{say(f'compare.{name}')}: %{{y:.5g}}<extra></extra>",
                 row=row,
-                col=1,
             )
         label = QUANTITIES[quantity].label.replace(" (", "<br>(")
-        figure.update_yaxes(title=f"{label}<br>[{unit}]" if unit else label, row=row, col=1)
+        figure.update_yaxes(title=f"{label}<br>[{unit}]" if unit else label, row=row)
     figure.add_vline(x=0.0, line={"dash": "dot", "width": 1, "color": SCREEN.soft})
-    figure.update_xaxes(title=say("figures.time_from_event"), row=max(len(common), 1), col=1)
+    figure.update_xaxes(title=say("figures.time_from_event"), row=max(len(common), 1))
     return framed(figure, 110 + 140 * max(len(common), 1), hovermode="x unified")
 
 

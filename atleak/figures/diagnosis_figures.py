@@ -11,13 +11,12 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.events import Event
+from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import HATCHING, SCREEN, SUSPECT, look_of
 from atleak.road_test import QUANTITIES, Channel, RoadTest
@@ -35,6 +34,7 @@ EVENTS = 60  # most events of a log that are marked
 LABELLED = 20  # with more events the figure is too narrow for their names
 MARKED = 800  # most suspect samples and breaks of a log that are marked
 _NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
+_NEAR = 0.08  # part of the axis within which a word centred on its mark would be cut by the axis
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 _SYMBOLS = {
     "max_leakage_sustained": "diamond",
@@ -52,7 +52,7 @@ def land_name(land: LandDiagnosis) -> str:
     return f"{component} · {number}"
 
 
-def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
+def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> Figure:
     """Draw the lands by leakage at the stated condition, the largest on top, by verdict, with 95 % intervals.
 
     Parameters
@@ -61,7 +61,7 @@ def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
         how many of the largest are drawn.
     """
     ranked = diagnosis.ranked[:lands]
-    figure = go.Figure()
+    figure = Figure()
     for verdict in VERDICTS:
         leaking = [land for land in ranked if land.verdict == verdict]
         if not leaking:
@@ -103,7 +103,7 @@ def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
     return land.uncertainty.leakage_interval if land.uncertainty else None
 
 
-def total_share(diagnosis: Diagnosis) -> go.Figure:
+def total_share(diagnosis: Diagnosis) -> Figure:
     """Draw the total share at each condition over the bands that apply there, and the worst of the road test.
 
     An open mark is the same unit new. A unit that nobody measured has no bands. Bars are the 95 % intervals of the
@@ -122,7 +122,7 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
     ends = [
         end * PERCENT for _, share, interval, _ in points for end in (share, *(interval or ())) if math.isfinite(end)
     ]
-    figure = go.Figure()
+    figure = Figure()
     right = _bands(figure, rules if diagnosis.judged else [], max(ends, default=0.0))
     new = [
         (point.condition.label, rule.new)
@@ -136,7 +136,7 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
         mode="markers+text",
         marker={"symbol": "diamond", "size": 14, "color": SCREEN.leakage, "line": {"width": 1.5, "color": "white"}},
         text=[f"<b>{share * PERCENT:.1f} %</b>" for _, share, _, _ in shown],
-        textposition="top center",
+        textposition=["top right" if share * PERCENT < _NEAR * right else "top center" for _, share, _, _ in shown],
         error_x=error_bars([share for _, share, _, _ in shown], [end for _, _, end, _ in shown], PERCENT),
         customdata=[likely for _, _, _, likely in shown],
         hovertemplate="%{y}: %{x:.2f} %<br>%{customdata}<extra></extra>",
@@ -167,7 +167,7 @@ def _likely_bands(total: TotalUncertainty | None) -> str:
     return ", ".join(f"{band} {PERCENT * p:.0f} %" for band, p in total.band_probabilities if p >= 0.005)
 
 
-def _bands(figure: go.Figure, rules: Sequence[Rule], largest: float) -> float:
+def _bands(figure: Figure, rules: Sequence[Rule], largest: float) -> float:
     """Draw each condition's own bands behind its bar, with signs and words; return the right end of the axis [%]."""
     limits = [[min(limit, 10.0) * PERCENT for _, limit in rule.steps.levels] for rule in rules]
     right = max([1.1 * largest, *(1.2 * edge for edges in limits for edge in edges)])
@@ -180,98 +180,92 @@ def _bands(figure: go.Figure, rules: Sequence[Rule], largest: float) -> float:
             look = look_of(name)
             figure.add_shape(
                 type="rect", x0=low, x1=high, y0=place - 0.45, y1=place + 0.45,
-                fillcolor=look.screen, opacity=0.28, line_width=0, layer="below",
+                fillcolor=look.screen, opacity=0.28, line={"width": 0}, layer="below",
             )  # fmt: skip
             figure.add_annotation(
-                x=low, y=place + 0.45, xanchor="left", yanchor="bottom", showarrow=False, xshift=2,
+                x=low, y=place + 0.45, xanchor="left", yanchor="bottom", xshift=2,
                 text=f"{look.sign} {name}" if high - low > _NAMED * right else look.sign, font={"size": 10},
             )  # fmt: skip
     return right
 
 
-def road_leakage(road: RoadLeakage, limits: Limits, points: int = POINTS) -> go.Figure:
+def road_leakage(road: RoadLeakage, limits: Limits, points: int = POINTS) -> Figure:
     """Draw leakage, pump flow and share with the edges of its bands over a log, one above the other.
 
     Without a logged engine speed there is no pump flow and no share, and only leakage is drawn.
     """
     series = road_series(road, points)
     with_share = "share_percent" in series.columns
-    figure = make_subplots(rows=3 if with_share else 1, cols=1, shared_xaxes=True, vertical_spacing=0.06)
+    figure = Figure(3 if with_share else 1, 0.06)
     _line(figure, series, "leakage_dm3_min", "leakage", SCREEN.leakage, 1)
     if with_share:
         _line(figure, series, "pump_capacity_dm3_min", "pump flow", SCREEN.pump, 2, dash="dash")
         _line(figure, series, "share_percent", "share", SCREEN.share, 3, dash="dashdot")
         _band_edges(figure, limits, float(np.nanmax(series.columns["share_percent"], initial=0.0)))
-        figure.update_yaxes(title="pump flow<br>[dm³/min]", row=2, col=1)
-        figure.update_yaxes(title="share [%]", row=3, col=1)
+        figure.update_yaxes(title="pump flow<br>[dm³/min]", row=2)
+        figure.update_yaxes(title="share [%]", row=3)
     _instants(figure, series)
-    figure.update_yaxes(title="leakage<br>[dm³/min]", row=1, col=1)
+    figure.update_yaxes(title="leakage<br>[dm³/min]", row=1)
     figure.update_yaxes(rangemode="tozero")
-    figure.update_xaxes(title="time [s]", row=3 if with_share else 1, col=1)
+    figure.update_xaxes(title="time [s]", row=3 if with_share else 1)
     return framed(figure, 620 if with_share else 320, hovermode="x unified")
 
 
 def _line(
-    figure: go.Figure, series: RoadSeries, name: str, label: str, colour: str, row: int, dash: str = "solid"
+    figure: Figure, series: RoadSeries, name: str, label: str, colour: str, row: int, dash: str = "solid"
 ) -> None:
-    figure.add_trace(
-        go.Scatter(
-            x=series.columns["time_s"],
-            y=series.columns[name],
-            name=label,
-            mode="lines",
-            line={"color": colour, "dash": dash, "width": 2},
-            connectgaps=False,
-            hovertemplate="%{y:.2f}",
-        ),
+    figure.add_scatter(
+        x=series.columns["time_s"],
+        y=series.columns[name],
+        name=label,
+        mode="lines",
+        line={"color": colour, "dash": dash, "width": 2},
+        connectgaps=False,
+        hovertemplate="%{y:.2f}",
         row=row,
-        col=1,
     )
 
 
-def _band_edges(figure: go.Figure, limits: Limits, top: float) -> None:
+def _band_edges(figure: Figure, limits: Limits, top: float) -> None:
     """Return the edges of the bands near the log's values: a high limit must not squeeze a low curve."""
     for number, (name, level) in enumerate(limits.fixed_bands):
         edge = level * PERCENT
         if number and edge > 1.5 * top:
             break
         figure.add_hline(
-            y=edge, line={"color": look_of(name).screen, "dash": "dot", "width": 1.5}, row=3, col=1,
-            annotation={"text": f"{name} from {edge:g} %", "font": {"size": 11}}, annotation_position="top right",
+            y=edge, line={"color": look_of(name).screen, "dash": "dot", "width": 1.5}, row=3,
+            text=f"{name} from {edge:g} %", font={"size": 11},
         )  # fmt: skip
 
 
-def _instants(figure: go.Figure, series: RoadSeries) -> None:
+def _instants(figure: Figure, series: RoadSeries) -> None:
     for row in series.instants:
         instant, share = row.instant, row.name in _OF_SHARE
         value = instant.share if share else instant.leakage
         if value is None:
             continue
-        figure.add_trace(
-            go.Scatter(
-                x=[instant.time],
-                y=[value * (PERCENT if share else DM3_MIN)],
-                name=f"{row.label(wording('en'))}, {instant.time:.2f} s",
-                mode="markers",
-                marker={
-                    "symbol": _SYMBOLS[row.name],
-                    "size": 12,
-                    "color": SCREEN.share if share else SCREEN.leakage,
-                    "line": {"width": 1.5},
-                },
-                hovertemplate="%{y:.2f}",
-            ),
+        figure.add_scatter(
+            x=[instant.time],
+            y=[value * (PERCENT if share else DM3_MIN)],
+            name=f"{row.label(wording('en'))}, {instant.time:.2f} s",
+            mode="markers",
+            marker={
+                "symbol": _SYMBOLS[row.name],
+                "size": 12,
+                "color": SCREEN.share if share else SCREEN.leakage,
+                "line": {"width": 1.5},
+            },
+            hovertemplate="%{y:.2f}",
             row=3 if share else 1,
-            col=1,
         )
 
 
-def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> go.Figure:
+def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> Figure:
     """Draw the wear of every measured land against the limits that apply to it, the most worn on top."""
     chosen = diagnosis.lands if lands is None else lands
     worn = [(land.wear, land) for land in chosen if land.wear is not None]
     worn.sort(key=lambda pair: pair[0])
-    figure = go.Figure()
+    figure = Figure()
     for verdict in VERDICTS:
         these = [(wear, land) for wear, land in worn if land.verdict == verdict]
         if these:
@@ -279,7 +273,7 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> 
                 x=[wear * PERCENT for wear, _ in these],
                 y=[land_name(land) for _, land in these],
                 mode="markers",
-                name=signed(verdict),
+                name=wording("en").level(verdict),
                 marker={"color": look_of(verdict).screen, "symbol": look_of(verdict).marker, "size": 11},
                 hovertemplate="%{y}: %{x:.1f} %<extra></extra>",
             )
@@ -304,7 +298,7 @@ def road_channels(
     marked: Sequence[Event] = (),
     over: tuple[RoadTest, float] | None = None,
     points: int = 2000,
-) -> go.Figure:
+) -> Figure:
     """Draw the channels of a log one above the other, suspect samples crossed, breaks dotted.
 
     Parameters
@@ -319,7 +313,7 @@ def road_channels(
         of a channel that are drawn; every stretch keeps its lowest and highest sample.
     """
     channels = [channel for channel in test.channels.values() if channel.samples]
-    figure = make_subplots(rows=max(len(channels), 1), cols=1, shared_xaxes=True, vertical_spacing=0.02)
+    figure = Figure(max(len(channels), 1), 0.02)
     for row, channel in enumerate(channels, start=1):
         unit, convert = scales.get(channel.quantity, (channel.unit, lambda value: value))
         _channel(figure, channel, test, convert, row, points)
@@ -327,13 +321,13 @@ def road_channels(
         if over is not None and other is not None and other.samples:
             _line_of(figure, other, over[0], convert, row, points, shift=over[1])
         label = QUANTITIES[channel.quantity].label
-        figure.update_yaxes(title=f"{label.replace(' (', '<br>(')}<br>[{unit}]" if unit else label, row=row, col=1)
+        figure.update_yaxes(title=f"{label.replace(' (', '<br>(')}<br>[{unit}]" if unit else label, row=row)
     _mark(figure, test, marked)
-    figure.update_xaxes(title="time [s]", row=max(len(channels), 1), col=1)
+    figure.update_xaxes(title="time [s]", row=max(len(channels), 1))
     return framed(figure, 90 + 130 * max(len(channels), 1), hovermode="x unified", showlegend=False)
 
 
-def _mark(figure: go.Figure, test: RoadTest, marked: Sequence[Event]) -> None:
+def _mark(figure: Figure, test: RoadTest, marked: Sequence[Event]) -> None:
     """Mark breaks and events over the whole height, all in one call: plotly takes seconds to add some hundred."""
     first, last = float(test.time[0]), float(test.time[-1])
     upright = {"type": "line", "xref": "x", "yref": "paper", "y0": 0.0, "y1": 1.0}
@@ -361,28 +355,25 @@ def _mark(figure: go.Figure, test: RoadTest, marked: Sequence[Event]) -> None:
 
 
 def _channel(
-    figure: go.Figure, channel: Channel, test: RoadTest, convert: Callable[[Any], Any], row: int, points: int
+    figure: Figure, channel: Channel, test: RoadTest, convert: Callable[[Any], Any], row: int, points: int
 ) -> None:
     _line_of(figure, channel, test, convert, row, points)
     doubtful = np.flatnonzero(channel.suspect & np.isfinite(channel.values))
     if len(doubtful) and channel.source != "constant":
         shown = doubtful[:: len(doubtful) // MARKED + 1]
-        figure.add_trace(
-            go.Scatter(
-                x=channel.time[shown],
-                y=convert(channel.values[shown]),
-                name="suspect",
-                mode="markers",
-                marker={"symbol": "x-thin", "size": 7, "line": {"width": 1.5, "color": SUSPECT}},
-                hovertemplate="suspect: %{y:.5g}",
-            ),
+        figure.add_scatter(
+            x=channel.time[shown],
+            y=convert(channel.values[shown]),
+            name="suspect",
+            mode="markers",
+            marker={"symbol": "x-thin", "size": 7, "line": {"width": 1.5, "color": SUSPECT}},
+            hovertemplate="suspect: %{y:.5g}",
             row=row,
-            col=1,
         )
 
 
 def _line_of(
-    figure: go.Figure,
+    figure: Figure,
     channel: Channel,
     test: RoadTest,
     convert: Callable[[Any], Any],
@@ -398,16 +389,13 @@ def _line_of(
     name = QUANTITIES[channel.quantity].label
     look = {"color": SCREEN.leakage} if shift is None else {"color": SCREEN.share, "dash": "dash"}
     steps = channel.quantity in {"gear", "selector", "lock_up"}
-    figure.add_trace(
-        go.Scatter(
-            x=time[keep] + (shift or 0.0),
-            y=convert(good[keep]),
-            name=name if shift is None else f"{name}, {test.file}",
-            mode="lines",
-            line={"width": 1.6, "shape": "hv" if steps else "linear", **look},
-            connectgaps=False,
-            hovertemplate="%{y:.5g}",
-        ),
+    figure.add_scatter(
+        x=time[keep] + (shift or 0.0),
+        y=convert(good[keep]),
+        name=name if shift is None else f"{name}, {test.file}",
+        mode="lines",
+        line={"width": 1.6, "shape": "hv" if steps else "linear", **look},
+        connectgaps=False,
+        hovertemplate="%{y:.5g}",
         row=row,
-        col=1,
     )

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import plotly.graph_objects as go
 
 from atleak.catalogue.fluid import Fluid
+from atleak.figures.figure import Figure
 from atleak.figures.frame import framed
 from atleak.look import FAINT_GRID, SCREEN
 from atleak.workshop_units import MM2_S
@@ -17,11 +17,11 @@ _STEP = 2.0  # [°C]
 _TICKS = [step * 10**power for power in range(5) for step in (1, 2, 5)]  # [mm²/s]
 
 
-def viscosity_curve(fluid: Fluid) -> go.Figure:
+def viscosity_curve(fluid: Fluid) -> Figure:
     """Draw ASTM D341 through a fluid's data-sheet points, dashed beyond them, the viscosity on a logarithmic axis."""
     low, high = fluid.span()
     first, last = fluid.points[0][0], fluid.points[-1][0]
-    figure = go.Figure()
+    figure = Figure()
     for name, spans, dash in (
         (BETWEEN, [(first, last)], "solid"),
         (BEYOND, [(low, first), (last, min(high, max(_HOTTEST, last)))], "dash"),

@@ -5,27 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import plotly.graph_objects as go
-
+from atleak.figures.figure import Figure
 from atleak.look import CLEAR, FAINT_GRID, SCREEN
 from atleak.wording import Wording, wording
 
 Span = tuple[float, float]
 
 
-def framed(figure: go.Figure, height: int, top: int = 36, **layout: object) -> go.Figure:
+def framed(figure: Figure, height: int, top: int = 36, **layout: object) -> Figure:
     """Give the figure the page's ground and narrow margins; ``height`` and ``top`` in pixels."""
-    with figure.batch_update():  # plotly takes as long for one change as for all of them
-        figure.update_layout(
-            height=height,
-            paper_bgcolor=CLEAR,
-            plot_bgcolor=CLEAR,
-            margin={"l": 8, "r": 8, "t": top, "b": 8},
-            legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 0.0, "xanchor": "left"},
-            **layout,
-        )
-        figure.update_xaxes(automargin=True, zeroline=False, gridcolor=FAINT_GRID)
-        figure.update_yaxes(automargin=True, zeroline=False)
+    figure.update_layout(
+        height=height,
+        paper_bgcolor=CLEAR,
+        plot_bgcolor=CLEAR,
+        margin={"l": 8, "r": 8, "t": top, "b": 8},
+        legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 0.0, "xanchor": "left"},
+        **layout,
+    )
+    figure.update_xaxes(automargin=True, zeroline=False, gridcolor=FAINT_GRID)
+    figure.update_yaxes(automargin=True, zeroline=False)
     return figure
 
 
@@ -56,8 +54,8 @@ def error_bars(
 
 
 def by_land(
-    figure: go.Figure, names: Sequence[str], height: int, say: Wording | None = None, bargap: float | None = None
-) -> go.Figure:
+    figure: Figure, names: Sequence[str], height: int, say: Wording | None = None, bargap: float | None = None
+) -> Figure:
     """Give a figure one row per land, the first on top; ``height`` is that of a row in pixels."""
     order = list(reversed(names))
     figure.update_yaxes(

@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import plotly.graph_objects as go
 
 from atleak.catalogue.limits import Level
+from atleak.figures.figure import Figure
 from atleak.figures.frame import error_bars, framed
 from atleak.history.land_wear import LandWear
 from atleak.history.series import Point
@@ -28,12 +28,12 @@ _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2
 _DEVIATE = 1.6448536269514722  # of the interval of a single point, as wide as that of the line
 
 
-def clearance_over_mileage(land: LandWear, visits: Sequence[Visit], present: float | None, say: Wording) -> go.Figure:
+def clearance_over_mileage(land: LandWear, visits: Sequence[Visit], present: float | None, say: Wording) -> Figure:
     """Draw the clearance of a land at every visit with its line, the band of that, and the limits.
 
     Points of an earlier series, before a repair or another odometer, are open.
     """
-    figure, um = go.Figure(), say.convert(UM, "clearance")
+    figure, um = Figure(), say.convert(UM, "clearance")
     series = land.series
     last = present if present is not None else max((point.mileage for point in series.counted), default=0.0)
     end = _end(land, last)
@@ -66,7 +66,7 @@ def _end(land: LandWear, last: float) -> float:
     return min(max([last + _AHEAD, *ends]), max(FARTHEST, last))
 
 
-def _band(figure: go.Figure, line: WearLine, first: float, end: float, say: Wording) -> None:
+def _band(figure: Figure, line: WearLine, first: float, end: float, say: Wording) -> None:
     um = say.convert(UM, "clearance")
     mileages = np.linspace(first, end, _STEPS)
     edges = np.array([line.band(float(each)) for each in mileages]) * um
@@ -91,7 +91,7 @@ def _band(figure: go.Figure, line: WearLine, first: float, end: float, say: Word
 
 
 def _points(
-    figure: go.Figure, points: Sequence[Point], visits: Sequence[Visit], name: str, symbol: str, say: Wording
+    figure: Figure, points: Sequence[Point], visits: Sequence[Visit], name: str, symbol: str, say: Wording
 ) -> None:
     if not points:
         return
@@ -111,19 +111,20 @@ def _points(
     )
 
 
-def _limit(figure: go.Figure, level: Level, value: float, written: str, say: Wording) -> None:
+def _limit(figure: Figure, level: Level, value: float, written: str, say: Wording) -> None:
     look = look_of(level)
     figure.add_hline(
         y=value,
         line={"color": look.screen, "dash": "dash", "width": 2},
-        annotation={"text": f"{say.signed(level)}: {written}", "xanchor": "left", "x": 0.01},
-        annotation_position="top left",
+        text=f"{say.signed(level)}: {written}",
+        xanchor="left",
+        x=0.01,
     )
 
 
-def total_over_mileage(total: TotalOverMileage, say: Wording) -> go.Figure:
+def total_over_mileage(total: TotalOverMileage, say: Wording) -> Figure:
     """Draw the total share at one condition over the mileage ahead, with its interval and the limits of its bands."""
-    figure = go.Figure()
+    figure = Figure()
     low, median, high = (np.array(each) * PERCENT for each in (total.low, total.median, total.high))
     mileages = [say.convert(each, "distance") for each in total.mileages]
     figure.add_scatter(
@@ -154,7 +155,7 @@ def total_over_mileage(total: TotalOverMileage, say: Wording) -> go.Figure:
     return framed(figure, 380)
 
 
-def pareto(names: Sequence[str], counts: Sequence[int], of: int, what: str, say: Wording) -> go.Figure:
+def pareto(names: Sequence[str], counts: Sequence[int], of: int, what: str, say: Wording) -> Figure:
     """Draw how often pairs were flagged or replaced, the most often first, with their part of all such pairs so far.
 
     Parameters
@@ -168,7 +169,7 @@ def pareto(names: Sequence[str], counts: Sequence[int], of: int, what: str, say:
     """
     total = sum(counts)
     passed = [sum(counts[: place + 1]) / total * PERCENT if total else math.nan for place in range(len(counts))]
-    figure = go.Figure()
+    figure = Figure()
     figure.add_bar(
         y=names,
         x=counts,

@@ -6,9 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import plotly.graph_objects as go
-
 from atleak.catalogue.limits import Level
+from atleak.figures.figure import Figure
 from atleak.figures.frame import error_bars, framed
 from atleak.look import CURVES, HATCHING, SCREEN, look_of
 from atleak.verdicts import Verdict
@@ -24,12 +23,12 @@ _BAR = 26  # pixels of a bar
 LINE_NAME = "main pressure"
 
 
-def pump_over_speed(data: PumpOverSpeed) -> go.Figure:
+def pump_over_speed(data: PumpOverSpeed) -> Figure:
     """Draw the pump's supply over engine speed against the demand at each temperature, with their crossings.
 
     The demand at the condition's own temperature is drawn thick, with the 95 % interval of its crossing.
     """
-    figure = go.Figure()
+    figure = Figure()
     figure.add_scatter(
         x=data.speeds * RPM,
         y=data.supply * DM3_MIN,
@@ -71,8 +70,9 @@ def pump_over_speed(data: PumpOverSpeed) -> go.Figure:
         figure.add_vline(
             x=speed * RPM,
             line={"color": SCREEN.soft, "width": 1.5, "dash": "dash" if number else "solid"},
-            annotation={"text": f"{label}: {speed * RPM:.0f} rpm", "font": {"size": 11}, "textangle": -90},
-            annotation_position="top left",
+            text=f"{label}: {speed * RPM:.0f} rpm",
+            font={"size": 11},
+            textangle=-90,
         )
     figure.update_xaxes(title="engine speed [rpm]", range=[0.0, last])
     figure.update_yaxes(title="flow [dm³/min]", rangemode="tozero")
@@ -87,7 +87,7 @@ def _parts(demand: Demand) -> str:
     )
 
 
-def circuit_pressures(at: PressuresAt) -> go.Figure:
+def circuit_pressures(at: PressuresAt) -> Figure:
     """Draw what the line and every applied circuit hold: new, now with its interval, and with the planned repairs.
 
     Marks are the limits that apply: where a loss is judged worse, what a regulator is set to, and the permissible
@@ -95,7 +95,7 @@ def circuit_pressures(at: PressuresAt) -> go.Figure:
     """
     held = at.applied
     names = [name_of(each) for each in held]
-    figure = go.Figure()
+    figure = Figure()
     repaired = [each for each in held if each.repaired is not None]
     if repaired:
         figure.add_bar(

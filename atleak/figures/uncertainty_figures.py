@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 
-import plotly.graph_objects as go
-
 from atleak.catalogue.limits import RuleKind
+from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import DECISION_MARKS, SCREEN
 from atleak.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
@@ -17,7 +16,7 @@ from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 
-def clearances(unit: UnitUncertainty, say: Wording, lands: int = 20) -> go.Figure:
+def clearances(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
     """Draw radial clearances with their intervals, beside the mounting clearance and the limit that decides.
 
     Parameters
@@ -26,7 +25,7 @@ def clearances(unit: UnitUncertainty, say: Wording, lands: int = 20) -> go.Figur
         how many are drawn: those likeliest to be over a limit.
     """
     chosen = _chosen(unit, lands)
-    figure, um, name_of = go.Figure(), say.convert(UM, "clearance"), say.unit("clearance")
+    figure, um, name_of = Figure(), say.convert(UM, "clearance"), say.unit("clearance")
     digits = say.digits("clearance", 1)
     marks: dict[str, tuple[str, list[float | None]]] = {  # drawn first, open, so that they cover no value
         say("figures.mounting"): ("line-ns-open", [land.sources.state.land.mounting_high for land in chosen]),
@@ -66,7 +65,7 @@ def clearances(unit: UnitUncertainty, say: Wording, lands: int = 20) -> go.Figur
     return by_land(figure, [_name(land) for land in chosen], 24, say)
 
 
-def leakages(unit: UnitUncertainty, say: Wording, lands: int = 20) -> go.Figure:
+def leakages(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
     """Draw leakages at the stated condition with intervals; a thin line ends where a spool that touches would leak.
 
     Parameters
@@ -76,7 +75,7 @@ def leakages(unit: UnitUncertainty, say: Wording, lands: int = 20) -> go.Figure:
     """
     chosen = sorted((land for land in unit.lands if land.conditions), key=lambda land: -land.conditions[0].leakage)
     chosen = chosen[:lands]
-    figure, flow, name_of = go.Figure(), say.convert(DM3_MIN, "flow"), say.unit("flow")
+    figure, flow, name_of = Figure(), say.convert(DM3_MIN, "flow"), say.unit("flow")
     ends = [
         value
         for land in chosen
@@ -106,7 +105,7 @@ def leakages(unit: UnitUncertainty, say: Wording, lands: int = 20) -> go.Figure:
     return by_land(figure, [_name(land) for land in chosen], 24, say)
 
 
-def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> go.Figure:
+def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> Figure:
     """Draw the sources of one land's uncertainty: each source's part of the variance of clearance and share."""
     of_clearance = dict(land.budget)
     of_share = dict(land.conditions[0].budget) if land.conditions else {}
@@ -114,7 +113,7 @@ def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> go.Figure:
         dict.fromkeys([*of_share, *of_clearance]),
         key=lambda name: max(of_share.get(name, 0.0), of_clearance.get(name, 0.0)),
     )[-sources:]
-    figure = go.Figure()
+    figure = Figure()
     for title, parts, colour, shape in (
         (say("columns.of_clearance"), of_clearance, SCREEN.leakage, ""),
         (say("columns.of_share"), of_share, SCREEN.share, "/"),

@@ -245,8 +245,8 @@ class Case:
         point, own = self.point, [each.name for each in controller.operating_points]
         if point is not None and point.like not in own:  # of a job that was made with another file
             point = replace(point, values_of=own[0])
-        base = controller if point is None else replace(controller, operating_points=(point,))
-        return stated_condition(base, temperature=self.temperature, engine_speed=self.engine_speed, gear=self.gear)
+        differ = {"temperature": self.temperature, "engine_speed": self.engine_speed}
+        return stated_condition(controller, **differ, gear=self.gear, base=point)
 
     def with_condition(self, condition: OperatingPoint, controller: Controller) -> Case:
         """Return this job at a condition, kept as what differs from the controller's own, or else as a whole."""

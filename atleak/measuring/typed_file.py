@@ -21,6 +21,7 @@ from atleak.measuring.typed import Entry, Typed, cell_of, in_mm
 from atleak.readings import TYPED_MARK, Readings
 
 TYPED_FILE = "typed readings.csv"
+_SEPARATED = "sep=;\r\n"  # so that a spreadsheet program, and the intake, need not guess
 _KEYS = ("No.", "Part", "Plane", "Direction", "Repeat")
 _COORDINATES = ("Coordinate x1 [mm]", "Coordinate x2 [mm]")
 _LAST = ("Counts", "Taken at")
@@ -44,6 +45,7 @@ def written(typed: Typed, counting: Collection[Cell], controller: Controller) ->
     if not typed.entries:
         return None
     target = io.StringIO(newline="")
+    target.write(_SEPARATED)
     rows = csv.writer(target, delimiter=";", lineterminator="\r\n")
     rows.writerow([TYPED_MARK, json.dumps(asdict(typed.plan))])
     rows.writerow([f"Controller {controller.id}"])
@@ -112,7 +114,8 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
         whose lands it names.
     """
     try:
-        rows = list(csv.reader(io.StringIO(content.decode(), newline=""), delimiter=";"))
+        text = content.decode().removeprefix(_SEPARATED)
+        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=";"))
         if not rows or rows[0][:1] != [TYPED_MARK]:
             return None
         plan = _plan(json.loads(rows[0][1]))

@@ -17,6 +17,7 @@ from atleak.report.xlsx import write_workbook
 from atleak.system.files import replace_file
 from atleak.system.marks import Kind
 from atleak.views.diagnosis_record import diagnosis_record, to_json
+from atleak.wording import Wording, wording
 
 KINDS: dict[str, Kind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}
 
@@ -44,6 +45,7 @@ def write_reports(
     *,
     formats: Iterable[str] = ("pdf",),
     language: str = "en",
+    units: str = "metric",
     paper: str = DEFAULT_PAPER,
     progress: Callable[[int, int, Reported], None] | None = None,
 ) -> list[Reported]:
@@ -70,7 +72,7 @@ def write_reports(
             job_file = read_job_file(source)
             diagnosis = job_file.diagnose()
             for form, path in paths.items():
-                replace_file(path, _report(form, diagnosis, job_file.job, language, paper))
+                replace_file(path, _report(form, diagnosis, job_file.job, wording(language, units), paper))
                 written.append(path)
             reported = Reported(source, tuple(written), diagnosis.verdict)
         except AtleakError as error:
@@ -85,9 +87,9 @@ def write_reports(
     return done
 
 
-def _report(form: str, diagnosis: Diagnosis, job: Job, language: str, paper: str) -> bytes:
+def _report(form: str, diagnosis: Diagnosis, job: Job, say: Wording, paper: str) -> bytes:
     if form == "pdf":
-        return write_pdf(diagnosis, job, language=language, paper=paper)
+        return write_pdf(diagnosis, job, language=say.language, units=say.units, paper=paper)
     if form == "xlsx":
         return write_workbook(diagnosis, job, paper=paper)
     return to_json(diagnosis_record(diagnosis)).encode("utf-8", errors="backslashreplace")

@@ -348,9 +348,10 @@ def _at_instant(instant: Instant, projection: Projection, spread: InstantSpread)
 def _messages(
     sources: Sequence[LandSources], instruments: Instruments, repeats: dict[Part, RepeatSpread]
 ) -> list[Message]:
-    messages = []
+    messages: list[Message] = []
     used = [part for part in PARTS if any(part in land.plans for land in sources)]
     for instrument in dict.fromkeys(instruments.of(part) for part in used):
+        messages += instrument.doubts
         if instrument.representative:
             quantities = ", ".join(instrument.representative)
             text = (

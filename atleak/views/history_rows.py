@@ -65,15 +65,16 @@ def levels_of(history: WearHistory) -> list[Verdict]:
 def wear_rows(history: WearHistory, controller: Controller, say: Wording) -> list[dict[str, Any]]:
     """Return a row for each land: clearance, rate, and the mileage of each level's first limit, the soonest first."""
     levels = levels_of(history)
-    rows = []
+    rows: list[dict[str, Any]] = []
     for land in soonest_first(history):
+        reached: dict[str, str] = {level: _first_at(land, level, say) for level in levels}
         points = land.series.measured
         rows.append(
             {
                 "pair": land_name(controller, land.key, say),
                 "clearance": points[-1].clearance * UM if points else None,
                 "rate": rate_in_words(land.line, say),
-                **{level: _first_at(land, level, say) for level in levels},
+                **reached,
                 "visits": len(points),
                 "since": _since(land, history, say),
             }

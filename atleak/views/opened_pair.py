@@ -157,7 +157,7 @@ def _headings(names: Iterable[str], say: Wording) -> tuple[str, ...]:
 def _does(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> Iterator[str]:
     """Say from where to where the land leaks, and which complaints of the valve body's file that can cause."""
     controller = diagnosis.controller
-    names = {each.id: isolated(each.name) for each in controller.circuits}
+    names = {each.id: isolated(say.name(each.name)) for each in controller.circuits}
 
     def written(pressure: Pressure) -> str:
         if pressure.section is None:
@@ -174,4 +174,4 @@ def _does(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> Iterator[s
     leaking = {each.condition.name for each in diagnosis.projections if each.leakage_of(land.key) > 0.0}
     for complaint in controller.complaints:
         if land.key in complaint.lands or (not complaint.lands and leaking & set(complaint.conditions)):
-            yield say("diagnosis.can_cause", complaint=isolated(complaint.label))
+            yield say("diagnosis.can_cause", complaint=isolated(say.name(complaint.label)))

@@ -63,7 +63,7 @@ def _circuit(at: RepairedAt, say: Wording) -> str:
         return "–"
     name = next(each.circuit.name for each in at.before.projection.circuits if each.circuit.id == worst)
     before, after = (say.quantity(total.pressures[worst] * KPA, "pressure") for total in (at.before, at.after))
-    return say("repair_plan.circuit_holds", circuit=isolated(name), before=before, after=after)
+    return say("repair_plan.circuit_holds", circuit=isolated(say.name(name)), before=before, after=after)
 
 
 def effect_sentences(

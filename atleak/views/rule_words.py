@@ -33,7 +33,7 @@ def rule_reached(rule: Rule, say: Wording, named: Named = label_of) -> str:
 
 
 def _limited(rule: Rule, say: Wording) -> str:
-    circuit = isolated(rule.circuit.name) if rule.circuit else ""
+    circuit = isolated(say.name(rule.circuit.name)) if rule.circuit else ""
     return ", ".join(filter(None, (say(f"rules.{rule.kind}"), circuit)))
 
 

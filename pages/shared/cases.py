@@ -17,7 +17,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import Listed, catalogue_files, listed
 from atleak.catalogue.instruments import Instruments
 from atleak.diagnosis import Diagnosis
-from atleak.errors import CatalogueError, OutputError
+from atleak.errors import AtleakError, CatalogueError, Message, OutputError
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, remember, understand
 from atleak.intake.road_test.names.memory import RememberedColumns
@@ -187,6 +187,15 @@ def understood(log: SourceFile, case: Case | None = None) -> Understood:
 def catalogue_entry(name: str, choice: Choice) -> Any:
     """Load a controller, fluid, limit set or instrument by id, or from the user's own TOML file."""
     return Kept().entry(SLOTS[name], choice)
+
+
+def entry_doubts(name: str, choice: Choice) -> tuple[Message, ...]:
+    """Return what of an entry is possible and probably a slip; nothing of one that cannot be used."""
+    try:
+        doubts: tuple[Message, ...] = catalogue_entry(name, choice).doubts
+    except AtleakError:
+        return ()
+    return doubts
 
 
 def catalogue_list(name: str) -> Listed[Any]:

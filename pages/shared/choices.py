@@ -15,7 +15,7 @@ from atleak.catalogue.fluid import USED_THINNER, FluidState
 from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.job.case import SLOTS, Choice, SourceFile
 from pages.shared import reader, show
-from pages.shared.cases import catalogue_list, shown_name
+from pages.shared.cases import catalogue_list, entry_doubts, shown_name
 from pages.shared.state import choose, session
 
 OPTIONS = ("diameter", "viscosity", "pump_draw", "pump_efficiency", "entry_loss", "form")
@@ -36,6 +36,9 @@ def catalogue_entry(name: str) -> None:
         return shown_name(known[option]) if option in known else option
 
     _select(say(f"slots.{name}"), name, options, current, shown, lambda picked: choose(**{name: picked}))
+    with st.container():
+        for doubt in entry_doubts(name, current):
+            st.warning(show.plain(doubt.text))
 
 
 def fluid_state() -> None:

@@ -43,7 +43,7 @@ def complaint(diagnosis: Diagnosis) -> None:
         f"- **{plain(land_in_words(diagnosis, each.land.key, say))}**: {plain(reason(each, say, named))}"
         for each in ranked
     ]
-    st.subheader(say("diagnosis.complaint", label=plain(diagnosis.complaint.label)))
+    st.subheader(say("diagnosis.complaint", label=plain(say.name(diagnosis.complaint.label))))
     said = f"{say('diagnosis.complaint_shows', conditions=shows)} {plain(head(ranked, say))}"
     st.markdown("\n".join([said, "", *lines[:MEASURE_FIRST]]))
     if lines[MEASURE_FIRST:]:

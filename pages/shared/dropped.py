@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from atleak.catalogue.controller_toml import written_toml
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.errors import AtleakError
 from atleak.intake.controller_workbook import read_controller_workbook
 from atleak.job.case import SLOTS, SourceFile

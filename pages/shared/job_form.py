@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 from typing import Any, get_args
 
 import pandas as pd
@@ -14,35 +15,39 @@ from atleak.errors import InputError
 from atleak.job.decisions import decision_faults
 from atleak.job.record import PICTURE_SUFFIXES, Grade, Job, RepairState
 from atleak.report.pictures import printable_picture
+from atleak.wording import Wording
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
-from pages.shared import fields, show
+from pages.shared import fields, reader, show
 from pages.shared.state import RECORD, choose, job, job_generation, put_job, session
 
 __all__ = ["draw", "job", "key", "put_job"]
 
 _TEXTS = {
-    "Workshop": ("workshop", ("name", "address", "phone", "email", "website", "registration")),
-    "Customer": ("customer", ("name", "number", "address", "phone", "email")),
-    "Vehicle": ("vehicle", ("make", "model", "year", "engine", "registration", "vin")),
-    "Transmission": ("transmission", ("maker", "code", "serial", "note")),
+    "workshop": ("workshop", ("name", "address", "phone", "email", "website", "registration")),
+    "customer": ("customer", ("name", "number", "address", "phone", "email")),
+    "vehicle": ("vehicle", ("make", "model", "year", "engine", "registration", "vin")),
+    "transmission": ("transmission", ("maker", "code", "serial", "note")),
 }
-_LABELS = {"vin": "VIN", "registration": "Registration", "email": "E-mail"}
 _LONG = {"address", "note"}
 PICTURE_KINDS = [suffix.removeprefix(".") for suffix in PICTURE_SUFFIXES]
 
 
 def draw(controller: Controller) -> Job:
     """Draw the form; return the record as it now is."""
-    record = job()
+    say, record = reader.say(), job()
     values: dict[str, Any] = {name: getattr(record, name) for name in Job.model_fields}
-    with fields.fold("Job, vehicle and customer", key=key("fold-job"), opened=True):
+    with fields.fold(say("job_form.who"), key=key("fold-job"), opened=True):
         first = st.columns(4)
-        values["number"] = first[0].text_input("Job number", **fields.kept(key("number"), record.number))
-        values["date"] = first[1].date_input("Date", format="YYYY-MM-DD", **fields.kept(key("date"), record.date))
-        values["technician"] = first[2].text_input("Technician", **fields.kept(key("technician"), record.technician))
+        values["number"] = first[0].text_input(say("job_form.number"), **fields.kept(key("number"), record.number))
+        values["date"] = first[1].date_input(
+            say("job_form.date"), format="YYYY-MM-DD", **fields.kept(key("date"), record.date)
+        )
+        values["technician"] = first[2].text_input(
+            say("job_form.technician"), **fields.kept(key("technician"), record.technician)
+        )
         with first[3]:
             values["measuring_temperature_c"] = fields.number(
-                "Measuring temperature",
+                say("job_form.measuring_temperature"),
                 MEASURING_TEMPERATURE,
                 record.measuring_temperature_c,
                 key=key("measuring-temperature"),
@@ -50,34 +55,35 @@ def draw(controller: Controller) -> Job:
             )
             for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
                 values[f"pump_{side}_clearance_um"] = fields.number(
-                    f"Pump {side} clearance",
+                    say(f"job_form.pump_{side}"),
                     asked,
                     getattr(record, f"pump_{side}_clearance_um"),
                     key=key(f"pump-{side}"),
                     optional=True,
                 )
         for place, (title, (table, names)) in zip(st.columns(4), _TEXTS.items(), strict=True):
-            place.markdown(f"**{title}**")
+            place.markdown(f"**{say(f'job_form.{title}')}**")
             values[table] = getattr(record, table).model_dump() | {
                 name: _text(place, f"{table}-{name}", name, getattr(getattr(record, table), name)) for name in names
             }
-    with fields.fold("As found", key=key("fold-found")):
+    with fields.fold(say("job_form.as_found"), key=key("fold-found")):
         values |= _as_found(record)
-    with fields.fold("Repair decisions, scratches, instruments", key=key("fold-tables")):
+    with fields.fold(say("job_form.tables"), key=key("fold-tables")):
         values |= _tables(record, controller)
-    with fields.fold("Logo and photos", key=key("fold-pictures")):
+    with fields.fold(say("job_form.pictures"), key=key("fold-pictures")):
         values |= _pictures(record)
-    values["notes"] = st.text_area("Notes", **fields.kept(key("notes"), record.notes))
+    values["notes"] = st.text_area(say("job_form.notes"), **fields.kept(key("notes"), record.notes))
     place = st.container()
     try:
         changed = Job.model_validate(values).with_pictures(record.pictures)
     except ValidationError as error:
         first_fault = error.errors(include_url=False)[0]
-        place.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
+        where = " ".join(map(str, first_fault["loc"]))
+        place.error(say("job_form.not_taken", problem=f"{where}: {first_fault['msg']}"))
         return record
     faults, typed = list(decision_faults(changed, controller)), changed.repair_decisions != record.repair_decisions
     for fault in faults:
-        place.error(show.plain(f"Not taken: {fault}" if typed else str(fault)))
+        place.error(show.plain(say("job_form.not_taken", problem=fault) if typed else str(fault)))
     if faults and typed:
         return record
     st.session_state[RECORD] = changed
@@ -92,20 +98,26 @@ def draw(controller: Controller) -> Job:
 
 
 def _as_found(record: Job) -> dict[str, Any]:
-    oil, dirt = record.fluid_condition, record.contamination
-    complaint = st.text_area("Complaint", **fields.kept(key("complaint"), record.complaint))
+    say, oil, dirt = reader.say(), record.fluid_condition, record.contamination
+    complaint = st.text_area(say("facts.complaint"), **fields.kept(key("complaint"), record.complaint))
     written = ", ".join(record.fault_codes)
-    codes = st.text_input("Fault codes, separated by commas", **fields.kept(key("codes"), written))
+    codes = st.text_input(say("job_form.fault_codes"), **fields.kept(key("codes"), written))
     places = st.columns(5)
     names = ("product", "level", "colour", "smell", "note")
     fluid = {
-        name: _text(place, f"oil-{name}", name, getattr(oil, name), "Oil: ")
+        name: _text(place, f"oil-{name}", name, getattr(oil, name), "oil_")
         for place, name in zip(places, names, strict=True)
     }
     grades = ["", *get_args(Grade)]
     columns = st.columns(3)
     chosen = fields.kept(key("grade"), dirt.grade or "")
-    grade = columns[0].selectbox("Contamination", grades, grades.index(chosen.pop("value")), **chosen)
+    grade = columns[0].selectbox(
+        say("facts.contamination"),
+        grades,
+        grades.index(chosen.pop("value")),
+        format_func=lambda each: say.get("grades", each),
+        **chosen,
+    )
     return {
         "complaint": complaint,
         "fault_codes": tuple(code.strip() for code in codes.split(",") if code.strip()),
@@ -113,33 +125,38 @@ def _as_found(record: Job) -> dict[str, Any]:
         "contamination": {
             "grade": grade or None,
             "particles": _text(columns[1], "particles", "particles", dirt.particles),
-            "note": _text(columns[2], "dirt-note", "remark on it", dirt.note),
+            "note": _text(columns[2], "dirt-note", "dirt_note", dirt.note),
         },
     }
 
 
-def _choice(name: str, options: Iterable[int | str]) -> Any:
+def _choice(label: str, options: Iterable[int | str], say: Wording) -> Any:
     # streamlit takes None for an empty cell, which its annotation leaves out
-    return st.column_config.SelectboxColumn(name, options=[None, *options])  # type: ignore[list-item]
+    shown = partial(say.get, "job_decisions")
+    return st.column_config.SelectboxColumn(
+        label,
+        options=[None, *options],  # type: ignore[list-item]
+        format_func=lambda each: shown(str(each)),
+    )
 
 
 def _tables(record: Job, controller: Controller) -> dict[str, Any]:
-    pairs = st.column_config.SelectboxColumn("component", options=["", *controller.components])
-    land = _choice("land", range(1, 10))
-    decision = _choice("decision", get_args(RepairState))
-    parts = st.column_config.SelectboxColumn("part", options=["", "spool", "piston", "sleeve"])
-    dates = {name: st.column_config.DateColumn(name, format="YYYY-MM-DD") for name in ("date", "calibrated")}
+    say = reader.say()
+    pairs = st.column_config.SelectboxColumn(say("job_table.component"), options=["", *controller.components])
+    land = _choice(say("job_table.land"), range(1, 10), say)
+    decision = _choice(say("job_table.decision"), get_args(RepairState), say)
+    parts = st.column_config.SelectboxColumn(say("job_table.part"), options=["", "spool", "piston", "sleeve"])
+    dates = {
+        name: st.column_config.DateColumn(say(f"job_table.{name}"), format="YYYY-MM-DD")
+        for name in ("date", "calibrated")
+    }
     shared = {"component": pairs, "land": land, "decision": decision, "part": parts, "photo": None, **dates}
     shared |= dict.fromkeys(("repair", "price", "hours"))  # on the page Estimate
     tables = {}
-    for name, title in (
-        ("repair_decisions", "Repair decisions"),
-        ("scratches", "Scratches"),
-        ("instruments", "Instruments"),
-    ):
-        st.markdown(f"**{title}**")
+    for name in ("repair_decisions", "scratches", "instruments"):
+        st.markdown(f"**{say(f'job_form.{name}')}**")
         if name == "repair_decisions":
-            st.caption("What is proposed from the verdict stands on the page Estimate, with prices and hours.")
+            st.caption(say("job_form.proposed"))
         tables[name] = _table(record, name, shared)
     return tables
 
@@ -152,7 +169,10 @@ def _table(record: Job, name: str, columns: dict[str, Any]) -> list[dict[str, An
         rows = [row.model_dump() for row in getattr(record, name)]
         st.session_state[f"{own}-base"] = pd.DataFrame(rows, columns=list(model.model_fields), dtype=object)
     base = st.session_state[f"{own}-base"]
-    known = {column: columns.get(column, st.column_config.TextColumn(column)) for column in base.columns}
+    known = {
+        column: columns.get(column, st.column_config.TextColumn(reader.say().get("job_table", column)))
+        for column in base.columns
+    }
     edited = st.data_editor(base, key=own, num_rows="dynamic", column_config=known, hide_index=True, width="stretch")
     rows = edited.astype(object).where(edited.notna(), None).to_dict("records")
     filled = [{column: value for column, value in row.items() if value not in (None, "")} for row in rows]
@@ -161,29 +181,35 @@ def _table(record: Job, name: str, columns: dict[str, Any]) -> list[dict[str, An
 
 def _pictures(record: Job) -> dict[str, Any]:
     """Show logo and photos, each with its caption; what is uploaded is in the record at once."""
-    _uploads("Logo", several=False)
+    say = reader.say()
+    _uploads("logo", several=False)
     logo = record.workshop.logo
     if logo is not None and logo in record.pictures:
         with st.container(horizontal=True, vertical_alignment="center"):
             st.image(record.pictures[logo], width=160)
-            st.button("Remove the logo", key=key("remove-logo"), on_click=_put, args=(record.without_logo(),))
-    _uploads("Photos", several=True)
+            st.button(say("job_form.remove_logo"), key=key("remove-logo"), on_click=_put, args=(record.without_logo(),))
+    _uploads("photos", several=True)
     photos = []
     for photo in record.photos:
         places = st.columns([2, 3, 1], vertical_alignment="bottom")
         if photo.file in record.pictures:
             places[0].image(record.pictures[photo.file], width=160)
-        caption = places[1].text_input("Caption", **fields.kept(key(f"caption-{photo.file}"), photo.caption))
+        caption = places[1].text_input(
+            say("job_form.caption"), **fields.kept(key(f"caption-{photo.file}"), photo.caption)
+        )
         places[2].button(
-            "Remove", key=key(f"remove-{photo.file}"), on_click=_put, args=(record.without_photo(photo.file),)
+            say("job_form.remove"),
+            key=key(f"remove-{photo.file}"),
+            on_click=_put,
+            args=(record.without_photo(photo.file),),
         )
         photos.append(photo.model_copy(update={"caption": caption}).model_dump())
     return {"photos": photos}
 
 
-def _uploads(label: str, *, several: bool) -> None:
+def _uploads(what: str, *, several: bool) -> None:
     """Offer to upload pictures; the place is empty again once they are in."""
-    count = f"{key(label)}-count"
+    count = f"{key(what)}-count"
     own = f"{count}-{st.session_state.setdefault(count, 0)}"
 
     def changed() -> None:
@@ -197,6 +223,7 @@ def _uploads(label: str, *, several: bool) -> None:
             except InputError as error:
                 st.session_state[f"{count}-fault"] = str(error)
 
+    label = reader.say()(f"job_form.{what}")
     st.file_uploader(label, PICTURE_KINDS, accept_multiple_files=several, key=own, on_change=changed)
     with st.container():
         if fault := st.session_state.pop(f"{count}-fault", None):
@@ -209,7 +236,7 @@ def _put(record: Job) -> None:
 
 
 def _text(place: Any, own: str, name: str, value: str, before: str = "") -> str:
-    label = f"{before}{_LABELS.get(name, name.capitalize() if not before else name)}"
+    label = reader.say()(f"job_field.{before}{name}")
     return (place.text_area if name in _LONG else place.text_input)(label, **fields.kept(key(own), value))
 
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import streamlit as st
 
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller_reading import checked_controller
-from atleak.catalogue.controller_toml import written_toml
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.instruments import Part, instruments, load_instruments
 from atleak.errors import AtleakError

@@ -1,9 +1,9 @@
 // The grid for measuring: cells that are typed into at the speed of a hand or of callipers.
 //
-// What is typed is kept here until the server says that the job holds it. Whatever arrives meanwhile changes no cell
-// that is being typed in, and none that is on its way.
+// What is typed is kept here, step by step, until the server says that the job holds it. Whatever arrives meanwhile
+// changes no cell that is being typed in, and none that is on its way.
 
-const ANSWER_WITHIN = 8000 // [ms], then a batch is sent once more: its number tells the server that it is the same
+const ANSWER_WITHIN = 8000 // [ms], then what was sent is sent once more: the server does no step twice, by its number
 const TOGETHER = 150 // [ms] in which entries are collected into one batch
 
 export default function show({ data, parentElement, setStateValue }) {
@@ -27,10 +27,10 @@ function made(tag, attributes = {}, ...children) {
 
 class Grid {
     constructor(root) {
-        this.page = Math.random().toString(36).slice(2) // which page the batches come from
-        this.number = 0 // of the last batch
-        this.steps = [] // to be sent
-        this.under_way = null // the batch that was sent and not answered
+        this.page = Math.random().toString(36).slice(2) // which page the steps come from
+        this.number = 0 // of the last step
+        this.sent = 0 // number of the last step that was sent
+        this.steps = [] // that are not answered
         this.own = new Map() // texts that the server does not hold yet, by cell
         this.shape = "" // of the tables that stand
         this.inputs = new Map()
@@ -68,13 +68,15 @@ class Grid {
     }
 
     answered(answer) {
-        const sent = this.under_way
-        if (!sent || !answer || answer.page !== this.page || answer.number < sent.number) return
-        clearTimeout(this.waiting)
-        this.under_way = null
+        if (!answer || answer.page !== this.page || !this.steps.some(step => step.number <= answer.number)) return
+        const done = this.steps.filter(step => step.number <= answer.number)
+        this.steps = this.steps.filter(step => step.number > answer.number)
         const later = new Set(this.steps.map(step => step.cell && named(step.cell)))
-        for (const step of sent.steps) if (step.cell && !later.has(named(step.cell))) this.own.delete(named(step.cell))
+        for (const step of done) if (step.cell && !later.has(named(step.cell))) this.own.delete(named(step.cell))
         this.hold()
+        if (answer.number < this.sent) return
+        clearTimeout(this.waiting)
+        this.waiting = null
         this.soon()
     }
 
@@ -107,29 +109,32 @@ class Grid {
     }
 
     add(step) {
-        this.steps.push(step)
+        this.steps.push({ ...step, number: ++this.number })
         this.hold()
         this.soon()
     }
 
     soon() {
-        if (this.under_way || !this.steps.length || this.collecting) return
-        this.collecting = setTimeout(() => {
-            this.collecting = null
-            this.dispatch()
-        }, TOGETHER)
+        if (this.waiting || !this.steps.length || this.collecting) return
+        this.collecting = setTimeout(() => this.dispatch(), TOGETHER)
     }
 
     dispatch(again = 0) {
-        if (!again) {
-            if (this.under_way || !this.steps.length) return
-            this.under_way = { page: this.page, number: ++this.number, steps: this.steps }
-            this.steps = []
-        }
+        clearTimeout(this.collecting)
+        clearTimeout(this.waiting)
+        this.collecting = null
         this.untouched = this.now
-        this.send({ ...this.under_way, again })
+        this.sent = this.number
         this.waiting = setTimeout(() => this.dispatch(again + 1), ANSWER_WITHIN)
+        this.send({ page: this.page, steps: this.steps, again })
         this.refresh_state()
+    }
+
+    left(event) {
+        // whoever leaves the grid may leave the page with the same click: then there is no time to collect
+        this.commit(this.now)
+        const elsewhere = ![...this.inputs.values()].includes(event.relatedTarget)
+        if (elsewhere && this.steps.some(step => step.number > this.sent)) this.dispatch()
     }
 
     leave() {
@@ -144,7 +149,7 @@ class Grid {
 
     hold() {
         if (!this.data?.job) return
-        const steps = [...(this.under_way?.steps ?? []), ...this.steps].filter(step => step.do !== "undo")
+        const steps = this.steps.filter(step => step.do !== "undo")
         const input = this.inputs.get(this.now)
         if (input && !this.data.readonly && input.value.trim() !== this.text_of(this.now))
             steps.push({ do: "put", cell: this.cells.get(this.now).key, text: input.value.trim() })
@@ -159,9 +164,8 @@ class Grid {
         for (const step of held) {
             if (!this.cells.has(named(step.cell))) continue
             if (step.do === "put") this.own.set(named(step.cell), step.text)
-            this.steps.push(step)
+            this.add(step)
         }
-        this.soon()
     }
 
     // --- where one is
@@ -290,7 +294,7 @@ class Grid {
             onkeydown: event => this.key(event, name),
             onpaste: event => this.paste(event, name),
             oninput: () => this.hold(),
-            onblur: () => this.commit(name),
+            onblur: event => this.left(event),
             onfocus: () => {
                 this.now = name
                 input.select()
@@ -418,9 +422,9 @@ class Grid {
     refresh_state() {
         const done = this.order.filter(name => this.text_of(name)).length
         const { words, readonly } = this.data
-        const kept = this.under_way || this.steps.length ? words.under_way : words.kept
+        const kept = this.steps.length ? words.under_way : words.kept
         this.part("state").textContent = [`${done}/${this.order.length}`, ...(readonly ? [] : [kept])].join(" · ")
-        this.part("state").dataset.kept = String(!this.under_way && !this.steps.length)
+        this.part("state").dataset.kept = String(!this.steps.length)
     }
 
     light() {

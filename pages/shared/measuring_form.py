@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +38,19 @@ _TYPED_UNITS = ("mm", "µm", "inch")
 _UNITS = {"metric": "mm", "metric_bar": "mm", "us": "inch"}  # typed in, unless another is chosen
 
 
+@dataclass
+class _Kept:
+    """What a session keeps of the grid: the entries of one sheet, by generation and SHA-256, and the last answer.
+
+    The entries and their answer change together, in plain attributes: a script that is stopped for a newer one can stop
+    wherever the session's state is asked, and must not have answered what it has not done.
+    """
+
+    name: tuple[int, str | None] | None = None
+    typed: Typed = Typed()  # noqa: RUF009  frozen, so safe to share
+    answer: dict[str, Any] | None = None
+
+
 def draw(case: PageCase, diagnosis: Diagnosis) -> None:
     """Draw the choices of what is measured, and the grid; the sample's can only be looked at."""
     say, typed = reader.say(), _typed(case)
@@ -54,27 +67,25 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> None:
         "words": said,
         "readonly": case.sample,
         "job": book.job_id(),
-        "answer": st.session_state.get(f"{key}-answer"),
+        "answer": _kept().answer,
     }
     _GRID(key=key, data=data, on_batch_change=lambda: _take(key))
 
 
 def _take(key: str) -> None:
-    """Take a batch of what was typed, once, and answer it; for the grid's callback."""
+    """Take what was typed, each step once, and answer; for the grid's callback."""
     batch = st.session_state[key]["batch"]
-    name = batch["page"], batch["number"]
-    if st.session_state.get(f"{key}-taken") == name:
+    last = _kept().answer or {}
+    done_before = last["number"] if last.get("page") == batch["page"] else 0
+    steps = [step for step in batch["steps"] if step["number"] > done_before]
+    case = session().case
+    if not steps or case.sample:
         return  # sent once more, before the answer arrived
-    st.session_state[f"{key}-taken"] = name
-    case, answer = session().case, {"page": name[0], "number": name[1], "at": None}
-    st.session_state[f"{key}-answer"] = answer
-    if case.sample:
-        return
     typed = _typed(case)
     controller = diagnosis_of(session().good).controller
-    done = typed.after(batch["steps"], typed.plan.cells(controller, typed.entries))
-    _put(done.typed)
-    answer["at"] = None if done.at is None else list(done.at.key)
+    done = typed.after(steps, typed.plan.cells(controller, typed.entries))
+    at = None if done.at is None else list(done.at.key)
+    _put(done.typed, {"page": batch["page"], "number": steps[-1]["number"], "at": at})
     if done.left_over:
         st.toast(reader.say()("measuring.left_over", count=done.left_over))
 
@@ -142,11 +153,15 @@ def _typed(case: PageCase) -> Typed:
     """Return what was typed so far: of the job's sheet, or before it holds anything."""
     file = _file(case)
     name = session().generation, None if file is None else file.sha256
-    kept = st.session_state.get("measuring")
-    if kept is None or kept[0] != name:
-        kept = st.session_state["measuring"] = name, _opened(case, file)
-    typed: Typed = kept[1]
-    return typed
+    kept = _kept()
+    if kept.name != name:
+        kept.name, kept.typed = name, _opened(case, file)
+    return kept.typed
+
+
+def _kept() -> _Kept:
+    kept: _Kept = st.session_state.setdefault("measuring", _Kept())
+    return kept
 
 
 def _file(case: PageCase) -> SourceFile | None:
@@ -168,9 +183,9 @@ def _opened(case: PageCase, file: SourceFile | None) -> Typed:
     return typed_in(file.content, sheet, controller_of(case)) or Typed.going_on_from(sheet)
 
 
-def _put(typed: Typed) -> None:
+def _put(typed: Typed, answer: dict[str, Any] | None = None) -> None:
     """Put what was typed into the job: as its measuring sheet, in place of the one that it goes on from."""
-    case = session().case
+    case, kept, generation = session().case, _kept(), session().generation
     before = _file(case)
     content = written(typed, _judged(typed, case).counting, controller_of(case))
     file = None if content is None else SourceFile(TYPED_FILE, content)
@@ -181,4 +196,8 @@ def _put(typed: Typed) -> None:
             put_file("pressures", SourceFile(TYPED_GAUGES, TypedGauges.going_on_from(gauges).written()))
     if file != before:
         put_file("readings", file)
-    st.session_state["measuring"] = (session().generation, None if file is None else file.sha256), typed
+    kept.name, kept.typed, kept.answer = (
+        (generation, None if file is None else file.sha256),
+        typed,
+        answer or kept.answer,
+    )

@@ -58,7 +58,7 @@ def picture(diagnosis: Diagnosis, say: Wording) -> None:
     for name, drawing in drawings.items():
         level = component_verdict(diagnosis, name)
         edge = look_of(level).screen
-        words = f"<small><b>{escape(name)}</b> {escape(diagnosis.controller.components[name])}</small>"
+        words = f"<small><b>{escape(name)}</b> {escape(say.name(diagnosis.controller.components[name]))}</small>"
         buttons.append(
             f'<button data-pair="{escape(name)}" style="border-left-color:{edge}">{words}{_themed(drawing)}'
             f"{_level(Cell(say.signed(level), level))}</button>"
@@ -75,7 +75,7 @@ def choice(diagnosis: Diagnosis, say: Wording) -> None:
         say("diagnosis.open_pair"),
         components_worst_first(diagnosis),
         index=None,
-        format_func=lambda name: f"{name} · {names[name]}",
+        format_func=lambda name: f"{name} · {say.name(names[name])}",
         placeholder=say("diagnosis.no_pair"),
         key=key,
         on_change=lambda: address.keep(OPENED, st.session_state[key] or ""),

@@ -32,7 +32,7 @@ from pages.shared.state import (
 PAGES = Path(__file__).resolve().parents[1]
 WHERE = {"readings": "Readings", "road_test": "Road_test", "pressures": "Pressures"}
 RPM = unit("rpm", "rotational_speed")
-NARROW_MARGINS = "<style>.stMainBlockContainer {padding: 4rem clamp(0.8rem, 2vw, 2rem) 4rem;}</style>"
+LOOKS = Path(__file__).with_name("page.css")
 
 
 def draw() -> Diagnosis:
@@ -41,7 +41,7 @@ def draw() -> Diagnosis:
     for path in PAGES.glob(f"[0-9]*_{st.session_state.pop('wanted', '?')}.py"):
         st.switch_page(path, query_params=st.query_params.to_dict())
     book.follow_address()
-    st.html(NARROW_MARGINS)
+    st.html(LOOKS)
     with st.sidebar:
         _drop_zone()
         in_job = st.container()

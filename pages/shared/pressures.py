@@ -97,7 +97,7 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     show.chart(figures.circuit_pressures(at), "circuits")
     if at.circuits:
         _table([_held_row(diagnosis, each, say) for each in at.applied], _CIRCUITS)
-        vented = ", ".join(each.circuit.name for each in at.circuits if each.vented and each.circuit)
+        vented = ", ".join(say.name(each.circuit.name) for each in at.circuits if each.vented and each.circuit)
         empty = say("circuits.vented", circuits=vented) if vented else ""
         st.caption(plain(f"{say('circuits.lost')} {empty}".rstrip()))
     st.markdown(f"**{say('circuits.pump_over_speed')}**")
@@ -150,7 +150,7 @@ def _held_row(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> dict[st
     decided = None if held.decided is None else held.decided.decision
     return {
         "verdict": held.verdict,
-        "circuit": say("held.line") if held.circuit is None else held.circuit.name,
+        "circuit": say("held.line") if held.circuit is None else say.name(held.circuit.name),
         "held": held.now * KPA,
         "held_new": held.new * KPA,
         "lost": held.loss * KPA,

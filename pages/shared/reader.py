@@ -49,7 +49,7 @@ def draw_choices() -> None:
     _choice("language", words.language, names, words("reader.language"))
     systems = {units: words(f"unit_systems.{units}") for units in SYSTEMS}
     _choice("units", words.units, systems, words("reader.units"))
-    st.caption(words("reader.kept"))
+    st.caption(f"{words('reader.kept')} {words('reader.messages')}")
 
 
 def pick_language(place: DeltaGenerator, key: str) -> str:
@@ -82,7 +82,7 @@ def _chosen(name: str, known: Iterable[str], otherwise: str) -> str:
     """Return what was chosen in this session or, by its cookie, in an earlier one of this browser."""
     if _kept(name) not in st.session_state:
         remembered = st.context.cookies.get(_cookie(name))
-        if remembered not in known:
+        if remembered is None or remembered not in known:
             return otherwise
         st.session_state[_kept(name)] = remembered
     return str(st.session_state[_kept(name)])

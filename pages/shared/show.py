@@ -6,16 +6,19 @@ import base64
 import html
 import re
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import pandas as pd
 import plotly.graph_objects as go
+import plotly.io as pio
 import streamlit as st
+from plotly.basedatatypes import BaseFigure
 
 from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
+from atleak.figures.figure import Figure
 from atleak.gauges.check import PressureCheck
 from atleak.look import DARK, SCREEN, look_of
 from atleak.uncertainty import UnitUncertainty
@@ -36,50 +39,8 @@ from pages.shared.state import Refusal
 _BOX = {"success": st.success, "warning": st.warning, "error": st.error, "info": st.info}
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]()#+|$~<>:!-])")
 SHOWN = 12
-HELP = {
-    "Clearance [µm]": "radial, cold, as measured",
-    "Pair": "component, land and name",
-    "u [µm]": "standard uncertainty of the radial clearance: about two times as much to each side is its 95 % interval",
-    "Mounting [µm]": "radial clearance when new",
-    "Wear [%]": "growth of the clearance over the mounting clearance",
-    "Share [%]": "what it draws as a share of the pump's flow at the stated condition",
-    "Largest share [%]": "the same at the condition at which the share is judged worst; of several, the largest",
-    "Largest at": "the condition of the largest share",
-    "Decided by": "the rule that gave the verdict, its value and the limit it reached",
-    "Limit is": "published, choice of this project, or set by the workshop",
-    "Decision": "how sure it is: a conditional one lies within what the instruments can tell",
-    "Over it [%]": "probability that the true value is over that limit",
-    "from": "95 % interval of the leakage",
-    "to": "95 % interval of the leakage",
-    "Before [%]": "total share before the step, at the condition that it helps most",
-    "After [%]": "total share after the step, at the condition that it helps most",
-    "Then": "the band of the total after the step, at that condition",
-    "Helps most at": "the condition at which the step saves most, measured by the limit of that condition",
-    "Held [kPa]": "the pressure that the pump, or the circuit's feeds, keep up against all that leaks",
-    "Low [kPa]": "95 % interval of the pressure held",
-    "High [kPa]": "95 % interval of the pressure held",
-    "New [kPa]": "what the same unit holds with every land new",
-    "Lost [kPa]": "new minus held; negative where it holds more than when new",
-    "After repair [kPa]": "with the whole order of repair carried out",
-    "Set [kPa]": "what the circuit's regulator is set to; of main pressure, what is required",
-    "Reserve": "pump supply / (leakage + slip + consumers) at the required pressure",
-    "Lands that cost it": "what it would gain with that land alone new; negative where that land raises it",
-    "Reserve within": "95 % interval of the reserve",
-    "Permissible [kPa]": "main pressure that the valve body's file permits in this gear and state",
-    "Covered from [rpm]": "lowest engine speed at which the pump covers leakage, slip and consumers",
-    "Was": "the verdict of the job before; the verdict first in the row is that of the job after",
-    "Change [µm]": "of the radial clearance, after minus before, with its 95 % interval",
-    "Changed": "by more than the uncertainty of measuring",
-    "Limit at": "mileage at which the wear limit for replacing is reached, if wear goes on as so far (90 % interval)",
-}
-WIDTHS = {
-    "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "Largest share [%]": 92, "Largest at": 150,
-    "u [µm]": 56, "Over it [%]": 76, "from": 60, "to": 60, "Before [%]": 80, "After [%]": 72, "Then": 92,
-    "Operating point": 190, "Required [kPa]": 92, "Held [kPa]": 76, "Low [kPa]": 76, "High [kPa]": 76, "New [kPa]": 76,
-    "Permissible [kPa]": 112, "Reserve": 70, "Reserve within": 104, "Reserve is": 84, "Covered from [rpm]": 130,
-    "Circuit": 170, "Lost [kPa]": 72, "Set [kPa]": 70, "After repair [kPa]": 116, "Decision": 110,
-    "Lands that cost it": 300, "Helps most at": 150, "No.": 44, "Clearance [µm]": 100, "Decided by": 240,
-}  # fmt: skip
+HELP = {"Decision": "how sure it is: a conditional one lies within what the instruments can tell"}
+WIDTHS = {"Verdict": 92, "No.": 44, "Decision": 110}
 HAIR_SPACE = "\u200a"
 
 
@@ -303,27 +264,68 @@ def dark() -> bool:
     return st.context.theme.type == "dark"
 
 
-def chart(figure: go.Figure, key: str, on_span: Callable[[float, float], None] | None = None) -> None:
+class _Ready(BaseFigure):  # type: ignore[misc]
+    """A figure in which plotly has nothing left to check: Streamlit asks it for its dictionary alone."""
+
+    def __init__(self, spec: dict[str, Any]) -> None:
+        self.__dict__["spec"] = spec
+
+    def to_dict(self) -> dict[str, Any]:
+        return self.__dict__["spec"]
+
+
+@cache
+def _template(name: str) -> dict[str, Any]:
+    return dict(pio.templates[name].to_plotly_json())
+
+
+def chart(
+    figure: Figure | go.Figure,
+    key: str,
+    on_span: Callable[[float, float], None] | None = None,
+    *,
+    empty: str = "Nothing to draw yet.",
+) -> None:
     """Show a figure with words and error bars in the theme's ink, where the usual grey is too pale to read.
 
-    With ``on_span``, dragging across it marks a stretch of its x axis and calls that with its ends.
+    A finger that starts on it scrolls the page; the figure's own toolbar zooms. With ``on_span``, dragging the mouse
+    across it marks a stretch of its x axis and calls that with its ends. Of a figure without a point ``empty`` is said.
     """
     ink = (DARK if dark() else SCREEN).ink
-    with figure.batch_update():  # plotly takes as long for one change as for all of them
-        for axis in (*figure.select_xaxes(), *figure.select_yaxes()):
-            axis.tickfont.color = axis.title.font.color = ink
-        figure.update_annotations(font_color=ink)
-        figure.layout.legend.font.color = ink
-        if on_span is not None:
-            figure.update_layout(dragmode="select", selectdirection="h")
-        figure.update_traces(textfont_color=ink, selector={"type": "scatter"})
-    for trace in figure.data:
-        if trace.type in ("bar", "scatter") and trace.error_x.color == SCREEN.soft:
-            trace.error_x.color = ink
-    if on_span is None:
-        st.plotly_chart(figure, key=key)
+    spec = figure.to_dict()
+    traces, layout = spec["data"], spec["layout"]
+    if not any(_points(trace) for trace in traces):
+        st.caption(empty)
         return
-    st.plotly_chart(figure, key=key, on_select=partial(_spanned, key, on_span), selection_mode="box")
+    layout["template"] = _template(pio.templates.default)  # whose colours Streamlit replaces by those of its theme
+    for name in [name for name in layout if name.startswith(("xaxis", "yaxis"))]:
+        axis = layout[name] = {"title": {}, **layout[name]}
+        axis["tickfont"] = {**axis.get("tickfont", {}), "color": ink}
+        axis["title"] = {**axis["title"], "font": {**axis["title"].get("font", {}), "color": ink}}
+    for note in layout.get("annotations", []):
+        note["font"] = {**note.get("font", {}), "color": ink}
+    layout["separators"] = f"{reader.say().texts['decimal']}\u00a0"  # of decimals, of thousands
+    layout["legend"] = {**layout.get("legend", {}), "font": {"color": ink}}
+    layout |= {"dragmode": False} if on_span is None else {"dragmode": "select", "selectdirection": "h"}
+    for trace in traces:
+        if trace["type"] == "scatter":
+            trace["textfont"] = {**trace.get("textfont", {}), "color": ink}
+        if trace.get("error_x", {}).get("color") == SCREEN.soft:
+            trace["error_x"]["color"] = ink
+        if trace.get("marker", {}).get("color") == SCREEN.ink:
+            trace["marker"] = {**trace["marker"], "color": ink, "line": {**trace["marker"]["line"], "color": ink}}
+        if "colorbar" in trace:
+            title = {**trace["colorbar"]["title"], "font": {"color": ink}}
+            trace["colorbar"] = {**trace["colorbar"], "title": title, "tickfont": {"color": ink}}
+    if on_span is None:
+        st.plotly_chart(_Ready(spec), key=key)
+        return
+    st.plotly_chart(_Ready(spec), key=key, on_select=partial(_spanned, key, on_span), selection_mode="box")
+
+
+def _points(trace: dict[str, Any]) -> int:
+    """Count what a trace has to draw."""
+    return max((len(trace[name]) for name in ("x", "y", "z") if trace.get(name) is not None), default=0)
 
 
 def _spanned(key: str, on_span: Callable[[float, float], None]) -> None:

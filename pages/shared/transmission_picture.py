@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import streamlit as st
 
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_toml import written_toml
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import AtleakError
 from atleak.report.controller_workbook.picture import spool_picture
-from atleak.views.controller_form import Checked, sketch
+from atleak.views.controller_form import sketch
 from atleak.views.drawing import controller_svg
+from atleak.views.entry_form import Checked
 from atleak.views.flow_diagram import flow_diagram
 from atleak.views.flow_svg import flow_svg
 from pages.shared import show
@@ -30,7 +31,7 @@ def draw_spools(step: str, found: Checked) -> None:
     with st.container():
         if step != COMPONENTS:
             return
-        controller = found.controller or sketch(found.data)
+        controller = found.entry or sketch(found.data)
         if controller is None:
             st.caption("The picture begins with the first land that has a component and a diameter.")
         else:
@@ -46,16 +47,16 @@ def draw_flow(step: str, found: Checked, job: Diagnosis) -> None:
         return
     st.subheader("Where its flow goes when new")
     with st.container():
-        if found.controller is None:
+        if found.entry is None:
             st.caption("Drawn once nothing is missing or wrong.")
             return
-        points = {point.name: point.label for point in found.controller.operating_points}
+        points = {point.name: point.label for point in found.entry.operating_points}
         chosen = st.selectbox(
             "At", list(points), format_func=lambda name: points.get(name, name), key="transmission-at"
         )
         try:
             key = written_toml(found.data), job.fluid.origin.sha256, job.fluid.state, job.limits.origin.sha256
-            drawing, columns = _flow(key, chosen or next(iter(points)), found.controller, job)
+            drawing, columns = _flow(key, chosen or next(iter(points)), found.entry, job)
         except AtleakError as error:
             st.caption(f"It cannot be drawn: {show.plain(error)}")
             return

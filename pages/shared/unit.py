@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import get_args
+from typing import Any, get_args
 
 import streamlit as st
 
@@ -99,8 +99,10 @@ def visits(jobs: Book, unit: int) -> tuple[VisitedJob, ...]:
 
 def draw_visits(visited: tuple[VisitedJob, ...]) -> None:
     """Show the visits, the last one first, and which of their sheets cannot be read any more."""
-    say, rows = reader.say(), []
+    say = reader.say()
+    rows: list[dict[str, Any]] = []
     for each in reversed(visited):
+        decided: dict[str, int | None] = {state: len(each.decided(state)) or None for state in STATES}
         rows.append(
             {
                 "verdict": Verdict(each.stored.file.result["verdict"]),
@@ -108,13 +110,13 @@ def draw_visits(visited: tuple[VisitedJob, ...]) -> None:
                 "mileage": each.visit.mileage,
                 "job": each.visit.name or each.stored.id,
                 "measured": sum(land.state.can_be_ok for land in each.visit.lands),
-                **{state: len(each.decided(state)) or None for state in STATES},
+                **decided,
             }
         )
         if each.problem:
             st.warning(say("unit.sheet_unread", visit=show.plain(each.visit.label), problem=show.plain(each.problem)))
-    decided = (Column(state, digits=0, words=say(f"job_decisions.{state}")) for state in STATES)
-    show.rows_table(rows, [*_VISITS, *decided])
+    by_state = (Column(state, digits=0, words=say(f"job_decisions.{state}")) for state in STATES)
+    show.rows_table(rows, [*_VISITS, *by_state])
 
 
 def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
@@ -150,7 +152,7 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
                     {
                         "date": each.date.isoformat(),
                         "pair": _pair(decision),
-                        "repair_decision": say.get("job_decisions", decision.decision),
+                        "repair_decision": say.get("job_decisions", decision.decision or ""),
                         "work": decision.work,
                         "reason": decision.reason,
                     }
@@ -163,7 +165,7 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
 def _decision(each: RepairDecision, say: Wording) -> str:
     work = f", {show.plain(each.work)}" if each.work else ""
     reason = f": {show.plain(each.reason)}" if each.reason else f", {say('unit.no_reason')}"
-    return f"{show.plain(_pair(each))}{work} **{say.get('job_decisions', each.decision)}**{reason}"
+    return f"{show.plain(_pair(each))}{work} **{say.get('job_decisions', each.decision or '')}**{reason}"
 
 
 def _pair(each: RepairDecision) -> str:

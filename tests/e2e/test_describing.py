@@ -64,9 +64,25 @@ def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
     expect(page.get_by_text("our_box_2012")).to_be_visible()
     wait_until_idle(page)
     type_into(page, 1, 1, 3, "1500")
-    expect(page.get_by_text("1 thing is missing or wrong")).to_be_visible()
+    expect(page.get_by_text("Missing or wrong: 1.")).to_be_visible()
     expect(page.get_by_text("row 1, Diameter: value not accepted (found '1500')")).to_be_visible()
     type_into(page, 1, 1, 3, "15,1")
+    expect(page.get_by_text("Nothing is missing or wrong.")).to_be_visible()
+
+    page.get_by_role("radio", name="Pump").click()
+    displacement = page.get_by_role("textbox", name="Displacement of one revolution")
+    displacement.fill("18")
+    displacement.press("Tab")
+    below = page.get_by_text("? 18 mm³ is unusual for the displacement of one revolution").last
+    expect(below).to_be_visible()
+    wait_until_idle(page)
+    field, doubt = displacement.bounding_box(), below.bounding_box()
+    assert field is not None
+    assert doubt is not None
+    assert abs(doubt["x"] - field["x"]) < 20
+    assert 0 < doubt["y"] - field["y"] < 120
+    displacement.fill("18000")
+    displacement.press("Tab")
     expect(page.get_by_text("Nothing is missing or wrong.")).to_be_visible()
 
     page.get_by_role("link", name="Readings", exact=True).click()

@@ -68,7 +68,7 @@ for name in ("Summary", "Lands", "Rules"):
     cells = {cell.value for row in book[name].iter_rows() for cell in row}
     assert "◆ repair soon" in cells, name
 assert "◆ repair soon" in {trace.name for trace in figures.leakage_ranking(found).data}, "ranking"
-assert "◆ repair soon" in {trace.name for trace in figures.wear(found).data}, "wear"
+assert "repair soon" in {trace.name for trace in figures.wear(found).data}, "wear"
 main = root / "walk" / "main.py"
 main.parent.mkdir()
 main.write_text(f"import runpy\\nrunpy.run_path({str(root / 'app.py')!r})\\n", encoding="utf-8")

@@ -249,10 +249,10 @@ def test_a_slope_of_density_that_no_sheet_gives_is_called_representative(fluid: 
 @pytest.mark.parametrize(
     ("changes", "table", "key", "value"),
     [
-        ([("= 7.0\n", "= 70.0\n")], "viscosity", "kinematic_viscosity_mm2_s", 70.0),
-        ([("temperature_c = 100.0", "temperature_c = 40.0")], "viscosity", "temperature_c", 40.0),
-        ([("temperature_c = 20.0", "temperature_c = -40.0")], "table", "temperature_c", -40.0),
-        ([("= 145.0", "= 1923.0")], "table", "kinematic_viscosity_mm2_s", 1923.0),
+        ([("= 7.0\n", "= 70.0\n")], "viscosity[2]", "kinematic_viscosity_mm2_s", 70.0),
+        ([("temperature_c = 100.0", "temperature_c = 40.0")], "viscosity[2]", "temperature_c", 40.0),
+        ([("temperature_c = 20.0", "temperature_c = -40.0")], "table[2]", "temperature_c", -40.0),
+        ([("= 145.0", "= 1923.0")], "table[2]", "kinematic_viscosity_mm2_s", 1923.0),
         ([("= 0.826", "= 826.0")], "density", "density_g_cm3", 826.0),
         ([("= -0.00073", "= 0.00073")], "density", "density_slope_g_cm3_k", 0.00073),
         ([("representative = []", "representative = []\npour_point_c = 44")], None, "pour_point_c", 44),

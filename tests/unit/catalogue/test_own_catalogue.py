@@ -9,7 +9,18 @@ from pathlib import Path
 import pytest
 
 from atleak.catalogue.controller_reading import controllers, load_controller
-from atleak.catalogue.entries import KINDS, catalogue_files, listed, own_folder, shipped_files, write_own
+from atleak.catalogue.entries import (
+    KINDS,
+    catalogue_files,
+    listed,
+    own_files,
+    own_folder,
+    remove_own,
+    removed_own,
+    restore_own,
+    shipped_files,
+    write_own,
+)
 from atleak.catalogue.fluid import load_fluid
 from atleak.errors import CatalogueError, OutputError
 from atleak.job.case import Case
@@ -119,3 +130,27 @@ def test_an_own_file_is_written_once_and_replaced_only_by_who_knows_it(own_home:
     assert path.read_text(encoding="utf-8") == "second = 2\n"
     with pytest.raises(OutputError, match="ships with atleak"):
         write_own("fluids", "mobil_atf_220", "")
+
+
+def test_a_file_that_was_taken_out_can_be_brought_back(put: Put) -> None:
+    text = put("controllers", "minimal_example", "my_box.toml", OWN_ID).read_bytes()
+    remove_own("controllers", "my_box")
+    assert "my_box" not in catalogue_files("controllers")
+    assert list(removed_own("controllers")) == ["my_box"]
+    restore_own("controllers", "my_box")
+    assert own_files("controllers")["my_box"].read_bytes() == text
+    assert removed_own("controllers") == {}
+
+
+def test_a_file_is_not_brought_back_over_another_one(put: Put) -> None:
+    put("controllers", "minimal_example", "my_box.toml", OWN_ID)
+    remove_own("controllers", "my_box")
+    newer = put("controllers", "minimal_example", "my_box.toml", OWN_ID, ("Example of a", "Another"))
+    with pytest.raises(OutputError, match="is in your catalogue already"):
+        restore_own("controllers", "my_box")
+    assert "Another" in newer.read_text(encoding="utf-8")
+
+
+def test_taking_out_what_is_not_there_is_refused_in_words(own_home: Path) -> None:
+    with pytest.raises(OutputError, match=r"my_box.toml: cannot be moved"):
+        remove_own("controllers", "my_box")

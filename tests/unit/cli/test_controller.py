@@ -13,6 +13,7 @@ import pytest
 
 from atleak import cli
 from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.entries import shipped_files
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -229,6 +230,15 @@ def test_check_counts_what_is_described(run: Run, name: str) -> None:
     assert ("which is an upper bound" in lines[1]) == (name == "minimal_example")
     assert re.fullmatch(r"values: \d+ measured, \d+ published, \d+ representative, \d+ not stated", lines[-2])
     assert lines[-1].startswith("representative, to be measured or looked up: ")
+
+
+def test_check_says_what_is_in_doubt_and_where(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "box.toml"
+    text = shipped_files("controllers")["minimal_example"].read_text(encoding="utf-8")
+    path.write_text(text.replace("displacement_mm3 = 18000.0", "displacement_mm3 = 18.0"), encoding="utf-8")
+    status, out, _ = run("controller", "check", path)
+    assert status == 0
+    assert "in doubt: box.toml, [pump], key 'displacement_mm3': 18 mm³ is unusual" in out
 
 
 def test_a_template_starts_from_a_shipped_unit_without_its_name(run: Run, tmp_path: Path) -> None:

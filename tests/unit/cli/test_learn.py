@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller_reading import load_controller
-from atleak.catalogue.controller_toml import written_toml
 from atleak.catalogue.entries import read_tables
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.projection import stated_condition
 from atleak.events import Event
 from atleak.figures import diagnosis_figures as figures
 from atleak.figures import uncertainty_figures as of_uncertainty
+from atleak.readings import Readings
 from atleak.wording import wording
 from atleak.workshop_units import DM3_MIN, PERCENT
+
+from ..conftest import with_clearances
 
 ALL = {
     "ranking": lambda diagnosis: figures.leakage_ranking(diagnosis),
@@ -30,7 +37,7 @@ def trace(figure, name: str):
 
 @pytest.mark.parametrize("name", ALL)
 def test_figures_are_transparent_and_say_their_units(sample: Diagnosis, name: str) -> None:
-    figure = ALL[name](sample)
+    figure = ALL[name](sample).checked()
     assert figure.layout.paper_bgcolor == figure.layout.plot_bgcolor == "rgba(0,0,0,0)"
     titles = [axis.title.text or "" for axis in (*figure.select_xaxes(), *figure.select_yaxes())]
     assert any("[" in title for title in titles)
@@ -195,6 +202,20 @@ def test_totals_tell_how_likely_each_band_is(sample: Diagnosis) -> None:
         bands = sample.uncertainty.total(projection.condition.name).band_probabilities
         likeliest = max(bands, key=lambda item: item[1])
         assert f"{likeliest[0]} {100 * likeliest[1]:.0f} %" in str(text)
+
+
+def test_a_share_near_the_left_end_is_written_beside_its_mark(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings], sample: Diagnosis
+) -> None:
+    """Centred on it, its first digit would be cut by the axis."""
+    readings = with_clearances(minimal, readings_of, {})
+    figure = figures.total_share(diagnose(minimal, hipol, limits, readings=readings))
+    _, right = figure.layout.xaxis.range
+    points = figure.data[0]
+    assert min(points.x) < 0.08 * right
+    for share, place in zip(points.x, points.textposition, strict=True):
+        assert place == ("top right" if share < 0.08 * right else "top center")
+    assert "top center" in figures.total_share(sample).data[0].textposition
 
 
 def test_bands_of_the_totals_are_named_under_their_sign(sample: Diagnosis) -> None:

@@ -29,7 +29,8 @@ def held(diagnosis: Diagnosis, *, planned: bool = True):
 
 
 def test_they_are_transparent_and_say_their_units(worn_clutch: Diagnosis) -> None:
-    for figure in (circuit_pressures(held(worn_clutch)), pump_over_speed(speeds(worn_clutch, worn_clutch.hot_idle))):
+    for drawn in (circuit_pressures(held(worn_clutch)), pump_over_speed(speeds(worn_clutch, worn_clutch.hot_idle))):
+        figure = drawn.checked()
         assert figure.layout.paper_bgcolor == figure.layout.plot_bgcolor == "rgba(0,0,0,0)"
         titles = [axis.title.text or "" for axis in (*figure.select_xaxes(), *figure.select_yaxes())]
         assert any("[" in title for title in titles)

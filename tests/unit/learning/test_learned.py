@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.catalogue.controller_tables import NewOrigin
-from atleak.catalogue.controller_toml import written_toml
 from atleak.catalogue.entries import read_tables
 from atleak.catalogue.instruments import load_instruments
 from atleak.errors import ReadingsError

@@ -91,7 +91,7 @@ def test_a_sheet_of_somebody_else_without_a_reading_is_refused_still(minimal: Co
     content = written(typed, {}, minimal)
     assert content is not None
     with pytest.raises(ReadingsError, match="no reading is left"):
-        read_readings(content.split(b"\r\n", 1)[1], minimal, name="own.csv")
+        read_readings(content.split(b"\r\n", 2)[2], minimal, name="own.csv")
 
 
 def test_the_plan_and_the_unit_come_back(minimal: Controller) -> None:

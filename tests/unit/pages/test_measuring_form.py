@@ -56,7 +56,8 @@ def opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Opened:
 
 
 def send(app: AppTest, number: int, *steps: dict[str, Any], page: str = "a") -> AppTest:
-    app.session_state["sent"] = {"page": page, "number": number, "steps": list(steps), "again": 0}
+    numbered = [{**step, "number": number + later} for later, step in enumerate(steps)]
+    app.session_state["sent"] = {"page": page, "steps": numbered, "again": 0}
     app.run()
     assert not app.exception
     return app.run()  # as the browser's message starts another run
@@ -79,14 +80,14 @@ def test_what_was_typed_is_the_jobs_measuring_sheet(opened: Opened, minimal: Con
     assert (shown(app), sheet_of(app)) == ({}, None)
     send(app, 1, put(FIRST, "15,001"), put(SECOND, "150,02"))
     assert shown(app) == {tuple(FIRST): "15,001", tuple(SECOND): "150,02"}
-    assert app.session_state["seen"]["answer"] == {"page": "a", "number": 1, "at": None}
+    assert app.session_state["seen"]["answer"] == {"page": "a", "number": 2, "at": None}
     readings = read_readings(sheet_of(app).content, minimal, name="typed.csv")
     assert [reading.diameter for reading in readings.readings] == [pytest.approx(15.001e-3, abs=1e-9)]
     doubts = {tuple(cell["key"]): cell["counts"] for cell in app.session_state["seen"]["cells"] if cell["doubt"]}
     assert doubts == {tuple(SECOND): False}
-    send(app, 1, {"do": "undo"})  # the same number: sent again before the answer arrived
+    send(app, 2, {"do": "undo"})  # the same number: sent again before the answer arrived
     assert len(shown(app)) == 2
-    send(app, 2, {"do": "undo"})
+    send(app, 2, put(SECOND, "1"), {"do": "undo"})  # the second of these is new
     assert shown(app) == {tuple(FIRST): "15,001"}
     send(app, 1, {"do": "undo"}, page="b")  # the page was loaded anew
     assert (shown(app), sheet_of(app)) == ({}, None)

@@ -14,7 +14,8 @@ def test_an_own_valve_body_is_offered_used_and_kept_though_its_file_breaks_and_g
     text = shipped_files("controllers")["minimal_example"].read_text(encoding="utf-8")
     folder = made(own_folder("controllers"))
     path = folder / "my_box.toml"
-    path.write_text(text.replace('id = "minimal_example"', 'id = "my_box"', 1), encoding="utf-8")
+    text = text.replace('id = "minimal_example"', 'id = "my_box"', 1)
+    path.write_text(text.replace("displacement_mm3 = 18000.0", "displacement_mm3 = 18.0", 1), encoding="utf-8")
     (folder / "torn.toml").write_text("[", encoding="utf-8")
     app.run()
     offered = choice(app, "Valve body").options
@@ -23,6 +24,7 @@ def test_an_own_valve_body_is_offered_used_and_kept_though_its_file_breaks_and_g
     choice(app, "Valve body").select("my_box").run()
     assert not app.exception
     assert "nothing was measured" in texts(app)
+    assert "18 mm³ is unusual for the displacement of one revolution" in "".join(w.value for w in app.sidebar.warning)
     go(app, "26_Catalogue")
     assert not app.exception
     assert "torn.toml: is not valid TOML" in texts(app)

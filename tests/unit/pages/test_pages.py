@@ -7,22 +7,25 @@ import re
 from pathlib import Path
 
 import openpyxl
+import plotly.graph_objects as plotly_objects
 import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
-from atleak.figures.diagnosis_figures import leakage_ranking
+from atleak.figures.diagnosis_figures import leakage_ranking, wear
 from atleak.look import PAPER
 from atleak.report.measuring_sheet import write_template
 from atleak.views.drawing import controller_svg, on_dark, spool_svg
+from atleak.wording import wording
 
 from .conftest import ROOT, choice, flagged, flagged_pairs, go, number, settle, tables, texts, unfold, uploader
 
 PAGES = (
     "0_Start", "1_Job", "22_Settings",
     "4_Diagnosis", "2_Readings", "21_Uncertainty", "3_Road_test", "6_Report", "28_Source_study", "26_Catalogue",
-    "20_Pressures", "27_Transmission", "10_Job_book", "11_Unit", "12_Compare", "13_Estimate",
+    "20_Pressures", "5_What_if", "27_Transmission", "10_Job_book", "11_Unit", "12_Compare", "13_Estimate",
+    "23_Gauge_study", "24_Workshop_data",
 )  # fmt: skip
 WATCH = "watch = { percent = 10.0, at_least_um = 4.0 }"  # of the default limits
 XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
@@ -501,12 +504,37 @@ def test_a_charts_words_stand_out_from_its_ground(
     monkeypatch.setattr(show, "dark", lambda: theme == "dark")
     monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: drawn.append(figure))
     show.chart(leakage_ranking(sample), "any")
-    (figure,) = drawn
+    figure = plotly_objects.Figure(drawn[0].to_dict())
     bars = [trace for trace in figure.data if trace.type == "bar"]
     inks = [figure.layout.xaxis.tickfont.color, figure.layout.yaxis.title.font.color, figure.layout.legend.font.color]
     inks += [bar.error_x.color for bar in bars]
     assert len(bars) > 1
     assert min(contrast(ink) for ink in inks) >= 4.5
+
+
+def test_a_charts_numbers_have_the_readers_decimal_sign_and_no_finger_zooms_it(
+    sample: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from pages.shared import show
+
+    drawn = []
+    monkeypatch.setattr(show, "dark", lambda: False)
+    monkeypatch.setattr(show.reader, "say", lambda: wording("de"))
+    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: drawn.append(figure.to_dict()["layout"]))
+    show.chart(leakage_ranking(sample), "any")
+    assert drawn[0]["separators"] == ",\u00a0"
+    assert drawn[0]["dragmode"] is False
+
+
+def test_of_a_chart_without_a_point_no_axes_are_drawn(unmeasured: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
+    from pages.shared import show
+
+    said = []
+    monkeypatch.setattr(show, "dark", lambda: False)
+    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: pytest.fail("empty axes"))
+    monkeypatch.setattr(show.st, "caption", said.append)
+    show.chart(wear(unmeasured), "any", empty="Nothing measured.")
+    assert said == ["Nothing measured."]
 
 
 def test_a_drawing_on_a_dark_ground_has_light_words(four_speed) -> None:

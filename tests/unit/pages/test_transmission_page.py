@@ -58,6 +58,12 @@ def test_a_copy_is_named_kept_saved_used_and_edited_again(app: AppTest) -> None:
     go(app, PAGE)
     assert labelled(app.text_input, "Gears *").value == "x"
     labelled(app.text_input, "Gears *").set_value("R 1 2 3 4").run()
+    step(app, "Pump")
+    labelled(app.text_input, "Displacement of one revolution [mm³]").set_value("18").run()
+    assert ":orange[? 18 mm³ is unusual for the displacement of one revolution" in texts(app)
+    labelled(app.text_input, "Displacement of one revolution [mm³]").set_value("18 000").run()
+    assert ":orange[" not in texts(app)
+    step(app, "Head")
     assert labelled(app.button, "Use it for this job").disabled
     labelled(app.button, "Save as own file").click().run()
     path = own_folder("controllers") / "our_box.toml"

@@ -157,7 +157,7 @@ def test_variants_of_that_wear_printed_and_computed(over_temperature: Chart) -> 
 @pytest.mark.parametrize("which", ["over_time", "share", "over_temperature"])
 def test_figure_draws_every_line_and_leaves_the_theme_alone(which: str, request: pytest.FixtureRequest) -> None:
     chart = request.getfixturevalue(which)
-    drawn = figure(chart)
+    drawn = figure(chart).checked()
     traces = {trace.name: trace for trace in drawn.data}
     for curve in chart.lines:
         trace = traces[curve.name]

@@ -6,12 +6,13 @@ from typing import Any
 
 import pytest
 
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller_reading import checked_controller
-from atleak.catalogue.controller_toml import written_toml
 from atleak.catalogue.entries import read_tables, shipped_files
 from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError
-from atleak.views.controller_form import Checked, Draft, FormFault, checked, copy_of, draft_of, read_draft, sketch
+from atleak.views.controller_form import CONTROLLER, sketch
+from atleak.views.entry_form import Checked, Draft, FormFault, checked, copy_of, draft_of, read_draft
 
 INCH = Units("inch", "diametral", "psi")
 
@@ -23,7 +24,7 @@ def minimal_tables() -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def typed(minimal_tables: dict[str, Any]) -> Draft:
-    return draft_of(minimal_tables)
+    return draft_of(CONTROLLER, minimal_tables)
 
 
 def with_row(draft: Draft, table: str, row: int, **cells: str) -> Draft:
@@ -42,11 +43,11 @@ def fault_of(draft: Draft) -> FormFault:
 @pytest.mark.parametrize("units", [Units(), INCH], ids=["mm", "inch"])
 def test_a_shipped_valve_body_typed_in_tables_is_the_same_to_the_last_digit(name: str, units: Units) -> None:
     data, _ = read_tables("controllers", name)
-    found = checked(draft_of(data, units))
-    assert (found.faults, found.notes) == ((), ())
-    assert found.controller is not None
+    found = checked(draft_of(CONTROLLER, data, units))
+    assert (found.faults, found.doubts, found.notes) == ((), (), ())
+    assert found.entry is not None
     known = checked_controller(data, "this description")
-    assert found.controller.lands == known.lands
+    assert found.entry.lands == known.lands
     for part in (
         "gaps",
         "circuits",
@@ -58,7 +59,7 @@ def test_a_shipped_valve_body_typed_in_tables_is_the_same_to_the_last_digit(name
         "standing",
         "repairs",
     ):
-        assert getattr(found.controller, part) == getattr(known, part)
+        assert getattr(found.entry, part) == getattr(known, part)
 
 
 def test_changing_the_units_and_back_changes_no_digit(typed: Draft) -> None:
@@ -92,14 +93,14 @@ def test_every_fault_is_named_at_once_with_its_cell(typed: Draft) -> None:
         ("Components", 4, "Name"),
         ("Lands", 2, "Mounting clearance"),
         ("Lands", 2, "Diameter"),
-        ("Pump", 1, "Volumetric efficiency"),
+        ("Pump", None, "Volumetric efficiency"),
         ("Operating points", 1, "Gear"),
     ]
 
 
 def test_an_empty_description_says_what_is_to_be_filled_in() -> None:
-    found = checked(Draft())
-    assert found.controller is None
+    found = checked(Draft(CONTROLLER))
+    assert found.entry is None
     assert [(fault.table, fault.heading, fault.text) for fault in found.faults] == [
         *(("Head", heading, "this cell must be filled in") for heading in ("Name", "Source", "Date", "Gears")),
         *(
@@ -117,7 +118,7 @@ def test_the_id_is_made_from_the_name_unless_it_is_typed(typed: Draft) -> None:
 
 
 def test_a_copy_has_a_name_and_an_id_of_its_own(minimal_tables: dict[str, Any]) -> None:
-    found = checked(draft_of(copy_of(minimal_tables)))
+    found = checked(draft_of(CONTROLLER, copy_of(minimal_tables)))
     assert found.data["name"] == f"{minimal_tables['name']}, own copy"
     assert found.data["id"] not in shipped_files("controllers")
     assert found.faults == ()
@@ -133,16 +134,16 @@ def test_empty_rows_between_others_mean_nothing(typed: Draft) -> None:
 
 
 def test_a_draft_is_read_back_as_it_was_kept_and_a_damaged_one_is_none(typed: Draft) -> None:
-    assert read_draft(typed.in_units(INCH).written()) == typed.in_units(INCH)
+    assert read_draft(CONTROLLER, typed.in_units(INCH).written()) == typed.in_units(INCH)
     for text in ("", "[", "{}", "[]", '{"format": 0}', '{"format": 1, "units": {"length": "ell"}, "tables": 3}'):
-        assert read_draft(text) is None
+        assert read_draft(CONTROLLER, text) is None
 
 
 def test_what_was_typed_is_written_as_a_file_and_read_again(typed: Draft, tmp_path: Any) -> None:
     found = checked(typed)
     path = tmp_path / "own.toml"
     path.write_text(written_toml(found.data), encoding="utf-8")
-    assert checked(draft_of(read_tables("controllers", path)[0])).data == found.data
+    assert checked(draft_of(CONTROLLER, read_tables("controllers", path)[0])).data == found.data
 
 
 def _drawn(found: Checked) -> list[tuple[str, int]]:
@@ -151,7 +152,7 @@ def _drawn(found: Checked) -> list[tuple[str, int]]:
 
 
 def test_lands_are_drawn_before_the_rest_is_filled_in() -> None:
-    draft = Draft().with_rows("Components", [{"Id": "8", "Name": "shift valve"}, {"Id": "9"}])
+    draft = Draft(CONTROLLER).with_rows("Components", [{"Id": "8", "Name": "shift valve"}, {"Id": "9"}])
     lands = [
         {"Component": "8", "Land": "1", "Diameter": "12,5"},
         {"Component": "8", "Land": "2"},  # no diameter yet
@@ -167,7 +168,9 @@ def test_lands_are_drawn_before_the_rest_is_filled_in() -> None:
 
 def test_a_number_that_another_unit_would_make_usual_is_asked_about_and_saved_all_the_same(typed: Draft) -> None:
     found = checked(with_row(typed, "Lands", 1, Diameter="0,59"))
-    assert found.controller is not None
-    assert found.notes == ("Lands, row 1, Diameter: 0,59 mm is unusual: was it in inch?",)
+    assert found.entry is not None
+    (doubt,) = found.doubts
+    assert (doubt.table, doubt.where) == ("Lands", "row 1, Diameter")
+    assert doubt.text == "0,59 mm is unusual: was it in inch?"
     refused = checked(with_row(typed, "Lands", 1, Diameter="1500"))
-    assert (len(refused.faults), refused.notes) == (1, ())
+    assert (len(refused.faults), refused.doubts) == (1, ())

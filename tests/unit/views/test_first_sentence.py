@@ -76,7 +76,7 @@ def test_a_worn_unit_says_what_decided_and_by_which_limit(worn: Diagnosis, langu
     decided_by = worn.decided_by
     assert decided_by is not None
     component, land = decided_by.key  # type: ignore[union-attr]
-    assert f"{component}/{land} {worn.controller.components[component]}" in said
+    assert f"{component}/{land} {say.name(worn.controller.components[component])}" in said
     assert say.signed(worn.decided_by.verdict) in said  # type: ignore[union-attr]
     assert f"1 {'of' if language == 'en' else 'von' if language == 'de' else 'z'} 47" in said
     assert said.endswith(".")

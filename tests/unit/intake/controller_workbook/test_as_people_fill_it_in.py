@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from atleak.catalogue.controller_toml import written_toml
+from atleak.catalogue.catalogue_toml import written_toml
 
 Book = Any
 

@@ -10,9 +10,9 @@ from typing import Any, Union, get_args, get_origin
 import pytest
 from pydantic import BaseModel
 
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.catalogue.controller_tables import ControllerFile
-from atleak.catalogue.controller_toml import written_toml
 from atleak.catalogue.entries import shipped_files
 from atleak.controller_sheets.layout import SHEETS
 from atleak.controller_sheets.units import Units

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller_reading import checked_controller, load_controller
-from atleak.catalogue.controller_toml import written_toml
 from atleak.catalogue.entries import catalogue_files, read_tables
 
 every_controller = pytest.mark.parametrize("name", list(catalogue_files("controllers")))

@@ -1,4 +1,4 @@
-"""Write the tables of a controller as the TOML file that describes it."""
+"""Write the tables of a catalogue entry as the TOML file that describes it."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from atleak.catalogue.controller_tables import ControllerFile
 from atleak.faults import model_in
 
 
-def written_toml(data: Mapping[str, Any]) -> str:
-    """Return the TOML file of a controller: the keys in a fixed order, none that is None, no comments.
+def written_toml(data: Mapping[str, Any], model: type[BaseModel] = ControllerFile) -> str:
+    """Return the TOML file of an entry: the keys in the order of its model, none that is None, no comments.
 
     The same tables give the same text. Tables that are wrong are written too, so that they can be mended.
 
@@ -21,8 +21,10 @@ def written_toml(data: Mapping[str, Any]) -> str:
     ----------
     data
         the tables as a TOML file of the same content gives them.
+    model
+        what such a file holds; that of a controller unless given.
     """
-    return tomli_w.dumps(_ordered(data, ControllerFile))
+    return tomli_w.dumps(_ordered(data, model))
 
 
 def _ordered(table: Mapping[str, Any], model: type[BaseModel] | None) -> dict[str, Any]:

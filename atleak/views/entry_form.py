@@ -1,0 +1,286 @@
+"""An entry of the catalogue as it is typed on a page: tables of text, which become the tables of its file.
+
+What is typed stays as it is, sign for sign, whether or not it can be read; every fault and doubt has its cell. Which
+tables and columns there are says a `Subject`.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+from pydantic import BaseModel
+
+from atleak.catalogue.catalogue_toml import written_toml
+from atleak.catalogue.doubts import doubts_of
+from atleak.catalogue.entries import id_from_name
+from atleak.controller_sheets.description import Description, Fault, Row, Spot
+from atleak.controller_sheets.kinds import Kind, NotAccepted
+from atleak.controller_sheets.layout import Offered
+from atleak.controller_sheets.meaning import doubts, fault_of_cell
+from atleak.controller_sheets.shapes import Column, Sheet
+from atleak.controller_sheets.units import Units
+from atleak.errors import CatalogueError, InputError
+
+Cells = Mapping[str, str]
+"""A row by the headings of its columns; a heading that is missing is an empty cell."""
+
+_FORMAT = 1
+_DIGITS = range(15, 18)  # of a computed number
+_COMPUTED = re.compile(r"-?\d+\.\d+(?:e[+-]\d+)?|-?\d{15,17}")
+
+
+def _as_it_is(data: Mapping[str, Any]) -> dict[str, Any]:
+    return dict(data)
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A kind of entry that can be typed: its sheets, the first of which is its head, and how its file is checked."""
+
+    kind: str  # the folder of the catalogue
+    sheets: tuple[Sheet, ...]
+    model: type[BaseModel]  # of its file
+    load: Callable[[Mapping[str, Any]], Any]  # from the tables of a file; raises a CatalogueError
+    names: Mapping[str, Offered] = field(default_factory=dict)  # that drop-downs offer
+    opened: Callable[[Mapping[str, Any]], dict[str, Any]] = _as_it_is  # a file's tables as the sheets have them
+    closed: Callable[[Mapping[str, Any]], dict[str, Any]] = _as_it_is  # the other way round, as people write a file
+
+    def sheet(self, name: str) -> Sheet:
+        """Return a sheet by its name."""
+        return next(sheet for sheet in self.sheets if sheet.name == name)
+
+    def toml(self, data: Mapping[str, Any]) -> str:
+        """Return tables as the text of their file."""
+        return written_toml(self.closed(data), self.model)
+
+
+@dataclass(frozen=True)
+class FormFault:
+    """What is wrong or in doubt, and where: table, row from 1 and heading; of a form and as a whole, there is none."""
+
+    table: str
+    row: int | None
+    heading: str | None
+    text: str
+
+    @property
+    def where(self) -> str:
+        """Return row and column in words."""
+        row = None if self.row is None else f"row {self.row}"
+        return ", ".join(part for part in (row, self.heading) if part)
+
+
+@dataclass(frozen=True)
+class Draft:
+    """What is typed so far: by table the rows, and the units in which its numbers are typed."""
+
+    subject: Subject
+    units: Units = Units()  # noqa: RUF009  frozen
+    tables: Mapping[str, tuple[Cells, ...]] = field(default_factory=dict)
+
+    def rows(self, table: str) -> tuple[Cells, ...]:
+        """Return the rows of a table; those of a form are one."""
+        rows = self.tables.get(table, ())
+        return rows or ({},) if self.subject.sheet(table).is_form else rows
+
+    def cell(self, table: str, heading: str) -> str:
+        """Return what stands in a field of a form."""
+        return self.rows(table)[0].get(heading, "")
+
+    def with_rows(self, table: str, rows: Iterable[Cells]) -> Draft:
+        """Return the draft with other rows of a table; empty ones keep their place, but not at the end."""
+        kept = [{heading: text for heading, text in row.items() if text.strip()} for row in rows]
+        while kept and not kept[-1]:
+            kept.pop()
+        return replace(self, tables={**self.tables, table: tuple(kept)})
+
+    def with_cell(self, table: str, heading: str, text: str) -> Draft:
+        """Return the draft with another text in a field of a form."""
+        return self.with_rows(table, [{**self.rows(table)[0], heading: text}])
+
+    def in_units(self, units: Units) -> Draft:
+        """Return the same entry typed in other units, each number converted exactly; what is none stays."""
+        tables = {}
+        for name, rows in self.tables.items():
+            sheet = self.subject.sheet(name)
+            tables[name] = tuple(
+                {heading: _converted(sheet, heading, text, self.units, units) for heading, text in row.items()}
+                for row in rows
+            )
+        return replace(self, units=units, tables=tables)
+
+    def written(self) -> str:
+        """Return the draft as JSON, which `read_draft` reads."""
+        stored = {"format": _FORMAT, "kind": self.subject.kind, "units": asdict(self.units), "tables": self.tables}
+        return json.dumps(stored, ensure_ascii=False)
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What a draft describes: the tables of a file, the entry where nothing is wrong, else every fault."""
+
+    data: Mapping[str, Any]
+    entry: Any  # None where something is wrong
+    faults: tuple[FormFault, ...]
+    doubts: tuple[FormFault, ...]  # values that are accepted, and probably a slip
+    notes: tuple[str, ...]  # what was taken for granted, in sentences
+
+    def of(self, table: str) -> tuple[FormFault, ...]:
+        """Return the faults in one table."""
+        return tuple(fault for fault in self.faults if fault.table == table)
+
+    def doubted_in(self, table: str) -> tuple[FormFault, ...]:
+        """Return the doubts in one table."""
+        return tuple(doubt for doubt in self.doubts if doubt.table == table)
+
+
+def draft_of(subject: Subject, data: Mapping[str, Any], units: Units = Units()) -> Draft:  # noqa: B008  frozen
+    """Return the tables of an entry's file as a draft, typed in these units."""
+    draft, data = Draft(subject, units), subject.opened(data)
+    for sheet in subject.sheets:
+        columns = {column.heading: column for column in sheet.columns_for(data)}
+        rows = [
+            {heading: _text(columns[heading].kind, value, units) for heading, value in row.items()}
+            for row in sheet.rows(data)
+        ]
+        draft = draft.with_rows(sheet.name, rows)
+    return draft
+
+
+def copy_of(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return an entry's tables as those of another one: under another name, from which its id will be made."""
+    return {key: value for key, value in data.items() if key != "id"} | {"name": f"{data['name']}, own copy"}
+
+
+def read_draft(subject: Subject, text: str) -> Draft | None:
+    """Read a draft that was kept; None where it is damaged, of another version or of another kind of entry."""
+    try:
+        stored = json.loads(text)
+        if stored["format"] != _FORMAT or stored.get("kind", "controllers") != subject.kind:
+            return None
+        draft = Draft(subject, Units(**stored["units"]))
+        for name, rows in stored["tables"].items():
+            if any(sheet.name == name for sheet in subject.sheets):
+                draft = draft.with_rows(name, [{str(key): str(cell) for key, cell in row.items()} for row in rows])
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+    return draft
+
+
+def checked(draft: Draft) -> Checked:
+    """Read a draft and check it as its file would be; name everything that is wrong, and what is in doubt."""
+    subject, into, rows = draft.subject, Description(), {}
+    for sheet in subject.sheets:
+        rows[sheet.name] = _rows(draft, sheet, into)
+        sheet.fill(rows[sheet.name], into)
+    if "id" not in into.data and (made := id_from_name(into.data.get("name", "unnamed"))):
+        into.data["id"] = made
+    faults = [_of_cell(subject, fault) for fault in into.faults]
+    entry = None
+    try:
+        entry = subject.load(into.data)
+    except CatalogueError as error:
+        further = [fault for fault in (error, *error.others) if not into.is_unread(fault.place.steps)]
+        faults += [_of_cell(subject, _in_its_cell(fault, into, rows, draft)) for fault in further]
+    order = {sheet.name: number for number, sheet in enumerate(subject.sheets)}
+    faults = sorted(dict.fromkeys(faults), key=lambda fault: (order.get(fault.table, -1), fault.row or 0))
+    taken = {(fault.table, fault.row, fault.heading) for fault in faults}
+    asked = []
+    for doubt in _doubts(draft, entry, into, rows):
+        if (cell := (doubt.table, doubt.row, doubt.heading)) not in taken:
+            taken.add(cell)
+            asked.append(doubt)
+    return Checked(into.data, None if faults else entry, tuple(faults), tuple(asked), tuple(into.notes))
+
+
+def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequence[Row]]) -> Iterable[FormFault]:
+    """Yield what looks like a number of another unit as it was typed, then what is unusual in its file."""
+    for sheet in draft.subject.sheets:
+        for spot, text in doubts(sheet, rows[sheet.name], draft.units):
+            yield _of_cell(draft.subject, Fault(spot, text))
+    of_file = entry.doubts if entry is not None else doubts_of(draft.subject.kind, into.data, "")
+    for message in of_file:
+        at = None if message.place is None else into.spot(message.place.steps)
+        yield _of_cell(draft.subject, Fault(at or Spot(draft.subject.sheets[0].name), message.text))
+
+
+# --- cells --------------------------------------------------------------------------------------------------------
+
+
+def _rows(draft: Draft, sheet: Sheet, into: Description) -> list[Row]:
+    """Read the cells of a table; each that cannot be read is a fault."""
+    rows = []
+    for number, cells in enumerate(draft.rows(sheet.name), start=1):
+        if not cells and not sheet.is_form:
+            continue
+        spot, values = Spot(sheet.name, number), {}
+        for heading, text in cells.items():
+            column = _column(sheet, heading)
+            if column is None:
+                into.faults.append(Fault(replace(spot, heading=heading), "no column of this table", text))
+                continue
+            try:
+                values[heading] = column.kind.value(_cell(text), draft.units)
+            except NotAccepted as error:
+                into.faults.append(Fault(replace(spot, heading=heading), "cannot be read", text, str(error)))
+        rows.append(Row(spot, dict(cells), values))
+    return rows
+
+
+def _column(sheet: Sheet, heading: str) -> Column | None:
+    declared = next((column for column in sheet.columns if column.heading == heading), None)
+    return declared or sheet.further_column(heading)
+
+
+def _converted(sheet: Sheet, heading: str, text: str, before: Units, after: Units) -> str:
+    column = _column(sheet, heading)
+    if column is None or column.kind.label(before) == column.kind.label(after):
+        return text
+    try:
+        return _text(column.kind, column.kind.value(_cell(text), before), after)
+    except NotAccepted:
+        return text
+
+
+def _text(kind: Kind, value: Any, units: Units) -> str:
+    """Return what is typed for a value of the file, so that it is read back to the last digit."""
+    cell = kind.cell(value, units)
+    if isinstance(cell, float):
+        texts = (f"{cell:.{digits}g}" for digits in _DIGITS)
+        return next((text for text in texts if kind.value(_cell(text), units) == value), repr(cell))
+    return str(cell)
+
+
+def _cell(text: str) -> str | float:
+    """Return a text as a cell: a number of so many digits was computed, not typed, and is one of a workbook's."""
+    digits = len(text.split("e")[0].replace(".", "").lstrip("-0"))
+    return float(text) if digits in _DIGITS and _COMPUTED.fullmatch(text) else text
+
+
+# --- faults -------------------------------------------------------------------------------------------------------
+
+
+def _of_cell(subject: Subject, fault: Fault) -> FormFault:
+    row = None if subject.sheet(fault.spot.sheet).is_form else fault.spot.row
+    said = str(InputError(fault.problem, value=fault.value, expected=fault.expected, nearest=fault.nearest))
+    return FormFault(fault.spot.sheet, row, fault.spot.heading, said)
+
+
+def _in_its_cell(error: InputError, into: Description, rows: Mapping[str, Sequence[Row]], draft: Draft) -> Fault:
+    """Return a fault of the tables where it stands on the page."""
+    spot = into.spot(error.place.steps)
+    if spot is None:
+        sheets = draft.subject.sheets
+        sheet = next((sheet for sheet in sheets if sheet.at[:1] == error.place.steps[:1]), sheets[0])
+        problem = "nothing is filled in yet" if len(error.place.steps) == 1 else error.problem
+        return Fault(Spot(sheet.name), problem, error.value, error.expected, error.nearest)
+    row = next((row for row in rows[spot.sheet] if row.spot.row == spot.row), None)
+    column = None if spot.heading is None else _column(draft.subject.sheet(spot.sheet), spot.heading)
+    if row is not None and column is not None:
+        return fault_of_cell(error, column, row, draft.units)
+    problem = error.problem if row is None or row.cells else "nothing is filled in yet"
+    return Fault(spot, problem, error.value, error.expected, error.nearest)

@@ -1,0 +1,136 @@
+"""Rows and record of a gauge study, for page, terminal and JSON alike."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from atleak.gauge_study.anova import CATEGORY, SPREAD, Component, GaugeStudy
+from atleak.views.columns import Column
+from atleak.views.message_record import message_record
+from atleak.wording import Wording
+from atleak.workshop_units import PERCENT, UM
+
+
+def component_rows(study: GaugeStudy) -> list[dict[str, Any]]:
+    """Return one row for each component of variation; deviations in µm, shares in percent, None where unknown."""
+    return [
+        {
+            "component": component.name,
+            "deviation_um": component.deviation * UM,
+            "spread_um": SPREAD * component.deviation * UM,
+            "contribution_percent": _percent(component.contribution),
+            "of_study_percent": _percent(component.of_study),
+            **({} if study.tolerance is None else {"of_tolerance_percent": _percent(component.of_tolerance)}),
+        }
+        for component in study.components
+        if not _is_pooled(study, component)
+    ]
+
+
+def anova_rows(study: GaugeStudy) -> list[dict[str, Any]]:
+    """Return one row for each source of the analysis of variance, in µm²."""
+    return [
+        {
+            "source": row.source,
+            "squares_um2": row.squares * UM**2,
+            "freedom": row.freedom,
+            "mean_square_um2": None if row.source == "total" else row.mean_square * UM**2,
+            "f": row.f,
+            "probability": row.probability,
+        }
+        for row in study.table
+    ]
+
+
+def study_record(study: GaugeStudy) -> dict[str, Any]:
+    """Return everything a study says, as scripts read it: µm and percent; nothing is rounded."""
+    readings = study.readings
+    return {
+        "file": readings.file,
+        "sha256": readings.sha256 or None,
+        "parts": list(readings.parts),
+        "operators": list(readings.operators),
+        "trials": readings.trials,
+        "step_um": None if readings.step is None else readings.step * UM,
+        "alpha": study.alpha,
+        "interaction_pooled": study.pooled,
+        "tolerance_um": None if study.tolerance is None else study.tolerance * UM,
+        "anova": anova_rows(study),
+        "components": component_rows(study),
+        "grr_of_study_percent": _percent(study.grr.of_study),
+        "grr_of_tolerance_percent": _percent(study.grr.of_tolerance),
+        "categories": study.categories,
+        "category_factor": CATEGORY,
+        "judged": study.judged,
+        "messages": [message_record(message) for message in study.messages],
+    }
+
+
+def shown_components(study: GaugeStudy, say: Wording) -> tuple[list[dict[str, Any]], list[Column]]:
+    """Return the components as rows of a table that people read, and its columns."""
+    columns = [
+        Column("variation_part"),
+        Column("deviation", "clearance", 3),
+        Column("spread", "clearance", 3),
+        Column("contribution", "percent", 2),
+        Column("of_study", "percent", 2),
+    ]
+    if study.tolerance is not None:
+        columns.append(Column("of_tolerance", "percent", 2))
+    rows = [
+        {
+            "variation_part": say(f"gauge_study_names.{row['component']}"),
+            "deviation": row["deviation_um"],
+            "spread": row["spread_um"],
+            "contribution": row["contribution_percent"],
+            "of_study": row["of_study_percent"],
+            "of_tolerance": row.get("of_tolerance_percent"),
+        }
+        for row in component_rows(study)
+    ]
+    return rows, columns
+
+
+def shown_anova(study: GaugeStudy, say: Wording) -> tuple[list[dict[str, Any]], list[Column]]:
+    """Return the analysis of variance as rows of a table that people read, and its columns."""
+    columns = [
+        Column("variation_source"),
+        Column("squares", digits=2),
+        Column("freedom", digits=0),
+        Column("mean_square", digits=2),
+        Column("f_ratio", digits=2),
+        Column("by_chance", digits=4),
+    ]
+    rows = [
+        {
+            "variation_source": say(f"gauge_study_names.{row['source']}"),
+            "squares": row["squares_um2"],
+            "freedom": row["freedom"],
+            "mean_square": row["mean_square_um2"],
+            "f_ratio": row["f"],
+            "by_chance": row["probability"],
+        }
+        for row in anova_rows(study)
+    ]
+    return rows, columns
+
+
+def result_sentence(study: GaugeStudy, say: Wording) -> str:
+    """Say how much of what varies is of gauge and people, and how many groups of parts it tells apart."""
+    if study.judged is None:
+        return say("gauge_study.nothing")
+    count = study.categories
+    categories = say("gauge_study.no_categories") if count is None else say("gauge_study.categories", number=count)
+    share, key = (
+        (study.grr.of_study, "result") if study.tolerance is None else (study.grr.of_tolerance, "result_tolerance")
+    )
+    judged = say(f"gauge_study.{study.judged}")
+    return say(f"gauge_study.{key}", grr=say.percent(share), judged=judged, categories=categories)
+
+
+def _is_pooled(study: GaugeStudy, component: Component) -> bool:
+    return study.pooled and component.name == "interaction"
+
+
+def _percent(fraction: float | None) -> float | None:
+    return None if fraction is None else fraction * PERCENT

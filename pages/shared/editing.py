@@ -1,0 +1,257 @@
+"""Keep an entry of the catalogue that is being typed: its draft over reloads, its faults, and its saving."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import Any
+
+import streamlit as st
+
+from atleak.catalogue.entries import own_files, read_tables, write_own
+from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
+from atleak.errors import OutputError
+from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
+from atleak.views.entry_form import Checked, Draft, Subject, checked, copy_of, draft_of, read_draft
+from atleak.wording import Wording
+from pages.shared import show
+
+_SHOWN = 15  # faults in one list
+UNITS = {"length": LENGTHS, "clearance": CLEARANCES, "pressure": PRESSURES}  # by attribute of `Units`
+
+
+@dataclass
+class Editing:
+    """One entry being typed. Another ``generation`` gives fresh widgets."""
+
+    draft: Draft
+    state: str  # under which the session keeps it
+    words: str = ""  # table of texts with its headings in the reader's language, "" for those that are declared
+    token: str = field(default_factory=new_token)  # under which the draft is kept
+    over: str = ""  # SHA-256 of the own file that it was read from or saved as
+    own: str = ""  # id of that file
+    generation: int = 0
+    step: str = ""  # the tables that are shown
+    base: dict[str, list[dict[str, str]]] = field(default_factory=dict)  # rows that an editor began with, by its key
+    spare: dict[str, int] = field(default_factory=dict)  # empty rows asked for, by table
+    unkept: str = ""  # why the draft could not be kept
+
+    def put(self, draft: Draft) -> None:
+        """Take over what was typed, and keep it where a page that is loaded anew still has it."""
+        if draft == self.draft:
+            return
+        self.draft = draft
+        try:
+            keep_draft(self.token, draft.written())
+            self.unkept = ""
+        except OutputError as error:
+            self.unkept = str(error)
+
+    def anew(self) -> None:
+        """Draw every field and table anew from the draft."""
+        self.generation += 1
+        self.base.clear()
+        self.spare.clear()
+
+    def key(self, name: str) -> str:
+        """Return the key of a widget."""
+        return f"{self.state}-{self.token}-{self.generation}-{name}"
+
+    def said(self, text: str, say: Wording) -> str:
+        """Return a heading or help as the reader reads it."""
+        return say.get(self.words, text) if self.words else text
+
+
+@dataclass(frozen=True)
+class Desk:
+    """Where entries of one kind are typed: one at a time in each session."""
+
+    subject: Subject
+    state: str
+    words: str = ""
+
+    def current(self) -> Editing | None:
+        """Return what is being typed in this session or, after the page was loaded anew, before it."""
+        editing = self._held()
+        if editing is None:
+            if token := st.query_params.get("draft"):
+                self.go_on(token)
+            if self._held() is None and (name := st.query_params.get("own")) in own_files(self.subject.kind):
+                self.start(name)
+            editing = self._held()
+        if editing is not None:
+            st.query_params["draft"] = editing.token
+            if editing.own:
+                st.query_params["own"] = editing.own
+        return editing
+
+    def _held(self) -> Editing | None:
+        held: Editing | None = st.session_state.get(self.state)
+        return held if held is not None and held.draft.subject is self.subject else None
+
+    def take(self, draft: Draft, **more: Any) -> None:
+        """Begin to type a draft."""
+        st.session_state[self.state] = Editing(draft, self.state, self.words, **more)
+
+    def start(self, name: str | None) -> None:
+        """Begin with a copy of a shipped entry, with an own one itself, or with nothing."""
+        if name is None:
+            self.take(Draft(self.subject))
+            return
+        data, origin = read_tables(self.subject.kind, name)
+        if origin.own:
+            self.take(draft_of(self.subject, data), over=origin.sha256, own=name)
+        else:
+            self.take(draft_of(self.subject, copy_of(data)))
+
+    def kept(self) -> dict[str, str]:
+        """Return the drafts of this kind that were kept, by token, each with its name and time."""
+        labels = {}
+        for token, path in drafts().items():
+            draft = read_draft(self.subject, draft_text(token) or "")
+            if draft is not None:
+                name = draft.cell(self.subject.sheets[0].name, "Name") or "–"
+                labels[token] = f"{name}, {datetime.fromtimestamp(path.stat().st_mtime):%Y-%m-%d %H:%M}"
+        return labels
+
+    def go_on(self, token: str) -> None:
+        """Go on with a draft that was kept."""
+        draft = read_draft(self.subject, draft_text(token) or "")
+        if draft is not None:
+            self.take(draft, token=token)
+
+    def throw_away(self, token: str) -> None:
+        """Delete a draft."""
+        forget_draft(token)
+        if (editing := self._held()) is not None and editing.token == token:
+            self.close()
+
+    def close(self) -> None:
+        """Put what is being typed aside; it stays among the drafts."""
+        st.session_state.pop(self.state, None)
+        for name in ("draft", "own"):
+            st.query_params.pop(name, None)
+
+
+def checked_now(editing: Editing) -> Checked:
+    """Return what the draft describes and what is wrong with it; checked once for each state of the draft."""
+    return _checked(editing.draft.written(), editing.draft)
+
+
+@st.cache_resource(max_entries=16, show_spinner=False)
+def _checked(key: str, _draft: Draft) -> Checked:
+    return checked(_draft)
+
+
+def ask_unit(editing: Editing, attribute: str, label: str, place: Any) -> None:
+    """Ask in which unit numbers are typed; another one converts them."""
+    values: Any = UNITS[attribute]
+    key, first = editing.key(attribute), values.index(getattr(editing.draft.units, attribute))
+    place.selectbox(label, values, first, key=key, on_change=_convert, args=(editing, attribute, key))
+
+
+def _convert(editing: Editing, attribute: str, key: str) -> None:
+    units: dict[str, Any] = vars(editing.draft.units) | {attribute: st.session_state[key]}
+    editing.put(editing.draft.in_units(Units(**units)))
+    editing.anew()
+
+
+def draw_faults(editing: Editing, found: Checked, say: Wording) -> None:
+    """Say what is missing, wrong or in doubt, all at once, with table, row and column."""
+    lines = [_line(editing, "✗", each, say) for each in found.faults]
+    lines += [_line(editing, "?", each, say) for each in found.doubts]
+    with st.container():
+        if not lines:
+            st.success(say("typed_entries.nothing_wrong"))
+        else:
+            more = [say("typed_entries.and_more", number=len(lines) - _SHOWN)] if len(lines) > _SHOWN else []
+            head = say("typed_entries.faults", number=len(found.faults), doubts=len(found.doubts))
+            with st.expander(head, expanded=len(lines) <= 5):
+                st.markdown("\n".join(f"- {line}" for line in [*lines[:_SHOWN], *more]))
+        for note in found.notes:
+            st.caption(show.plain(note))
+        if editing.unkept:
+            st.caption(show.plain(say("typed_entries.unkept", why=editing.unkept)))
+
+
+def _line(editing: Editing, sign: str, fault: Any, say: Wording) -> str:
+    row = "" if fault.row is None else f", {say('typed_entries.in_row', number=fault.row)}"
+    heading = "" if fault.heading is None else f", {editing.said(fault.heading, say)}"
+    return f"{sign} **{editing.said(fault.table, say)}**{show.plain(row + heading)}: {show.plain(fault.text)}"
+
+
+# --- saving -------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Saving:
+    """How what is typed stands to the user's own catalogue."""
+
+    name: str  # its id
+    text: str  # of its file
+    there: str  # SHA-256 of the own file of that id, "" without one
+    path: Any  # that file, or None
+
+    @property
+    def saved(self) -> bool:
+        """Return whether that file holds just this."""
+        return self.there == hashlib.sha256(self.text.encode("utf-8")).hexdigest()
+
+
+def saving_of(editing: Editing, found: Checked) -> Saving:
+    """Return how the draft stands to the user's own catalogue."""
+    subject = editing.draft.subject
+    name = str(found.data.get("id", ""))
+    path = own_files(subject.kind).get(name)
+    there = "" if path is None else hashlib.sha256(path.read_bytes()).hexdigest()
+    return Saving(name, subject.toml(found.data), there, path)
+
+
+def ask_replacing(editing: Editing, saving: Saving, say: Wording) -> str:
+    """Ask whether another own file of that id may go; return the SHA-256 of the file that may be written over."""
+    with st.container():
+        if saving.there and saving.there != editing.over and not saving.saved:
+            label = say("typed_entries.replace", file=f"{saving.name}.toml")
+            if st.checkbox(label, key=editing.key("replace")):
+                return saving.there
+    return editing.over
+
+
+def draw_save_button(
+    editing: Editing, found: Checked, saving: Saving, over: str, say: Wording, then: Callable[[str], None] | None = None
+) -> None:
+    """Offer to save it as an own file; ``then`` is called with its id afterwards."""
+    st.button(
+        say("typed_entries.save"),
+        type="primary",
+        disabled=found.entry is None or saving.saved,
+        on_click=_save,
+        args=(editing, saving, over, then),
+        help=say("typed_entries.save_help"),
+    )
+
+
+def _save(editing: Editing, saving: Saving, over: str, then: Callable[[str], None] | None) -> None:
+    try:
+        path = write_own(editing.draft.subject.kind, saving.name, saving.text, over=over)
+    except OutputError as error:
+        st.session_state[editing.key("refused")] = str(error)
+        return
+    editing.over = hashlib.sha256(path.read_bytes()).hexdigest()
+    forget_draft(editing.token)
+    editing.own = saving.name
+    if then is not None:
+        then(saving.name)
+
+
+def draw_saved(editing: Editing, found: Checked, saving: Saving, say: Wording) -> None:
+    """Say whether it is saved, or why not."""
+    with st.container():
+        if refused := st.session_state.pop(editing.key("refused"), None):
+            st.error(show.plain(refused))
+        elif saving.saved and saving.path is not None:
+            st.caption(show.plain(say("typed_entries.saved", path=saving.path)))
+        elif found.entry is None:
+            st.caption(say("typed_entries.not_yet"))

@@ -1,0 +1,153 @@
+"""Ask for the readings of a gauge study and how to judge them, and save its result as an own instrument."""
+
+from __future__ import annotations
+
+import datetime as dt
+import hashlib
+
+import streamlit as st
+
+from atleak.catalogue.catalogue_toml import written_toml
+from atleak.catalogue.entries import id_from_name, own_files, write_own
+from atleak.catalogue.instruments import InstrumentFile
+from atleak.errors import InputError, OutputError
+from atleak.gauge_study.anova import ALPHA, GaugeStudy, analysed
+from atleak.gauge_study.instrument import instrument_tables
+from atleak.intake.gauge_study import read_study
+from atleak.job.case import SLOTS, SourceFile
+from atleak.report.gauge_study_sheet import write_study_form
+from atleak.wording import Wording
+from atleak.workshop_units import UM
+from atleak.written_numbers import AskedNumber
+from pages.shared import fields, show
+from pages.shared.cases import catalogue_list, shown_name
+from pages.shared.state import pick, session
+
+_FILE = "gauge-study-file"
+_UNITS = ("mm", "µm", "inch")
+_ALPHAS = (ALPHA, 0.1, 0.25)
+TOLERANCE = AskedNumber("tolerance", "µm", 20.5, (1e-3, 1e6), (1.0, 1_000.0), "clearance")
+RESOLUTION = AskedNumber("resolution", "µm", 0.5, (1e-4, 1e4), (0.05, 10.0), "clearance")
+
+
+def draw_blank_form(say: Wording) -> None:
+    """Offer a workbook to fill in."""
+    with fields.fold(say("gauge_study.form"), key="gauge-study-form"):
+        places = st.columns(4, vertical_alignment="bottom")
+        asked = zip(("parts", "operators", "trials"), (10, 3, 3), places, strict=False)
+        parts, operators, trials = (
+            int(place.number_input(say(f"gauge_study.{name}"), 2, 60, first, key=f"gauge-study-{name}"))
+            for name, first, place in asked
+        )
+        places[3].download_button(
+            say("gauge_study.download"),
+            lambda: write_study_form(parts, operators, trials, say),
+            "gauge_study.xlsx",
+            on_click="ignore",
+            width="stretch",
+        )
+
+
+def asked_study(say: Wording) -> GaugeStudy | None:
+    """Return the study of the file that was given, as it is to be judged; None where there is none that can be used."""
+    st.file_uploader(
+        say("gauge_study.upload"), ["xlsx", "xls", "ods", "csv", "txt"], help=say("gauge_study.upload_help"),
+        key=f"{_FILE}-upload", on_change=_take_file,
+    )  # fmt: skip
+    file: SourceFile | None = st.session_state.get(_FILE)
+    with st.container():
+        if file is not None:
+            st.caption(f"**{show.plain(file.name)}**")
+    places = st.columns(3)
+    with places[0]:
+        unit = st.selectbox(
+            say("gauge_study.unit"),
+            ("", *_UNITS),
+            key="gauge-study-unit",
+            persist_state="session",
+            format_func=lambda name: name or say("gauge_study.unit_of_file"),
+        )
+    with places[1]:
+        tolerance = fields.number(
+            say("gauge_study.tolerance"), TOLERANCE, None, key="gauge-study-tolerance", optional=True
+        )
+    with places[2]:
+        alpha = st.selectbox(
+            say("gauge_study.alpha"), _ALPHAS, format_func=say.plain, help=say("gauge_study.alpha_help"),
+            key="gauge-study-alpha",
+            persist_state="session",
+        )  # fmt: skip
+    if file is None:
+        return None
+    try:
+        return _study(file.sha256, file, unit or None, tolerance, alpha)
+    except InputError as error:
+        st.error(f"**{show.plain(say('gauge_study.not_taken', file=file.name))}** {show.plain(error)}")
+        return None
+
+
+def _take_file() -> None:
+    """Take the file that was given, or away; it stays over other pages, on which the uploader forgets it."""
+    upload = st.session_state[f"{_FILE}-upload"]
+    st.session_state[_FILE] = None if upload is None else SourceFile(upload.name, upload.getvalue())
+
+
+@st.cache_resource(max_entries=8, show_spinner=False)
+def _study(sha256: str, _file: SourceFile, unit: str | None, tolerance: float | None, alpha: float) -> GaugeStudy:
+    readings = read_study(_file.content, name=_file.name, length_unit=unit)
+    return analysed(readings, tolerance=None if tolerance is None else tolerance / UM, alpha=alpha)
+
+
+def draw_taking(study: GaugeStudy, say: Wording) -> None:
+    """Offer to save the study's result as an instrument of the user's own, and to measure with it."""
+    st.write(say("gauge_study.take_what"))
+    known = catalogue_list("spool_instrument").entries
+    places = st.columns(2)
+    in_job = session().case.spool_instrument
+    of = places[0].selectbox(
+        say("gauge_study.studied"),
+        list(known),
+        list(known).index(in_job) if in_job in known else 0,
+        format_func=lambda name: shown_name(known[name]),
+        key="gauge-study-of",
+    )
+    name = places[1].text_input(say("gauge_study.name"), f"{known[of].name}, {study.readings.file}")
+    places = st.columns(2)
+    with places[0]:
+        step = known[of].resolution if study.readings.step is None else study.readings.step
+        key = f"gauge-study-resolution-{study.readings.sha256[:12]}"
+        resolution = fields.number(say("gauge_study.resolution"), RESOLUTION, round(step * UM, 4), key=key)
+    date = places[1].date_input(say("gauge_study.date"), "today", max_value="today", key="gauge-study-date")
+    id = id_from_name(name)
+    tables = instrument_tables(
+        study, known[of], id=id, name=name, resolution=resolution / UM, date=date or dt.date.today()
+    )
+    text = written_toml(tables, InstrumentFile)
+    own = own_files("instruments").get(id)
+    there = "" if own is None else hashlib.sha256(own.read_bytes()).hexdigest()
+    saved = there == hashlib.sha256(text.encode("utf-8")).hexdigest()
+    with st.container():
+        over = ""
+        if there and not saved and st.checkbox(say("gauge_study.replace", file=f"{id}.toml"), key=f"gauge-over-{id}"):
+            over = there
+    with st.container(horizontal=True):
+        st.button(
+            say("gauge_study.save"), type="primary", disabled=saved or not id, on_click=_save, args=(id, text, over)
+        )
+        for slot in SLOTS.values():
+            if slot.part in known[of].measures:
+                label = say("gauge_study.spools" if slot.part == "spool" else "gauge_study.sleeves")
+                st.button(label, disabled=not saved, on_click=pick, args=(slot.name, id))
+        st.download_button(say("gauge_study.toml"), text, f"{id or 'unnamed'}.toml", on_click="ignore")
+    with st.container():
+        if refused := st.session_state.pop("gauge-study-refused", None):
+            st.error(show.plain(refused))
+        elif saved:
+            st.caption(show.plain(say("gauge_study.saved", id=id)))
+
+
+def _save(id: str, text: str, over: str) -> None:
+    try:
+        write_own("instruments", id, text, over=over)
+    except OutputError as error:
+        st.session_state["gauge-study-refused"] = str(error)

@@ -1,0 +1,148 @@
+"""Ask what of the job is tried otherwise; what is tried stays in the session and never reaches the job."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, get_args
+
+import streamlit as st
+
+from atleak.catalogue.fluid import FluidState
+from atleak.diagnosis import Diagnosis
+from atleak.engine.profile import UNKNOWN
+from atleak.what_if import WhatIf
+from atleak.workshop_units import PERCENT, RPM
+from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE
+from pages.shared import fields, reader
+from pages.shared.cases import PageCase, catalogue_entry, catalogue_list, shown_name
+from pages.shared.state import session
+
+_MOST_WEAR, _MOST_GROWTH = 5.0, 200  # that can be tried: times as measured, and %
+_POSITIONS: tuple[float | str | None, ...] = (None, 0.0, 0.25, 0.5, 0.75, 1.0, UNKNOWN)
+_AS_IN_JOB: dict[str, Any] = {
+    "point": None, "gear": None, "wear": 1.0, "growth": 0, "fluid": None, "state": None, "position": None
+}  # fmt: skip
+
+
+@dataclass
+class _Kept:
+    """What is tried, besides temperature and speed, which their fields keep."""
+
+    owner: tuple[int, str]  # the job that it departs from
+    turn: int  # part of every widget's key: a reset gives fresh ones
+    chosen: dict[str, Any]
+
+
+def _start(diagnosis: Diagnosis) -> None:
+    """Keep what this session tries; another job starts anew."""
+    owner, kept = (session().generation, diagnosis.controller.sha256), st.session_state.get("what-if")
+    if kept is None or kept.owner != owner:
+        turn = 0 if kept is None else kept.turn + 1
+        st.session_state["what-if"] = _Kept(owner, turn, dict(_AS_IN_JOB))
+
+
+def _reset() -> None:
+    kept = st.session_state["what-if"]
+    kept.turn, kept.chosen = kept.turn + 1, dict(_AS_IN_JOB)
+
+
+def draw(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
+    """Show the controls and return what is tried."""
+    say = reader.say()
+    _start(diagnosis)
+    first = st.columns(4)
+    with first[0]:
+        points = {each.condition.name: each.condition for each in diagnosis.presented}
+        stated = diagnosis.projection.condition
+        labels = {name: point.label for name, point in points.items()}
+        labels[stated.name] = say("what_if.stated", label=stated.label)
+        point = _select("point", labels, stated.name)
+    base = points[point]
+    owner = f"{_key('at')}-{point}"
+    with first[1]:
+        temperature = fields.number(say("what_if.temperature"), TEMPERATURE, base.temperature, key=f"{owner}-t")
+    with first[2]:
+        rpm = round(base.engine_speed * RPM, 6)
+        typed = fields.number(say("what_if.engine_speed"), ENGINE_SPEED, rpm, key=f"{owner}-n")
+    with first[3]:
+        gears = dict.fromkeys([*diagnosis.controller.gears, base.gear])
+        gear = _select("gear", {each: str(each) for each in gears}, base.gear)
+    second = st.columns(2)
+    with second[0]:
+        wear = _slide("wear", 0.0, _MOST_WEAR, 0.05)
+    with second[1]:
+        growth = _slide("growth", 0, _MOST_GROWTH, 5)
+    third = st.columns(3)
+    with third[0]:
+        fluid = _select("fluid", _fluids(diagnosis), None)
+    with third[1]:
+        state = _select("state", _states(diagnosis), None)
+    with third[2]:
+        position = _select("position", _positions(diagnosis), None)
+    st.button(say("what_if.reset"), on_click=_reset, key="what-if-reset")
+    return WhatIf(
+        point=point,
+        temperature=temperature,
+        engine_speed=base.engine_speed if typed == rpm else typed / RPM,
+        gear=gear,
+        wear=wear,
+        growth=growth / PERCENT,
+        fluid=catalogue_entry("fluid", case.fluid if fluid is None else fluid),
+        fluid_state=state,
+        eccentricity=position,
+    )
+
+
+def _key(name: str) -> str:
+    return f"what-if-{name}-{st.session_state['what-if'].turn}"
+
+
+def _keep(name: str, key: str) -> None:
+    st.session_state["what-if"].chosen[name] = st.session_state[key]
+
+
+def _select(name: str, labels: dict[Any, str], otherwise: Any) -> Any:
+    """Show a choice; ``otherwise`` is what the job has."""
+    say, options, key = reader.say(), list(labels), f"{_key(name)}-{otherwise}"
+    chosen = st.session_state["what-if"].chosen[name]
+    return st.selectbox(
+        say(f"what_if.{name}"),
+        options,
+        options.index(chosen if chosen in options and chosen is not None else otherwise),
+        key=key,
+        format_func=labels.__getitem__,
+        help=say.texts["what_if"].get(f"{name}_help"),
+        on_change=_keep,
+        args=(name, key),
+    )
+
+
+def _slide(name: str, low: Any, high: Any, step: Any) -> Any:
+    say, key = reader.say(), _key(name)
+    chosen = st.session_state["what-if"].chosen[name]
+    tip = say(f"what_if.{name}_help")
+    return st.slider(
+        say(f"what_if.{name}"), low, high, chosen, step, key=key, help=tip, on_change=_keep, args=(name, key)
+    )
+
+
+def _fluids(diagnosis: Diagnosis) -> dict[str | None, str]:
+    as_in_job = reader.say()("what_if.fluid_job", name=diagnosis.fluid.name)
+    return {None: as_in_job, **{name: shown_name(entry) for name, entry in catalogue_list("fluid").entries.items()}}
+
+
+def _states(diagnosis: Diagnosis) -> dict[FluidState | None, str]:
+    say = reader.say()
+    names = {state: say(f"what_if.{state}") for state in get_args(FluidState)}
+    return {None: say("what_if.state_job", state=names[diagnosis.fluid.state]), **names}
+
+
+def _positions(diagnosis: Diagnosis) -> dict[float | str | None, str]:
+    say = reader.say()
+    words = {0.0: "centred", 1.0: "touching", UNKNOWN: "unknown"}
+
+    def named(position: Any) -> str:
+        return say(f"what_if.position_{words[position]}") if position in words else say.plain(position)
+
+    own = say("what_if.position_job", position=named(diagnosis.profile.eccentricity))
+    return {each: own if each is None else named(each) for each in _POSITIONS}

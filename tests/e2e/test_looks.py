@@ -1,0 +1,99 @@
+"""The pages under a finger, and on paper."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from .conftest import SOON, playwright_api
+
+pypdfium2 = pytest.importorskip("pypdfium2")
+
+SWIPE = 210  # [px]
+LEAST_MOVED = 150  # [px] that the page moves by it
+LEAST_TARGET = 44  # [px]
+LEAST_CONTRAST = 4.5
+SCROLLED = "document.querySelector('[data-testid=stMain]').scrollTop"
+# The lowest contrast of the captions that are shown, each with the ground and the opacity of all that it stands in.
+CONTRAST = """() => {
+    const paint = document.createElement("canvas").getContext("2d", {willReadFrequently: true})
+    const colour = words => {
+        paint.clearRect(0, 0, 1, 1); paint.fillStyle = words; paint.fillRect(0, 0, 1, 1)
+        const [r, g, b, a] = paint.getImageData(0, 0, 1, 1).data
+        return [r, g, b, a / 255]
+    }
+    const over = (top, ground) => ground.map((part, at) => top[at] * top[3] + part * (1 - top[3]))
+    const light = parts => parts.map(part => part / 255)
+        .map(part => part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4)
+        .reduce((sum, part, at) => sum + part * [0.2126, 0.7152, 0.0722][at], 0)
+    const contrasts = []
+    for (const caption of document.querySelectorAll("[data-testid=stCaptionContainer] p")) {
+        if (!caption.offsetParent || !caption.innerText) continue
+        const around = []
+        for (let each = caption; each; each = each.parentElement) around.unshift(getComputedStyle(each))
+        const ground = around.reduce((below, style) => over(colour(style.backgroundColor), below), [255, 255, 255])
+        const ink = colour(getComputedStyle(caption).color)
+        ink[3] *= around.reduce((product, style) => product * style.opacity, 1)
+        const [low, high] = [light(over(ink, ground)), light(ground)].sort((a, b) => a - b)
+        contrasts.push((high + 0.05) / (low + 0.05))
+    }
+    return Math.min(...contrasts)
+}"""
+# Buttons and folds of the page that are smaller than a finger.
+SMALL = f"""() => [...document.querySelectorAll("[data-testid^=stBaseButton], summary, [data-testid=stMainMenuButton]")]
+    .filter(each => each.offsetParent && each.checkVisibility({{opacityProperty: true, visibilityProperty: true}}))
+    .map(each => [each.getBoundingClientRect(), each.innerText || each.dataset.testid])
+    .filter(([box]) => box.right > 0 && Math.min(box.width, box.height) < {LEAST_TARGET})
+    .map(([box, name]) => `${{name}}: ${{box.width}} x ${{box.height}}`)"""
+
+
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
+def test_a_finger_scrolls_over_a_chart_and_finds_what_it_touches(
+    browser: playwright_api.Browser, server: str, scheme: str
+) -> None:
+    context = browser.new_context(
+        viewport={"width": 390, "height": 800}, has_touch=True, is_mobile=True, color_scheme=scheme
+    )
+    context.set_default_timeout(SOON)
+    page = context.new_page()
+    page.goto(f"{server}/Road_test")  # where a mouse that drags marks a stretch
+    chart = page.locator(".js-plotly-plot").first
+    chart.wait_for()
+    page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
+    chart.evaluate("chart => chart.scrollIntoView({block: 'center'})")
+    playwright_api.expect(chart.locator(".nsewdrag").first).to_be_attached()
+    box, before = chart.bounding_box(), page.evaluate(SCROLLED)
+    assert box is not None
+    fingers = context.new_cdp_session(page)
+    x, y = box["x"] + box["width"] / 2, 600
+    fingers.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
+    for moved in range(0, SWIPE + 1, 10):
+        touch = {"type": "touchMove", "touchPoints": [{"x": x, "y": y - moved}]}
+        fingers.send("Input.dispatchTouchEvent", touch)
+    fingers.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    page.wait_for_function(f"{SCROLLED} > {before + LEAST_MOVED}", timeout=20_000)
+    assert page.evaluate(SMALL) == []
+    assert page.evaluate(CONTRAST) >= LEAST_CONTRAST
+    context.close()
+
+
+@pytest.mark.page("5_What_if")
+def test_on_paper_stands_the_page_alone_and_nothing_is_cut(page: playwright_api.Page, tmp_path: Path) -> None:
+    page.locator(".js-plotly-plot").nth(1).wait_for()
+    page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
+    target = tmp_path / "page.pdf"
+    page.pdf(path=target, format="A4", print_background=True, margin=dict.fromkeys(("left", "right"), "10mm"))
+    printed = pypdfium2.PdfDocument(target)
+    texts = [sheet.get_textpage() for sheet in printed]
+    words = "\n".join(text.get_text_range() for text in texts)
+    assert "What if" in words
+    for of_panel in ("Files of the job", "Take the sample job", "Deploy"):
+        assert of_panel not in words
+    assert re.search(r"ATF temperature", words)
+    for sheet, text in zip(printed, texts, strict=True):  # the last tick of an axis stands on the sheet, whole
+        right = max((text.get_charbox(at)[2] for at in range(text.count_chars())), default=0.0)
+        assert right <= sheet.get_width()
+    ends = [line for line in words.split() if line == "140"]
+    assert len(ends) >= 1

@@ -1,0 +1,45 @@
+"""The page of gauge studies: a workbook of readings to an instrument that the job uses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from atleak.catalogue.instruments import load_instrument
+from tests.unit.pages.conftest import texts
+
+pytestmark = pytest.mark.page("23_Gauge_study")
+
+
+def study_file() -> bytes:
+    random = np.random.default_rng(7)
+    rows = ["Teil;Prüfer;Wiederholung;Messwert [mm]"]
+    rows += [
+        f"{part};{'ABC'[who]};{trial};{12.7 + 0.01 * part + 0.001 * random.standard_normal():.4f}".replace(".", ",")
+        for part, who, trial in np.ndindex(6, 3, 3)
+    ]
+    return "\n".join(rows).encode()
+
+
+def test_a_study_is_judged_and_taken_as_an_instrument_of_the_job(app: AppTest) -> None:
+    (upload,) = [each for each in app.main.file_uploader if each.key == "gauge-study-file-upload"]
+    upload.upload("micrometer.csv", study_file(), "text/csv").run()
+    assert not app.exception
+    assert "of the study's variation is of gauge and people" in texts(app)
+    next(each for each in app.text_input if each.label == "Name of the new instrument").set_value("Our mike").run()
+    next(each for each in app.button if each.label == "Save as own instrument").click().run()
+    assert "Saved as our_mike" in texts(app)
+    own = load_instrument("our_mike")
+    assert own.repeatability == pytest.approx(1e-6, abs=0.3e-6)
+    assert "micrometer.csv" in own.source
+    next(each for each in app.button if each.label == "Measure sleeves with it").click().run()
+    assert not app.exception
+    assert app.session_state["atleak"].case.sleeve_instrument == "our_mike"
+
+
+def test_a_file_without_readings_is_refused_in_words(app: AppTest) -> None:
+    (upload,) = [each for each in app.main.file_uploader if each.key == "gauge-study-file-upload"]
+    upload.upload("log.csv", b"time;rpm\n1;800\n", "text/csv").run()
+    assert not app.exception
+    assert "log.csv was not taken. log.csv: holds no table of repeated readings" in texts(app).replace("**", "")

@@ -1,0 +1,53 @@
+"""What is tried on the page What if stays in the session, never reaches the job, and is taken back with one button."""
+
+from __future__ import annotations
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from .conftest import go, texts
+
+
+def share(app: AppTest) -> str:
+    return app.metric[0].value
+
+
+def slider(app: AppTest, label: str):
+    return next(widget for widget in app.main.slider if widget.label.startswith(label))
+
+
+def field(app: AppTest, label: str):
+    return next(widget for widget in app.main.text_input if widget.label.startswith(label))
+
+
+def reset(app: AppTest) -> AppTest:
+    return next(button for button in app.main.button if button.label.startswith("Back to")).click().run()
+
+
+@pytest.mark.page("5_What_if")
+def test_what_is_tried_stays_until_it_is_reset_and_leaves_the_job_alone(app: AppTest) -> None:
+    job = share(app)
+    assert "Nothing is changed yet" in texts(app)
+    slider(app, "Wear").set_value(2.0).run()
+    field(app, "Temperature").set_value("101,5").run()
+    tried = share(app)
+    assert not app.exception
+    assert tried != job
+    assert "Tried: 102 °C" in texts(app).replace("\u00a0", " ")
+    assert app.main.dataframe[0].value["At"].str.startswith("80").iloc[0]
+    go(app, "4_Diagnosis")
+    assert job in texts(app)  # the sentence on the unit
+    assert tried not in texts(app)
+    go(app, "5_What_if")
+    assert (share(app), slider(app, "Wear").value, field(app, "Temperature").value) == (tried, 2.0, "101,5")
+    reset(app)
+    assert (share(app), slider(app, "Wear").value, field(app, "Temperature").value) == (job, 1.0, "80")
+
+
+@pytest.mark.page("5_What_if")
+def test_a_temperature_outside_the_fluid_s_data_is_said_and_the_maps_stay(app: AppTest) -> None:
+    field(app, "Temperature").set_value("160").run()
+    assert not app.exception
+    assert "160 °C is outside the fluid's data" in "\n".join(error.value for error in app.main.error)
+    assert not app.metric
+    assert "Computed at 31 temperatures" in texts(app)
