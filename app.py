@@ -4,7 +4,7 @@ from pathlib import Path
 
 import streamlit as st
 
-from pages.shared import book, panel, reader, steps
+from pages.shared import reader
 
 HERE = Path(__file__).parent
 
@@ -22,9 +22,17 @@ for number, path in sorted(page_files.items()):
         groups[""].append(st.Page(path, title=title, default=True, visibility="hidden"))
 page = st.navigation(groups, position="top")
 reader.mark_page()
+heading = st.empty()
+if "framed" not in st.session_state:  # seen while all else is imported, read and computed
+    heading.title(page.title)
+
+from pages.shared import book, panel, steps  # noqa: E402
+
 result = panel.draw()
+heading.empty()
 if page in groups[""][1:]:
     steps.draw(result)
+del result  # the names of this file outlive the visit
 try:
     page.run()
 finally:  # also where the page ends early

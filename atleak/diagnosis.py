@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.complaints import Complaint
@@ -29,7 +29,7 @@ from atleak.gauges.check import PressureCheck, check_pressures
 from atleak.pressure_table import PressureTable
 from atleak.provisional import Basis, representative_bases
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
-from atleak.replace_mileage import replace_mileage, without_rate
+from atleak.replace_mileage import NO_RATE, replace_mileage, without_rate
 from atleak.result_messages import messages_of
 from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
@@ -302,6 +302,24 @@ class Diagnosis:
                 rules.append((rule, self.controller.lands))
         states = [land.state for land in self.lands]
         return representative_bases(rules, self.controller, self.fluid, states, uses_slip=self.model.uses_slip)
+
+    def with_mileage(self, mileage: float | None) -> Diagnosis:
+        """Return the same at another mileage [km]: only when lands are to be replaced, and a message, follow from it.
+
+        Whether a rate of wear is known is said once, before what is said of the instruments.
+        """
+        if mileage == self.mileage:
+            return self
+        lands = tuple(
+            replace(land, replace_mileage=replace_mileage(land.rules, mileage, land.uncertainty)) for land in self.lands
+        )
+        messages = [each for each in self.messages if each.code != NO_RATE]
+        rateless = None if self.uncertainty is None else without_rate(self.uncertainty.lands, mileage)
+        if rateless is not None and self.uncertainty is not None:
+            of_instruments = set(self.uncertainty.messages)
+            place = next((at for at, each in enumerate(messages) if each in of_instruments), len(messages))
+            messages.insert(place, rateless)
+        return replace(self, mileage=mileage, lands=lands, messages=tuple(messages))
 
     @property
     def upper_bound(self) -> bool:

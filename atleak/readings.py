@@ -11,6 +11,7 @@ import datetime as dt
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from statistics import fmean
 from typing import Literal
 
@@ -210,7 +211,7 @@ class LandClearance:
         """Return the growth of the radial clearance with temperature [m/K], eq. (2)."""
         return self.land.thermal_rate(self.spool_diameter, self.sleeve_diameter)
 
-    @property
+    @cached_property
     def form_moments(self) -> tuple[float, float]:
         """Return the second [m²] and third [m³] central moment of the radial clearance over the places measured.
 

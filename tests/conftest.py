@@ -80,7 +80,7 @@ def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest
     return report
 
 
-FEW_DRAWS = 1_000
+FEW_DRAWS = 1_024
 
 
 def drawing(draws: int, of_circuits: int) -> Iterator[None]:
@@ -94,7 +94,7 @@ def drawing(draws: int, of_circuits: int) -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def few_draws() -> Iterator[None]:
-    """Let a diagnosis draw less often than it does for users: more than half of its time goes into its 20 000 draws.
+    """Let a diagnosis draw less often than it does for users: half of its time goes into its draws.
 
     What a test says of intervals and probabilities must hold all the same; where digits count, it asks for `all_draws`.
     """

@@ -31,7 +31,7 @@ from atleak.equations import orifice as orifice_equations
 BALANCED = 1e-9  # mass balance of every circuit, over the largest flow of its network
 _LAST_DIGIT = 4e-16  # of a pressure, relative: nothing can be balanced finer
 _SAME = 1e-12  # of the highest pressure: by which a pressure may differ from the one that it is set to
-_BLOCK = 524_288  # numbers of one kind worked on at a time: they stay in the processor's cache
+_BLOCK = 131_072  # numbers of one kind worked on at a time: they stay in the processor's cache
 _STEPS, _FREE = 120, 6  # of Newton's at the most, and of those that may go as far as they like
 
 
@@ -294,11 +294,12 @@ class _Columns:
         flows[gaps:] = Orifice(orifices.coefficient[:last], orifices.transition[:last]).flow(drops[gaps:])
         return flows
 
-    def slopes(self, drops: np.ndarray) -> np.ndarray:
-        """Return how steeply the flow of every branch rises [m³/(s Pa)]."""
-        gaps, slopes = self.structure.gaps, np.empty_like(drops)
-        slopes[:gaps], slopes[gaps:] = self.gaps.slope(drops[:gaps]), self.orifices.slope(drops[gaps:])
-        return slopes
+    def flows_and_slopes(self, drops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return what every branch lets through [m³/s], and how steeply that rises [m³/(s Pa)]."""
+        gaps, flows, slopes = self.structure.gaps, np.empty_like(drops), np.empty_like(drops)
+        flows[:gaps], slopes[:gaps] = self.gaps.flow_and_slope(drops[:gaps])
+        flows[gaps:], slopes[gaps:] = self.orifices.flow(drops[gaps:]), self.orifices.slope(drops[gaps:])
+        return flows, slopes
 
     @cached_property
     def line(self) -> np.ndarray:
@@ -372,7 +373,7 @@ class _State:
     def __init__(self, columns: _Columns, *, chords: bool = False) -> None:
         structure = columns.structure
         drops, backwards = columns.drops(len(structure.branches))
-        flows, slopes = columns.flows(drops), columns.slopes(drops)
+        flows, slopes = columns.flows_and_slopes(drops)
         if chords:
             np.divide(flows, drops, out=slopes, where=drops != 0.0)
         for number, forward in backwards:

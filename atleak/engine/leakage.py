@@ -253,6 +253,17 @@ class PumpFlow:
 
 
 @dataclass(frozen=True)
+class _Factors:
+    """The factors of the gap law at one condition; arrays have a number for each gap of its gear."""
+
+    diameter: np.ndarray  # [m]
+    clearance: np.ndarray  # [m]
+    kinematic_viscosity: float  # [m²/s]
+    density: float  # [kg/m³]
+    length: np.ndarray  # [m]
+
+
+@dataclass(frozen=True)
 class LeakageModel:
     """A controller with given clearances, a fluid and a profile, ready to be evaluated at any condition.
 
@@ -315,17 +326,44 @@ class LeakageModel:
             a temperature outside the fluid's data.
         """
         temperature = condition.temperature if temperature is None else temperature
-        viscosity, density = self._fluid_at(temperature)
-        gaps = []
-        for geometry in self.geometries:
-            if condition.gear in geometry.gap.gears:
-                mean = geometry.effective_clearance(temperature)
-                clearance = self.law.flow_clearance(mean, *geometry.form_moments)
-                factors = self.law.diameter(geometry.spool_diameter, mean), clearance, viscosity, density
-                restriction = self.law.restriction(*factors, geometry.contact_length)
-                gaps.append((geometry.gap, restriction, geometry.drawn_from_pump))
+        factors = self._factors(condition.gear, temperature)
+        terms = self.law.restriction(
+            factors.diameter,
+            factors.clearance,
+            factors.kinematic_viscosity,
+            factors.density,
+            factors.length,
+        )
+        stacked = np.broadcast_arrays(terms.conductance, terms.bend)
+        rows = stacked if np.ndim(temperature) else [row.tolist() for row in stacked]
+        restricted = (restrictions.Gap(*each) for each in zip(*rows, strict=True))
+        gaps = [
+            (geometry.gap, restriction, geometry.drawn_from_pump)
+            for geometry, restriction in zip(self._in_gear(condition.gear), restricted, strict=True)
+        ]
         solves = self.profile.circuits == "on"
-        return circuits.network(self.controller, condition, gaps, viscosity, density, solves=solves)
+        return circuits.network(
+            self.controller, condition, gaps, factors.kinematic_viscosity, factors.density, solves=solves
+        )
+
+    def _in_gear(self, gear: int) -> list[GapGeometry]:
+        return [geometry for geometry in self.geometries if gear in geometry.gap.gears]
+
+    def _factors(self, gear: int, temperature: Any) -> _Factors:
+        """Return the factors of the gap law of every gap of a gear; gaps come first where temperatures are several."""
+        viscosity, density = self._fluid_at(temperature)
+        rows = [
+            (each.spool_diameter, each.contact_length, each.radial_clearance, *each.form_moments, each.thermal_rate)
+            for each in self._in_gear(gear)
+        ]
+        shape = np.shape(temperature)
+        wide = [[np.broadcast_to(value, shape) for value in row] for row in rows] if shape else rows
+        spool, length, radial, m2, m3, rate = np.moveaxis(np.array(wide, float).reshape(-1, 6, *shape), 1, 0)
+        rise = temperature - REFERENCE_TEMPERATURE
+        mean = clearance_equations.effective_clearance(radial, rate, rise)
+        uneven = (m2 != 0.0) | (m3 != 0.0)
+        clearance = np.where(uneven, self.law.flow_clearance(mean, m2, m3), mean)
+        return _Factors(self.law.diameter(spool, mean), clearance, viscosity, density, length)
 
     def _fluid_at(self, temperature: Any) -> tuple[Any, Any]:
         """Return ν [m²/s] and ρ [kg/m³]; DomainError outside the fluid's data."""
@@ -334,55 +372,65 @@ class LeakageModel:
             self.fluid.require(end, model)
         return self.fluid.kinematic_viscosity(temperature, model), self.fluid.density(temperature, model)
 
-    def gaps(self, condition: OperatingPoint, pressures: Mapping[str, Any] | None = None) -> tuple[GapLeakage, ...]:
+    def gaps(
+        self,
+        condition: OperatingPoint,
+        pressures: Mapping[str, Any] | None = None,
+        network: circuits.Network | None = None,
+    ) -> tuple[GapLeakage, ...]:
         """Compute every gap of the condition's gear.
 
         Parameters
         ----------
         pressures
             [Pa] of every section and circuit; as the condition has them unless given.
+        network
+            that of the condition, where it is at hand.
 
         Raises
         ------
         DomainError
             temperature outside the fluid's data.
         """
-        network, temperature = self.network(condition), condition.temperature
-        viscosity, density = self._fluid_at(temperature)
+        factors, geometries = self._factors(condition.gear, condition.temperature), self._in_gear(condition.gear)
+        if network is None:
+            network = self.network(condition)
         if pressures is None:
             sections = self.controller.section_pressures(condition.main_pressure, condition.converter_pressure)
             pressures = network.balance(sections).pressures
+        drops = [float(each.pressure_drop(pressures)) for each in geometries]
+        both_ways = [restrictions.leaks_both_ways(each.gap, network.solved) for each in geometries]
+        driving = [drop if back else max(drop, 0.0) for drop, back in zip(drops, both_ways, strict=True)]
+        viscosity, density = factors.kinematic_viscosity, factors.density
+        diameter, clearance, length = (row[:, None] for row in (factors.diameter, factors.clearance, factors.length))
         positions = np.array([self.law.eccentricity_factor, 1.0, gap_equations.FULLY_ECCENTRIC])
-        leakages = []
-        for geometry in self.geometries:
-            if condition.gear not in geometry.gap.gears:
-                continue
-            drop = float(geometry.pressure_drop(pressures))
-            leaks_back = restrictions.leaks_both_ways(geometry.gap, network.solved)
-            driving = drop if leaks_back else max(drop, 0.0)
-            mean = float(geometry.effective_clearance(temperature))
-            diameter = float(self.law.diameter(geometry.spool_diameter, mean))
-            clearance = float(self.law.flow_clearance(mean, *geometry.form_moments))
-            factors = (driving, diameter, clearance, viscosity, density, geometry.contact_length)
-            flow, concentric, touching = self.law.flow(*factors, positions).tolist()
-            leakages.append(
-                GapLeakage(
-                    gap=geometry.gap,
-                    pressure_drop=drop,
-                    leaks_back=leaks_back,
-                    diameter=diameter,
-                    contact_length=geometry.contact_length,
-                    effective_clearance=clearance,
-                    kinematic_viscosity=viscosity,
-                    density=density,
-                    leakage=flow,
-                    concentric_leakage=concentric,
-                    touching_leakage=touching,
-                    drawn_from_pump=geometry.drawn_from_pump,
-                    reynolds_number=gap_equations.reynolds_number(flow, diameter, viscosity),
-                )
+        given = np.array(driving, float)[:, None], diameter, clearance, viscosity, density, length
+        flows = self.law.flow(*given, positions)
+        reynolds = gap_equations.reynolds_number(flows[:, 0], factors.diameter, viscosity)
+        columns = factors.diameter, factors.length, factors.clearance, reynolds
+        return tuple(
+            GapLeakage(
+                gap=geometry.gap,
+                pressure_drop=drop,
+                leaks_back=back,
+                diameter=diameter,
+                contact_length=length,
+                effective_clearance=clearance,
+                kinematic_viscosity=viscosity,
+                density=density,
+                leakage=flow,
+                concentric_leakage=concentric,
+                touching_leakage=touching,
+                drawn_from_pump=geometry.drawn_from_pump,
+                reynolds_number=reynolds_number,
             )
-        return tuple(leakages)
+            for geometry, drop, back, (flow, concentric, touching), (
+                diameter,
+                length,
+                clearance,
+                reynolds_number,
+            ) in zip(geometries, drops, both_ways, flows.tolist(), np.array(columns).T.tolist(), strict=True)
+        )
 
     def dynamic_viscosity(self, temperature: Any) -> Any:
         """Return μ [Pa·s] by the profile's viscosity model; NaN outside the fluid's data."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -97,7 +98,14 @@ class Projection:
 
     def gaps_of(self, key: tuple[str, int]) -> tuple[GapLeakage, ...]:
         """Return the gaps of one land."""
-        return tuple(gap for gap in self.gaps if gap.gap.key == key)
+        return self._gaps_by_land.get(key, ())
+
+    @cached_property
+    def _gaps_by_land(self) -> dict[tuple[str, int], tuple[GapLeakage, ...]]:
+        by_land: dict[tuple[str, int], tuple[GapLeakage, ...]] = {}
+        for gap in self.gaps:
+            by_land[gap.gap.key] = (*by_land.get(gap.gap.key, ()), gap)
+        return by_land
 
     def leakage_of(self, key: tuple[str, int]) -> float:
         """Return the leakage through every gap of one land [m³/s], whether or not it counts as drawn from the pump."""
@@ -124,7 +132,7 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     where = (condition.main_pressure, condition.temperature)
     sections = controller.section_pressures(condition.main_pressure, condition.converter_pressure)
     demanded = network.balance(sections)
-    gaps = model.gaps(condition, demanded.pressures)
+    gaps = model.gaps(condition, demanded.pressures, network)
     drawn = [gap for gap in gaps if gap.drawn_from_pump]
     leaks, relieved = _leak_flows(network, demanded), float(sum(demanded.relief.values()))
     other = sum(each.flow for each in leaks if each.drawn_from_pump) + relieved

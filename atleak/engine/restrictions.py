@@ -34,6 +34,10 @@ class Gap:
     def slope(self, drop: Any) -> Any:
         return gap_equations.restricted_slope(drop, self.conductance, self.bend)
 
+    def flow_and_slope(self, drop: Any) -> tuple[Any, Any]:
+        """Return both at once."""
+        return gap_equations.restricted_flow_and_slope(drop, self.conductance, self.bend)
+
 
 @dataclass(frozen=True)
 class Orifice:

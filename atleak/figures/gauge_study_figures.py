@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import plotly.graph_objects as go
-
+from atleak.figures.figure import Figure
 from atleak.figures.frame import framed
 from atleak.gauge_study.anova import ACCEPTED, MARGINAL, GaugeStudy
 from atleak.look import CURVES, SCREEN
@@ -14,14 +13,14 @@ _SYMBOLS = ("circle", "square", "diamond", "triangle-up", "x", "cross", "star", 
 _BARS = ("grr", "repeatability", "reproducibility", "part")
 
 
-def by_part_and_operator(study: GaugeStudy, say: Wording) -> go.Figure:
+def by_part_and_operator(study: GaugeStudy, say: Wording) -> Figure:
     """Draw how far every reading is from the mean of its part [µm], one series for each operator.
 
     Readings of several parts differ by more than any gauge: from their part's own mean, people and repeats show.
     """
     readings = study.readings
     apart = (readings.values - readings.values.mean(axis=(1, 2), keepdims=True)) * UM
-    figure = go.Figure()
+    figure = Figure()
     colours = list(CURVES.values())
     count = len(readings.operators)
     for number, operator in enumerate(readings.operators):
@@ -48,9 +47,9 @@ def by_part_and_operator(study: GaugeStudy, say: Wording) -> go.Figure:
     return framed(figure, 380, 56)
 
 
-def components(study: GaugeStudy, say: Wording) -> go.Figure:
+def components(study: GaugeStudy, say: Wording) -> Figure:
     """Draw the components as shares of the study's variation, and of the tolerance where there is one [%]."""
-    figure = go.Figure()
+    figure = Figure()
     shares = [("of_study", CURVES["blue"], "")]
     if study.tolerance is not None:
         shares.append(("of_tolerance", CURVES["ochre"], "/"))

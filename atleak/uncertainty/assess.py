@@ -18,6 +18,7 @@ from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule, UnitRules
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, RuleDecision, decide_rule
+from atleak.uncertainty.points import rounded_up
 from atleak.uncertainty.pressures import PressureSpread
 from atleak.uncertainty.propagation import (
     DRAWS,
@@ -83,8 +84,8 @@ def assess(
     guard_factor
         k of the guard band k·u around a limit; 1.645 leaves 5 % one-sided.
     draws, seed
-        number of draws and seed of the Monte Carlo; the same input gives the same digits. Unless given, `DRAWS`, or
-        `DRAWS_OF_CIRCUITS` where pressures of circuits are solved.
+        number of draws, rounded up to a power of two, and seed of the Monte Carlo; the same input gives the same
+        digits. Unless given, `DRAWS`, or `DRAWS_OF_CIRCUITS` where pressures of circuits are solved.
 
     Returns
     -------
@@ -111,6 +112,7 @@ def assess(
         solves = model.profile.circuits == "on" and any(circuit.feeds for circuit in model.controller.circuits)
         draws = DRAWS_OF_CIRCUITS if solves else DRAWS
     _check(projections, coverage, guard_factor, draws)
+    draws = rounded_up(draws)
     instruments = instruments or load_instruments()
     sources, repeats = find_sources(states, readings, model.controller, instruments, assumptions)
     limits = rules.limits
@@ -159,7 +161,7 @@ def _check(projections: Sequence[Projection], coverage: float, guard_factor: flo
     if not (guard_factor >= 0.0 and math.isfinite(guard_factor)):
         raise InputError("guard factor not accepted", value=guard_factor, expected="0 or more, such as 1.645")
     if draws < 100:
-        raise InputError("too few draws", value=draws, expected="at least 100, such as 20000")
+        raise InputError("too few draws", value=draws, expected="at least 100, such as 8192")
 
 
 # --- one land
@@ -238,14 +240,14 @@ def _wear_uncertainty(land: LandSources, factor: float) -> float:
 def _at(land: LandSources, projection: Projection, spread: LandSpread) -> AtCondition:
     gaps = projection.gaps_of(land.key)
     share = projection.share_drawn_by(land.key)
-    of_clearance = (spread.share_per_clearance * land.standard_uncertainty) ** 2
+    of_clearance = (spread.slopes.share_per_clearance * land.standard_uncertainty) ** 2
     effects = {source.label: fraction * of_clearance for source, fraction in land.budget}
-    effects |= {name: effect**2 for name, effect in spread.share_effects.items()}
+    effects |= {name: effect**2 for name, effect in spread.slopes.share_effects.items()}
     variance = math.fsum(effects.values())
     return AtCondition(
         condition=projection.condition.name,
         label=projection.condition.label,
-        leakage=spread.leakage,
+        leakage=spread.slopes.leakage,
         u_leakage=spread.leakage_spread.standard_uncertainty,
         leakage_interval=spread.leakage_spread.interval,
         share=share,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -24,14 +24,11 @@ from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
 from atleak.equations.uncertainty import rectangular
 from atleak.uncertainty.assumptions import Assumptions
-from atleak.uncertainty.draws import Bore
+from atleak.uncertainty.draws import FLUID_STATE, Bore, LandInState, with_one_side
 from atleak.uncertainty.sources import LandSources
+from atleak.uncertainty.spread import flow_ratio
 
 _LOWEST_EFFICIENCY = 0.01  # volumetric; lower draws are raised to it
-
-NORMAL_FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
-FLUID_STATE = "viscosity of the used fluid"  # rectangular; only where the fluid has no data of its own used state
-FACTORS = (*NORMAL_FACTORS, FLUID_STATE)
 
 
 class Condition:
@@ -70,6 +67,11 @@ class Condition:
             return PumpFlow(pump, True, np.exp(spread * deviate))
         efficiency = pump.volumetric_efficiency + u.volumetric_efficiency * deviate
         return PumpFlow(replace(pump, volumetric_efficiency=np.clip(efficiency, _LOWEST_EFFICIENCY, 1.0)), False)
+
+
+def leakiest(lands: Sequence[LandSources], projection: Projection) -> LandSources:
+    """Return the land that draws most from the pump as measured."""
+    return max(lands, key=lambda land: projection.drawn_by(land.key))
 
 
 def _touches_circuit(gap: Gap) -> bool:
@@ -118,9 +120,7 @@ class Drawn:
         self.capacity = pump.capacity(condition.point.engine_speed, pressures["p_g"], self.viscosity)
         self._drops: dict[Any, Any] = {}
 
-    def with_circuits(
-        self, lands: Iterable[tuple[LandSources, Bore, Any, Any]], *, keep: bool = True
-    ) -> tuple[Drawn, Network, Balance]:
+    def with_circuits(self, lands: Iterable[LandInState], *, keep: bool = True) -> tuple[Drawn, Network, Balance]:
         """Return the same with the pressures that the circuits hold where the lands are as given.
 
         Each land comes with its bore, its contact length and where its spool lies; ``keep`` says that `leakage` will be
@@ -150,6 +150,19 @@ class Drawn:
         clearance = law.flow_clearance(mean, bore.square, bore.cube)
         diameter = law.diameter(land.state.spool_diameter, mean)
         return law.restriction(diameter, clearance, self.nu, self.rho, length, position)
+
+    def score(self, land: LandSources, common: Mapping[str, np.ndarray], fraction: np.ndarray) -> np.ndarray:
+        """Return how much a land would draw by what it shares with others, all that is its own as it was measured.
+
+        ``common`` and ``fraction`` are the shared errors and the part of the wear that lies to one side. The number is
+        in proportion to a share of the pump's flow where the land's pressure follows that of the line.
+        """
+        state = land.state
+        mean = np.maximum(state.radial_clearance + sum(u * common[name] for name, u in land.groups.items()), 0.0)
+        wear = fraction * np.maximum(mean - state.land.new_clearance, 0.0)
+        bore = Bore(mean, *with_one_side(wear, *state.form_moments))
+        conductance = self._restriction(land, bore, state.land.contact_length, None).conductance
+        return flow_ratio(conductance * self.pressures["p_g"], self.capacity)
 
     def drop(self, gap: Gap) -> Any:
         """Return the pressure drop [Pa]; a negative one that leaks nothing is given as zero."""
@@ -187,3 +200,22 @@ class Drawn:
             return flow, flow
         drawn_drops = sum(self.drop(gap) for gap in drawn_gaps)
         return flow, restriction.conductance * drawn_drops if drawn_gaps else np.zeros_like(flow)
+
+    def leakages(self, lands: Sequence[LandSources], bore: Bore, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return what `leakage` does for all lands at once, shapes (lands, columns); so are their bores and lengths."""
+        law = self.condition.model.law
+        shape = bore.clearance.shape
+        rates, diameters = np.array([(land.thermal_rate, land.state.spool_diameter) for land in lands]).reshape(-1, 2).T
+        mean = effective_clearance(bore.clearance, rates[:, None], self.rise)
+        clearance = law.flow_clearance(mean, bore.square, bore.cube)
+        restriction = law.restriction(law.diameter(diameters[:, None], mean), clearance, self.nu, self.rho, lengths)
+        ways = [(row, *way) for row, land in enumerate(lands) for way in self.condition.gaps.get(land.key, ())]
+        rows = [row for row, _, _ in ways]
+        conductance, bend = (np.broadcast_to(each, shape)[rows] for each in (restriction.conductance, restriction.bend))
+        drops = np.array([np.broadcast_to(self.drop(gap), shape[1:]) for _, gap, _ in ways]).reshape(-1, *shape[1:])
+        flow, drawn = np.zeros(shape), np.zeros(shape)
+        for (row, _, counts), through in zip(ways, Restricted(conductance, bend).flow(drops), strict=True):
+            flow[row] += through
+            if counts:
+                drawn[row] += through
+        return flow, drawn

@@ -14,12 +14,17 @@ from atleak.engine.profile import UNKNOWN
 from atleak.equations.clearance import one_sided_moments
 from atleak.equations.gap import ECCENTRIC_GAIN, eccentricity_factor
 from atleak.uncertainty.assumptions import Assumptions
+from atleak.uncertainty.points import Beside, Draws
 from atleak.uncertainty.sources import MEASURING_TEMPERATURE, MOUNTING, LandSources
 
 #: Part of the wear to one side that the directions of a sheet show at least. Two directions at a right angle never show
 #: less than π/4. One alone, laid across the worn side, shows nothing of it, which no interval can bound: the clearance
 #: is then called a lower bound, and up to twice the wear that shows is reckoned with. Choice of this project.
 LEAST_SEEN = 0.5
+
+NORMAL_FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
+FLUID_STATE = "viscosity of the used fluid"  # rectangular; only where the fluid has no data of its own used state
+FACTORS = (*NORMAL_FACTORS, FLUID_STATE)
 
 
 _SHORTEST = 0.1  # fraction of the nominal contact length; shorter draws are raised to it
@@ -34,21 +39,26 @@ class Bore:
     cube: Any = 0.0  # [m³] third
 
 
-def common_errors(stream: np.random.Generator, lands: Sequence[LandSources], draws: int) -> dict[str, np.ndarray]:
+def deviates_of_factors(shared: Draws) -> dict[str, np.ndarray]:
+    """Draw the standard deviates of `FACTORS`."""
+    deviates = {name: shared.normal() for name in NORMAL_FACTORS}
+    deviates[FLUID_STATE] = shared.rectangular()
+    return deviates
+
+
+def common_errors(stream: Draws, lands: Sequence[LandSources]) -> dict[str, np.ndarray]:
     """Draw the errors that lands share, by their groups, each of shape (draws,) and of unit standard deviation."""
     names = sorted({group for land in lands for group in land.groups})
-    return {
-        name: rectangular_draws(stream, draws) if name == MEASURING_TEMPERATURE else stream.standard_normal(draws)
-        for name in names
-    }
+    return {name: stream.rectangular() if name == MEASURING_TEMPERATURE else stream.normal() for name in names}
 
 
-def one_sided_fraction(
-    stream: np.random.Generator, model: LeakageModel, assumptions: Assumptions, draws: int
-) -> np.ndarray:
+def one_sided_fraction(stream: Draws, model: LeakageModel, assumptions: Assumptions) -> np.ndarray:
     """Draw how much of all wear lies to one side of the bores; the cube of the mean clearance knows no sides."""
     most = assumptions.one_sided_wear if model.law.counts_form else 0.0
-    return 0.5 * most * stream.integers(3, size=draws)
+    return 0.5 * most * np.floor(3.0 * stream.uniform())
+
+
+LandInState = tuple[LandSources, Bore, Any, Any]  # with its contact length, and where its spool lies
 
 
 @dataclass(frozen=True)
@@ -63,27 +73,27 @@ class LandDraws:
     position: Any
 
     @property
-    def now(self) -> tuple[LandSources, Bore, Any, Any]:
+    def now(self) -> LandInState:
         """Return what `Drawn.leakage` asks for, with the bore as it is; so do the two below, as it was."""
         return self.land, self.bore, self.length, self.position
 
     @property
-    def new(self) -> tuple[LandSources, Bore, Any, Any]:
+    def new(self) -> LandInState:
         return self.land, self.new_bore, self.length, self.position
 
     @property
-    def unworn(self) -> tuple[LandSources, Bore, Any, Any]:
+    def unworn(self) -> LandInState:
         return self.land, self.unworn_bore, self.length, self.position
 
 
 def land_draws(
-    stream: np.random.Generator,
+    stream: Draws,
     land: LandSources,
     common: dict[str, np.ndarray],
     fraction: np.ndarray,
     assumptions: Assumptions,
     position: Any,
-    readings: np.random.Generator | None = None,
+    readings: Draws | None = None,
 ) -> LandDraws:
     """Draw all that is not known of one land.
 
@@ -91,8 +101,7 @@ def land_draws(
     the same unless given.
     """
     readings = readings or stream
-    draws = fraction.size
-    new = new_bore(stream, land, draws)
+    new = new_bore(stream, land)
     # what was not measured is as new: the same in every trial
     bore = unworn = new
     if land.state.measured:
@@ -103,16 +112,14 @@ def land_draws(
     length: float | np.ndarray = nominal
     uncertain = assumptions.of_contact_length(measured=by_calliper)
     if uncertain:
-        lengths = (readings if by_calliper else stream).standard_normal(draws)
+        lengths = (readings if by_calliper else stream).normal()
         lengths *= uncertain
         lengths += nominal
         length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
     return LandDraws(land, bore, new, unworn, length, position)
 
 
-def measured_clearance(
-    stream: np.random.Generator, land: LandSources, common: dict[str, np.ndarray], new: np.ndarray
-) -> np.ndarray:
+def measured_clearance(stream: Draws, land: LandSources, common: dict[str, np.ndarray], new: np.ndarray) -> np.ndarray:
     """Draw what the mean clearance may be that the diameters show [m].
 
     Parameters
@@ -122,15 +129,14 @@ def measured_clearance(
     new
         what the pair had when new [m], shape (draws,): a sleeve that was not measured is as it was then.
     """
-    draws = new.size
     own = [source for source in land.sources if source.group is None and source.kind != MOUNTING]
     normal = math.fsum(source.standard_uncertainty**2 for source in own if source.shape == "normal")
-    clearance = stream.standard_normal(draws)
+    clearance = stream.normal()
     clearance *= math.sqrt(normal)
     clearance += land.state.radial_clearance
     for source in own:
         if source.shape == "rectangular" and source.standard_uncertainty:
-            clearance += rectangular_draws(stream, draws) * source.standard_uncertainty
+            clearance += stream.rectangular() * source.standard_uncertainty
     for name, u in land.groups.items():
         if u:
             clearance += u * common[name]
@@ -139,20 +145,12 @@ def measured_clearance(
     return clearance
 
 
-def rectangular_draws(stream: np.random.Generator, draws: int) -> np.ndarray:
-    """Draw from a rectangular distribution of unit standard deviation."""
-    deviates = stream.random(draws)
-    deviates -= 0.5
-    deviates *= math.sqrt(12.0)
-    return deviates
-
-
-def new_bore(stream: np.random.Generator, land: LandSources, draws: int) -> Bore:
+def new_bore(stream: Draws, land: LandSources) -> Bore:
     """Draw what the land's clearance may have been when new, from what is known of it."""
     low, high = land.state.land.mounting_range
     if low < high:
-        return Bore(low + (high - low) * stream.random(draws))
-    return Bore(low + land.u_mounting * stream.standard_normal(draws))
+        return Bore(low + (high - low) * stream.uniform())
+    return Bore(low + land.u_mounting * stream.normal())
 
 
 def unworn_bore(land: LandSources, clearance: np.ndarray, new: Bore) -> Bore:
@@ -161,9 +159,7 @@ def unworn_bore(land: LandSources, clearance: np.ndarray, new: Bore) -> Bore:
     return new if pair.widest_new == pair.mounting_range[0] else Bore(pair.unworn(clearance))
 
 
-def worn_bore(
-    stream: np.random.Generator, land: LandSources, clearance: np.ndarray, new: np.ndarray, fraction: np.ndarray
-) -> Bore:
+def worn_bore(stream: Draws, land: LandSources, clearance: np.ndarray, new: np.ndarray, fraction: np.ndarray) -> Bore:
     """Draw the true mean clearance and its spread around the circumference, where part of the wear is to one side.
 
     Parameters
@@ -183,12 +179,13 @@ def worn_bore(
     if plan is None or not fraction.any():  # of a bore that was not measured no wear is known
         return Bore(clearance, square, cube)
     shown = np.maximum(clearance - new, 0.0)
-    seen = plan.seen_of_one_side(math.pi * stream.random(clearance.size))
+    angles = tuple(plan.angles.items())
+    seen = stream.of_uniform(("seen of one side", angles), lambda part: plan.seen_of_one_side(math.pi * part))
     wear = shown / np.maximum(1.0 - fraction + fraction * seen, LEAST_SEEN)
     return Bore(clearance + (wear - shown), *with_one_side(fraction * wear, square, cube))
 
 
-def with_one_side(mean_wear: Any, square: float, cube: float) -> tuple[Any, Any]:
+def with_one_side(mean_wear: Any, square: Any, cube: Any) -> tuple[Any, Any]:
     """Return the moments of wear to one side of that mean [m], or those measured where these are larger."""
     one_sided, third = one_sided_moments(mean_wear)
     larger = one_sided > square
@@ -198,9 +195,9 @@ def with_one_side(mean_wear: Any, square: float, cube: float) -> tuple[Any, Any]
 class Positions:
     """Where the spool of each component lies, drawn once for all its lands, now and new."""
 
-    def __init__(self, model: LeakageModel, draws: int, seed: int) -> None:
+    def __init__(self, model: LeakageModel, own: Beside, seed: int) -> None:
         self._unknown = model.profile.eccentricity == UNKNOWN
-        self._mean, self._draws, self._seed = model.law.eccentricity_factor, draws, seed
+        self._mean, self._own, self._seed = model.law.eccentricity_factor, own, seed
         self._numbers = {number: place for place, number in enumerate(model.controller.components)}
         self._drawn: dict[str, np.ndarray] = {}
 
@@ -210,9 +207,8 @@ class Positions:
             return None
         component = land.key[0]
         if component not in self._drawn:
-            number = (self._seed, 2, self._numbers[component])
-            stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence(number)))
-            self._drawn[component] = eccentricity_factor(stream.random(self._draws), 1.0)
+            ratio = self._own.draws(self._seed, 2, self._numbers[component]).uniform()
+            self._drawn[component] = eccentricity_factor(ratio, 1.0)
         return self._drawn[component]
 
     @property

@@ -16,15 +16,17 @@ import numpy as np
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import Projection
 from atleak.uncertainty.assumptions import Assumptions
-from atleak.uncertainty.drawn import FLUID_STATE, NORMAL_FACTORS, Condition
+from atleak.uncertainty.drawn import Condition, leakiest
 from atleak.uncertainty.draws import (
+    FLUID_STATE,
     LandDraws,
     Positions,
     common_errors,
+    deviates_of_factors,
     land_draws,
     one_sided_fraction,
-    rectangular_draws,
 )
+from atleak.uncertainty.points import Beside, Cube, Draws, rounded_up
 from atleak.uncertainty.pressures import DrawnUnit, demand_shape
 from atleak.uncertainty.results import Interval
 from atleak.uncertainty.sources import LandSources
@@ -85,14 +87,11 @@ def changes(
     A land that neither visit measured is the same unknown one at both. A spool that was taken out may lie elsewhere in
     its bore than before.
     """
-    shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
-    deviates = {name: shared.standard_normal(draws) for name in NORMAL_FACTORS}
-    deviates[FLUID_STATE] = rectangular_draws(np.random.Generator(np.random.PCG64((seed, 3))), draws)
-    fraction = one_sided_fraction(shared, before.model, assumptions, draws)
-    drawn = [
-        list(_lands(visit, stream, fraction, assumptions, seed))
-        for visit, stream in zip((before, after), _VISITS, strict=True)
-    ]
+    draws = rounded_up(draws)
+    shared = Draws(Cube(draws, seed, 0))
+    deviates = deviates_of_factors(shared)
+    fraction = one_sided_fraction(shared, before.model, assumptions)
+    drawn = list(_drawn_lands(before, after, deviates, fraction, assumptions, seed))
     found = []
     for pair in zip(before.projections, after.projections, strict=True):
         first, second = (
@@ -115,16 +114,43 @@ def changes(
     return tuple(found)
 
 
-def _lands(visit: Visit, number: int, fraction: np.ndarray, assumptions: Assumptions, seed: int) -> Iterator[LandDraws]:
-    def stream(*name: int | str) -> np.random.Generator:
-        words = [part if isinstance(part, int) else int.from_bytes(part.encode()) for part in name]
-        return np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, *words))))
+def _drawn_lands(
+    before: Visit,
+    after: Visit,
+    deviates: dict[str, np.ndarray],
+    fraction: np.ndarray,
+    assumptions: Assumptions,
+    seed: int,
+) -> Iterator[list[LandDraws]]:
+    """Draw every land of both visits, beside what both share."""
+    first = before.projections[0]
+    commons = [
+        common_errors(Draws(Cube(fraction.size, seed, number)), visit.lands)
+        for visit, number in zip((before, after), _VISITS, strict=True)
+    ]
+    at_first = Condition(before.model, first, assumptions).at(deviates)
+    score = at_first.score(leakiest(before.lands, first), commons[0], fraction)
+    kept = Beside(Cube(fraction.size, seed, _UNIT), score)
+    for visit, number, common in zip((before, after), _VISITS, commons, strict=True):
+        read = Beside(Cube(fraction.size, seed, number, _UNIT), score)
+        positions = Positions(visit.model, read, seed + number)
+        yield [
+            land_draws(
+                kept.draws(seed, *_words(_UNIT, *land.key)),
+                land,
+                common,
+                fraction,
+                assumptions,
+                positions.of(land),
+                read.draws(seed, *_words(number, *land.key)),
+            )
+            for land in visit.lands
+        ]
 
-    common = common_errors(stream(number), visit.lands, fraction.size)
-    positions = Positions(visit.model, fraction.size, seed + number)
-    for land in visit.lands:
-        kept, readings = stream(_UNIT, *land.key), stream(number, *land.key)
-        yield land_draws(kept, land, common, fraction, assumptions, positions.of(land), readings)
+
+def _words(*name: int | str) -> Iterator[int]:
+    """Return the numbers that make a seed of a name."""
+    return (part if isinstance(part, int) else int.from_bytes(part.encode()) for part in name)
 
 
 def _held(

@@ -14,55 +14,49 @@ The circuits' pressures are solved in every trial: a land that leaks more in it 
 
 from __future__ import annotations
 
-import math
-import os
-from collections import defaultdict
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from operator import attrgetter
 
 import numpy as np
 
 from atleak.catalogue.limits import Limits, Steps
+from atleak.engine.balance import Balance
+from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import consumed
 from atleak.engine.projection import Projection
 from atleak.uncertainty.assumptions import Assumptions
-from atleak.uncertainty.drawn import FACTORS, FLUID_STATE, NORMAL_FACTORS, Condition, Drawn
+from atleak.uncertainty.drawn import Condition, Drawn, leakiest
 from atleak.uncertainty.draws import (
-    Bore,
     LandDraws,
+    LandInState,
     Positions,
     common_errors,
+    deviates_of_factors,
     land_draws,
     one_sided_fraction,
-    rectangular_draws,
-    with_one_side,
 )
+from atleak.uncertainty.linear import LandSlopes, Linear
+from atleak.uncertainty.points import Beside, Cube, Draws
 from atleak.uncertainty.pressures import DrawnUnit, PressureSpread, pressure_spread
 from atleak.uncertainty.sources import LandSources
 from atleak.uncertainty.spread import Spread, flow_ratio, interval_of, spread_of
 
 SEED = 7667
-DRAWS = 20_000
-DRAWS_OF_CIRCUITS = 8_000  # of a unit with circuits, whose pressures are solved anew in every one
-
-_SMALL = 0.01  # step of the numerical derivatives in the budget, as a fraction of a standard uncertainty
-
-ONE_SIDE, POSITION = "wear to one side", "where the spool lies"  # names in the budgets
+_NOW, _NEW, _UNWORN = attrgetter("now"), attrgetter("new"), attrgetter("unworn")  # of the draws of a land
+DRAWS = 8_192
+DRAWS_OF_CIRCUITS = 4_096  # of a unit with circuits, whose pressures are solved anew in every one
 
 
 @dataclass(frozen=True)
 class LandSpread:
-    """The leakage of one land at one condition and its spread; the derivative serves the linear budget."""
+    """The spread of the leakage of one land at one condition, and its slopes for the linear budget."""
 
-    leakage: float  # [m³/s] at the values as measured
+    slopes: LandSlopes
     leakage_spread: Spread
     share_spread: Spread
-    share_per_clearance: float  # [1/m]
-    share_effects: dict[str, float]  # change of the share for one standard uncertainty
 
 
 @dataclass(frozen=True)
@@ -118,8 +112,7 @@ def propagate(
     coverage
         probability of the intervals, 0 … 1; they leave out as much below as above.
     draws, seed
-        number of draws and seed of the Monte Carlo. Each land has its own stream of PCG64: the same input gives the
-        same digits.
+        number of draws, a power of two, and seed of the Monte Carlo: the same input gives the same digits.
     instants
         conditions of which only the total's interval is wanted: those of some instants of a log.
 
@@ -128,127 +121,139 @@ def propagate(
     DomainError
         A condition's temperature outside the fluid's data.
     """
-    shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
-    deviates = {name: shared.standard_normal(draws) for name in NORMAL_FACTORS}
-    deviates[FLUID_STATE] = rectangular_draws(np.random.Generator(np.random.PCG64((seed, 3))), draws)
-    common = common_errors(shared, sources, draws)
-    fraction = one_sided_fraction(shared, model, assumptions, draws)
-    positions = Positions(model, draws, seed)
+    shared = Draws(Cube(draws, seed, 0))
+    deviates = deviates_of_factors(shared)
+    common = common_errors(shared, sources)
+    fraction = one_sided_fraction(shared, model, assumptions)
     conditions = [Condition(model, projection, assumptions) for projection in projections]
     drawn = [condition.at(deviates) for condition in conditions]
-    probes = [condition.at(_probe_deviates()) for condition in conditions]
     at_instants = [Condition(model, instant, assumptions).at(deviates) for instant in instants]
-    instant_totals = [np.zeros(draws) for _ in instants]
-    lands: list[LandDraws] = []
-    for number, land in enumerate(sources):
-        stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
-        lands.append(land_draws(stream, land, common, fraction, assumptions, positions.of(land)))
-    for now, total in zip(at_instants, instant_totals, strict=True):
-        solved, network, balance = now.with_circuits(each.now for each in lands)
-        total += network.beside_lands(balance)
-        for each in lands:
-            total += solved.leakage(*each.now)[1]
-
-    def spreads_at(number: int) -> tuple[list[LandSpread], TotalSpread]:
-        each = projections[number], drawn[number], probes[number]
-        return _at_condition(model, *each, lands, assumptions, positions.relative_spread, limits, coverage)
-
-    # conditions share nothing that is drawn in them, and NumPy lets other threads run while it computes
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as threads:
-        by_condition = list(threads.map(spreads_at, range(len(projections))))
-    return Propagated(
-        [tuple(spreads[number] for spreads, _ in by_condition) for number in range(len(lands))],
-        [total for _, total in by_condition],
-        [
-            InstantSpread(interval_of(total, coverage), interval_of(flow_ratio(total, now.capacity), coverage))
-            for now, total in zip(at_instants, instant_totals, strict=True)
-        ],
+    # at one and the same condition, so that what else is asked for does not change what is drawn
+    first = model.controller.operating_points[0]
+    at = next((number for number, each in enumerate(projections) if each.condition == first), 0)
+    own = Beside(Cube(draws, seed, 3), drawn[at].score(leakiest(sources, projections[at]), common, fraction))
+    positions = Positions(model, own, seed)
+    lands: Iterable[LandDraws] = (
+        land_draws(own.draws(seed, 1, number), land, common, fraction, assumptions, positions.of(land))
+        for number, land in enumerate(sources)
     )
-
-
-def _at_condition(
-    model: LeakageModel,
-    projection: Projection,
-    drawn: Drawn,
-    probe: Drawn,
-    lands: Sequence[LandDraws],
-    assumptions: Assumptions,
-    relative_spread: float,
-    limits: Limits,
-    coverage: float,
-) -> tuple[list[LandSpread], TotalSpread]:
-    """Return the spread of every land and of the total at one condition."""
-    draws = lands[0].bore.clearance.size if lands else 1
-    now, network, balance = drawn.with_circuits(each.now for each in lands)
-    new, new_network, new_balance = drawn.with_circuits(each.new for each in lands)
-    same = all(each.unworn_bore is each.new_bore for each in lands)
-    unworn, unworn_network, unworn_balance = (
-        (new, new_network, new_balance) if same else drawn.with_circuits(each.unworn for each in lands)
-    )
-    probe, probe_network, probe_balance = probe.with_circuits((_as_measured(each) for each in lands), keep=False)
-    total, new_total, unworn_total = (
-        np.full(draws, 0.0) + each.beside_lands(at)
-        for each, at in ((network, balance), (new_network, new_balance), (unworn_network, unworn_balance))
-    )
-    probe_total = np.zeros(_PROBES) + probe_network.beside_lands(probe_balance)
-    variance = 0.0  # of the total, from errors that no land shares
-    group_slopes: dict[str, float] = defaultdict(float)
-    by_component: dict[str, float] = defaultdict(float)  # drawn, as measured
-    spreads = []
+    # circuits need all lands at once; without any, one land's draws make room for the next one's
+    at_once: Sequence[LandDraws] = ()
+    if model.controller.circuits:
+        lands = at_once = list(lands)
+    units = [
+        _Unit(model, projection, now, linear, at_once, limits, coverage)
+        for projection, now, linear in zip(
+            projections,
+            drawn,
+            (Linear(condition, sources, assumptions, positions.relative_spread) for condition in conditions),
+            strict=True,
+        )
+    ]
+    totals = [_Total(_NOW, now.with_circuits(map(_NOW, at_once))) for now in at_instants]
     for each in lands:
-        land = each.land
-        flow, drawn_flow = now.leakage(*each.now)
-        as_new = new is now and each.bore is each.new_bore
-        new_flow = drawn_flow if as_new else new.leakage(*each.new)[1]
-        as_unworn = unworn is new and each.unworn_bore is each.new_bore
-        unworn_flow = new_flow if as_unworn else unworn.leakage(*each.unworn)[1]
-        total += drawn_flow
-        new_total += new_flow
-        unworn_total += unworn_flow
-        slopes = _probe(probe, land, assumptions, relative_spread)
-        by_component[land.key[0]] += float(slopes.counted_probe[-1])
-        shares = flow_ratio(drawn_flow, now.capacity), flow_ratio(unworn_flow, now.capacity)
-        spreads.append(
+        for unit in units:
+            unit.add(each)
+        for total in totals:
+            total.add(each)
+    return Propagated(
+        [tuple(unit.spreads[number] for unit in units) for number in range(len(sources))],
+        [unit.total() for unit in units],
+        [InstantSpread(interval_of(total.drawn, coverage), interval_of(total.share, coverage)) for total in totals],
+    )
+
+
+class _Total:
+    """What a unit draws at one condition in one state: its lands are added one by one."""
+
+    def __init__(self, state: Callable[[LandDraws], LandInState], solved: tuple[Drawn, Network, Balance]) -> None:
+        """Start without any land; ``state`` picks a land's bore, with which the circuits are solved."""
+        self._state = state
+        self.solved, self.network, self.balance = solved
+        self.drawn = np.zeros(self.solved.viscosity.shape) + self.network.beside_lands(self.balance)  # [m³/s]
+
+    def add(self, land: LandDraws) -> tuple[np.ndarray, np.ndarray]:
+        """Count a land; return its flow, and the part of it that is drawn from the pump [m³/s]."""
+        flow, drawn = self.solved.leakage(*self._state(land))
+        self.drawn += drawn
+        return flow, drawn
+
+    def count(self, drawn: np.ndarray) -> np.ndarray:
+        """Count a land of which it is known already what it draws [m³/s]."""
+        self.drawn += drawn
+        return drawn
+
+    @property
+    def share(self) -> np.ndarray:
+        """Return it as a share of the pump's flow."""
+        return flow_ratio(self.drawn, self.solved.capacity)
+
+
+class _Unit:
+    """A unit at one condition: as it is, new, and as it may have been when new."""
+
+    def __init__(
+        self,
+        model: LeakageModel,
+        projection: Projection,
+        drawn: Drawn,
+        linear: Linear,
+        at_once: Sequence[LandDraws],
+        limits: Limits,
+        coverage: float,
+    ) -> None:
+        self._model, self._projection, self._given = model, projection, drawn
+        self._linear, self._limits, self._coverage = linear, limits, coverage
+        self._slopes = iter(linear.lands)
+        now, new = (drawn.with_circuits(map(state, at_once)) for state in (_NOW, _NEW))
+        same = all(each.unworn_bore is each.new_bore for each in at_once)
+        unworn = new if same else drawn.with_circuits(map(_UNWORN, at_once))
+        self._now, self._new, self._unworn = _Total(_NOW, now), _Total(_NEW, new), _Total(_UNWORN, unworn)
+        # at the same pressures a land draws the same with the same bore
+        self._new_as_now, self._unworn_as_new = new[0] is now[0], unworn[0] is new[0]
+        self.spreads: list[LandSpread] = []  # of the lands added so far
+
+    def add(self, each: LandDraws) -> None:
+        """Count a land, and work out its spread."""
+        flow, drawn = self._now.add(each)
+        as_new = self._new_as_now and each.bore is each.new_bore
+        new = self._new.count(drawn) if as_new else self._new.add(each)[1]
+        as_unworn = self._unworn_as_new and each.unworn_bore is each.new_bore
+        unworn = self._unworn.count(new) if as_unworn else self._unworn.add(each)[1]
+        capacity = self._now.solved.capacity
+        shares = flow_ratio(drawn, capacity), flow_ratio(unworn, capacity)
+        self.spreads.append(
             LandSpread(
-                leakage=slopes.leakage,
-                leakage_spread=spread_of(flow, (), coverage),
-                share_spread=_share_spread(*shares, limits.pair_share, coverage),
-                share_per_clearance=slopes.share_per_clearance,
-                share_effects=slopes.share_effects,
+                slopes=next(self._slopes),
+                leakage_spread=spread_of(flow, (), self._coverage),
+                share_spread=_share_spread(*shares, self._limits.pair_share, self._coverage),
             )
         )
-        probe_total += slopes.counted_probe
-        variance += slopes.counted_per_clearance**2 * land.own_variance
-        variance += slopes.counted_length_effect**2
-        for name, u in land.groups.items():
-            group_slopes[name] += slopes.counted_per_clearance * u
-    measured_unit, unworn_unit = (
-        DrawnUnit(each, at, leakage, drawn.pressures, pump, drawn.viscosity)
-        for each, at, leakage, pump in (
-            (network, balance, total, drawn.pump),
-            (unworn_network, unworn_balance, unworn_total, drawn.new_pump),
+
+    def total(self) -> TotalSpread:
+        """Return the spread of the whole, once every land is counted."""
+        given, now, coverage = self._given, self._now, self._coverage
+        measured, unworn = (
+            DrawnUnit(each.network, each.balance, each.drawn, given.pressures, pump, given.viscosity)
+            for each, pump in ((now, given.pump), (self._unworn, given.new_pump))
         )
-    )
-    return spreads, _total(
-        now,
-        probe,
-        total,
-        new_total,
-        unworn_total,
-        probe_total,
-        variance,
-        relative_spread * math.hypot(*by_component.values()),
-        group_slopes,
-        limits.total_share,
-        coverage,
-        pressure_spread(projection, model, measured_unit, unworn_unit, limits, coverage),
-    )
-
-
-def _as_measured(draws: LandDraws) -> tuple[LandSources, Bore, Any, Any]:
-    """Return a land as its readings have it: the budget changes one land at a time, at the same circuit pressures."""
-    state = draws.land.state
-    return draws.land, Bore(state.radial_clearance, *state.form_moments), state.land.contact_length, None
+        unworn_share = flow_ratio(self._unworn.drawn, now.solved.capacity)
+        share_spread = _share_spread(now.share, unworn_share, self._limits.total_share, coverage)
+        # a band counts as reached where a worse one is
+        over = (1.0, *np.maximum.accumulate(share_spread.probabilities[::-1])[::-1].tolist(), 0.0)
+        point = self._projection.condition
+        demand = now.drawn + consumed(self._model.controller, point)
+        speed = given.pump.minimum_speed(demand, now.solved.pressures["p_g"], given.viscosity)
+        return TotalSpread(
+            leakage_spread=spread_of(now.drawn, (), coverage),
+            share_spread=share_spread,
+            minimum_speed_interval=interval_of(speed, coverage),
+            band_probabilities=tuple(max(a - b, 0.0) for a, b in pairwise(over)),
+            new_leakage_interval=interval_of(self._new.drawn, coverage),
+            growth_interval=interval_of(flow_ratio(now.drawn, self._new.drawn) - 1.0, coverage),
+            pressures=pressure_spread(self._projection, self._model, measured, unworn, self._limits, coverage),
+            effects=self._linear.total_effects(),
+        )
 
 
 # --- what the draws say
@@ -257,123 +262,3 @@ def _as_measured(draws: LandDraws) -> tuple[LandSources, Bore, Any, Any]:
 def _share_spread(share: np.ndarray, unworn: np.ndarray, steps: Steps | None, coverage: float) -> Spread:
     """Return the spread of a share, and how likely it has reached each limit beside that of an unworn land or unit."""
     return spread_of(share, [limit for _, limit in steps.over(unworn)] if steps else (), coverage)
-
-
-# --- the linear budget: one factor is changed at a time, by central differences
-
-#: Two per factor, two of the wear to one side, two of the clearance, two of the contact length, one as it is.
-_PROBES = 2 * len(FACTORS) + 7
-
-
-def _probe_deviates() -> dict[str, np.ndarray]:
-    deviates = {}
-    for number, name in enumerate(FACTORS):
-        column = np.zeros(_PROBES)
-        column[2 * number], column[2 * number + 1] = _SMALL, -_SMALL
-        deviates[name] = column
-    return deviates
-
-
-@dataclass(frozen=True)
-class _Slopes:
-    leakage: float
-    share_per_clearance: float
-    share_effects: dict[str, float]
-    counted_probe: np.ndarray
-    counted_per_clearance: float
-    counted_length_effect: float
-
-
-def _probe(probe: Drawn, land: LandSources, assumptions: Assumptions, position: float) -> _Slopes:
-    state = land.state
-    step = _SMALL * (land.standard_uncertainty or 1e-7)
-    clearance = np.full(_PROBES, state.radial_clearance)
-    length = np.full(_PROBES, state.land.contact_length)
-    clearance[-5] += step
-    clearance[-4] -= step
-    uncertain = assumptions.of_contact_length(measured=state.land.contact_length_measured)
-    length[-3] += _SMALL * uncertain
-    length[-2] -= _SMALL * uncertain
-    bore = Bore(clearance, *_one_side_probes(probe.condition.model, land, assumptions))
-    flow, drawn_flow = probe.leakage(land, bore, length)
-    share = flow_ratio(drawn_flow, probe.capacity)
-
-    def effects(values: np.ndarray) -> dict[str, float]:
-        by_factor = {name: _difference(values, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
-        by_factor["contact length"] = _difference(values, -3) / _SMALL
-        by_factor[ONE_SIDE] = _one_side_effect(values)
-        by_factor[POSITION] = position * float(values[-1])
-        return by_factor
-
-    counted_effects = effects(drawn_flow)
-    return _Slopes(
-        leakage=float(flow[-1]),
-        share_per_clearance=_difference(share, -5) / step,
-        share_effects=effects(share),
-        counted_probe=drawn_flow,
-        counted_per_clearance=_difference(drawn_flow, -5) / step,
-        counted_length_effect=counted_effects["contact length"],
-    )
-
-
-def _one_side_probes(model: LeakageModel, land: LandSources, assumptions: Assumptions) -> tuple[np.ndarray, np.ndarray]:
-    """Return the moments of each probe: as measured, and with half and all of the wear to one side."""
-    square, cube = land.state.form_moments
-    squares, cubes = np.full(_PROBES, square), np.full(_PROBES, cube)
-    if model.law.counts_form and "sleeve" in land.plans:
-        shown = max(land.state.radial_clearance - land.state.land.new_clearance, 0.0)
-        for place, part in ((-7, 0.5), (-6, 1.0)):
-            squares[place], cubes[place] = with_one_side(part * assumptions.one_sided_wear * shown, square, cube)
-    return squares, cubes
-
-
-def _one_side_effect(values: np.ndarray) -> float:
-    """Return the standard deviation over none, half and all of the wear to one side, all three alike likely."""
-    three = values[[-1, -7, -6]]
-    return float(three.std()) if np.isfinite(three).all() else math.nan
-
-
-def _difference(values: np.ndarray, index: int) -> float:
-    first, second = float(values[index]), float(values[index + 1])
-    return 0.5 * (first - second) if math.isfinite(first) and math.isfinite(second) else math.nan
-
-
-def _total(
-    now: Drawn,
-    probe: Drawn,
-    total: np.ndarray,
-    new_total: np.ndarray,
-    unworn_total: np.ndarray,
-    probe_total: np.ndarray,
-    own_variance: float,
-    position: float,
-    group_slopes: dict[str, float],
-    steps: Steps,
-    coverage: float,
-    pressures: PressureSpread,
-) -> TotalSpread:
-    share_spread = _share_spread(
-        flow_ratio(total, now.capacity), flow_ratio(unworn_total, now.capacity), steps, coverage
-    )
-    # a band counts as reached where a worse one is
-    over = (1.0, *np.maximum.accumulate(share_spread.probabilities[::-1])[::-1].tolist(), 0.0)
-    probe_share = flow_ratio(probe_total, probe.capacity)
-    capacity = float(probe.capacity[-1]) if np.ndim(probe.capacity) else float(probe.capacity)
-    per_flow = 1.0 / capacity if capacity > 0.0 else math.nan
-    effects = {name: _difference(probe_share, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
-    effects["each land's own readings and contact length"] = math.sqrt(own_variance) * per_flow
-    effects[ONE_SIDE] = _one_side_effect(probe_share)
-    effects[POSITION] = position * per_flow
-    effects |= {f"common to all lands: {name}": slope * per_flow for name, slope in group_slopes.items()}
-    consumers = consumed(now.condition.model.controller, now.condition.point)
-    speed = now.pump.minimum_speed(total + consumers, now.pressures["p_g"], now.viscosity)
-    return TotalSpread(
-        leakage_spread=spread_of(total, (), coverage),
-        share_spread=share_spread,
-        minimum_speed_interval=interval_of(speed, coverage),
-        band_probabilities=tuple(max(a - b, 0.0) for a, b in pairwise(over)),
-        new_leakage_interval=interval_of(new_total, coverage),
-        growth_interval=interval_of(flow_ratio(total, new_total) - 1.0, coverage),
-        pressures=pressures,
-        effects=effects,
-    )

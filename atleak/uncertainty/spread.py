@@ -25,17 +25,25 @@ def spread_of(values: np.ndarray, limits: Sequence[Any], coverage: float, *, fal
 
     ``falling`` limits are reached by what is under them.
     """
-    finite = bool(np.isfinite(values).all())
     reached = tuple(
         float(np.count_nonzero(values < limit if falling else values >= limit)) / values.size for limit in limits
     )
-    u = float(values.std()) if finite else math.inf
+    u = _standard_deviation(values)
+    finite = math.isfinite(u)
     return Spread(
         u,
         interval_of(values, coverage),
         reached,
-        tuple(float((values - limit).std()) if finite and np.ndim(limit) else u for limit in limits),
+        tuple(_standard_deviation(values - limit) if finite and np.ndim(limit) else u for limit in limits),
     )
+
+
+def _standard_deviation(values: np.ndarray) -> float:
+    """Return it; infinite where a value is no finite number. Several times as quick as NumPy's own."""
+    with np.errstate(invalid="ignore"):
+        from_mean = values - values.mean()
+    variance = float(np.dot(from_mean, from_mean)) / values.size
+    return math.sqrt(variance) if math.isfinite(variance) else math.inf
 
 
 def interval_of(values: np.ndarray, coverage: float) -> tuple[float, float]:
@@ -56,4 +64,4 @@ def flow_ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
     """Return the share of the pump's flow; infinite where the pump delivers nothing."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share = flow / capacity
-    return np.where(np.isnan(share), np.inf, share) if np.any(np.equal(capacity, 0.0)) else share
+    return share if np.all(capacity) else np.where(np.isnan(share), np.inf, share)

@@ -5,36 +5,41 @@ from __future__ import annotations
 import hashlib
 import os
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import streamlit as st
 
 from atleak.errors import AtleakError, ChangedElsewhere
 from atleak.job.parts import job_parts
 from atleak.job.record import Job
-from atleak.jobs.book import Book, open_book
 from atleak.jobs.judged_anew import judged_otherwise
-from atleak.jobs.opening import DATABASE_URL
 from atleak.system.home import home
 from pages.shared import reader
 from pages.shared.cases import case_with_columns, diagnosis_of, opened_case
 from pages.shared.state import JOB, InBook, Refusal, Session, job, session, show_job
 
+if TYPE_CHECKING:
+    from atleak.jobs.book import Book
+
 
 def book() -> Book:
-    """Return the job book.
+    """Return the job book; its database is imported with the first job that is kept or looked up.
 
     Raises
     ------
     BookError
         where it cannot be opened.
     """
+    from atleak.jobs.opening import DATABASE_URL
+
     opened: Book = _book(os.environ.get(DATABASE_URL) or str(home()))
     return opened
 
 
 @st.cache_resource(max_entries=4, show_spinner=False)
 def _book(where: str) -> Any:
+    from atleak.jobs.book import open_book
+
     return open_book()
 
 

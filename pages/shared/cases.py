@@ -25,8 +25,12 @@ from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, LogChoices, Reader, 
 from atleak.measuring.plan import PARTS
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
+from atleak.system.memory import give_back_soon
 
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
+#: [bytes] of a log, from which on it and its results are kept for the session that has it and go with it, only as many
+#: as stand here. What is smaller every session finds.
+LARGE, LARGE_KEPT = 4_000_000, 2
 _CHOICES = {  # those that belong to one file, and go with it
     "readings": ("sheet_name", "sheet_unit", "sheet_where"),
     "road_test": ("columns", "units", "constants", "remember"),
@@ -100,8 +104,18 @@ def _by_id(slot: Slot, choice: Choice) -> Choice:
     return next((name for name, path in known if path.read_bytes() == choice.content), choice)
 
 
+def is_large(log: SourceFile | None) -> bool:
+    """Tell whether a log is kept for its session alone."""
+    return log is not None and len(log.content) > LARGE
+
+
+def _released(_: object) -> None:
+    """Hand the memory of a large log, or of a result over it, to the system."""
+    give_back_soon()
+
+
 class Kept(Reader):
-    """A reader of a job's files that reads each once, for every session of this server."""
+    """A reader of a job's files that reads each once: for every session of this server, large logs for each session."""
 
     def entry(self, slot: Slot, choice: Choice) -> Any:
         own = slot.own_file(choice)
@@ -143,8 +157,18 @@ def _pressures(key: str, _case: Case, _controller: Controller) -> PressureTable:
 
 @st.cache_resource(max_entries=6, show_spinner="Reading the road-test log …")
 def _understood(key: str, _log: SourceFile, _choices: LogChoices, _remembered: bool) -> Understood:
-    path = default_path() if _remembered else None
-    return understand(_log.content, name=_log.name, remembered=path, **_choices)
+    return _read(_log, _choices, _remembered)
+
+
+@st.cache_resource(
+    max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="Reading the road-test log …"
+)
+def _understood_here(key: str, _log: SourceFile, _choices: LogChoices, _remembered: bool) -> Understood:
+    return _read(_log, _choices, _remembered)
+
+
+def _read(log: SourceFile, choices: LogChoices, remembered: bool) -> Understood:
+    return understand(log.content, name=log.name, remembered=default_path() if remembered else None, **choices)
 
 
 def understood(log: SourceFile, case: Case | None = None) -> Understood:
@@ -154,9 +178,10 @@ def understood(log: SourceFile, case: Case | None = None) -> Understood:
     """
     case = case or Case()
     key = repr((log.name, log.sha256, case.log_choices))
-    result = _understood(key, log, case.log_choices, False)
+    read = _understood_here if is_large(log) else _understood
+    result = read(key, log, case.log_choices, False)
     earlier = recall(default_path(), result.signature) if case.remember else None
-    return result if earlier is None else _understood(f"{key} {earlier}", log, case.log_choices, True)
+    return result if earlier is None else read(f"{key} {earlier}", log, case.log_choices, True)
 
 
 def catalogue_entry(name: str, choice: Choice) -> Any:
@@ -232,7 +257,19 @@ def case_with_columns(case: Case) -> Case:
 
 @st.cache_resource(max_entries=6, show_spinner="Computing …")
 def _diagnosis(key: str, _case: Case) -> Diagnosis:
-    return _case.diagnose(Kept())
+    return _computed(_case)
+
+
+@st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="Computing …")
+def _diagnosis_here(key: str, _case: Case) -> Diagnosis:
+    return _computed(_case)
+
+
+def _computed(case: Case) -> Diagnosis:
+    """Compute a diagnosis, or take that without a mileage, of which next to nothing follows."""
+    if case.mileage is None:
+        return case.diagnose(Kept())
+    return diagnosis_of(replace(case, mileage=None)).with_mileage(case.mileage)
 
 
 def diagnosis_of(case: Case) -> Diagnosis:
@@ -243,7 +280,8 @@ def diagnosis_of(case: Case) -> Diagnosis:
     AtleakError
         saying what of the job cannot be used.
     """
-    return _diagnosis(result_key(case), case)
+    computed = _diagnosis_here if is_large(case.road_test) else _diagnosis
+    return computed(result_key(case), case)
 
 
 def result_key(case: Case) -> str:

@@ -14,7 +14,7 @@ from atleak.catalogue.controller import Controller
 from atleak.errors import InputError
 from atleak.job.decisions import decision_faults
 from atleak.job.record import PICTURE_SUFFIXES, Grade, Job, RepairState
-from atleak.report.pdf.pictures import printable_picture
+from atleak.report.pictures import printable_picture
 from atleak.wording import Wording
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from pages.shared import fields, reader, show

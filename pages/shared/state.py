@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -20,6 +21,7 @@ from atleak.job.case import SLOTS, Choice, SourceFile
 from atleak.job.file import read_job_file
 from atleak.job.record import Job
 from atleak.jobs.judged_anew import JudgedOtherwise
+from atleak.system.memory import give_back_soon
 from pages.shared import reader
 from pages.shared.cases import (
     FITTED,
@@ -28,6 +30,7 @@ from pages.shared.cases import (
     chosen_by_id,
     diagnosis_of,
     held,
+    is_large,
     opened_case,
     sample_case,
 )
@@ -101,6 +104,7 @@ class Session:
     start: PageCase = field(default_factory=PageCase)  # the first values of the sidebar's widgets
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
     in_book: InBook = field(default_factory=InBook)
+    gives_back: bool = False  # whether memory goes back to the system when this ends
 
 
 def session() -> Session:
@@ -259,6 +263,9 @@ def current_diagnosis() -> Diagnosis:
     now.good = held(now.case)
     now.tried.clear()
     now.follow = False
+    if is_large(now.good.road_test) and not now.gives_back:
+        now.gives_back = True
+        weakref.finalize(now, give_back_soon)  # a log's bytes go with the session
     return result
 
 

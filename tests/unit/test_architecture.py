@@ -41,6 +41,7 @@ FLOORS = (
         "system.home",
         "system.shipped",
         "system.marks",
+        "system.memory",
         "look",
         "paper",
         "unit_systems",
@@ -76,7 +77,7 @@ FLOORS = (
     ),
     ("job.decisions", "job.kinds", "job.steps"),
     ("job.estimate",),
-    ("report.estimate_words", "job.repair_set"),
+    ("report.estimate_words", "report.pictures", "job.repair_set"),
     (
         "job.parts",
         "report.pdf",

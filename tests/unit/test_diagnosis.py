@@ -523,3 +523,23 @@ def test_a_unit_of_which_no_pair_is_known_on_both_parts_is_not_decided(
     spools = {land.key: (land.nominal_diameter, None) for land in minimal.lands}
     diagnosis = diagnose(minimal, hipol, limits, readings=readings_of(minimal, spools))
     assert (diagnosis.verdict, diagnosis.decision) == ("not_measured", None)
+
+
+def test_another_mileage_changes_what_a_diagnosis_with_it_says_and_nothing_else(sample: Diagnosis) -> None:
+    def at(mileage: float | None) -> Diagnosis:
+        return diagnose(
+            sample.controller,
+            sample.fluid,
+            sample.limits,
+            readings=sample.readings,
+            profile=sample.profile,
+            mileage=mileage,
+        )
+
+    without, there = at(None), at(120_000.0)
+    moved = without.with_mileage(120_000.0)
+    assert [land.replace_mileage for land in moved.lands] == [land.replace_mileage for land in there.lands]
+    assert any(land.replace_mileage for land in moved.lands) or moved.messages != without.messages
+    assert (moved.messages, moved.mileage, moved.verdict) == (there.messages, 120_000.0, there.verdict)
+    assert moved.with_mileage(None).messages == without.messages
+    assert moved.uncertainty is without.uncertainty

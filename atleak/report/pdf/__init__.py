@@ -16,9 +16,9 @@ from atleak.paper import DEFAULT_PAPER, Paper, find_paper
 from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.compiling import common_data, compile_pdf
 from atleak.report.pdf.front import Front
-from atleak.report.pdf.pictures import write_pictures
 from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.pictures import write_pictures
 from atleak.report.printed_charts import Bar, road_chart, shares_chart
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.drawing import controller_svg, shortened

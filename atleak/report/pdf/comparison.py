@@ -16,8 +16,8 @@ from atleak.job.record import Job, RepairDecision
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.compiling import common_data, compile_pdf
-from atleak.report.pdf.pictures import write_pictures
 from atleak.report.pdf.printed_names import condition_name
+from atleak.report.pictures import write_pictures
 from atleak.report.printed_charts import TwoBars, two_visits_chart
 from atleak.verdicts import Band
 from atleak.views.caveats import caveats

@@ -82,6 +82,7 @@ OTHERS = {
     gap.obliteration,
     small_samples.one_sided_squares_tail,
     gap.entry_loss_terms,
+    gap.restricted_flow_and_slope,
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
 }

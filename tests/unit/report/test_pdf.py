@@ -27,7 +27,7 @@ from atleak.look import look_of
 from atleak.repair import plan_repairs
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
-from atleak.report.pdf.pictures import printable_picture
+from atleak.report.pictures import printable_picture
 from atleak.uncertainty import Assumptions
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.wear_line import Crossing

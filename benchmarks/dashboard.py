@@ -1,0 +1,369 @@
+"""Measure the dashboard in a browser, as CPU time of its server, beside a Streamlit hello-world in the same run.
+
+    python benchmarks/dashboard.py [--small] [--starts 4] [--repeats 4] [--rows 1800000] [--only start,sample,...]
+
+prints, with the goals:
+
+- start: CPU of a server from its start until its first visitor sees content, and until the page has come to rest, as a
+  ratio to a hello-world that imports pandas and plotly (goals 1.2 and 1.3);
+- sample, log: CPU from changing one control until the page is at rest again, on the sample job and with a made-up log
+  of 1.8 million rows (goals 0.25 s and 0.5 s);
+- memory: what the server holds before a visitor uploads that log, with it, and after the window was closed and
+  Streamlit's two minutes for coming back are over.
+
+A control is looked for by its label, first on the page that is shown, then on the pages of `PAGES`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import psutil
+from playwright.sync_api import Browser, Locator, Page, sync_playwright
+from road_test_import import write_logs
+from timing import options
+
+ROOT = Path(__file__).resolve().parents[1]
+COMPILED = Path(tempfile.gettempdir()) / "atleak-benchmark-compiled"
+SHEET = ROOT / "sample_data" / "measuring_sheet_four_speed.xlsx"
+OPTIONS = options(__doc__)
+OPTIONS.add_argument("--starts", type=int, default=4)
+OPTIONS.add_argument("--repeats", type=int, default=4)
+OPTIONS.add_argument("--rows", type=int, default=1_800_000)
+PARTS = ("start", "sample", "log", "memory")
+OPTIONS.add_argument("--only", default=",".join(PARTS), help="which parts, of " + ", ".join(PARTS))
+SMALL = {"starts": 1, "repeats": 1, "rows": 2_000}
+
+HELLO = """import pandas
+import plotly.graph_objects
+import streamlit
+
+streamlit.title("Hello")
+streamlit.write("world")
+"""
+PAGES = ("Diagnosis", "Job", "Settings", "What_if", "Readings", "Road_test")
+SHOWN = "Diagnosis"  # the page on which controls of the panel are changed
+MAIN, PANEL = "[data-testid=stMain]", "[data-testid=stSidebar]"
+FIRST = f"{MAIN} h1"
+# Opens every closed fold that holds a field of that label; returns how many.
+OPEN_FOLDS = """label => {
+    const closed = [...document.querySelectorAll("details:not([open])")]
+    const holding = closed.filter(fold => fold.textContent.includes(label))
+    holding.forEach(fold => fold.querySelector("summary").click())
+    return holding.length
+}"""
+QUIET = 0.4  # [s] without any work of the server: the page is at rest
+FORGOTTEN = 125.0  # [s] after which Streamlit forgets a session that does not come back
+PATIENCE = 120.0  # [s]
+GOALS = {"first content": 1.2, "at rest": 1.3}
+CHANGE_GOALS = {"sample": 0.25, "log": 0.5}  # [s]
+
+
+@dataclass(frozen=True)
+class Control:
+    """Something that is changed on a page: by typing one of two numbers, or by choosing the next option."""
+
+    name: str
+    label: str  # as on the page, from its start
+    numbers: tuple[str, str] | None = None
+
+
+CONTROLS = (
+    Control("fluid", "Fluid"),
+    Control("limits", "Limits"),
+    Control("temperature", "Temperature", ("85", "95")),
+    Control("engine speed", "Engine speed", ("900", "1100")),
+    Control("mileage", "Mileage", ("120000", "140000")),
+    Control("spools' instrument", "Spools"),
+)
+
+
+def main(chosen: argparse.Namespace) -> None:
+    if chosen.small:
+        for name, value in SMALL.items():
+            setattr(chosen, name, value)
+    parts = chosen.only.split(",")
+    with tempfile.TemporaryDirectory() as folder, _browser() as browser:
+        place = Path(folder)
+        if "start" in parts:
+            _starts(browser, place, chosen.starts)
+        if set(parts) & {"sample", "log", "memory"}:
+            with Server.of_atleak(place / "home") as server:
+                log = write_logs(place, chosen.rows)["clean"] if set(parts) & {"log", "memory"} else None
+                controls = CONTROLS[2:3] if chosen.small else CONTROLS
+                _changes(browser, server, parts, controls, chosen.repeats, log)
+                if "memory" in parts:
+                    _closed(browser, server, wait=0.0 if chosen.small else FORGOTTEN)
+
+
+def _starts(browser: Browser, folder: Path, starts: int) -> None:
+    """Print what the first visit after a server's start costs; the two kinds of server take turns."""
+    hello = folder / "hello.py"
+    hello.write_text(HELLO, encoding="utf-8")
+    kinds: dict[str, Callable[[int], Server]] = {
+        "hello-world": lambda _: Server([sys.executable, "-m", "streamlit", "run", str(hello)], folder / "home"),
+        "bare address": lambda number: Server.of_atleak(folder / f"home{number}"),
+        SHOWN: lambda number: Server.of_atleak(folder / f"home{number}", SHOWN),
+    }
+    found: dict[str, list[tuple[float, float]]] = {name: [] for name in kinds}
+    for number in range(starts + (starts > 1)):  # the first compiles what is imported, and is not counted
+        for name, start in kinds.items():
+            with start(number) as server, server.visit(browser) as page:
+                page.locator(FIRST).first.wait_for()
+                content = server.cpu()
+                server.rest(page)
+                found[name].append((content, server.cpu()))
+        if number == 0 and starts > 1:
+            found = {name: [] for name in kinds}
+    medians = {name: [statistics.median(each) for each in zip(*times, strict=True)] for name, times in found.items()}
+    print(f"first visit after the server's start: CPU of the server [s], median of {starts}, and over hello-world")
+    for name, times in medians.items():
+        ratios = (time / own for time, own in zip(times, medians["hello-world"], strict=True))
+        cells = (
+            f"{what} {time:5.2f}  {ratio:4.2f} (goal {GOALS[what]})"
+            for what, time, ratio in zip(GOALS, times, ratios, strict=True)
+        )
+        print(f"  {name:14}", "   ".join(cells))
+
+
+def _changes(
+    browser: Browser,
+    server: Server,
+    parts: list[str],
+    controls: tuple[Control, ...],
+    repeats: int,
+    log: Path | None,
+) -> None:
+    """Print what a changed control costs, on the sample job and then with a long log in the place of the sample's."""
+    with server.visit(browser, SHOWN) as page:
+        page.locator(FIRST).first.wait_for()
+        server.rest(page)
+        print(f"memory: {server.memory():.0f} MB after the first visit")
+        if "sample" in parts:
+            _measure(page, server, "sample", controls, repeats)
+        if log is None:
+            return
+        for file in (SHEET, log):
+            _upload(page, server, file)
+        _go(page, server, SHOWN)
+        print(f"memory: {server.memory():.0f} MB with a log of {log.stat().st_size / 1e6:.0f} MB")
+        if "log" in parts:
+            _measure(page, server, "log", controls, repeats)
+            print(f"memory: {server.memory():.0f} MB after these changes")
+
+
+def _measure(page: Page, server: Server, what: str, controls: tuple[Control, ...], repeats: int) -> None:
+    print(f"one control changed, {what}: CPU of the server until the page is at rest [s] (goal {CHANGE_GOALS[what]})")
+    for control in controls:
+        times, where = [], ""
+        for number in range(repeats + (repeats > 1)):  # the first time also fills caches
+            element, where = _find(page, server, control.label)
+            if element is None:
+                break
+            before = server.cpu()
+            _change(page, element, control, number)
+            server.rest(page)
+            times.append(server.cpu() - before)
+        if not times:
+            print(f"  {control.name:20} not to be seen on any page")
+            continue
+        several = times[1:] or times
+        spread = f"{min(several):.2f} … {max(several):.2f}; the first {times[0]:.2f}"
+        print(f"  {control.name:20} {statistics.median(several):5.2f}   ({spread}), on {where}")
+    _go(page, server, SHOWN)
+
+
+def _find(page: Page, server: Server, label: str) -> tuple[Locator | None, str]:
+    """Return the field with a label and the page on which it stands, and show that page."""
+    shown = _name(page)
+    for name in dict.fromkeys([shown, *PAGES]):
+        if name != _name(page):
+            _go(page, server, name)
+        if page.evaluate(OPEN_FOLDS, label):
+            server.rest(page)
+        wanted = re.compile(rf"(^|\. ){re.escape(label)}")
+        fields = page.get_by_label(wanted).locator("visible=true").and_(page.locator("input, [role=combobox]"))
+        if fields.count():
+            return fields.first, name
+    return None, ""
+
+
+def _change(page: Page, element: Locator, control: Control, number: int) -> None:
+    element.scroll_into_view_if_needed()
+    if control.numbers is not None:
+        element.fill(control.numbers[number % 2])
+        element.press("Enter")
+        return
+    element.click()
+    for key in ("ArrowDown" if number % 2 == 0 else "ArrowUp", "Enter"):
+        time.sleep(0.1)
+        page.keyboard.press(key)
+
+
+def _upload(page: Page, server: Server, file: Path) -> None:
+    """Give a file to the uploader that names its kind, or to the one that takes all."""
+    words = "Measuring sheet" if file == SHEET else "Road-test log"
+    for name in (_name(page), "Job"):
+        if name != _name(page):
+            _go(page, server, name)
+        uploaders = page.get_by_test_id("stFileUploader")
+        for uploader in (uploaders.filter(has_text=words), uploaders):
+            if uploader.count():
+                uploader.first.locator("input[type=file]").set_input_files(file)
+                time.sleep(1.0)
+                server.rest(page)
+                return
+    raise SystemExit("no page takes a file")
+
+
+def _closed(browser: Browser, server: Server, wait: float) -> None:
+    """Print what the server holds when the window was closed and Streamlit has forgotten its session.
+
+    Streamlit looks for sessions to forget where another one comes or goes.
+    """
+    print(f"memory: {server.memory():.0f} MB where the window was just closed")
+    time.sleep(wait)
+    with server.visit(browser) as page:
+        page.locator(FIRST).first.wait_for()
+        server.rest(page)
+    time.sleep(3.0)
+    print(f"memory: {server.memory():.0f} MB {wait:.0f} s later, when another visitor has come and gone")
+
+
+def _name(page: Page) -> str:
+    return page.url.partition("?")[0].rstrip("/").rsplit("/", 1)[-1]
+
+
+def _go(page: Page, server: Server, name: str) -> None:
+    """Show a page by its link, where there is one: the session stays."""
+    link = page.locator(f"a[href$='/{name}'], a[href*='/{name}?']").locator("visible=true")
+    if link.count():
+        link.first.click()
+    else:
+        for group in page.get_by_test_id("stTopNavSection").all():
+            group.click()
+            item = page.get_by_role("menuitem", name=name.replace("_", " "), exact=True)
+            if item.count():
+                item.first.click()
+                break
+            page.keyboard.press("Escape")
+    server.rest(page)
+
+
+@contextmanager
+def _browser() -> Iterator[Browser]:
+    names = ("chromium", "chromium-browser", "google-chrome")
+    executable = next((found for found in map(shutil.which, names) if found), None)
+    with sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=executable, args=["--no-sandbox", "--disable-gpu"])
+        yield opened
+        opened.close()
+
+
+class Server:
+    """A Streamlit server in a process of its own, with its CPU time and its memory."""
+
+    def __init__(self, command: list[str], home: Path, page: str = "") -> None:
+        with socket.socket() as listener:
+            listener.bind(("127.0.0.1", 0))
+            port = listener.getsockname()[1]
+        self.address, self._page = f"http://127.0.0.1:{port}", page
+        home.mkdir(exist_ok=True)
+        environment = {**os.environ, "ATLEAK_HOME": str(home), "PYTHONPATH": str(ROOT)}
+        environment.pop("PYTHONDONTWRITEBYTECODE", None)  # an installed package is compiled
+        environment["PYTHONPYCACHEPREFIX"] = str(COMPILED)
+        for name, value in (("PORT", str(port)), ("HEADLESS", "true"), ("ADDRESS", "127.0.0.1")):
+            environment[f"STREAMLIT_SERVER_{name}"] = value
+        environment["STREAMLIT_BROWSER_GATHER_USAGE_STATS"] = "false"
+        environment["STREAMLIT_SERVER_FILE_WATCHER_TYPE"] = "none"
+        self._process = psutil.Popen(
+            [*command, "--server.port", str(port)] if "streamlit" in command else [*command, "--port", str(port)],
+            cwd=home,
+            env=environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+
+    @classmethod
+    def of_atleak(cls, home: Path, page: str = "") -> Server:
+        """Start the dashboard as users do, with an empty folder of the user's own."""
+        return cls([sys.executable, "-m", "atleak", "app"], home, page)
+
+    def __enter__(self) -> Server:
+        limit = time.monotonic() + PATIENCE
+        while time.monotonic() < limit and self._process.is_running():
+            try:
+                with urllib.request.urlopen(f"{self.address}/_stcore/health", timeout=2) as answer:
+                    if answer.status == 200:
+                        return self
+            except OSError:
+                time.sleep(0.1)
+        self.__exit__()
+        raise SystemExit("a server did not answer")
+
+    def __exit__(self, *_: object) -> None:
+        for process in (*self._process.children(recursive=True), self._process):
+            process.terminate()
+        self._process.wait(timeout=20)
+
+    @contextmanager
+    def visit(self, browser: Browser, page: str | None = None) -> Iterator[Page]:
+        """Open a page of it in a new window."""
+        context = browser.new_context(viewport={"width": 1280, "height": 900})
+        context.set_default_timeout(PATIENCE * 1e3)
+        window = context.new_page()
+        window.goto(f"{self.address}/{self._page if page is None else page}")
+        yield window
+        context.close()
+
+    def _processes(self) -> list[psutil.Process]:
+        return [self._process, *self._process.children(recursive=True)]
+
+    def cpu(self) -> float:
+        """Return the CPU time that it has taken so far, with the processes that it started [s]."""
+        total = 0.0
+        for process in self._processes():
+            try:
+                total += sum(process.cpu_times()[:4])
+            except psutil.NoSuchProcess:
+                continue  # it has just ended; the server counts it as one of its children
+        return total
+
+    def memory(self) -> float:
+        """Return the memory that it holds [MB]."""
+        return sum(process.memory_info().rss for process in self._processes() if process.is_running()) / 1e6
+
+    def rest(self, page: Page) -> None:
+        """Wait until the page runs no script and shows nothing old, and the server has nothing to do."""
+        limit = time.monotonic() + PATIENCE
+        before, since = self.cpu(), time.monotonic()
+        while time.monotonic() < limit:
+            time.sleep(0.05)
+            idle = page.evaluate(
+                """() => document.querySelector("[data-testid=stApp][data-test-script-state=notRunning]") !== null
+                && document.querySelector("[data-stale=true]") === null"""
+            )
+            now = self.cpu()
+            if not idle or now - before > 0.011:
+                before, since = now, time.monotonic()
+            elif time.monotonic() - since > QUIET:
+                return
+        raise SystemExit("a page did not come to rest")
+
+
+if __name__ == "__main__":
+    main(OPTIONS.parse_args())

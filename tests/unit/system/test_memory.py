@@ -1,0 +1,30 @@
+"""Memory that a process no longer uses goes back to the system."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+SCRIPT = """
+import psutil
+from atleak.system.memory import give_back
+
+def held():
+    return psutil.Process().memory_info().rss / 1e6
+
+kept = [[bytes(100_000) for _ in range(1000)] for _ in range(1)]
+blocks = [bytes(50_000) for _ in range(4000)]
+last = bytes(50_000)  # keeps the end of the heap, so that nothing goes back by itself
+blocks.clear()
+before = held()
+give_back()
+print(before - held())
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="malloc_trim is the GNU C library's")
+def test_what_was_freed_goes_back() -> None:
+    said = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True).stdout
+    assert float(said) > 150.0  # of 200 MB
