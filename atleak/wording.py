@@ -168,6 +168,7 @@ class Wording:
         return self.number(None if value is None else unit.shown(value), unit.places(digits))
 
 
+@cache
 def languages() -> tuple[str, ...]:
     """Return the codes of the languages that atleak speaks."""
     return tuple(sorted(path.name for path in _FOLDER.iterdir() if path.is_dir()))
