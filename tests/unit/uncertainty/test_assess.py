@@ -303,8 +303,8 @@ def test_a_unit_of_sixty_lands_is_assessed(
         projections,
         unit_rules(states, projections, project_unworn(states, model, projections), limits),
         readings=sheet,
-        draws=20_000,
+        draws=8_192,
     )
-    assert unit.draws == 20_000
+    assert unit.draws == 8_192
     assert len(unit.lands) == 60
     assert all(land.u_clearance for land in unit.lands)

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from atleak.diagnosis import Diagnosis
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.limits import Limits
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import WORKSHOP
+from atleak.engine.projection import project, project_unworn
+from atleak.intake.readings import read_readings
+from atleak.readings import clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import assess
 from atleak.uncertainty.points import DIMENSIONS, Beside, Cube, Draws, directions, rounded_up
@@ -80,16 +88,26 @@ def test_a_number_of_draws_is_rounded_up_to_a_power_of_two() -> None:
     ],
 )
 def test_ends_of_intervals_hardly_depend_on_the_seed(
-    sample_diagnoses: dict[str, Diagnosis], conditions: int, draws: int, seeds: int, most: float, worst: float
+    four_speed: Controller,
+    hipol: Fluid,
+    limits: Limits,
+    sample_readings: Path,
+    conditions: int,
+    draws: int,
+    seeds: int,
+    most: float,
+    worst: float,
 ) -> None:
     """For users the ends scatter by 0.03 u (standard deviation over seeds; root mean square over all lands)."""
-    sample = sample_diagnoses["workshop"]
-    states, projections = [land.state for land in sample.lands], sample.projections[:conditions]
-    rules = unit_rules(states, projections, sample.unworn_projections[:conditions], sample.limits)
+    readings = read_readings(sample_readings, four_speed)
+    states = clearances(readings, four_speed)
+    model = LeakageModel(four_speed, states, hipol, WORKSHOP)
+    projections = [project(model, point) for point in four_speed.operating_points[:conditions]]
+    rules = unit_rules(states, projections, project_unworn(states, model, projections), limits)
     of_lands: list[list[tuple[float, float]]] = []
     of_total: list[list[tuple[float, float]]] = []
     for seed in range(seeds):
-        unit = assess(sample.model, states, projections, rules, readings=sample.readings, draws=draws, seed=seed)
+        unit = assess(model, states, projections, rules, readings=readings, draws=draws, seed=seed)
         at = [each for land in unit.lands for each in land.conditions if each.u_share > 0.0]
         of_lands.append([each.share_interval for each in at])
         of_total.append([each.share_interval for each in unit.totals])
