@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -37,15 +37,21 @@ def written(page: Page, text: str, key: str = "Enter") -> None:
     page.keyboard.press(key)
 
 
-@pytest.mark.page("2_Readings")
-def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[str], Page], server_home: Path) -> None:
+@pytest.fixture
+def six_lands(server_home: Path) -> Iterator[None]:
+    """A valve body of six lands in the catalogue of the user who started the dashboard."""
     minimal = (ROOT / "atleak" / "catalogue" / "controllers" / "minimal_example.toml").read_text(encoding="utf-8")
-    own = minimal.replace('id = "minimal_example"', 'id = "six_lands"').replace(
-        'name = "Example of', 'name = "Six lands,'
-    )
-    folder = server_home / "catalogue" / "controllers"
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "six_lands.toml").write_text(own + SIXTH, encoding="utf-8")
+    own = minimal.replace('"minimal_example"', '"six_lands"').replace('"Example of', '"Six lands,')
+    path = server_home / "catalogue" / "controllers" / "six_lands.toml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(own + SIXTH, encoding="utf-8")
+    yield
+    path.unlink()
+
+
+@pytest.mark.page("2_Readings")
+@pytest.mark.usefixtures("six_lands")
+def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[str], Page], server_home: Path) -> None:
     page.reload()
     box = page.get_by_test_id("stSidebar").get_by_role("combobox", name="Valve body")
     box.fill("Six lands")
