@@ -68,6 +68,7 @@ OPEN_FOLDS = """label => {
 }"""
 QUIET = 0.4  # [s] without any work of the server: the page is at rest
 FORGOTTEN = 125.0  # [s] after which Streamlit forgets a session that does not come back
+LEAVING = 15.0  # [s] in which a server notices that a window was closed, and gives back what it held
 PATIENCE = 120.0  # [s]
 GOALS = {"first content": 1.2, "at rest": 1.3}
 CHANGE_GOALS = {"sample": 0.25, "log": 0.5}  # [s]
@@ -242,7 +243,7 @@ def _closed(browser: Browser, server: Server, wait: float) -> None:
     with server.visit(browser) as page:
         page.locator(FIRST).first.wait_for()
         server.rest(page)
-    time.sleep(3.0)
+    time.sleep(LEAVING if wait else 1.0)
     print(f"memory: {server.memory():.0f} MB {wait:.0f} s later, when another visitor has come and gone")
 
 
