@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.complaints import Complaint
@@ -26,6 +27,7 @@ from atleak.engine.repaired import Losses, pressure_losses
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message, RoadTestError
 from atleak.gauges.check import PressureCheck, check_pressures
+from atleak.keeping import kept_with
 from atleak.pressure_table import PressureTable
 from atleak.provisional import Basis, representative_bases
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
@@ -50,6 +52,7 @@ from atleak.verdicts import Band, Verdict, worst
 from atleak.wear_line import Crossing
 
 NO_LEAKAGE = "no_leakage_over_log"  # code of the message why none is computed over a log
+_LOGGED = ("main_pressure", "converter_pressure", "atf_temperature", "gear")  # channels from which leakage follows
 
 
 @dataclass(frozen=True)
@@ -232,7 +235,7 @@ class Diagnosis:
         RoadTestError
             a road test without usable main pressure.
         """
-        return evaluate_road_test(self.model, road_test, self.projection.condition)
+        return _evaluated(self.model, road_test, self.projection.condition)
 
     def band(self, projection: Projection) -> Band | None:
         """Return the band that the total share of one of the projections has reached; None where nothing was measured.
@@ -555,12 +558,28 @@ def diagnose(
     )
 
 
+def _evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoint) -> RoadLeakage:
+    """Compute the leakage over a log, or take it from the last time, where nothing has changed on which it rests.
+
+    The condition counts only where it stands for what the log does not hold, or sets the pressure of circuits.
+    """
+    logged = all(name in road_test.channels for name in _LOGGED) and not model.controller.circuits
+    rests_on = (model, None if logged else condition)
+    kept: dict[str, tuple[Any, dict[str, Any]]] = kept_with(road_test, "leakage", "", dict)
+    last = kept.get("last")
+    if last is None or last[0] != rests_on:
+        road = evaluate_road_test(model, road_test, condition)
+        last = rests_on, {name: value for name, value in vars(road).items() if name not in ("road_test", "assumed")}
+        kept["last"] = last
+    return RoadLeakage(road_test=road_test, assumed=condition, **last[1])
+
+
 def _leakage_over(
     model: LeakageModel, road_test: RoadTest, condition: OperatingPoint
 ) -> tuple[RoadLeakage | None, Message | None]:
     """Compute the leakage over a log, or say why there is none: its other findings hold without it."""
     try:
-        return evaluate_road_test(model, road_test, condition), None
+        return _evaluated(model, road_test, condition), None
     except RoadTestError as error:
         return None, Message("warning", NO_LEAKAGE, f"No leakage is computed over {road_test.file}: {error.problem}.")
 

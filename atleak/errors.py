@@ -117,6 +117,10 @@ class RoadTestError(InputError):
     """A road-test log that cannot be used."""
 
 
+class FormulaError(InputError):
+    """A formula over a log's channels that cannot be read or computed; the problem names the character."""
+
+
 class PressureTableError(InputError):
     """A table of gauge readings that cannot be used."""
 

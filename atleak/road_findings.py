@@ -19,6 +19,7 @@ from atleak.engine.road_pressure import (
 )
 from atleak.equations.uncertainty import normal_cdf
 from atleak.events import Event, events
+from atleak.keeping import kept_with
 from atleak.road_test import RoadTest
 from atleak.rules import Rule
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, RuleDecision
@@ -77,16 +78,31 @@ def road_findings(
     assumptions, guard_factor
         how uncertain the gauge is, and the guard band of every limit.
     """
-    pressure, commanded = judge_pressure(controller, road_test), compare_with_commanded(road_test)
+    key = (controller.gears, repr(controller.permissible))
+    pressure, commanded, happened, in_gears = kept_with(
+        road_test, "findings", key, lambda: _without_limits(controller, road_test)
+    )
     judged = _judged(pressure, commanded, limits, assumptions.main_pressure)
     return RoadFindings(
         road_test=road_test,
-        events=events(road_test, gears=controller.gears),
-        gears=_gears(road_test),
+        events=happened,
+        gears=in_gears,
         temperatures=_temperatures(road_test),
         pressure=pressure,
         commanded=commanded,
         decisions=tuple(_decided(rule, u, guard_factor) for rule, u in judged),
+    )
+
+
+def _without_limits(
+    controller: Controller, road_test: RoadTest
+) -> tuple[RoadPressure | NotJudged, CommandedPressure | None, tuple[Event, ...], dict[int, float]]:
+    """Return what follows from the log and the valve body's gears and permissible pressures alone."""
+    return (
+        judge_pressure(controller, road_test),
+        compare_with_commanded(road_test),
+        events(road_test, gears=controller.gears),
+        _gears(road_test),
     )
 
 

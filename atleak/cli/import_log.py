@@ -53,9 +53,10 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.csv is not None:
         written += write_text(options.csv, tidy_csv(understood.road_test))
-    if (mapping or units) and not options.forget:
+    if (mapping or units) and not options.forget and understood.uses(mapping):
+        labels = [heading.label for heading in understood.headings]
         try:
-            remember(default_path(), understood.signature, mapping, units)
+            remember(default_path(), understood.signature, mapping, units, format=understood.format, columns=labels)
         except OutputError as error:
             print(f"atleak: columns are not remembered: {error}", file=sys.stderr)
     if "-" not in (options.json, options.csv):

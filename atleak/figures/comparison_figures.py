@@ -15,7 +15,7 @@ from atleak.look import SCREEN, look_of
 from atleak.road_test import QUANTITIES, Channel
 from atleak.thinning import thinned
 from atleak.verdicts import VERDICTS
-from atleak.views.window import Scales
+from atleak.views.log_rows import Scales
 from atleak.wording import Wording
 from atleak.workshop_units import UM
 

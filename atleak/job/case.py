@@ -36,7 +36,7 @@ from atleak.errors import InputError, Message, Place, RoadTestError
 from atleak.intake.gauge_table import read_pressure_table
 from atleak.intake.plain_words import words
 from atleak.intake.readings import read_readings
-from atleak.intake.road_test import Understood, default_path, recall, understand
+from atleak.intake.road_test import NOT_LOGGED, Understood, default_path, recall, understand
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.road_test import RoadTest
@@ -44,6 +44,7 @@ from atleak.uncertainty import DEFAULTS, GUARD_FACTOR, LandSources
 from atleak.uncertainty.sources import sources_of_sheet
 
 Loaded = TypeVar("Loaded")
+CaseKind = TypeVar("CaseKind", bound="Case")
 Pairs = tuple[tuple[str, Any], ...]
 
 
@@ -406,7 +407,7 @@ class Reader:
         return read_pressure_table(file.given, controller, name=file.name)
 
 
-def with_log_choices(case: Case, log: Understood) -> Case:
+def with_log_choices(case: CaseKind, log: Understood) -> CaseKind:
     """Return the job with its log's columns as they were chosen, now or earlier: it then reads the same elsewhere.
 
     Parameters
@@ -420,7 +421,7 @@ def with_log_choices(case: Case, log: Understood) -> Case:
     earlier = recall(default_path(), log.signature) if consulted and case.remember else None
     if earlier is None:
         return replace(case, remember=False)
-    taken = {words(column) for _, column in case.columns}
+    taken = {words(column) for _, column in case.columns if column != NOT_LOGGED}
     columns = {name: column for name, column in earlier.mapping.items() if words(column) not in taken}
     return replace(
         case,

@@ -368,6 +368,8 @@ def _source(source: SourceFile | None, used: Any, called: str) -> SourceFile | N
         raise InputError(f"{called} is missing", value=used.file, expected="the bytes the diagnosis was read from")
     if source.sha256 != used.sha256:
         raise InputError(f"{called} is not the one the diagnosis was read from", value=used.file)
+    if source.data is not None and source.name == used.file:
+        return source  # its digest is known
     return SourceFile(used.file, source.content)
 
 

@@ -221,6 +221,13 @@ class RepairDecision(Record):
     date: dt.date | None = None
 
 
+class LogFormula(Record):
+    """A channel that is computed from those of the road-test log, by a formula as it was typed."""
+
+    name: CleanText = ""
+    formula: CleanText = ""
+
+
 class EstimateTerms(Record):
     """The terms of the estimate: in which money, at what labour rate, with what tax, and for what goal."""
 
@@ -252,6 +259,7 @@ class Job(Record):
     photos: tuple[Photo, ...] = ()
     repair_decisions: tuple[RepairDecision, ...] = ()
     estimate: EstimateTerms = EstimateTerms()
+    log_formulas: tuple[LogFormula, ...] = ()  # drawn with the log, in this order
     notes: CleanText = ""
 
     _pictures: Mapping[str, bytes] = PrivateAttr(default_factory=lambda: MappingProxyType({}))

@@ -16,9 +16,7 @@ from atleak.intake.units import unit
 from atleak.measuring.plan import Cell
 from atleak.measuring.typed import Entry, Typed
 from atleak.readings import LandClearance, Reading, Readings, clearances, far_from_nominal
-from atleak.workshop_units import UM
 
-REPEATS_APART = 20e-6  # [m] typed repeats further apart count for nothing until one is mended: choice of this project
 _AT_A_CELL = ("repeats_disagree", "large_ovality", "tight_direction")  # codes of what a land's messages say of a cell
 
 
@@ -66,7 +64,6 @@ def judge(
     """
     judging = _Judging(typed, controller)
     judging.leave_out_slips()
-    judging.leave_out_repeats()
     judging.leave_out_contradictions()
     states = judging.states(temperature, instruments)
     judging.doubt(states)
@@ -108,20 +105,6 @@ class _Judging:
             cell = self.by_place[reading.place]
             self.doubts[cell] = Doubt(_said(error), False)
             del self.readings[cell]
-
-    def leave_out_repeats(self) -> None:
-        """Leave out repeats of which nobody can say which one is right."""
-        stations: dict[object, list[Cell]] = defaultdict(list)
-        for cell, reading in self.readings.items():
-            stations[reading.station].append(cell)
-        for cells in stations.values():
-            sizes = [self.readings[cell].diameter for cell in cells]
-            apart = max(sizes) - min(sizes)
-            if apart > REPEATS_APART:
-                said = f"the repeats are {apart * UM:.4g} µm apart: measure again, or take the wrong one away"
-                self.doubts |= dict.fromkeys(cells, Doubt(said, False))
-                for cell in cells:
-                    del self.readings[cell]
 
     def leave_out_contradictions(self) -> None:
         """Leave out lands of which the readings, or those at unworn ends beside them, cannot be together."""

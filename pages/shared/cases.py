@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import streamlit as st
 
@@ -19,7 +19,15 @@ from atleak.catalogue.instruments import Instruments
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, CatalogueError, Message, OutputError
 from atleak.intake.readings import read_readings
-from atleak.intake.road_test import Understood, default_path, recall, remember, understand
+from atleak.intake.road_test import (
+    LogColumn,
+    Understood,
+    default_path,
+    log_columns,
+    recall,
+    remember,
+    understand,
+)
 from atleak.intake.road_test.names.memory import RememberedColumns
 from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, LogChoices, Reader, Slot, SourceFile, with_log_choices
 from atleak.measuring.plan import PARTS
@@ -27,6 +35,7 @@ from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.system.memory import give_back_soon
 
+CaseKind = TypeVar("CaseKind", bound=Case)
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
 #: [bytes] of a log, from which on it and its results are kept for the session that has it and go with it, only as many
 #: as stand here. What is smaller every session finds.
@@ -85,7 +94,11 @@ def opened_case(case: Case) -> PageCase:
 
 
 def held(case: PageCase) -> PageCase:
-    """Return the job with the user's own entries as they are now: what is done to their files later changes nothing."""
+    """Return the job with the user's own entries, and the columns of its log, as they are now.
+
+    What is done later to the entries' files, or to the columns that are remembered, changes nothing.
+    """
+    case = case_with_columns(case)
     own = {name: slot.own_file(getattr(case, name)) for name, slot in SLOTS.items()}
     return case.with_files(
         {name: SourceFile(file.name, file.content) for name, file in own.items() if file is not None}
@@ -227,11 +240,26 @@ def remembered_columns(log: SourceFile) -> RememberedColumns | None:
 
 def remember_columns(log: SourceFile, columns: dict[str, str], units: dict[str, str]) -> str:
     """Keep how this log's columns were chosen, for logs with the same header; return why it failed, else ""."""
+    known = understood(log)
+    labels = [heading.label for heading in known.headings]
     try:
-        remember(default_path(), understood(log).signature, columns, units)
+        remember(default_path(), known.signature, columns, units, format=known.format, columns=labels)
     except OutputError as error:
         return error.problem
     return ""
+
+
+@st.cache_resource(max_entries=6, show_spinner=False)
+def _columns(sha256: str, _log: SourceFile) -> tuple[LogColumn, ...]:
+    return log_columns(_log.content, name=_log.name)
+
+
+def columns_of(log: SourceFile) -> tuple[LogColumn, ...]:
+    """Return what every column of a log holds; none where the file is no log."""
+    try:
+        return _columns(log.sha256, log)
+    except AtleakError:
+        return ()
 
 
 def readings_of(case: Case, file: SourceFile) -> Readings:
@@ -250,7 +278,7 @@ def instruments_of(case: Case) -> Instruments:
     return Instruments(*(catalogue_entry(f"{part}_instrument", getattr(case, f"{part}_instrument")) for part in PARTS))
 
 
-def case_with_columns(case: Case) -> Case:
+def case_with_columns(case: CaseKind) -> CaseKind:
     """Return the job with the columns of its log as they are read now, for its job file."""
     return case if case.road_test is None else with_log_choices(case, Kept().log(case))
 
@@ -285,6 +313,5 @@ def diagnosis_of(case: Case) -> Diagnosis:
 
 
 def result_key(case: Case) -> str:
-    """Return the key of a job's result: its files and choices, and the remembered columns of its log."""
-    earlier = remembered_columns(case.road_test) if case.road_test is not None and case.remember else None
-    return f"{case.key} {earlier}"
+    """Return the key of a job's result: its files and choices, with the columns of its log as they are read now."""
+    return case_with_columns(case).key

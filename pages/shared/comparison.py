@@ -7,6 +7,7 @@ from functools import partial
 
 import streamlit as st
 
+from atleak.channel_formulas import channel_scales
 from atleak.comparison import Comparison, LandComparison
 from atleak.diagnosis import Diagnosis
 from atleak.figures import comparison_figures as figures
@@ -31,7 +32,7 @@ from atleak.views.comparison_rows import (
 from atleak.views.comparison_words import changed_sentence, event_name, total_sentence, verdicts_sentence
 from atleak.views.diagnosis_record import to_json
 from atleak.wording import Wording
-from pages.shared import files, log_form, reader, show
+from pages.shared import files, reader, show
 from pages.shared.book import book, job_id
 from pages.shared.cases import diagnosis_of, opened_case, result_key
 from pages.shared.show import plain
@@ -181,7 +182,7 @@ def logs(comparison: Comparison) -> None:
         pair = st.selectbox(
             say("columns.event"), matched, format_func=lambda each: event_name(each, say), key="compare-event"
         )
-        scales = log_form.scales(both.before.road_test)
+        scales = channel_scales(both.before.road_test, say)
         show.chart(figures.logs_over_one_another(both, pair, scales, say), "logs")
         st.caption(say("compare.logs_note"))
     else:

@@ -2,152 +2,357 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
+import pandas as pd
 import streamlit as st
 
 from atleak.errors import AtleakError
-from atleak.events import Event
-from atleak.intake.road_test import Understood, describe
-from atleak.intake.road_test.describe import workshop_unit
-from atleak.intake.road_test.names.memory import RememberedColumns
+from atleak.intake.road_test import NOT_LOGGED, Ambiguous, LogColumn, Understood, describe
 from atleak.intake.units import unit_names
-from atleak.job.case import SourceFile
-from atleak.road_test import QUANTITIES, RoadTest
-from atleak.views.window import event_label
-from atleak.written_numbers import SHIFT
-from pages.shared import fields, show
-from pages.shared.cases import Kept, PageCase, remember_columns, remembered_columns, understood
+from atleak.job.case import Case, SourceFile
+from atleak.keeping import kept_with
+from atleak.road_test import QUANTITIES
+from atleak.views.log_rows import short, whole
+from atleak.wording import Wording
+from pages.shared import fields, reader, show
+from pages.shared.cases import Kept, PageCase, columns_of, remember_columns, remembered_columns, understood
 from pages.shared.state import choose, put_file, session
 
-ASK = "choose …"
-NONE = "not in this log"
+NEEDED = ("main_pressure", "engine_speed", "atf_temperature", "gear")  # what results rest on most, asked first
+ASK = "\x00choose"  # no column has such a name
+_TRIED = "columns-tried"
+_NUMBERS = frozenset(
+    ("log_least", "log_mean", "log_largest", "log_first", "log_second", "log_samples", "log_suspect", "log_rate")
+)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """The columns chosen last for a log, remembered only once the log was taken with them."""
+
+    sha256: str
+    columns: Mapping[str, str]
+    units: Mapping[str, str]
 
 
 def pending(case: PageCase) -> tuple[SourceFile, Understood] | None:
     """Return the log to show: the one refused for an open question, else that of the job."""
     refused = session().refused.get("road_test")
     if refused is not None and refused.file is not None:
+        file, choices = refused.file, Case()
+        if (tried := _tried_for(file)) is not None:
+            choices = Case(columns=tuple(tried.columns.items()), units=tuple(tried.units.items()), remember=False)
         try:
-            return refused.file, understood(refused.file)
+            return file, understood(file, choices)
         except AtleakError:
-            pass  # the file is no log at all, so there is nothing to ask about it
+            pass  # the file is no log at all, or not with these columns
+        try:
+            return file, understood(file)
+        except AtleakError:
+            pass
     return None if case.road_test is None else (case.road_test, Kept().log(case))
 
 
-def scales(test: RoadTest) -> dict[str, tuple[str, Any]]:
-    """Return, by quantity, the unit that people read and the function from SI to it."""
-    units = {name: workshop_unit(name, channel) for name, channel in test.channels.items()}
-    return {name: (unit.name, unit.from_si) for name, unit in units.items() if unit is not None}
+def _tried() -> Tried | None:
+    tried: Tried | None = st.session_state.get(_TRIED)
+    return tried
 
 
-def column_rows(log: Understood) -> list[dict[str, Any]]:
-    """Return what was understood of every column."""
-    return [
-        {
-            "quantity": QUANTITIES[row["quantity"]].label,
-            "column": row["column"] or row["source"],
-            "unit in the file": (row["unit"] or "–") + (" (assumed)" if row["unit_assumed"] else ""),
-            "kind": row["kind"] if row["quantity"].endswith("pressure") else None,
-            "least": row["min"],
-            "largest": row["max"],
-            "in": row["value_unit"],
-            "samples": row["samples"],
-            "suspect": row["suspect_samples"],
-            "per second": row["sampling_hz"],
-        }
-        for row in describe(log)["columns"]
-    ]
+def _tried_for(file: SourceFile) -> Tried | None:
+    """Return the columns that were chosen for this log and not taken."""
+    tried = _tried()
+    return None if tried is None or tried.sha256 != file.sha256 else tried
+
+
+def refused(file: SourceFile) -> bool:
+    """Tell whether this log, or a column chosen for it, was refused: what was understood of it then says why."""
+    refusal = session().refused.get("road_test")
+    return _tried_for(file) is not None or (refusal is not None and refusal.file == file)
+
+
+def keep_what_was_taken(case: PageCase) -> None:
+    """Remember the columns chosen last, now that the log was taken with them; forget that they were tried."""
+    tried, file = _tried(), case.road_test
+    if tried is None or file is None or "road_test" in session().refused:
+        return
+    if file.sha256 == tried.sha256 and dict(case.columns) == tried.columns and dict(case.units) == tried.units:
+        if not Kept().log(case).uses(tried.columns):
+            return  # the form shows them, and why they were not used
+        why = remember_columns(file, dict(tried.columns), dict(tried.units))
+        session().unkept = (file.sha256, why) if why else ("", "")
+    del st.session_state[_TRIED]
+
+
+def facts(log: Understood, say: Wording) -> str:
+    """Return format, encoding, decimal sign, rows, duration and breaks of a log in one line."""
+    parts = [log.format, log.encoding]
+    if log.decimal is not None:
+        parts.append(say("road_test.decimal_comma" if log.decimal == "," else "road_test.decimal_point"))
+    test = log.road_test
+    if test is not None:
+        breaks = len(test.segments) - 1
+        parts.append(say("road_test.rows", rows=whole(test.rows, say), seconds=say.number(test.duration, 1)))
+        parts.append(say("road_test.breaks", count=whole(breaks, say)) if breaks > 0 else say("road_test.no_break"))
+    return ", ".join(part for part in parts if part)
+
+
+def understood_table(log: Understood) -> None:
+    """Show what was understood of every column, the time first."""
+    say = reader.say()
+    values_table(kept_with(log, "columns", say, lambda: _understood_rows(log, say)))
+
+
+def _understood_rows(log: Understood, say: Wording) -> list[dict[str, Any]]:
+    rows = []
+    for row in describe(log)["columns"]:
+        unit = row["unit"] or "–"
+        rate = row["sampling_hz"]
+        rows.append(
+            {
+                "log_quantity": say(f"log_quantities.{row['quantity']}"),
+                "log_column": row["column"] or row["source"],
+                "log_unit": say("road_test.assumed", unit=unit) if row["unit_assumed"] else unit,
+                "log_kind": say(f"log_kinds.{row['kind']}") if row["quantity"].endswith("pressure") else None,
+                "log_least": _number(row["min"], say),
+                "log_largest": _number(row["max"], say),
+                "log_in": row["value_unit"],
+                "log_samples": whole(row["samples"], say),
+                "log_suspect": whole(row["suspect_samples"], say),
+                "log_rate": None if rate is None else short(rate, say),
+            }
+        )
+    return rows
+
+
+def _number(value: float | None, say: Wording) -> str | None:
+    return None if value is None else say.plain(value, 7) if abs(value) < 1e6 else say.number(value, 0)
+
+
+def _frame(rows: list[dict[str, Any]], say: Wording) -> pd.DataFrame:
+    return pd.DataFrame(rows).rename(columns=lambda key: say(f"columns.{key}"))
+
+
+def _config(rows: list[dict[str, Any]], say: Wording) -> dict[str, Any]:
+    """Return how the columns of written values look: numbers stand on the right."""
+    helps, config = say.texts["column_help"], {}
+    for key in rows[0] if rows else ():
+        side: Any = "right" if key in _NUMBERS else "left"
+        config[say(f"columns.{key}")] = st.column_config.TextColumn(help=helps.get(key), alignment=side)
+    return config
+
+
+def values_table(rows: list[dict[str, Any]]) -> None:
+    """Show rows of values that are written already, by the keys of their columns."""
+    say = reader.say()
+    st.dataframe(_frame(rows, say), hide_index=True, width="stretch", column_config=_config(rows, say), placeholder="–")
+
+
+# --- the form
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What is asked about one log: its columns, what was chosen so far, and where it needs an answer."""
+
+    log: Understood
+    columns: tuple[LogColumn, ...]
+    chosen: Mapping[str, str]
+    units: Mapping[str, str]
+    say: Wording
+    open: Mapping[str, Ambiguous] = field(default_factory=dict)
+
+    def taken(self, name: str) -> str | None:
+        """Return the column from which a quantity is taken now."""
+        test = self.log.road_test
+        channel = None if test is None else test.channels.get(name)
+        return None if channel is None else channel.column or None
+
+    @property
+    def missing(self) -> list[str]:
+        """Return what the results need that the log lacks, so far as nobody said that it does."""
+        return [name for name in NEEDED[:3] if self.taken(name) is None and self.chosen.get(name) != NOT_LOGGED]
+
+    @property
+    def recognised(self) -> bool:
+        return self.log.road_test is not None and bool(self.log.road_test.channels)
+
+    def options(self, name: str) -> list[str]:
+        """Return the columns to choose from, the likeliest first."""
+        kind = QUANTITIES[name].unit_kind
+        offered = self.open[name].candidates if name in self.open else ()
+        known = [each for each in self.columns if each.numbers or each.words] or []
+
+        def rank(column: LogColumn) -> tuple[bool, bool, bool, bool]:
+            of_kind = column.quantity is not None and QUANTITIES[column.quantity].unit_kind == kind
+            return column.label not in offered, column.quantity != name, not of_kind, not column.numbers
+
+        labels = [each.label for each in sorted(known, key=rank)] or [each.label for each in self.log.headings]
+        start = [ASK, NOT_LOGGED] if name in self.open else [NOT_LOGGED]
+        current = self.start(name)
+        extra = [current] if current is not None and current not in (*start, *labels) else []
+        return [*start, *extra, *dict.fromkeys(labels)]
+
+    def start(self, name: str) -> str | None:
+        """Return what is chosen at first: what was chosen before, what is taken, or the guess."""
+        if name == "time":
+            return self.chosen.get(name)
+        guess = self.open[name].guess if name in self.open else None
+        return self.chosen.get(name) or self.taken(name) or guess
 
 
 def form(file: SourceFile, log: Understood, case: PageCase) -> None:
     """Ask for columns and units, where the file leaves them open or the user knows better."""
-    asked = {question.quantity for question in log.ambiguous}
+    say = reader.say()
+    asked = _asked(file, log, case, say)
     for question in log.ambiguous:
-        st.warning(f"**{QUANTITIES[question.quantity].label}:** {show.plain(question.why)}. Which column is it?")
-    earlier = (remembered_columns(file) if file != case.road_test or case.remember else None) or RememberedColumns()
-    chosen_columns, chosen_units = dict(earlier.mapping), dict(earlier.units)
-    if file == case.road_test:
-        chosen_columns |= dict(case.columns)
-        chosen_units |= dict(case.units)
+        quantity = say(f"log_quantities.{question.quantity}")
+        st.warning(say("mapping.ask", quantity=quantity, why=show.plain(question.why)))
     if session().unkept[0] == file.sha256:
-        st.warning(f"These columns are used, but could not be remembered: {show.plain(session().unkept[1])}.")
-    with st.expander("Columns and units", expanded=bool(asked)), st.form("columns", border=False):
-        labels = [heading.label for heading in log.headings]
-        columns, units = {}, {}
-        for name, quantity in QUANTITIES.items():
-            taken = None if log.road_test is None else log.road_test.channels.get(name)
-            now = chosen_columns.get(name) or (taken.column if taken is not None else None)
-            options = [ASK if name in asked else NONE, *labels]
-            index = options.index(now) if now in options else 0
-            left, right = st.columns([3, 1])
-            picked = left.selectbox(quantity.label, options, index, key=f"column-{file.sha256}-{name}")
-            if picked not in (ASK, NONE) and (picked != now or name in chosen_columns):
-                columns[name] = picked
-            if quantity.unit_kind is not None:
-                names = ["as stated", *unit_names(quantity.unit_kind)]
-                at = names.index(chosen_units[name]) if chosen_units.get(name) in names else 0
-                unit = right.selectbox("unit", names, at, key=f"unit-{file.sha256}-{name}")
-                if unit != names[0]:
-                    units[name] = unit
-        st.caption("Remembered on the computer that runs this dashboard, for everyone who uses it.")
-        if st.form_submit_button("Use and remember for logs with this header"):
-            why = remember_columns(file, columns, units)
-            session().unkept = (file.sha256, why) if why else ("", "")
-            put_file("road_test", file)
-            choose(columns=tuple(columns.items()), units=tuple(units.items()))
-            st.rerun()
+        st.warning(say("mapping.not_kept", why=show.plain(session().unkept[1])))
+    wanting = bool(log.ambiguous or refused(file) or not asked.recognised or (asked.missing and log.unused))
+    key = f"columns-{session().generation}-{file.sha256}-{wanting}"
+    with fields.fold(say("mapping.fold"), key=key, opened=wanting) as place:
+        if not place.open:
+            return
+        asked = _asked(file, log, case, say, columns_of(file))
+        _say_what_is_wanting(asked, file)
+        _columns_table(asked)
+        with st.form("columns", border=False):
+            _fields(asked, file)
 
 
-def overlay() -> tuple[RoadTest, float] | None:
-    """Return another log to lay over the job's, and by how much it is shifted; kept while pages change."""
-    now = session()
-    with fields.fold("Lay another log over it: before and after a repair", key=f"over-fold-{now.generation}"):
-        own = st.file_uploader("Other road-test log", key=f"over-{now.generation}")
-        if own is not None:
-            now.over = SourceFile(own.name, own.getvalue())
-        if now.over is None:
-            return None
-        st.caption(f"Dashed: **{show.plain(now.over.name)}**")
-        now.offset = fields.number("Shifted by", SHIFT, 0.0, key=f"shift-{now.generation}-{now.over.sha256}")
-        if st.button("Take it away", disabled=own is not None, help="or remove the file above"):
-            now.over = None
-            st.rerun()
-        try:
-            test = understood(now.over).road_test
-        except AtleakError as error:
-            st.error(show.plain(error))
-            return None
-    return None if test is None else (test, now.offset)
+def _asked(
+    file: SourceFile, log: Understood, case: PageCase, say: Wording, columns: tuple[LogColumn, ...] = ()
+) -> _Asked:
+    if (tried := _tried_for(file)) is not None:
+        chosen, units = dict(tried.columns), dict(tried.units)
+    else:
+        earlier = remembered_columns(file) if file != case.road_test or case.remember else None
+        chosen, units = (dict(earlier.mapping), dict(earlier.units)) if earlier is not None else ({}, {})
+        if file == case.road_test:
+            chosen |= dict(case.columns)
+            units |= dict(case.units)
+    return _Asked(log, columns, chosen, units, say, {question.quantity: question for question in log.ambiguous})
 
 
-def window(test: RoadTest, happened: tuple[Event, ...]) -> tuple[float, float] | None:
-    """Return the part of the log to look at: an event, or between two cursors; None for the whole log."""
-    first, last = float(test.time[0]), float(test.time[-1])
-    if not last > first:
-        return None
-    kept = session().windows
-    chosen = st.selectbox("Look at", [None, *happened], key="window-event", format_func=_event_name)
-    ends = (first, last) if chosen is None else (chosen.start, chosen.stop)
-    if chosen is None:
-        ends = kept.get(test.sha256, ends)
-    key = f"window-{test.sha256}-{st.session_state.get('window-set', 0)}-{ends if chosen is not None else 'own'}"
-    start, stop = st.slider("Between two cursors [s]", first, last, ends, key=key)
-    whole = (start, stop) == (first, last)
-    if chosen is None:
-        kept.pop(test.sha256, None) if whole else kept.update({test.sha256: (start, stop)})
-    return None if whole else (start, stop)
+def _say_what_is_wanting(asked: _Asked, file: SourceFile) -> None:
+    say = asked.say
+    with st.container():
+        if _tried_for(file) is not None:
+            st.warning(say("mapping.not_taken"))
+        if not asked.recognised:
+            st.info(say("mapping.nothing"))
+        elif asked.missing:
+            named = ", ".join(say(f"log_quantities.{name}") for name in asked.missing)
+            st.info(say("mapping.missing", quantities=named))
 
 
-def look_between(test: RoadTest, start: float, stop: float) -> None:
-    """Set both cursors; a chart calls this before the cursors are drawn."""
-    first, last = float(test.time[0]), float(test.time[-1])
-    ends = (min(max(start, first), last), min(max(stop, first), last))
-    if ends[1] > ends[0]:
-        session().windows[test.sha256] = ends
-        st.session_state["window-event"] = None
-        st.session_state["window-set"] = st.session_state.get("window-set", 0) + 1  # a fresh slider starts from it
+def _columns_table(asked: _Asked) -> None:
+    """Show every column with its range and its course, in the file's own unit."""
+    say = asked.say
+    taken = {asked.taken(name): say(f"log_quantities.{name}") for name in QUANTITIES}
+    taken[asked.log.time_label or None] = say("log_quantities.time")
+    rows = [
+        {
+            "log_column": each.label,
+            "log_unit": each.unit,
+            "log_least": _number(each.least, say) if each.numbers else ", ".join(each.words) or None,
+            "log_largest": _number(each.largest, say),
+            "log_course": list(each.curve) or None,
+            "log_taken": taken.get(each.label),
+        }
+        for each in asked.columns
+    ]
+    if not rows:
+        return
+    config = _config(rows, say)
+    config[say("columns.log_course")] = st.column_config.LineChartColumn(width="medium")
+    st.dataframe(_frame(rows, say), hide_index=True, width="stretch", column_config=config, placeholder="–")
 
 
-def _event_name(event: Event | None) -> str:
-    return "the whole log, or between the cursors" if event is None else event_label(event)
+def _fields(asked: _Asked, file: SourceFile) -> None:
+    say = asked.say
+    picked, units = {}, {}
+    others = tuple(name for name in QUANTITIES if name not in NEEDED)
+    for title, names in (("mapping.first", NEEDED), ("mapping.others", others)):
+        st.markdown(f"**{say(title)}**")
+        for first in range(0, len(names), 2):
+            places = st.columns([3, 1, 3, 1])
+            for name, left, right in zip(names[first : first + 2], places[::2], places[1::2], strict=False):
+                picked[name], units[name] = _field(asked, file, name, left, right)
+    st.caption(say("mapping.remembered_here"))
+    used = st.form_submit_button(say("mapping.use"))
+    place = st.container()
+    if used:
+        _use(asked, file, picked, {name: unit for name, unit in units.items() if unit}, place)
+
+
+def _field(asked: _Asked, file: SourceFile, name: str, left: Any, right: Any) -> tuple[str, str]:
+    say, kind, options = asked.say, QUANTITIES[name].unit_kind, asked.options(name)
+    start = asked.start(name)
+    picked = left.selectbox(
+        say(f"log_quantities.{name}"),
+        options,
+        options.index(start) if start in options else 0,
+        key=f"column-{file.sha256}-{name}",
+        format_func=partial(_option, asked, name),
+    )
+    if kind is None:
+        return picked, ""
+    names = ["", *unit_names(kind)]
+    unit = right.selectbox(
+        say("mapping.unit"),
+        names,
+        names.index(asked.units[name]) if asked.units.get(name) in names else 0,
+        key=f"unit-{file.sha256}-{name}",
+        format_func=lambda each: each or say("mapping.as_stated"),
+    )
+    return picked, unit
+
+
+def _option(asked: _Asked, name: str, option: str) -> str:
+    """Return a column with its range, so that the right one can be told from its numbers."""
+    say = asked.say
+    if option == ASK:
+        return say("mapping.choose")
+    if option == NOT_LOGGED and name == "time":
+        label = asked.log.time_label
+        return say("mapping.as_understood", column=label) if label else say("mapping.as_understood_without")
+    if option == NOT_LOGGED:
+        return say("mapping.not_in_log")
+    column = next((each for each in asked.columns if each.label == option), None)
+    if column is None or not (column.numbers or column.words):
+        return option
+    if not column.numbers:
+        return say("mapping.words", label=option, words=", ".join(column.words[:3]))
+    least, largest = _number(column.least, say), _number(column.largest, say)
+    return say("mapping.range", label=option, least=least, largest=largest, unit=column.unit or "").rstrip()
+
+
+def _use(asked: _Asked, file: SourceFile, picked: Mapping[str, str], units: Mapping[str, str], place: Any) -> None:
+    """Read the log with the columns that were picked; they are remembered once it was taken with them."""
+    say = asked.say
+    columns: dict[str, str] = {}
+    for name, label in picked.items():
+        known = name in asked.chosen or name in asked.open or asked.taken(name) is not None
+        if label == NOT_LOGGED:
+            if known and name != "time":
+                columns[name] = NOT_LOGGED
+        elif label != ASK and (name in asked.chosen or label != asked.taken(name)):
+            columns[name] = label
+    in_use = Counter(label for label in picked.values() if label not in (ASK, NOT_LOGGED))
+    twice = [label for label, count in in_use.items() if count > 1]
+    for label in twice:
+        names = ", ".join(say(f"log_quantities.{name}") for name, each in picked.items() if each == label)
+        place.error(say("mapping.twice", column=show.plain(label), quantities=names))
+    if twice:
+        return
+    st.session_state[_TRIED] = Tried(file.sha256, columns, dict(units))
+    put_file("road_test", file)
+    choose(columns=tuple(columns.items()), units=tuple(units.items()), remember=False)
+    st.rerun()

@@ -145,23 +145,27 @@ class Grid {
         window.removeEventListener("pagehide", this.on_hide)
     }
 
-    // What the server does not hold yet outlives a reload in this tab.
+    // What the server does not hold yet outlives another page and, once the job has a name, a reload of this tab.
+
+    places() {
+        return [this.data.owner, this.data.job].filter(Boolean).map(name => `atleak-measuring-${name}`)
+    }
 
     hold() {
-        if (!this.data?.job) return
+        if (!this.data) return
         const steps = this.steps.filter(step => step.do !== "undo")
         const input = this.inputs.get(this.now)
         if (input && !this.data.readonly && input.value.trim() !== this.text_of(this.now))
             steps.push({ do: "put", cell: this.cells.get(this.now).key, text: input.value.trim() })
-        const place = `atleak-measuring-${this.data.job}`
-        if (steps.length) sessionStorage.setItem(place, JSON.stringify(steps))
-        else sessionStorage.removeItem(place)
+        for (const place of this.places())
+            if (steps.length) sessionStorage.setItem(place, JSON.stringify(steps))
+            else sessionStorage.removeItem(place)
     }
 
     fetch_held() {
-        if (!this.data.job || this.data.readonly) return
-        const held = JSON.parse(sessionStorage.getItem(`atleak-measuring-${this.data.job}`) ?? "[]")
-        for (const step of held) {
+        if (this.data.readonly) return
+        const held = this.places().map(place => sessionStorage.getItem(place)).find(Boolean)
+        for (const step of JSON.parse(held ?? "[]")) {
             if (!this.cells.has(named(step.cell))) continue
             if (step.do === "put") this.own.set(named(step.cell), step.text)
             this.add(step)

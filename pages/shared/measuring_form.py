@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import secrets
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +51,7 @@ class _Kept:
     name: tuple[int, str | None] | None = None
     typed: Typed = Typed()  # noqa: RUF009  frozen, so safe to share
     answer: dict[str, Any] | None = None
+    session: str = field(default_factory=partial(secrets.token_hex, 6))  # by which the browser tells sessions apart
 
 
 def draw(case: PageCase, diagnosis: Diagnosis) -> None:
@@ -67,6 +70,7 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> None:
         "words": said,
         "readonly": case.sample,
         "job": book.job_id(),
+        "owner": f"{_kept().session}-{session().generation}",
         "answer": _kept().answer,
     }
     _GRID(key=key, data=data, on_batch_change=lambda: _take(key))

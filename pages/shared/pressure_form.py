@@ -12,7 +12,7 @@ from atleak.intake.gauge_table.typed import TYPED_FILE, TypedGauges, typed_gauge
 from atleak.intake.units import unit_names
 from atleak.job.case import SourceFile
 from atleak.pressure_table import Cell, Engine, ranges_of, tap_name, taps_of
-from pages.shared import show
+from pages.shared import reader, show
 from pages.shared.cases import PageCase
 from pages.shared.state import put_file, session
 
@@ -27,29 +27,31 @@ def pending(case: PageCase) -> SourceFile | None:
 
 def draw(case: PageCase, controller: Controller) -> None:
     """Draw the fields of one tap, or say that the readings come from a file."""
-    file = pending(case)
+    file, say = pending(case), reader.say()
     typed = _typed()
     if file is not None and typed_gauges(file.content) is None:
-        st.caption(f"Read from **{show.plain(file.name)}**. To type readings here, take that file away in the sidebar.")
+        st.caption(say("gauge_page.read_from", file=show.plain(file.name)))
         return
     owner = f"gauges{session().generation}-{controller.sha256[:12]}"
     places = st.columns(4)
     tap = places[0].selectbox(
-        "Gauge at", taps_of(controller), format_func=partial(_tap, controller), key=f"{owner}-tap"
+        say("gauge_page.gauge_at"), taps_of(controller), format_func=partial(_tap, controller), key=f"{owner}-tap"
     )
     unit, first = f"{owner}-unit", UNITS.index(typed.unit) if typed.unit in UNITS else 0
-    places[1].selectbox("Unit", UNITS, first, key=unit, on_change=_put, args=("unit", unit))
+    places[1].selectbox(say("gauge_page.unit"), UNITS, first, key=unit, on_change=_put, args=("unit", unit))
     for place, name, label in (
-        (places[2], "temperature", "ATF temperature [°C]"),
-        (places[3], "fast_idle", "Fast idle [rpm]"),
+        (places[2], "temperature", f"{say('gauge_page.temperature')} [°C]"),
+        (places[3], "fast_idle", f"{say('gauge_page.fast_idle')} [{say.unit('engine_speed')}]"),
     ):
         key = f"{owner}-{name}"
         place.text_input(label, getattr(typed, name), key=key, on_change=_put, args=(name, key))
     for selected in ranges_of(controller):
         for place, engine in zip(st.columns(3), Engine, strict=True):
             cell, key = Cell(selected, engine, tap), f"{owner}-{tap}-{selected}-{engine}"
-            label = f"{selected}, {engine.label} [{typed.unit}]"
-            place.text_input(label, typed.cells.get(cell, ""), key=key, on_change=_put_cell, args=(cell, key))
+            label = say("gauge_page.cell", range=selected, engine=say(f"engine_states.{engine}"))
+            place.text_input(
+                f"{label} [{typed.unit}]", typed.cells.get(cell, ""), key=key, on_change=_put_cell, args=(cell, key)
+            )
 
 
 def _tap(controller: Controller, tap: str) -> str:

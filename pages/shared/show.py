@@ -16,12 +16,10 @@ import streamlit as st
 from plotly.basedatatypes import BaseFigure
 
 from atleak.diagnosis import NO_LEAKAGE, Diagnosis
-from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
 from atleak.figures.figure import Figure
 from atleak.gauges.check import PressureCheck
 from atleak.look import DARK, SCREEN, look_of
-from atleak.uncertainty import UnitUncertainty
 from atleak.verdicts import Band, Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.columns import VERDICT, Column
@@ -30,7 +28,6 @@ from atleak.views.first_sentence import first_sentence as first_sentence_of
 from atleak.views.first_sentence import shown_verdict
 from atleak.views.gauge_rows import gauge_rows
 from atleak.views.repair_words import Named
-from atleak.views.road_instants import instant_rows
 from atleak.views.sentences import fluid_in_state
 from atleak.wording import Wording, signed, wording
 from pages.shared import reader
@@ -70,13 +67,13 @@ def error_line(error: AtleakError) -> str:
     return f"{plain(where)}{more}: {say('show.see_head')}"
 
 
-def messages(notes: Iterable[Message], about: str) -> None:
-    """Show warnings in the open and remarks in a fold, each with its place."""
+def messages(notes: Iterable[Message], about: str, opened: bool = False) -> None:
+    """Show warnings in the open and remarks in a fold, each with its place; ``opened``: however many they are."""
     say, notes = reader.say(), list(dict.fromkeys(notes))
     warnings = [message for message in notes if message.level == "warning"]
     remarks = [message for message in notes if message.level != "warning"]
     if warnings:
-        with st.expander(_counted("warning", warnings, about, say), expanded=len(warnings) <= 3):
+        with st.expander(_counted("warning", warnings, about, say), expanded=opened or len(warnings) <= 3):
             st.warning("\n".join(f"- {_with_place(message)}" for message in warnings))
     if remarks:
         with st.expander(_counted("remark", remarks, about, say)):
@@ -222,18 +219,6 @@ def _of_log(diagnosis: Diagnosis) -> list[Message]:
     of_leakage = diagnosis.road.messages if diagnosis.road is not None else ()
     why = [each for each in diagnosis.messages if each.code == NO_LEAKAGE]
     return [*diagnosis.log.road_test.messages, *of_leakage, *why]
-
-
-def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
-    """Show the extremes of a road test, the sustained ones first, and how they are to be read."""
-    say = reader.say()
-    table(instant_rows(road, uncertainty), number=rounded)
-    said = say("texts.sustained", seconds=say.plain(road.extremes.window))
-    if uncertainty is not None:
-        said += f" {say('show.from_to')}"
-    if road.lower_bound:
-        said += f" {say('texts.lower_bound')}"
-    st.caption(plain(said))
 
 
 def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:

@@ -114,6 +114,7 @@ def _one_table(table: LogTable, blank: Understood, job: _Job) -> Understood:
     mapping, units, notes = _with_memory(job, blank.signature)
     assigner = Assigner(job.source.file, units, stated_units(table.headings))
     assigner.messages += notes
+    assigner.leave_out(mapping)
     try:
         reading = read_table(table, assigner, mapping)
     except RoadTestError as error:
@@ -129,7 +130,7 @@ def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, s
     if remembered is None:
         return mapping, units, []
     note = Message("info", "remembered", "columns are taken as settled earlier for logs with this header")
-    mapped = {words(column) for column in mapping.values()}
+    mapped = {words(column) for column in mapping.values() if column != memory.NOT_LOGGED}
     earlier = {quantity: column for quantity, column in remembered.mapping.items() if words(column) not in mapped}
     return {**earlier, **mapping}, {**remembered.units, **units}, [note]
 
@@ -184,7 +185,7 @@ def _read_sheet(sheet: LogSheet, job: _Job) -> _SheetReading | None:
     """Read one sheet of several; None where it is no log."""
     assigner = Assigner(job.source.file, job.units, stated_units(sheet.headings))
     labels = {heading.label for heading in sheet.headings}
-    mapping = {quantity: column for quantity, column in job.mapping.items() if column in labels}
+    mapping = {quantity: column for quantity, column in job.mapping.items() if column in (*labels, memory.NOT_LOGGED)}
     try:
         return _SheetReading(sheet, assigner, read_table(sheet, assigner, mapping))
     except RoadTestError:

@@ -119,6 +119,7 @@ def understand_mdf(
             )
         raise RoadTestError("holds no channels", place=Place(file=source.file))
     assigner = Assigner(source.file, units, [heading.unit for heading in headings if heading.unit])
+    assigner.leave_out(mapping)
     if frames:
         assigner.say("obd2_decoded", f"{file_format}: OBD2 answers were decoded from {frames} CAN frames")
     blank = Understood(
@@ -145,6 +146,17 @@ def understand_mdf(
     timeline = build_timeline(stamps)
     reading = TableResult(len(stamps), timeline, "", Clock(stamps, "s"))
     return finish(blank, assigner, reading, constants)
+
+
+def mdf_columns(source: LogFile) -> list[tuple[Heading, np.ndarray]]:
+    """Return the heading and the numbers of every channel of an MDF file.
+
+    Raises
+    ------
+    RoadTestError
+        when asammdf is not installed, or the file is damaged.
+    """
+    return [(channel.heading, channel.values) for channel in _load(source)[0]]
 
 
 def _offer(candidate: Candidate, channels: list[_MdfChannel]) -> tuple[Candidate, np.ndarray, np.ndarray]:

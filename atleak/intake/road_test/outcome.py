@@ -11,6 +11,7 @@ from atleak.intake.road_test.channels import build
 from atleak.intake.road_test.channels.assign import Ambiguous, Assigner
 from atleak.intake.road_test.channels.protocol import TableResult
 from atleak.intake.road_test.files.layout import Heading
+from atleak.intake.road_test.names.memory import NOT_LOGGED
 from atleak.road_test import RoadTest, Segment
 
 
@@ -46,6 +47,11 @@ class Understood:
     def rows(self) -> int:
         """Return the number of data rows of the file, 0 while it is not read."""
         return self.road_test.rows if self.road_test else 0
+
+    def uses(self, mapping: Mapping[str, str]) -> bool:
+        """Tell whether every column that was named gave its quantity: one may lack the unit or the values for it."""
+        named = [quantity for quantity, column in mapping.items() if column != NOT_LOGGED and quantity != "time"]
+        return self.road_test is not None and all(quantity in self.road_test.channels for quantity in named)
 
 
 def labels_of(headings: Sequence[Heading]) -> list[str]:

@@ -13,9 +13,9 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.projection import stated_condition
-from atleak.events import Event
 from atleak.figures import diagnosis_figures as figures
 from atleak.figures import uncertainty_figures as of_uncertainty
+from atleak.figures.log_figures import road_leakage
 from atleak.readings import Readings
 from atleak.wording import wording
 from atleak.workshop_units import DM3_MIN, PERCENT
@@ -25,9 +25,8 @@ from ..conftest import with_clearances
 ALL = {
     "ranking": lambda diagnosis: figures.leakage_ranking(diagnosis),
     "share": lambda diagnosis: figures.total_share(diagnosis),
-    "road": lambda diagnosis: figures.road_leakage(diagnosis.road, diagnosis.limits),
+    "road": lambda diagnosis: road_leakage(diagnosis.road, diagnosis.limits, wording("en")),
     "wear": lambda diagnosis: figures.wear(diagnosis),
-    "channels": lambda diagnosis: figures.road_channels(diagnosis.road.road_test, {}),
 }
 
 
@@ -90,7 +89,7 @@ def test_total_share_stands_beside_that_of_the_same_unit_new(sample: Diagnosis) 
 
 
 def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Diagnosis) -> None:
-    figure, road = figures.road_leakage(sample.road, sample.limits), sample.road
+    figure, road = road_leakage(sample.road, sample.limits, wording("en")), sample.road
     leakage, share = trace(figure, "leakage"), trace(figure, "share")
     assert np.nanmax(leakage.y) == pytest.approx(road.max_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
     assert np.nanmin(leakage.y) == pytest.approx(road.min_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
@@ -105,7 +104,7 @@ def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Di
 def test_a_log_without_engine_speed_shows_leakage_alone(four_speed, hipol, limits, log_of) -> None:
     log = log_of(np.arange(50.0), main_pressure=600e3, converter_pressure=300e3, atf_temperature=80.0, gear=2.0)
     diagnosis = diagnose(four_speed, hipol, limits, road_test=log)
-    figure = figures.road_leakage(diagnosis.road, diagnosis.limits)
+    figure = road_leakage(diagnosis.road, diagnosis.limits, wording("en"))
     assert {one.name for one in figure.data if one.mode == "lines"} == {"leakage"}
     assert all(one.error_x.array is None for one in figures.leakage_ranking(diagnosis).data)
 
@@ -123,27 +122,10 @@ def test_long_logs_are_thinned_and_keep_a_spike_of_one_sample(four_speed, hipol,
         gear=2.0,
     )
     diagnosis = diagnose(four_speed, hipol, limits, road_test=log)
-    for figure in (figures.road_leakage(diagnosis.road, diagnosis.limits), figures.road_channels(log, {})):
-        assert all(len(one.x) <= 4000 for one in figure.data)
-    leakage = trace(figures.road_leakage(diagnosis.road, diagnosis.limits), "leakage")
+    assert all(len(one.x) <= 4000 for one in road_leakage(diagnosis.road, diagnosis.limits, wording("en")).data)
+    leakage = trace(road_leakage(diagnosis.road, diagnosis.limits, wording("en")), "leakage")
     assert np.nanmax(leakage.y) == pytest.approx(np.nanmax(diagnosis.road.leakage) * DM3_MIN, rel=1e-9, abs=0.0)
     assert np.isclose(leakage.x, 312.34).any()
-    channel = next(one for one in figures.road_channels(log, {}).data if np.nanmax(one.y) == 950e3)
-    assert np.isnan(np.asarray(channel.y, dtype=float)).any()
-    assert channel.connectgaps is False
-
-
-def test_channels_are_drawn_in_the_unit_asked_for_and_suspect_samples_are_crossed(log_of) -> None:
-    pressure = np.array([600e3, 610e3, 5000e3, 620e3])
-    log = log_of(np.arange(4.0), main_pressure=pressure)
-    log.channels["main_pressure"].suspect[2] = True
-    figure = figures.road_channels(log, {"main_pressure": ("kPa", lambda value: value / 1e3)})
-    line, crosses = figure.data
-    assert np.asarray(line.y, dtype=float) == pytest.approx(
-        [600.0, 610.0, np.nan, 620.0], nan_ok=True, rel=1e-9, abs=0.0
-    )
-    assert (list(crosses.x), list(crosses.y)) == ([2.0], [5000.0])
-    assert "[kPa]" in figure.layout.yaxis.title.text
 
 
 def test_a_pump_that_delivers_nothing_leaves_no_point(sample: Diagnosis) -> None:
@@ -154,25 +136,6 @@ def test_a_pump_that_delivers_nothing_leaves_no_point(sample: Diagnosis) -> None
     points = figures.total_share(dry).data[0]
     assert len(points.x) == len(dry.projections) - 1 + (dry.road is not None)
     assert not any(label.startswith("driving") for label in points.y)
-
-
-def test_events_are_marked_where_they_begin_and_shaded_where_they_last(log_of) -> None:
-    log = log_of(np.arange(20.0), main_pressure=600e3, engine_speed=20.0)
-    events = [Event("gear_shift", 3.0, 3.5, 1, 2), Event("hot_idle", 8.0, 12.0), Event("stall", 40.0, 41.0)]
-    figure = figures.road_channels(log, {}, events)
-    assert [note.text for note in figure.layout.annotations] == ["1→2", "hot idle"]
-    assert {shape.x0 for shape in figure.layout.shapes if shape.type == "line"} == {3.0, 8.0}
-    assert {(shape.x0, shape.x1) for shape in figure.layout.shapes if shape.type == "rect"} == {(8.0, 12.0)}
-
-
-def test_another_log_is_laid_over_it_dashed_and_shifted(log_of) -> None:
-    one = log_of(np.arange(5.0), main_pressure=600e3, engine_speed=20.0)
-    other = log_of(np.arange(5.0), main_pressure=650e3)
-    figure = figures.road_channels(one, {}, over=(other, 2.5))
-    laid = [line for line in figure.data if line.line.dash == "dash"]
-    assert len(laid) == 1
-    assert list(laid[0].x) == [2.5, 3.5, 4.5, 5.5, 6.5]
-    assert set(laid[0].y) == {650e3}
 
 
 def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -> None:

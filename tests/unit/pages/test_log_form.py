@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from atleak.intake.road_test.names.memory import recall_all
 from atleak.job.case import SourceFile
 
 from .conftest import ROOT, go, texts, uploader
@@ -24,12 +25,35 @@ def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
     assert "two.csv was not taken" in texts(app)
     assert not app.exception
     assert "Which column is it?" in texts(app)
-    next(widget for widget in app.main.selectbox if widget.label.startswith("main")).select("line pressure 2 [kPa]")
-    next(widget for widget in app.button if widget.label.startswith("Use and remember")).click().run()
+    assert "for everyone who uses it" in texts(app)  # the form is open: it must be answered
+    assert column_box(app, "main").options[2:4] == [
+        "line pressure 1 [kPa] · 600 to 699 kPa",
+        "line pressure 2 [kPa] · 801 to 900 kPa",
+    ]
+    courses = columns_table(app)["Course"]
+    assert courses["line pressure 1 [kPa]"][0] < courses["line pressure 1 [kPa]"][-1]
+    assert courses["line pressure 2 [kPa]"][0] > courses["line pressure 2 [kPa]"][-1]
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
     assert not app.exception
     assert "not taken" not in texts(app)
-    taken = app.dataframe[0].value.set_index("quantity")["column"]
-    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+    assert taken_from(app)["main (line) pressure"] == "line pressure 2 [kPa]"
+
+
+def columns_table(app: AppTest):
+    return next(each.value for each in app.dataframe if "Course" in each.value).set_index("Column of the file")
+
+
+def taken_from(app: AppTest) -> dict[str, str]:
+    table = next(each.value for each in app.dataframe if "Quantity" in each.value)
+    return dict(zip(table["Quantity"], table["Column of the file"], strict=True))
+
+
+def unfold(app: AppTest, start: str) -> AppTest:
+    """Open the fold whose key begins so."""
+    for key in [key for key in app.session_state["folds"] if key.startswith(start)]:
+        app.session_state[key] = True
+    return app.run()
 
 
 def column_box(app: AppTest, start: str):
@@ -41,13 +65,15 @@ def use_columns(app: AppTest) -> AppTest:
 
 
 def most_leakage(app: AppTest) -> float:
-    return app.dataframe[-1].value.set_index("what")["largest"]["leakage"]
+    table = next(each.value for each in app.dataframe if "Channel" in each.value)
+    return float(table.set_index("Channel")["Largest"]["leakage"])
 
 
 def test_a_remapped_log_uploaded_again_gives_the_leakage_of_the_new_column(app: AppTest) -> None:
     log = TWO_PRESSURES.replace("line pressure 1", "main_pressure").encode()
     uploader(app, "Road-test log").upload("two.csv", log, "text/csv").run()
     first = most_leakage(app)
+    unfold(app, "columns-")
     column_box(app, "main").select("line pressure 2 [kPa]")
     use_columns(app)
     second = most_leakage(app)
@@ -56,7 +82,7 @@ def test_a_remapped_log_uploaded_again_gives_the_leakage_of_the_new_column(app: 
     uploader(app, "Road-test log").upload("two.csv", log, "text/csv").run()
     assert not app.exception
     assert most_leakage(app) == second
-    assert column_box(app, "main").value == "line pressure 2 [kPa]"
+    assert column_box(unfold(app, "columns-"), "main").value == "line pressure 2 [kPa]"
 
 
 def test_what_was_settled_earlier_stays_when_something_else_is_settled(app: AppTest) -> None:
@@ -65,10 +91,10 @@ def test_what_was_settled_earlier_stays_when_something_else_is_settled(app: AppT
     use_columns(app)
     uploader(app, "Road-test log").set_value(None).run()
     uploader(app, "Road-test log").upload("again.csv", TWO_PRESSURES.encode(), "text/csv").run()
-    column_box(app, "converter").select("line pressure 1 [kPa]")
+    column_box(unfold(app, "columns-"), "converter").select("line pressure 1 [kPa]")
     use_columns(app)
     assert not app.exception
-    taken = app.dataframe[0].value.set_index("quantity")["column"]
+    taken = taken_from(app)
     assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
     assert taken["converter pressure"] == "line pressure 1 [kPa]"
 
@@ -81,8 +107,88 @@ def test_columns_are_used_where_nothing_can_be_remembered(app: AppTest, tmp_path
     use_columns(app)
     assert not app.exception
     assert "could not be remembered" in texts(app)
-    taken = app.dataframe[0].value.set_index("quantity")["column"]
-    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+    assert taken_from(app)["main (line) pressure"] == "line pressure 2 [kPa]"
+
+
+def test_columns_with_which_the_log_is_refused_are_shown_and_not_remembered(app: AppTest, tmp_path: Path) -> None:
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    column_box(app, "main").select("ATF temperature [°C]")  # 80 °C taken as a pressure
+    column_box(app, "ATF").select("line pressure 1 [kPa]")
+    use_columns(app)
+    assert not app.exception
+    assert "are not remembered" in texts(app)
+    assert "is temperature, not a unit of pressure" in texts(app)
+    assert column_box(app, "main").value == "ATF temperature [°C]"
+    assert all(fold.proto.expanded for fold in app.expander if "about the road-test log" in fold.label)
+    assert recall_all(tmp_path / "home" / "road-test-columns.json") == {}
+
+
+def test_a_column_is_chosen_for_one_quantity_only(app: AppTest) -> None:
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    column_box(app, "main").select("line pressure 1 [kPa]")
+    column_box(app, "converter").select("line pressure 1 [kPa]")
+    use_columns(app)
+    assert "a column can hold one quantity only" in texts(app)
+    assert "two.csv was not taken" in texts(app)
+
+
+def test_a_log_of_which_nothing_is_recognised_opens_the_form(app: AppTest) -> None:
+    strange = "Zeit;AAA;BBB\n" + "".join(f"{step / 10};{800 + step};{step % 7}\n" for step in range(60))
+    uploader(app, "Road-test log").upload("strange.csv", strange.encode(), "text/csv").run()
+    assert not app.exception
+    assert "No column of this log was recognised" in texts(app)
+    assert "there is nothing to draw" in texts(app)
+    assert column_box(app, "time").options[0] == "as understood: Zeit"
+    column_box(app, "engine speed").select("AAA")
+    use_columns(app)
+    assert not app.exception
+    assert taken_from(app) == {"time": "Zeit", "engine speed": "AAA"}
+
+
+def test_what_is_remembered_is_seen_forgotten_and_brought_back(app: AppTest, tmp_path: Path) -> None:
+    kept = tmp_path / "home" / "road-test-columns.json"
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
+    unfold(app, "remembered-columns")
+    assert "6 columns: time [s], engine_speed [rpm]" in texts(app)
+    assert "main (line) pressure: line pressure 2 [kPa]" in texts(app)
+    next(widget for widget in app.button if widget.label == "Forget").click().run()
+    assert not app.exception
+    assert recall_all(kept) == {}
+    assert taken_from(app)["main (line) pressure"] == "line pressure 2 [kPa]"  # the job keeps its columns
+    next(widget for widget in app.button if widget.label == "Undo" and widget.key == "forget-undo").click().run()
+    assert [dict(each.mapping) for each in recall_all(kept).values()] == [{"main_pressure": "line pressure 2 [kPa]"}]
+
+
+def test_a_formula_is_drawn_listed_kept_with_the_job_and_refused_in_words(app: AppTest) -> None:
+    def draw(name: str, formula: str) -> None:
+        next(field for field in app.main.text_input if field.label == "Name").set_value(name)
+        next(field for field in app.main.text_input if field.label == "Formula").set_value(formula)
+        next(button for button in app.button if button.label == "Draw it").click().run()
+        assert not app.exception
+
+    unfold(app, "formulas-fold")
+    draw("drop", "p_g − p_k")
+    table = next(each.value for each in app.dataframe if "Channel" in each.value).set_index("Channel")
+    assert table["in"]["drop"] == "kPa"
+    draw("sum", "p_g + n")
+    assert "at character 5: a rotational speed cannot be added to a pressure" in texts(app)
+    assert [each.name for each in app.session_state["job-record"].log_formulas] == ["drop"]
+    go(app, "2_Readings")
+    go(app, "3_Road_test")
+    assert "drop" in next(each.value for each in app.dataframe if "Channel" in each.value)["Channel"].tolist()
+    next(button for button in app.button if button.label == "Take away").click().run()
+    assert app.session_state["job-record"].log_formulas == ()
+
+
+def test_the_operating_map_is_drawn_where_it_is_asked_for(app: AppTest) -> None:
+    assert "how long it was driven there" not in texts(app)
+    unfold(app, "operating-map")
+    assert not app.exception
+    assert "how long it was driven there" in texts(app)
+    next(box for box in app.main.selectbox if box.label == "Show").select("engine_speed").run()
+    assert not app.exception
 
 
 def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -98,7 +204,7 @@ def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch
 
 def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
     def largest() -> float:
-        return app.dataframe[-1].value.set_index("what")["largest"]["leakage"]
+        return most_leakage(app)
 
     assert largest() == pytest.approx(2.92, rel=0.02, abs=0.0)
     app.main.slider[0].set_value((8.0, 12.0)).run()
@@ -117,6 +223,8 @@ def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) ->
     ).run()
     next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").set_value("1,25").run()
     assert not app.exception
+    table = next(each.value for each in app.dataframe if "Channel" in each.value).set_index("Channel")
+    assert table["At the second cursor"]["engine speed, after.csv"] != table["At the second cursor"]["engine speed"]
     go(app, "2_Readings")
     go(app, "3_Road_test")
     assert "after.csv" in texts(app)
@@ -163,8 +271,10 @@ def test_a_log_alone_is_judged_by_its_main_pressure(app: AppTest, sample_log: Pa
     assert "that of a unit with every pair new" in texts(app)
     go(app, "3_Road_test")
     assert "✖ critical" in texts(app)
-    assert app.dataframe[1].value["state"].tolist() == ["idle", *["driving"] * 4]
-    assert "minimum-acceleration test" in app.dataframe[2].value["event"].tolist()
+    states = next(each.value for each in app.dataframe if "State" in each.value)
+    assert states["State"].tolist() == ["idle", *["driving"] * 4]
+    happened = next(each.value for each in app.dataframe if "event" in each.value)
+    assert "minimum-acceleration test" in happened["event"].tolist()
 
 
 @pytest.mark.page("4_Diagnosis")

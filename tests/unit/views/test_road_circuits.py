@@ -13,8 +13,8 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import diagnose
 from atleak.intake.road_test import read_road_test
+from atleak.views.log_rows import circuit_rows
 from atleak.views.road_record import road_record
-from atleak.views.window import circuit_rows
 
 
 def test_the_record_has_what_each_circuit_holds_and_where_it_is_lowest(

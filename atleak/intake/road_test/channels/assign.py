@@ -14,6 +14,7 @@ from atleak.errors import Message, MessageLevel, Place, RoadTestError, unknown
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.files.layout import Heading
 from atleak.intake.road_test.names.matching import Match, Tier, match_name, name_kind, split_unit
+from atleak.intake.road_test.names.memory import NOT_LOGGED
 from atleak.intake.road_test.names.unit_choice import Fit, fit, given
 from atleak.road_test import QUANTITIES, ChannelKind
 
@@ -47,11 +48,15 @@ class Signal:
 
 @dataclass(frozen=True)
 class Ambiguous:
-    """A quantity for which the file offers more than can be decided: the user must choose."""
+    """A quantity for which the file offers more than can be decided: the user must choose.
+
+    ``guess`` is the column that it most likely is, where a single one comes into question.
+    """
 
     quantity: str
     candidates: tuple[str, ...]
     why: str = ""
+    guess: str | None = None
 
 
 def match_heading(heading: Heading) -> Match | None:
@@ -117,6 +122,9 @@ def map_columns(
     for quantity, column in mapping.items():
         if quantity not in QUANTITIES:
             raise unknown("unknown quantity", quantity, QUANTITIES, kind=RoadTestError, place=Place(file=file))
+        if column == NOT_LOGGED:
+            candidates = [candidate for candidate in candidates if candidate.quantity != quantity]
+            continue
         heading = find_heading(headings, column, file)
         kind = name_kind(heading.label) if QUANTITIES[quantity].unit_kind == "pressure" else "unknown"
         match = match_heading(heading)
@@ -152,6 +160,12 @@ class Assigner:
         """Add a message that a column is not taken for its quantity, and why."""
         self.refused.setdefault(candidate.quantity, why)
         self.say(code, why, level, candidate.label)
+
+    def leave_out(self, mapping: Mapping[str, str]) -> None:
+        """Note which quantities the user says are not logged: nothing is asked about them."""
+        for quantity, column in mapping.items():
+            if column == NOT_LOGGED:
+                self.refused[quantity] = "it is stated that no column of this log holds it"
 
     def decide(self, quantity: str, offered: Sequence[tuple[Candidate, np.ndarray, np.ndarray | None]]) -> None:
         """Choose one of the candidates for a quantity, or list them as ambiguous.
@@ -222,7 +236,8 @@ class Assigner:
                 self.ambiguous.append(Ambiguous(quantity, labels, "several columns may be meant"))
                 return None
         labels = tuple(signal.candidate.label for signal in fitting)
-        self.ambiguous.append(Ambiguous(quantity, labels, "the name only resembles it"))
+        guess = labels[0] if len(labels) == 1 else None
+        self.ambiguous.append(Ambiguous(quantity, labels, "the name only resembles it", guess))
         return None
 
     def _same(self, tied: list[Signal]) -> Signal | None:

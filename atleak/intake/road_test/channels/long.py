@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.files.layout import Heading
 from atleak.intake.road_test.names import words_as_numbers
 from atleak.intake.road_test.names.matching import match_name, split_unit
+from atleak.intake.road_test.names.memory import NOT_LOGGED
 from atleak.road_test import QUANTITIES, Segment
 
 _NAME_HEADERS = {
@@ -83,15 +84,17 @@ def long_shape(table: LogTable, candidates: list[Candidate], mapping: Mapping[st
         name = next(
             (heading for heading in headings if heading is not value and _names_quantities(table, heading)), None
         )
-    if name is None or value is None or (any(quantity != "time" for quantity in mapping) and _names_in(table, mapping)):
+    if name is None or value is None or _names_headings(table, mapping):
         return None
     unit = next((heading for heading in headings if plain_names[heading.index] in _UNIT_HEADERS), None)
     return _LongColumns(times[0], name, value, unit)
 
 
-def _names_in(table: LogTable, mapping: Mapping[str, str]) -> bool:
+def _names_headings(table: LogTable, mapping: Mapping[str, str]) -> bool:
+    """Tell whether the user names headings of the table, and not names within its rows."""
+    named = {quantity: column for quantity, column in mapping.items() if column != NOT_LOGGED}
     labels = {heading.label for heading in table.headings}
-    return all(column in labels for column in mapping.values())
+    return any(quantity != "time" for quantity in named) and all(column in labels for column in named.values())
 
 
 def _cells(table: LogTable, heading: Heading) -> list[str]:
@@ -115,13 +118,7 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     RoadTestError
         when its time cannot be read or the user names a column that it lacks.
     """
-    columns = [shape.time.heading.index, shape.name.index, shape.value.index]
-    if shape.unit:
-        columns.append(shape.unit.index)
-    frame = table.read(sorted(set(columns)))
-    names = frame[shape.name.index].astype("str").str.strip()
-    keep = frame[shape.name.index].notna() & (names != shape.name.label)
-    frame, names = frame[keep], names[keep]
+    frame, names = _rows(table, shape)
     clock = clock_of(shape.time, frame, table, assigner, ())
     if clock is None or not runs(clock.seconds):
         raise no_time(table, assigner)
@@ -134,14 +131,7 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     values, _ = numbers(frame, shape.value.index, table.decimal)
     texts = frame[shape.value.index]
     codes, uniques = pd.factorize(names)
-    headings = []
-    for index, name in enumerate(uniques):
-        split = split_unit(str(name))
-        unit = split.unit
-        if unit is None and shape.unit is not None:
-            unit_cells = frame[shape.unit.index].to_numpy(dtype=object)[codes == index]
-            unit = next((str(cell) for cell in unit_cells if isinstance(cell, str) and cell.strip()), None)
-        headings.append(Heading(index, str(name), (split.text,), unit))
+    headings = _headings(uniques, codes, frame, shape)
     candidates = find_candidates(headings)
     own_mapping = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
     candidates = map_columns(candidates, headings, own_mapping, assigner.file)
@@ -169,6 +159,40 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     timeline = _on_base(base, whole)
     column_names = frozenset(map(str, uniques))
     return TableResult(len(frame), timeline, shape.time.label, clock, True, column_names, whole.segments)
+
+
+def _rows(table: LogTable, shape: _LongColumns) -> tuple[pd.DataFrame, pd.Series]:
+    """Return the rows that name a signal, and those names."""
+    columns = [shape.time.heading.index, shape.name.index, shape.value.index]
+    if shape.unit:
+        columns.append(shape.unit.index)
+    frame = table.read(sorted(set(columns)))
+    names = frame[shape.name.index].astype("str").str.strip()
+    keep = frame[shape.name.index].notna() & (names != shape.name.label)
+    return frame[keep], names[keep]
+
+
+def _headings(uniques: pd.Index, codes: np.ndarray, frame: pd.DataFrame, shape: _LongColumns) -> list[Heading]:
+    """Return a heading for every signal, with the unit that its name or its rows state."""
+    headings = []
+    for index, name in enumerate(uniques):
+        split = split_unit(str(name))
+        unit = split.unit
+        if unit is None and shape.unit is not None:
+            unit_cells = frame[shape.unit.index].to_numpy(dtype=object)[codes == index]
+            unit = next((str(cell) for cell in unit_cells if isinstance(cell, str) and cell.strip()), None)
+        headings.append(Heading(index, str(name), (split.text,), unit))
+    return headings
+
+
+def long_columns(table: LogTable, shape: _LongColumns) -> Iterator[tuple[Heading, np.ndarray, pd.Series]]:
+    """Yield the heading of every signal of a long table, its numbers and its cells that are none."""
+    frame, names = _rows(table, shape)
+    values, words_there = numbers(frame, shape.value.index, table.decimal)
+    codes, uniques = pd.factorize(names)
+    for heading in _headings(uniques, codes, frame, shape):
+        rows = codes == heading.index
+        yield heading, values[rows], words_there[words_there.index.isin(frame.index[rows])]
 
 
 def _on_base(base: np.ndarray, whole: Timeline) -> Timeline:

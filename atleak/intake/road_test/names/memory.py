@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping
@@ -19,12 +20,22 @@ _PATIENCE = 30  # [s] to wait for other writers
 _POLL = 0.01  # [s]
 
 
+NOT_LOGGED = ""  # in place of a column: the user says that no column holds the quantity
+
+
 @dataclass(frozen=True)
 class RememberedColumns:
-    """The user's choices for a header: quantity → column, quantity → unit."""
+    """The user's choices for a header: quantity → column (`NOT_LOGGED` for none), quantity → unit.
+
+    ``format``, ``columns`` and ``when`` (UTC, ISO 8601) say of which logs, and since when; what versions before 0.2.0
+    remembered has none of them.
+    """
 
     mapping: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    format: str = field(default="", repr=False, compare=False)
+    columns: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    when: str = field(default="", repr=False, compare=False)
 
 
 def signature(labels: Iterable[str]) -> str:
@@ -54,21 +65,62 @@ def default_path() -> Path:
 
 def recall(path: Path, header: str) -> RememberedColumns | None:
     """Return the choices kept for a header's signature, or None. A damaged file counts as empty."""
-    entry = _readable(path).get(header)
+    return _understood(_readable(path).get(header))
+
+
+def recall_all(path: Path) -> dict[str, RememberedColumns]:
+    """Return everything that is kept, by the header's signature, the latest first."""
+    kept = {header: _understood(entry) for header, entry in _readable(path).items()}
+    good = [(header, entry) for header, entry in kept.items() if entry is not None]
+    return dict(sorted(good, key=lambda pair: pair[1].when, reverse=True))
+
+
+def _understood(entry: object) -> RememberedColumns | None:
     if not isinstance(entry, dict):
         return None
-    mapping, units = entry.get("mapping"), entry.get("units")
+    mapping, units, columns = entry.get("mapping"), entry.get("units"), entry.get("columns")
     if not isinstance(mapping, dict) or not isinstance(units, dict):
         return None
-    return RememberedColumns(_texts(mapping), _texts(units))
+    return RememberedColumns(
+        _texts(mapping),
+        _texts(units),
+        str(entry.get("format", "")),
+        tuple(map(str, columns)) if isinstance(columns, list) else (),
+        str(entry.get("when", "")),
+    )
 
 
 def _texts(part: Mapping[Any, Any]) -> dict[str, str]:
     return {str(key): str(value) for key, value in part.items()}
 
 
-def remember(path: Path, header: str, mapping: Mapping[str, str], units: Mapping[str, str] | None = None) -> None:
-    """Keep the choices for a header's signature; they replace those kept before.
+def remember(
+    path: Path,
+    header: str,
+    mapping: Mapping[str, str],
+    units: Mapping[str, str] | None = None,
+    *,
+    format: str = "",
+    columns: Iterable[str] = (),
+) -> None:
+    """Keep the choices for a header's signature from now on; they replace those kept before.
+
+    Parameters
+    ----------
+    format, columns
+        of the log, so that people recognise what is remembered: its format and the names of its columns.
+
+    Raises
+    ------
+    OutputError
+        where the file cannot be written.
+    """
+    now = dt.datetime.now(dt.UTC).isoformat(timespec="seconds")
+    restore(path, header, RememberedColumns(dict(mapping), dict(units or {}), format, tuple(columns), now))
+
+
+def restore(path: Path, header: str, entry: RememberedColumns) -> None:
+    """Keep choices as they were before they were forgotten.
 
     Raises
     ------
@@ -76,7 +128,7 @@ def remember(path: Path, header: str, mapping: Mapping[str, str], units: Mapping
         where the file cannot be written.
     """
     with _rewritten(path) as entries:
-        entries[header] = {"mapping": dict(mapping), "units": dict(units or {})}
+        entries[header] = {**vars(entry), "columns": list(entry.columns)}
 
 
 def forget(path: Path, header: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import json
 import os
 import stat
@@ -13,7 +14,8 @@ from pathlib import Path
 import pytest
 
 from atleak.errors import OutputError
-from atleak.intake.road_test import forget, recall, remember
+from atleak.intake.road_test import NOT_LOGGED, forget, recall, remember
+from atleak.intake.road_test.names.memory import RememberedColumns, recall_all, restore
 
 WRITERS = 4  # processes, each with two threads
 ANSWERS = 10  # of every thread
@@ -110,3 +112,33 @@ def test_a_lock_that_is_never_released_is_said(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr(memory, "_PATIENCE", 0.1)
     with FileLock(tmp_path / "columns.lock"), pytest.raises(OutputError, match="locked"):
         remember(tmp_path / "columns.json", "a", {"gear": "G"})
+
+
+def test_what_is_kept_says_of_which_logs_and_since_when_the_latest_first(tmp_path: Path) -> None:
+    store = tmp_path / "columns.json"
+    store.write_text(
+        json.dumps({"old": {"mapping": {"gear": "G"}, "units": {}}, "broken": 3, "odd": {"mapping": []}}),
+        encoding="utf-8",
+    )
+    remember(store, "new", {"gear": NOT_LOGGED}, {"main_pressure": "bar"}, format="workbook", columns=["t", "p"])
+    kept = recall_all(store)
+    assert list(kept) == ["new", "old"]
+    assert (kept["new"].format, kept["new"].columns) == ("workbook", ("t", "p"))
+    assert dt.datetime.fromisoformat(kept["new"].when).utcoffset() == dt.timedelta(0)
+    assert (kept["old"].mapping, kept["old"].when) == ({"gear": "G"}, "")
+
+
+def test_what_was_forgotten_is_brought_back_as_it_was(tmp_path: Path) -> None:
+    store = tmp_path / "columns.json"
+    remember(store, "a", {"gear": "G"}, {"main_pressure": "bar"}, format="workbook", columns=["t", "G"])
+    entry = recall_all(store)["a"]
+    forget(store, "a")
+    assert recall_all(store) == {}
+    restore(store, "a", entry)
+    back = recall_all(store)["a"]
+    assert vars(back) == vars(entry)
+
+
+def test_when_it_was_chosen_makes_no_other_choice() -> None:
+    one, other = (RememberedColumns({"gear": "G"}, when=when) for when in ("2026-01-01", "2026-02-02"))
+    assert (one == other, repr(one) == repr(other)) == (True, True)

@@ -1,0 +1,13 @@
+"""Compute further channels of a road test from those it has, by formulas that people type: ``p_g − p_k``.
+
+`parse` reads a formula into a tree, `evaluate` computes the tree over a road test, units carried along.
+"""
+
+from atleak.channel_formulas.evaluation import NAMES, FormulaChannel, evaluate, formula_channel
+from atleak.channel_formulas.parsing import FUNCTIONS, parse
+from atleak.channel_formulas.scales import channel_scales, formula_scale
+
+__all__ = [
+    "FUNCTIONS", "NAMES", "FormulaChannel", "channel_scales", "evaluate", "formula_channel", "formula_scale",
+    "parse",
+]  # fmt: skip

@@ -1,0 +1,95 @@
+"""Shows what every column of a log holds, so that a person can tell which is which: its range and its course."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from atleak.intake.road_test.channels.assign import find_candidates, match_heading
+from atleak.intake.road_test.channels.long import long_columns, long_shape
+from atleak.intake.road_test.channels.protocol import LogTable
+from atleak.intake.road_test.files.delimited import numbers, open_delimited
+from atleak.intake.road_test.files.layout import Heading
+from atleak.intake.road_test.files.log_file import LogFile, open_source
+from atleak.intake.road_test.files.log_sheets import open_sheets
+from atleak.intake.road_test.mdf import mdf_columns
+from atleak.thinning import thinned
+
+POINTS = 60  # of a small curve
+WORDS = 6  # different cells that are shown of a column of words
+
+
+@dataclass(frozen=True)
+class LogColumn:
+    """A column of a log as a person tells it from the others, in the file's own unit.
+
+    ``quantity`` is the one that its name stands for, None where the name says nothing. ``least`` and ``largest`` are
+    None where the column holds no number, ``curve`` shows its course, and ``words`` are some of its cells that are no
+    numbers.
+    """
+
+    label: str
+    unit: str | None
+    quantity: str | None
+    numbers: int
+    least: float | None = None
+    largest: float | None = None
+    curve: tuple[float, ...] = ()
+    words: tuple[str, ...] = ()
+
+
+def log_columns(source: str | Path | bytes, *, name: str | None = None) -> tuple[LogColumn, ...]:
+    """Return every column of a log, in file order; none where no table of numbers is found in it.
+
+    Parameters are those of `atleak.intake.road_test.read_road_test`.
+
+    Raises
+    ------
+    RoadTestError
+        when the file is no log at all: empty, a picture, damaged.
+    """
+    opened = open_source(source, name)
+    try:
+        return tuple(_column(*parts) for parts in _read(opened))
+    finally:
+        opened.close()
+
+
+def _read(opened: LogFile) -> Iterator[tuple[Heading, np.ndarray, Iterable[str]]]:
+    if opened.form == "mdf":
+        for heading, values in mdf_columns(opened):
+            yield heading, values, ()
+        return
+    tables: list[LogTable] = []
+    if opened.form == "workbook":
+        tables += open_sheets(opened)
+    elif (table := open_delimited(opened)) is not None:
+        tables.append(table)
+    for each in tables:
+        yield from _of_table(each)
+
+
+def _of_table(table: LogTable) -> Iterator[tuple[Heading, np.ndarray, Iterable[str]]]:
+    shape = long_shape(table, find_candidates(table.headings), {})
+    if shape is not None:
+        yield from long_columns(table, shape)
+        return
+    headings = [heading for heading in table.headings if heading.index < table.width]
+    frame = table.read([heading.index for heading in headings])
+    for heading in headings:
+        yield heading, *numbers(frame, heading.index, table.decimal)
+
+
+def _column(heading: Heading, values: np.ndarray, words: Iterable[str]) -> LogColumn:
+    match = match_heading(heading)
+    good = values[np.isfinite(values)]
+    some = tuple(dict.fromkeys(str(word) for word in pd.Series(words, dtype=object).head(10_000)))[:WORDS]
+    unit, quantity = heading.unit or (match.unit if match else None), match.quantity if match else None
+    if not len(good):
+        return LogColumn(heading.label, unit, quantity, 0, words=some)
+    curve = tuple(good[thinned([good], POINTS)].tolist())
+    return LogColumn(heading.label, unit, quantity, len(good), float(good.min()), float(good.max()), curve, some)

@@ -1,0 +1,35 @@
+"""Keep what was computed from an object for as long as that object is in use, and no longer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from typing import Any, TypeVar
+from weakref import finalize
+
+Made = TypeVar("Made")
+_KEPT: dict[int, dict[str, dict[Hashable, Any]]] = {}  # by the identity of the owner
+
+
+def kept_with(owner: Any, name: str, key: Hashable, make: Callable[[], Made], most: int = 4) -> Made:
+    """Return what was made for a key before, or make it and keep it with its owner.
+
+    Parameters
+    ----------
+    owner
+        the object from which it is made; it must not change, and must not be part of what is made: else neither would
+        ever be let go.
+    name
+        what is made: of each name the latest ``most`` keys are kept.
+    """
+    if id(owner) not in _KEPT:
+        _KEPT[id(owner)] = {}
+        finalize(owner, _KEPT.pop, id(owner), None)
+    kept = _KEPT[id(owner)].setdefault(name, {})
+    if key in kept:
+        made: Made = kept[key]
+        return made
+    made = make()
+    kept[key] = made
+    for old in list(kept)[:-most]:
+        kept.pop(old, None)
+    return made

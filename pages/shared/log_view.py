@@ -1,0 +1,385 @@
+"""Show a log: the part that is looked at, its picture, formulas, values, and where it was driven."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import streamlit as st
+
+from atleak.channel_formulas import FUNCTIONS, NAMES, FormulaChannel, channel_scales, formula_channel, formula_scale
+from atleak.diagnosis import Diagnosis
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.errors import AtleakError, FormulaError
+from atleak.events import Event
+from atleak.figures import log_figures as figures
+from atleak.figures.log_figures import LaidOver
+from atleak.job.case import SourceFile
+from atleak.job.record import LogFormula
+from atleak.keeping import kept_with
+from atleak.road_test import RoadTest, hold
+from atleak.views.log_rows import Curve, event_rows, log_curves, value_rows, whole
+from atleak.views.operating_map import histogram, operating_map
+from atleak.views.road_words import event_name
+from atleak.wording import Wording
+from atleak.written_numbers import SHIFT
+from pages.shared import fields, log_form, reader, show
+from pages.shared.cases import understood
+from pages.shared.state import RECORD, job, job_generation, session
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """The part of a log that is looked at: ``ends`` [s] of it, None for the whole log, with what is computed of it."""
+
+    whole: RoadTest
+    test: RoadTest
+    ends: tuple[float, float] | None
+    formulas: tuple[FormulaChannel, ...]
+    over: LaidOver | None
+
+    @property
+    def cursors(self) -> tuple[float, float]:
+        """Return the ends of what is shown [s]."""
+        return self.ends or (float(self.whole.time[0]), float(self.whole.time[-1]))
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Return what tells two parts of one log apart."""
+        over = self.over and (self.over.test.sha256, id(self.over.test), self.over.shift)
+        return self.ends, tuple((each.name, each.formula) for each in self.formulas), over
+
+
+def events_table(test: RoadTest, happened: Sequence[Event]) -> None:
+    """Show every event of a log."""
+    say = reader.say()
+    if not happened:
+        st.write(say("road_test.no_event"))
+        return
+    rows = kept_with(test, "event rows", say, lambda: event_rows(happened, say))
+    config = {}
+    for key in rows[0]:
+        heading = say(f"columns.{key}")
+        if key in ("event_start", "event_stop", "event_lasts"):
+            config[key] = st.column_config.NumberColumn(f"{heading} [s]", format="localized")
+        else:
+            config[key] = st.column_config.TextColumn(heading)
+    st.dataframe(rows, hide_index=True, width="stretch", column_config=config, placeholder="–")
+
+
+# --- the part that is looked at
+
+
+def window(test: RoadTest, happened: Sequence[Event]) -> tuple[float, float] | None:
+    """Return the part of the log to look at: an event, or between two cursors; None for the whole log."""
+    say = reader.say()
+    first, last = float(test.time[0]), float(test.time[-1])
+    if not last > first:
+        return None
+    kept = session().windows
+    names = kept_with(test, "event names", say, lambda: [_event_name(event, say) for event in happened])
+    number = st.selectbox(
+        say("road_test.look_at"),
+        [None, *range(len(happened))],
+        key=_picked(test),
+        format_func=lambda number: say("road_test.whole") if number is None else names[number],
+    )
+    chosen = None if number is None else happened[number]
+    ends = (first, last) if chosen is None else (chosen.start, chosen.stop)
+    if chosen is None:
+        ends = kept.get(test.sha256, ends)
+    key = f"window-{test.sha256}-{st.session_state.get('window-set', 0)}-{ends if chosen is not None else 'own'}"
+    start, stop = st.slider(f"{say('road_test.cursors')} [s]", first, last, ends, key=key)
+    all_of_it = (start, stop) == (first, last)
+    if chosen is None:
+        kept.pop(test.sha256, None) if all_of_it else kept.update({test.sha256: (start, stop)})
+    return None if all_of_it else (start, stop)
+
+
+def look_between(test: RoadTest, start: float, stop: float) -> None:
+    """Set both cursors; a chart calls this before the cursors are drawn."""
+    first, last = float(test.time[0]), float(test.time[-1])
+    ends = (min(max(start, first), last), min(max(stop, first), last))
+    if ends[1] > ends[0]:
+        session().windows[test.sha256] = ends
+        st.session_state[_picked(test)] = None
+        st.session_state["window-set"] = st.session_state.get("window-set", 0) + 1  # a fresh slider starts from it
+
+
+def _picked(test: RoadTest) -> str:
+    return f"window-event-{test.sha256}"
+
+
+def _event_name(event: Event, say: Wording) -> str:
+    first, last = say.number(event.start, 1), say.number(event.stop, 1)
+    return say("road_test.from_to", what=event_name(event, say), first=first, last=last)
+
+
+def part_of(test: RoadTest, ends: tuple[float, float] | None, over: tuple[RoadTest, float] | None) -> Part:
+    """Return the part of a log between two cursors, with the job's formulas over it and over the log laid over it."""
+    shown = test if ends is None else kept_with(test, "part", ends, lambda: test.window(*ends), most=1)
+    typed = job().log_formulas
+    laid = None if over is None else LaidOver(over[0], over[1], _computed(over[0], typed))
+    return Part(test, shown, ends, tuple(_computed(shown, typed).values()), laid)
+
+
+# --- formulas
+
+
+def _computed(test: RoadTest, typed: Sequence[LogFormula]) -> dict[str, FormulaChannel]:
+    """Return what the formulas give over a log, without those that it cannot give."""
+    computed: dict[str, FormulaChannel] = {}
+    for number, each in enumerate(typed):
+        result = kept_with(test, "formula", tuple(typed[: number + 1]), partial(_one, test, each, computed), most=24)
+        if isinstance(result, FormulaChannel):
+            computed[each.name] = result
+    return computed
+
+
+def _one(test: RoadTest, typed: LogFormula, above: Mapping[str, FormulaChannel]) -> FormulaChannel | FormulaError:
+    try:
+        return formula_channel(typed.name, typed.formula, test, dict(above))
+    except FormulaError as error:
+        return error
+
+
+def formulas_form(test: RoadTest) -> None:
+    """Ask for channels that are computed from the log's own, and list those there are."""
+    say = reader.say()
+    generation = job_generation()
+    with fields.fold(say("formulas.fold"), key=f"formulas-fold-{generation}") as place:
+        if not place.open:
+            return
+        with st.form(f"formulas-{generation}", border=False, clear_on_submit=False):
+            left, right, button = st.columns([2, 4, 1], vertical_alignment="bottom")
+            name = left.text_input(say("formulas.name"), placeholder=say("formulas.name_example"))
+            formula = right.text_input(say("formulas.formula"), placeholder="p_g − p_k")
+            add = button.form_submit_button(say("formulas.add"), width="stretch")
+        fault = st.container()
+        short = {quantity: each for each, quantity in NAMES.items()}
+        names = [short.get(quantity, quantity) for quantity in test.channels]
+        st.caption(show.plain(f"{say('formulas.help', names=', '.join(names))} {say('formulas.kept')}"))
+        if add and (why := _add(test, name.strip(), formula.strip(), say)):
+            fault.error(show.plain(why))
+        _list(test, say)
+
+
+def _add(test: RoadTest, name: str, formula: str, say: Wording) -> str:
+    """Add a formula to the job; return why it is not taken, else an empty text."""
+    typed = job().log_formulas
+    if not name:
+        return say("formulas.no_name")
+    taken = {each.name for each in typed} | set(test.channels) | set(NAMES) | set(FUNCTIONS)
+    if name in taken:
+        return say("formulas.name_taken", name=name)
+    result = _one(test, LogFormula(name=name, formula=formula), _computed(test, typed))
+    if isinstance(result, FormulaError):
+        return str(result)
+    _keep((*typed, LogFormula(name=name, formula=formula)))
+    return ""
+
+
+def _keep(typed: tuple[LogFormula, ...]) -> None:
+    st.session_state[RECORD] = job().model_copy(update={"log_formulas": typed})
+
+
+def _take_away(number: int) -> None:
+    typed = job().log_formulas
+    _keep((*typed[:number], *typed[number + 1 :]))
+
+
+def _list(test: RoadTest, say: Wording) -> None:
+    typed = job().log_formulas
+    computed = _computed(test, typed)
+    for number, each in enumerate(typed):
+        name, formula = show.plain(each.name), show.plain(each.formula)
+        text, button = st.columns([5, 1], vertical_alignment="center")
+        channel = computed.get(each.name)
+        if channel is None:
+            why = _one(test, each, {name: computed[name] for name in computed})
+            text.warning(say("formulas.not_drawn", name=name, formula=formula, why=show.plain(why)))
+        else:
+            unit = formula_scale(channel.dimension, say)[0]
+            key = "undefined" if channel.undefined else "drawn" if unit else "drawn_plain"
+            count = whole(channel.undefined, say)
+            text.markdown(say(f"formulas.{key}", name=name, formula=formula, unit=unit or "–", count=count))
+        button.button(
+            say("formulas.away"), key=f"formula-away-{number}-{each.name}", on_click=_take_away, args=(number,),
+            width="stretch",
+        )  # fmt: skip
+
+
+# --- a second log
+
+
+def overlay() -> tuple[RoadTest, float] | None:
+    """Return another log to lay over the job's, and by how much it is shifted; kept while pages change."""
+    say = reader.say()
+    now = session()
+    with fields.fold(say("road_test.over_fold"), key=f"over-fold-{now.generation}"):
+        own = st.file_uploader(say("road_test.over_log"), key=f"over-{now.generation}")
+        if own is not None:
+            now.over = SourceFile(own.name, own.getvalue())
+        if now.over is None:
+            return None
+        st.caption(say("road_test.over_dashed", file=show.plain(now.over.name)))
+        key = f"shift-{now.generation}-{now.over.sha256}"
+        now.offset = fields.number(say("road_test.over_shift"), SHIFT, 0.0, key=key)
+        if st.button(say("road_test.over_away"), disabled=own is not None, help=say("road_test.over_away_help")):
+            now.over = None
+            st.rerun()
+        try:
+            test = understood(now.over).road_test
+        except AtleakError as error:
+            st.error(show.plain(error))
+            return None
+    return None if test is None or not len(test.time) else (test, now.offset)
+
+
+# --- picture and values
+
+
+def picture(part: Part, happened: Sequence[Event]) -> None:
+    """Draw the part of the log, or say that there is nothing to draw."""
+    say = reader.say()
+    if not any(channel.samples for channel in part.test.channels.values()):
+        st.info(say("road_test.empty"))
+        return
+    key = (part.key, say, show.dark())
+    figure = kept_with(part.whole, "picture", key, lambda: _picture(part, happened, say), most=2)
+    look = partial(look_between, part.whole)
+    show.chart(figure, f"channels-{part.ends}", on_span=look)
+    first, last = part.cursors
+    count = sum(each.stop >= first and each.start <= last for each in happened)
+    notes = [say("road_test.picture_help")]
+    if count:
+        said = "road_test.events_all" if count <= figures.LINES else "road_test.events_lines"
+        notes.append(say(said, count=whole(count, say), most=whole(figures.LINES, say)))
+    st.caption(" ".join(notes))
+
+
+def _picture(part: Part, happened: Sequence[Event], say: Wording) -> object:
+    scales = channel_scales(part.test, say)
+    return figures.log_channels(part.test, scales, say, happened, part.formulas, part.over)
+
+
+def values_table(part: Part, road: RoadLeakage | None) -> None:
+    """Show each channel's least, mean and largest, and its values at both cursors; likewise of the log laid over it."""
+    say = reader.say()
+    owner = part.whole if road is None else road.extremes
+    rows = kept_with(owner, "values", (part.key, say), partial(_rows, part, road, say))
+    if part.over is not None:
+        rows = [*rows, *kept_with(part.whole, "values laid over", (part.key, say), lambda: _rows_over(part, say))]
+    if not rows:
+        return
+    log_form.values_table(rows)
+    st.caption(say("road_test.values_help"))
+
+
+def _rows(part: Part, road: RoadLeakage | None, say: Wording) -> list[dict[str, str]]:
+    return value_rows(_curves(part, road, say), part.cursors, say)
+
+
+def _curves(part: Part, road: RoadLeakage | None, say: Wording) -> list[Curve]:
+    curves = log_curves(part.test, road, channel_scales(part.test, say), say)
+    return [*curves, *_formula_curves(part.formulas, say)]
+
+
+def _formula_curves(formulas: Sequence[FormulaChannel], say: Wording, file: str = "") -> list[Curve]:
+    curves = []
+    for each in formulas:
+        unit, convert = formula_scale(each.dimension, say)
+        name = say("road_test.of_log", channel=each.name, file=file) if file else each.name
+        curves.append((name, each.time, convert(each.values), unit))
+    return curves
+
+
+def _rows_over(part: Part, say: Wording) -> list[dict[str, str]]:
+    over = part.over
+    assert over is not None
+    first, last = (end - over.shift for end in part.cursors)
+    beside = over.test.window(first, last)
+    if not len(beside.time):
+        return []
+    file = over.test.file
+    typed = _computed(beside, job().log_formulas)
+    curves = log_curves(beside, None, channel_scales(beside, say), say, file)
+    return value_rows([*curves, *_formula_curves(tuple(typed.values()), say, file)], (first, last), say)
+
+
+# --- where it was driven
+
+
+def operating_part(part: Part, road: RoadLeakage | None) -> None:
+    """Show, where it is asked for, share and time over engine speed and temperature, or how long a channel had what."""
+    say = reader.say()
+    with fields.fold(say("operating_map.fold"), key="operating-map") as place:
+        if not place.open:
+            return
+        computed = {each.name: each for each in part.formulas}
+        names = [name for name in part.test.channels if part.test.channels[name].samples]
+        chosen = st.selectbox(
+            say("operating_map.show"),
+            ["", *names, *computed],
+            key="operating-map-of",
+            format_func=lambda name: say("operating_map.map") if not name else say.get("log_quantities", name),
+        )
+        if not chosen:
+            _map(part, road, say)
+        else:
+            _histogram(part, chosen, computed.get(chosen), say)
+
+
+def _map(part: Part, road: RoadLeakage | None, say: Wording) -> None:
+    scales = channel_scales(part.test, say)
+    cells = None
+    if "engine_speed" in scales and "atf_temperature" in scales:
+        speed, temperature = scales["engine_speed"], scales["atf_temperature"]
+        owner = part.whole if road is None else road.extremes
+        cells = kept_with(
+            owner, "map", (part.ends, say), lambda: operating_map(part.test, road, speed, temperature), most=2
+        )
+    if cells is None:
+        st.info(say("operating_map.map_lacks"))
+        return
+    show.chart(figures.operating_map_figure(cells, speed[0], temperature[0], say), "operating-map-chart")
+    _left_out(cells.left_out, say, say("operating_map.map_help"))
+
+
+def _histogram(part: Part, name: str, computed: FormulaChannel | None, say: Wording) -> None:
+    test = part.test
+    if computed is None:
+        unit, convert = channel_scales(test, say).get(name, (test.channels[name].unit, lambda value: value))
+        values, label = test.values(name), say(f"log_quantities.{name}")
+    else:
+        unit, convert = formula_scale(computed.dimension, say)
+        values, label = computed.values, name
+        if computed.time is not test.time:
+            values = hold(computed.time, computed.values, test.time, test.segments)
+    bars = None if values is None else histogram(test, convert(values))
+    if bars is None:
+        st.info(say("operating_map.no_value"))
+        return
+    show.chart(figures.histogram_figure(bars, label, unit, say), "histogram-chart")
+    _left_out(bars.left_out, say)
+
+
+def _left_out(seconds: float, say: Wording, help: str = "") -> None:
+    said = say("operating_map.left_out", seconds=say.number(seconds, 1)) if seconds > 0.05 else ""
+    if text := " ".join(part for part in (help, said) if part):
+        st.caption(text)
+
+
+def leakage(diagnosis: Diagnosis, part: Part) -> RoadLeakage:
+    """Return the leakage over the part of the job's own log.
+
+    Raises
+    ------
+    AtleakError
+        where it cannot be computed over so short a part.
+    """
+    assert diagnosis.road is not None
+    if part.ends is None:
+        return diagnosis.road
+    return diagnosis.over(part.test)

@@ -1,0 +1,100 @@
+"""Show what is remembered of logs' columns, and let it be forgotten."""
+
+from __future__ import annotations
+
+import datetime as dt
+
+import streamlit as st
+
+from atleak.errors import OutputError
+from atleak.intake.road_test import default_path, forget
+from atleak.intake.road_test.names.memory import RememberedColumns, recall_all, restore
+from atleak.wording import Wording
+from pages.shared import fields, reader, show
+from pages.shared.state import choose, session
+
+_FORGOTTEN = "forgotten-columns"
+_FAULT = "forgotten-columns-fault"
+
+
+def draw() -> None:
+    """Draw the part of the page: what is remembered, of which logs, since when, each with a button to forget it."""
+    say = reader.say()
+    with fields.fold(say("remembered.fold"), key="remembered-columns") as place:
+        if not place.open:
+            return
+        st.caption(say("remembered.help"))
+        if fault := st.session_state.pop(_FAULT, ""):
+            st.error(say("remembered.failed", why=show.plain(fault)))
+        kept = recall_all(default_path())
+        if not kept:
+            st.write(say("remembered.none"))
+        for header, entry in kept.items():
+            text, button = st.columns([5, 1], vertical_alignment="center")
+            text.markdown(_words(entry, say))
+            button.button(
+                say("remembered.forget"),
+                key=f"forget-{header}",
+                on_click=_forget,
+                args=(header, entry),
+                width="stretch",
+            )
+        if _FORGOTTEN in st.session_state:
+            header, entry = st.session_state[_FORGOTTEN]
+            text, button = st.columns([5, 1], vertical_alignment="center")
+            text.caption(say("remembered.forgotten", columns=show.plain(_choices(entry, say))))
+            button.button(say("remembered.undo"), key="forget-undo", on_click=_undo, width="stretch")
+
+
+def _words(entry: RememberedColumns, say: Wording) -> str:
+    if entry.columns:
+        columns = ", ".join(entry.columns[:6]) + (" …" if len(entry.columns) > 6 else "")
+        count = say.number(len(entry.columns), 0)
+        head = say("remembered.entry", format=show.plain(entry.format), count=count, columns=show.plain(columns))
+    else:
+        head = say("remembered.entry_unknown")
+    when = say("remembered.when", when=_local(entry.when)) if entry.when else ""
+    return "  \n".join(part for part in (head, show.plain(_choices(entry, say)), when) if part)
+
+
+def _choices(entry: RememberedColumns, say: Wording) -> str:
+    """Return which column and unit were chosen for each quantity."""
+    names = dict.fromkeys((*entry.mapping, *entry.units))
+    parts = []
+    for name in names:
+        column = entry.mapping.get(name)
+        shown = say("remembered.no_choice") if column is None else column or say("mapping.not_in_log")
+        quantity = say.get("log_quantities", name)
+        if unit := entry.units.get(name):
+            parts.append(say("remembered.pair_unit", quantity=quantity, column=shown, unit=unit))
+        else:
+            parts.append(say("remembered.pair", quantity=quantity, column=shown))
+    return "; ".join(parts) or say("remembered.no_choice")
+
+
+def _local(when: str) -> str:
+    """Return a stamp in the time of the computer that runs the dashboard, to the minute."""
+    try:
+        return dt.datetime.fromisoformat(when).astimezone().isoformat(" ", "minutes")[:16]
+    except ValueError:
+        return when
+
+
+def _forget(header: str, entry: RememberedColumns) -> None:
+    now = session()
+    if now.case.road_test is not None and now.case.road_test == now.good.road_test:  # this job keeps its log's columns
+        choose(columns=now.good.columns, units=now.good.units, remember=now.good.remember)
+    try:
+        forget(default_path(), header)
+        st.session_state[_FORGOTTEN] = (header, entry)
+    except OutputError as error:
+        st.session_state[_FAULT] = str(error)
+
+
+def _undo() -> None:
+    header, entry = st.session_state.pop(_FORGOTTEN)
+    try:
+        restore(default_path(), header, entry)
+    except OutputError as error:
+        st.session_state[_FORGOTTEN] = (header, entry)
+        st.session_state[_FAULT] = str(error)

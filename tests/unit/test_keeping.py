@@ -1,0 +1,44 @@
+"""What was computed from an object is kept while the object lives, and let go with it."""
+
+from __future__ import annotations
+
+import gc
+
+from atleak import keeping
+from atleak.keeping import kept_with
+
+
+class Owner:
+    pass
+
+
+def test_it_is_made_once_for_each_owner_and_key() -> None:
+    made: list[str] = []
+
+    def make(name: str) -> str:
+        made.append(name)
+        return name
+
+    one, other = Owner(), Owner()
+    assert [kept_with(one, "x", "a", lambda: make("a")) for _ in range(3)] == ["a"] * 3
+    kept_with(other, "x", "a", lambda: make("other a"))
+    kept_with(one, "y", "a", lambda: make("y"))
+    assert made == ["a", "other a", "y"]
+
+
+def test_only_the_latest_of_each_name_are_kept() -> None:
+    owner = Owner()
+    made: list[int] = []
+    for number in (0, 1, 2, 0):
+        kept_with(owner, "x", number, lambda number=number: made.append(number), most=2)
+    assert made == [0, 1, 2, 0]
+
+
+def test_it_is_let_go_with_its_owner() -> None:
+    owner = Owner()
+    kept_with(owner, "x", "a", list)
+    place = id(owner)
+    assert place in keeping._KEPT
+    del owner
+    gc.collect()
+    assert place not in keeping._KEPT
