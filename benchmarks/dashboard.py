@@ -68,7 +68,7 @@ OPEN_FOLDS = """label => {
 }"""
 QUIET = 0.4  # [s] without any work of the server: the page is at rest
 FORGOTTEN = 125.0  # [s] after which Streamlit forgets a session that does not come back
-LEAVING = 15.0  # [s] in which a server notices that a window was closed, and gives back what it held
+LEAVING = 45.0  # [s] in which a server notices that a window was closed, and gives back what it held
 PATIENCE = 120.0  # [s]
 GOALS = {"first content": 1.2, "at rest": 1.3}
 CHANGE_GOALS = {"sample": 0.25, "log": 0.5}  # [s]
