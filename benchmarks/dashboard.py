@@ -68,6 +68,7 @@ OPEN_FOLDS = """label => {
 }"""
 QUIET = 0.4  # [s] without any work of the server: the page is at rest
 FORGOTTEN = 125.0  # [s] after which Streamlit forgets a session that does not come back
+LEAVING = 45.0  # [s] in which a server notices that a window was closed, and gives back what it held
 PATIENCE = 120.0  # [s]
 GOALS = {"first content": 1.2, "at rest": 1.3}
 CHANGE_GOALS = {"sample": 0.25, "log": 0.5}  # [s]
@@ -100,7 +101,7 @@ def main(chosen: argparse.Namespace) -> None:
     with tempfile.TemporaryDirectory() as folder, _browser() as browser:
         place = Path(folder)
         if "start" in parts:
-            _starts(browser, place, chosen.starts)
+            _starts(browser, place, chosen.starts, small=chosen.small)
         if set(parts) & {"sample", "log", "memory"}:
             with Server.of_atleak(place / "home") as server:
                 log = write_logs(place, chosen.rows)["clean"] if set(parts) & {"log", "memory"} else None
@@ -110,7 +111,7 @@ def main(chosen: argparse.Namespace) -> None:
                     _closed(browser, server, wait=0.0 if chosen.small else FORGOTTEN)
 
 
-def _starts(browser: Browser, folder: Path, starts: int) -> None:
+def _starts(browser: Browser, folder: Path, starts: int, *, small: bool) -> None:
     """Print what the first visit after a server's start costs; the two kinds of server take turns."""
     hello = folder / "hello.py"
     hello.write_text(HELLO, encoding="utf-8")
@@ -119,6 +120,8 @@ def _starts(browser: Browser, folder: Path, starts: int) -> None:
         "bare address": lambda number: Server.of_atleak(folder / f"home{number}"),
         SHOWN: lambda number: Server.of_atleak(folder / f"home{number}", SHOWN),
     }
+    if small:
+        del kinds[SHOWN]
     found: dict[str, list[tuple[float, float]]] = {name: [] for name in kinds}
     for number in range(starts + (starts > 1)):  # the first compiles what is imported, and is not counted
         for name, start in kinds.items():
@@ -175,7 +178,7 @@ def _measure(page: Page, server: Server, what: str, controls: tuple[Control, ...
             if element is None:
                 break
             before = server.cpu()
-            _change(page, element, control, number)
+            _change(page, element, control, number + (what == "log"))  # not what the field holds already
             server.rest(page)
             times.append(server.cpu() - before)
         if not times:
@@ -240,7 +243,7 @@ def _closed(browser: Browser, server: Server, wait: float) -> None:
     with server.visit(browser) as page:
         page.locator(FIRST).first.wait_for()
         server.rest(page)
-    time.sleep(3.0)
+    time.sleep(LEAVING if wait else 1.0)
     print(f"memory: {server.memory():.0f} MB {wait:.0f} s later, when another visitor has come and gone")
 
 

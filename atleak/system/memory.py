@@ -20,8 +20,18 @@ def give_back() -> None:
             trim(0)
 
 
-def give_back_soon(seconds: float = 1.0) -> None:
-    """Do so a little later, once whoever asks has let go of what it holds; a process that ends does not wait."""
-    timer = threading.Timer(seconds, give_back)
-    timer.daemon = True
-    timer.start()
+_LATER = (20.0, 150.0, 900.0)  # [s]
+_waiting: dict[float, threading.Timer] = {}
+
+
+def give_back_soon() -> None:
+    """Do so some times later, once whoever asks has let go of what it holds; a process that ends does not wait.
+
+    What refers to itself in a circle is let go of by the collection alone, so that one is not enough.
+    """
+    for seconds in _LATER:
+        if seconds in _waiting and _waiting[seconds].is_alive():
+            continue
+        _waiting[seconds] = threading.Timer(seconds, give_back)
+        _waiting[seconds].daemon = True
+        _waiting[seconds].start()
