@@ -15,12 +15,13 @@ from atleak.wording import Wording
 from pages.shared.show import plain
 from pages.shared.state import job
 
-FILES_IN = "en"  # the language of the catalogue's names
+FILES_IN = "en", "°C"  # the language of the catalogue's names, and the unit of the temperatures in them
 
 
 def named(say: Wording) -> Named:
-    """Return what names a condition in the reader's language; in English as the valve body's file does."""
-    return label_of if say.language == FILES_IN else partial(condition_name, say=say)
+    """Return what names a condition in the reader's language and unit; in those of the valve body's file as that does."""
+    as_filed = (say.language, say.unit("temperature")) == FILES_IN
+    return label_of if as_filed else partial(condition_name, say=say)
 
 
 def advised(diagnosis: Diagnosis, record: dict[str, Any], say: Wording) -> Callable[[LandDiagnosis], str]:
