@@ -147,6 +147,10 @@ class Wording:
         numbers = "–".join(self._in(unit, value, digits) for value in values)
         return f"{numbers}{_NARROW}{self.get('units', unit.name)}"
 
+    def spelled(self, value: float | None, kind: str, digits: int | None = None) -> str:
+        """Return the number of `quantity` alone, for what stands beside one in a sentence."""
+        return self._in(self.system[kind].spelled or self.system[kind], value, digits)
+
     def plain_value(self, value: float, kind: str) -> str:
         """Return a value of atleak's records in the reader's unit with no more digits than it has, without the unit."""
         return self._plain_in(self.system[kind], value)
@@ -164,6 +168,7 @@ class Wording:
         return self.number(None if value is None else unit.shown(value), unit.places(digits))
 
 
+@cache
 def languages() -> tuple[str, ...]:
     """Return the codes of the languages that atleak speaks."""
     return tuple(sorted(path.name for path in _FOLDER.iterdir() if path.is_dir()))

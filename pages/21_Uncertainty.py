@@ -23,7 +23,7 @@ st.markdown(say("uncertainty.instruments", spool=spool, sleeve=sleeve, coverage=
 show.messages(unit.messages, say("about.uncertainty"))
 
 st.subheader(say("uncertainty.total"))
-show.chart(total_share(diagnosis), "totals")
+show.chart(total_share(diagnosis, say), "totals")
 
 advised = words.advised(diagnosis, diagnosis_record(diagnosis), say)
 show.open_verdicts(words.advice(diagnosis, advised, say))

@@ -30,7 +30,7 @@ show.jumps(
 pairs.section(diagnosis, named, words.advised(diagnosis, record, say))
 
 st.subheader(say("diagnosis.totals"))
-show.chart(figures.total_share(diagnosis), "share")
+show.chart(figures.total_share(diagnosis, say), "share")
 conditions.totals(diagnosis, record)
 
 st.subheader(say("diagnosis.pressures"), anchor="pressures")

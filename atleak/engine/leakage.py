@@ -335,7 +335,7 @@ class LeakageModel:
             factors.length,
         )
         stacked = np.broadcast_arrays(terms.conductance, terms.bend)
-        rows = stacked if np.ndim(temperature) else [row.tolist() for row in stacked]
+        rows = [row if row.ndim > 1 else row.tolist() for row in stacked]
         restricted = (restrictions.Gap(*each) for each in zip(*rows, strict=True))
         gaps = [
             (geometry.gap, restriction, geometry.drawn_from_pump)
@@ -356,7 +356,7 @@ class LeakageModel:
             (each.spool_diameter, each.contact_length, each.radial_clearance, *each.form_moments, each.thermal_rate)
             for each in self._in_gear(gear)
         ]
-        shape = np.shape(temperature)
+        shape = np.broadcast_shapes(np.shape(temperature), *(np.shape(value) for row in rows for value in row))
         wide = [[np.broadcast_to(value, shape) for value in row] for row in rows] if shape else rows
         spool, length, radial, m2, m3, rate = np.moveaxis(np.array(wide, float).reshape(-1, 6, *shape), 1, 0)
         rise = temperature - REFERENCE_TEMPERATURE

@@ -12,13 +12,14 @@ import numpy as np
 
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.projection import Projection
 from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import HATCHING, SCREEN, look_of
 from atleak.rules import Rule
 from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import VERDICTS, Band
-from atleak.wording import signed, wording
+from atleak.wording import Wording, signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
@@ -84,29 +85,30 @@ def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
     return land.uncertainty.leakage_interval if land.uncertainty else None
 
 
-def total_share(diagnosis: Diagnosis) -> Figure:
+def total_share(diagnosis: Diagnosis, say: Wording | None = None) -> Figure:
     """Draw the total share at each condition over the bands that apply there, and the worst of the road test.
 
     An open mark is the same unit new. A unit that nobody measured has no bands. Bars are the 95 % intervals of the
-    measurement, where readings are there; the hover says how likely each band is.
+    measurement, where readings are there; the hover says how likely each band is. English unless ``say`` is given.
     """
+    say = say or wording("en")
     unit, reported = diagnosis.uncertainty, diagnosis.reported
     totals = [unit.total(point.condition.name) if unit else None for point in reported]
     rules = [diagnosis.total_rule(point) for point in reported]
     points = [
-        (point.condition.label, point.share, total.share_interval if total else None, _likely_bands(total))
+        (_named(point, say), point.share, total.share_interval if total else None, _likely_bands(total, say))
         for point, total in zip(reported, totals, strict=True)
     ]
     worst = diagnosis.road.max_share if diagnosis.road else None
     if worst is not None and worst.share is not None:
-        points.append((f"worst of the road test, at {worst.time:.1f} s", worst.share, None, ""))
+        points.append((say("figures.worst_of_log", time=say.number(worst.time, 1)), worst.share, None, ""))
     ends = [
         end * PERCENT for _, share, interval, _ in points for end in (share, *(interval or ())) if math.isfinite(end)
     ]
     figure = Figure()
-    right = _bands(figure, rules if diagnosis.judged else [], max(ends, default=0.0))
+    right = _bands(figure, rules if diagnosis.judged else [], max(ends, default=0.0), say)
     new = [
-        (point.condition.label, rule.new)
+        (_named(point, say), rule.new)
         for point, rule in zip(reported, rules, strict=True)
         if rule.new is not None and math.isfinite(rule.new)
     ]
@@ -116,22 +118,22 @@ def total_share(diagnosis: Diagnosis) -> Figure:
         y=[_two_lines(label) for label, _, _, _ in shown],
         mode="markers+text",
         marker={"symbol": "diamond", "size": 14, "color": SCREEN.leakage, "line": {"width": 1.5, "color": "white"}},
-        text=[f"<b>{share * PERCENT:.1f} %</b>" for _, share, _, _ in shown],
+        text=[f"<b>{say.percent(share)}</b>" for _, share, _, _ in shown],
         textposition=["top right" if share * PERCENT < _NEAR * right else "top center" for _, share, _, _ in shown],
         error_x=error_bars([share for _, share, _, _ in shown], [end for _, _, end, _ in shown], PERCENT),
         customdata=[likely for _, _, _, likely in shown],
         hovertemplate="%{y}: %{x:.2f} %<br>%{customdata}<extra></extra>",
-        name="as measured" if diagnosis.judged else "as new: nothing was measured",
+        name=say("figures.as_measured" if diagnosis.judged else "figures.as_new"),
     )
     figure.add_scatter(
         x=[share * PERCENT for _, share in new],
         y=[_two_lines(label) for label, _ in new],
         mode="markers",
         marker={"symbol": "circle-open", "size": 12, "color": SCREEN.leakage, "line": {"width": 2}},
-        hovertemplate="%{y}: %{x:.2f} % new<extra></extra>",
-        name="the same unit new",
+        hovertemplate=f"%{{y}}: %{{x:.2f}} % {say('figures.new')}<extra></extra>",
+        name=say("figures.same_unit_new"),
     )
-    figure.update_xaxes(title="drawn, as a share of the pump's flow [%]", range=[0.0, right])
+    figure.update_xaxes(title=say("figures.drawn_share"), range=[0.0, right])
     order = [_two_lines(label) for label, _, _, _ in points]
     figure.update_yaxes(type="category", categoryarray=order, range=[len(points) - 0.4, -0.8])
     return framed(figure, 130 + 56 * len(points), top=40)
@@ -141,14 +143,18 @@ def _two_lines(label: str) -> str:
     return label.replace(", ", ",<br>")
 
 
-def _likely_bands(total: TotalUncertainty | None) -> str:
+def _named(point: Projection, say: Wording) -> str:
+    return say.name(point.condition.label)
+
+
+def _likely_bands(total: TotalUncertainty | None, say: Wording) -> str:
     """Return how likely each band is; bands below half a percent are left out."""
     if total is None:
         return ""
-    return ", ".join(f"{band} {PERCENT * p:.0f} %" for band, p in total.band_probabilities if p >= 0.005)
+    return ", ".join(f"{say.level(band)} {say.percent(p, 0)}" for band, p in total.band_probabilities if p >= 0.005)
 
 
-def _bands(figure: Figure, rules: Sequence[Rule], largest: float) -> float:
+def _bands(figure: Figure, rules: Sequence[Rule], largest: float, say: Wording) -> float:
     """Draw each condition's own bands behind its bar, with signs and words; return the right end of the axis [%]."""
     limits = [[min(limit, 10.0) * PERCENT for _, limit in rule.steps.levels] for rule in rules]
     right = max([1.1 * largest, *(1.2 * edge for edges in limits for edge in edges)])
@@ -165,7 +171,7 @@ def _bands(figure: Figure, rules: Sequence[Rule], largest: float) -> float:
             )  # fmt: skip
             figure.add_annotation(
                 x=low, y=place + 0.45, xanchor="left", yanchor="bottom", xshift=2,
-                text=f"{look.sign} {name}" if high - low > _NAMED * right else look.sign, font={"size": 10},
+                text=f"{look.sign} {say.level(name)}" if high - low > _NAMED * right else look.sign, font={"size": 10},
             )  # fmt: skip
     return right
 

@@ -91,9 +91,8 @@ def _facts(land: LandDiagnosis, say: Wording) -> Iterator[Fact]:
         return
     yield fact("clearance", clearance(land, say))
     low, high = state.land.mounting_range
-    yield fact(
-        "when_new", micrometres(low) if low == high else f"{say.value(low * UM, 'clearance')}–{micrometres(high)}"
-    )
+    ends = [low] if low == high else [low, high]
+    yield fact("when_new", say.span([end * UM for end in ends], "clearance"))
     yield fact("wear", "–" if land.wear is None else say.percent(land.wear, 0))
     for part, ovality, taper in (
         ("spool", state.spool_ovality, state.spool_taper),

@@ -92,7 +92,7 @@ def clearance(land: LandDiagnosis, say: Wording) -> str:
     interval = land.uncertainty.clearance_interval if land.uncertainty else None
     if interval is None:
         return value
-    low, high = (say.value(end * UM, "clearance") for end in interval)
+    low, high = (say.spelled(end * UM, "clearance") for end in interval)
     return say("diagnosis.between", value=value, low=low, high=high)
 
 

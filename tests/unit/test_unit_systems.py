@@ -56,6 +56,7 @@ def test_a_quantity_stands_in_the_readers_unit_with_the_languages_decimal_sign(l
 
 
 def test_a_clearance_in_a_sentence_is_in_inches_and_below_a_heading_in_tenths_of_a_thousandth() -> None:
+    assert wording("en", "us").spelled(25.4, "clearance") == "0.00100"
     say = wording("en", "us")
     assert say.quantity(25.4, "clearance") == "0.00100\xa0in"
     assert (say.value(25.4, "clearance"), say.unit("clearance")) == ("10.00", "0.0001 in")

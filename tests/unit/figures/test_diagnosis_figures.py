@@ -164,7 +164,7 @@ def test_totals_tell_how_likely_each_band_is(sample: Diagnosis) -> None:
     for text, projection in zip(points.customdata, sample.reported, strict=False):
         bands = sample.uncertainty.total(projection.condition.name).band_probabilities
         likeliest = max(bands, key=lambda item: item[1])
-        assert f"{likeliest[0]} {100 * likeliest[1]:.0f} %" in str(text)
+        assert f"{likeliest[0]} {100 * likeliest[1]:.0f}\u00a0%" in str(text)
 
 
 def test_a_share_near_the_left_end_is_written_beside_its_mark(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from xml.etree import ElementTree
 
 import pytest
@@ -13,7 +14,7 @@ from atleak.repair import OfferedRepairs
 from atleak.verdicts import Verdict
 from atleak.views.drawing import component_svgs
 from atleak.views.opened_pair import component_verdict, components_worst_first, opened_lands
-from atleak.views.pair_table import pair_table
+from atleak.views.pair_table import clearance, pair_table
 from atleak.views.repair_effect import effect_sentences, effect_table, offered_words
 from atleak.wording import languages, wording
 from atleak.workshop_units import PERCENT, UM
@@ -123,3 +124,12 @@ def test_an_offered_repair_says_its_land_and_what_it_brings_alone(worn: Diagnosi
     assert words.startswith(f"{EN.signed(first.lands[0].verdict)} · {first.lands[0].key[0]}/{first.lands[0].key[1]} ")
     at = first.best_at
     assert f"{EN.percent(at.before.share, 2)} → {EN.percent(at.after.share, 2)}" in words
+
+
+def test_a_clearance_and_its_interval_stand_in_the_same_unit(worn: Diagnosis) -> None:
+    """In inches as US readers have a single clearance, not in tenths of a thousandth beside inches."""
+    land = next(each for each in worn.flagged if each.uncertainty is not None)
+    said = clearance(land, wording("en", "us"))
+    value, low, high = (float(number) for number in re.findall(r"\d+\.\d+", said))
+    assert low < value < high
+    assert value == pytest.approx(land.state.radial_clearance / 0.0254, abs=5e-6)
