@@ -232,7 +232,9 @@ def test_a_worn_clutch_holds_too_little_from_less_wear_the_hotter_it_is(worn_clu
 def test_circuits_are_named_in_the_reader_s_language(worn_units: dict[str, Diagnosis]) -> None:
     unit = worn_units["gm_4l60e"]
     here = tried(unit, WhatIf())
-    names = {say.language: {row["circuit"] for row in circuit_rows(unit, here, say)} for say in map(wording, ("en", "de"))}
+    names = {
+        say.language: {row["circuit"] for row in circuit_rows(unit, here, say)} for say in map(wording, ("en", "de"))
+    }
     assert "forward clutch" in names["en"]
     assert "Vorwärtskupplung" in names["de"]
     assert "forward clutch" not in names["de"]
