@@ -31,8 +31,8 @@ def condition_name(point: OperatingPoint, say: Wording) -> str:
     stated, name = f", {point.temperature:g} °C", say.name(point.label)
     if name.endswith(stated):
         temperature = say.plain_value(point.temperature, "temperature")
-        return say("conditions.at", name=name.removesuffix(stated), temperature=temperature)
-    return name.replace(" °C", "\u00a0°C")
+        name = say("conditions.at", name=name.removesuffix(stated), temperature=temperature)
+    return name.replace(" °", "\u00a0°")
 
 
 class PrintedNames:
