@@ -102,7 +102,7 @@ def _quantities(each: ConditionComparison, say: Wording, *, brief: bool) -> list
         _row(each, say("compared.reserve"), "number", each.reserve, 1.0, 2, say),
     ]
     line = say("compared.main_pressure")
-    pressures = [(line, each.main_pressure), *((one.circuit.name, one.change) for one in each.circuits)]
+    pressures = [(line, each.main_pressure), *((say.name(one.circuit.name), one.change) for one in each.circuits)]
     for name, change in pressures:
         moved = change is not None and (change.significant or abs(change.value * KPA) >= _SHOWN)
         rows.append(_row(each, name, "pressure", change, KPA, 0, say) if moved or not brief else None)

@@ -41,7 +41,7 @@ def total_rows(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Rows:
     ]
 
 
-def circuit_rows(diagnosis: Diagnosis, tried: Tried) -> Rows:
+def circuit_rows(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Rows:
     """Return a row for every circuit that is applied as it is tried; none where no pressure is solved."""
     if diagnosis.profile.circuits != "on":
         return []
@@ -54,7 +54,7 @@ def circuit_rows(diagnosis: Diagnosis, tried: Tried) -> Rows:
         rows.append(
             {
                 "verdict": diagnosis.verdict_on(rule) if diagnosis.judged else None,
-                "circuit": state.circuit.name,
+                "circuit": say.name(state.circuit.name),
                 "job_held": None if job.vented else job.pressure * KPA,
                 "tried_held": state.pressure * KPA,
                 "new_held": None if rule is None or rule.new is None else rule.new * KPA,

@@ -201,7 +201,7 @@ def _put(typed: Typed, answer: dict[str, Any] | None = None) -> None:
     content = written(typed, _judged(typed, case).counting, controller_of(case))
     file = None if content is None else SourceFile(TYPED_FILE, content)
     if before is not None and before.name != TYPED_FILE:
-        remember(f"readings of {before.name} gone on with by typing")
+        remember(reader.say()("done.typed_on", name=before.name))
         gauges = None if typed.sheet is None else typed.sheet.pressures
         if gauges is not None and case.pressures is None:
             put_file("pressures", SourceFile(TYPED_GAUGES, TypedGauges.going_on_from(gauges).written()))

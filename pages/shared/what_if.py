@@ -94,7 +94,7 @@ def _beside(diagnosis: Diagnosis, settings: WhatIf) -> None:
 
 def _circuits(diagnosis: Diagnosis, here: Tried) -> None:
     say = reader.say()
-    rows = circuit_rows(diagnosis, here)
+    rows = circuit_rows(diagnosis, here, say)
     with st.container():
         if rows:
             st.markdown(f"**{say('what_if.circuits')}**")
@@ -120,8 +120,8 @@ def _maps(diagnosis: Diagnosis, settings: WhatIf) -> None:
 
 def _pressure(diagnosis: Diagnosis, over: Map, job: Place, now: Place) -> None:
     say = reader.say()
-    names = {circuit.id: circuit.name for circuit in diagnosis.controller.circuits if circuit.id in over.pressures}
-    names = {LINE: say("what_if.line_name"), **names}
+    held = [circuit for circuit in diagnosis.controller.circuits if circuit.id in over.pressures]
+    names = {LINE: say("what_if.line_name"), **{circuit.id: say.name(circuit.name) for circuit in held}}
     name = LINE
     if len(names) > 1:
         name = st.selectbox(say("what_if.pressure_of"), list(names), format_func=names.__getitem__, key="what-if-map")

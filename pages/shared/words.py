@@ -15,12 +15,13 @@ from atleak.wording import Wording
 from pages.shared.show import plain
 from pages.shared.state import job
 
-FILES_IN = "en"  # the language of the catalogue's names
+FILES_IN = "en", "°C"  # the language of the catalogue's names, and the unit of the temperatures in them
 
 
 def named(say: Wording) -> Named:
-    """Return what names a condition in the reader's language; in English as the valve body's file does."""
-    return label_of if say.language == FILES_IN else partial(condition_name, say=say)
+    """Return what names a condition in the reader's language and unit; where those are the file's, as it does."""
+    as_filed = (say.language, say.unit("temperature")) == FILES_IN
+    return label_of if as_filed else partial(condition_name, say=say)
 
 
 def advised(diagnosis: Diagnosis, record: dict[str, Any], say: Wording) -> Callable[[LandDiagnosis], str]:
@@ -34,9 +35,9 @@ def pair(controller: Controller, component: str, land: int) -> str:
 
 
 def advice(diagnosis: Diagnosis, advised: Callable[[LandDiagnosis], str], say: Wording) -> list[str]:
-    """Return what would make the open verdicts clear, one line of markdown per land."""
+    """Return what would make the open verdicts clear, one line of markdown per land of which that can be said."""
     return [
-        f"- **{plain(land_in_words(diagnosis, land.key, say))}**: {plain(advised(land))}"
+        f"- **{plain(land_in_words(diagnosis, land.key, say))}**: {plain(said)}"
         for land in diagnosis.ranked
-        if land.uncertainty is not None and land.uncertainty.advice
+        if (said := advised(land))
     ]

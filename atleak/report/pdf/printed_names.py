@@ -28,7 +28,11 @@ def condition_name(point: OperatingPoint, say: Wording) -> str:
     if point.name == STATED:
         temperature, speed = say.plain_value(point.temperature, "temperature"), say.number(point.engine_speed * RPM, 0)
         return say("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
-    return say.name(point.label).replace(" °C", "\u00a0°C")
+    stated, name = f", {point.temperature:g} °C", say.name(point.label)
+    if name.endswith(stated):
+        temperature = say.plain_value(point.temperature, "temperature")
+        name = say("conditions.at", name=name.removesuffix(stated), temperature=temperature)
+    return name.replace(" °", "\u00a0°")
 
 
 class PrintedNames:

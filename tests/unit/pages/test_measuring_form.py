@@ -117,12 +117,14 @@ def test_a_sheet_that_was_given_is_gone_on_from_with_its_gauge_readings(opened: 
     content = write_readings(four_speed, [one], pressures=gauges)
     app = opened(f"PageCase(controller='four_speed_2023', readings=SourceFile('mine.xlsx', {content!r}))")
     assert shown(app) == {("8", "spool", "1", 0.0, 1): "10"}
+    app.session_state["reader-language"] = "de"
     send(app, 1, put(["8", "spool", "1", 0, 2], "10,001"))
     assert shown(app) == {("8", "spool", "1", 0.0, 1): "10", ("8", "spool", "1", 0.0, 2): "10,001"}
     case = app.session_state["atleak"].good
     assert case.readings.name == "typed readings.csv"
     assert b"D;slow idle;line;450;" in case.pressures.content
-    assert app.session_state["atleak"].undo[-1].case.readings.name == "mine.xlsx"
+    before = app.session_state["atleak"].undo[-1]
+    assert (before.case.readings.name, before.done) == ("mine.xlsx", "Messwerte aus mine.xlsx von Hand fortgesetzt")
 
 
 def test_the_samples_readings_can_only_be_looked_at(opened: Opened) -> None:

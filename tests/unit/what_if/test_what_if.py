@@ -16,7 +16,9 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.projection import project
 from atleak.errors import DomainError, InputError
 from atleak.readings import Readings
+from atleak.views.what_if_rows import circuit_rows
 from atleak.what_if import Axis, WhatIf, like_the_study, map_over, temperatures_to_try, tried, wears_to_try
+from atleak.wording import wording
 
 UNITS = ("ford_4r70w", "gm_4l60e", "zf_6hp26")  # with circuits, and not the source study's
 
@@ -225,3 +227,14 @@ def test_a_worn_clutch_holds_too_little_from_less_wear_the_hotter_it_is(worn_clu
     wears = wide.pressure_reaches("clutch_c1", watch)
     assert np.isfinite(wears).all()
     assert (np.diff(wears) < 0.0).all()
+
+
+def test_circuits_are_named_in_the_reader_s_language(worn_units: dict[str, Diagnosis]) -> None:
+    unit = worn_units["gm_4l60e"]
+    here = tried(unit, WhatIf())
+    names = {
+        say.language: {row["circuit"] for row in circuit_rows(unit, here, say)} for say in map(wording, ("en", "de"))
+    }
+    assert "forward clutch" in names["en"]
+    assert "Vorwärtskupplung" in names["de"]
+    assert "forward clutch" not in names["de"]
