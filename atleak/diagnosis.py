@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -28,14 +28,15 @@ from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message, RoadTestError
 from atleak.gauges.check import PressureCheck, check_pressures
 from atleak.keeping import kept_with
+from atleak.land_diagnosis import LandDiagnosis, diagnosed_land
 from atleak.pressure_table import PressureTable
 from atleak.provisional import Basis, representative_bases
-from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
+from atleak.readings import MeasuringTemperature, Readings, clearances
 from atleak.replace_mileage import NO_RATE, replace_mileage, without_rate
 from atleak.result_messages import messages_of
 from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
-from atleak.rules import LandKey, Rule, UnitRules, unit_rules
+from atleak.rules import Rule, unit_rules
 from atleak.sheet_checks import sheet_messages
 from atleak.uncertainty import (
     DECISIONS,
@@ -43,72 +44,14 @@ from atleak.uncertainty import (
     GUARD_FACTOR,
     Assumptions,
     Decision,
-    LandUncertainty,
     RuleDecision,
     UnitUncertainty,
     assess,
 )
 from atleak.verdicts import Band, Verdict, worst
-from atleak.wear_line import Crossing
 
 NO_LEAKAGE = "no_leakage_over_log"  # code of the message why none is computed over a log
 _LOGGED = ("main_pressure", "converter_pressure", "atf_temperature", "gear")  # channels from which leakage follows
-
-
-@dataclass(frozen=True)
-class LandDiagnosis:
-    """One land's clearance, its leakage at the stated condition, its verdict and how sure that is."""
-
-    state: LandClearance
-    wear: float | None  # (c_r − c_m)/c_m; None where not measured
-    effective_clearance: float  # [m] at the stated condition
-    leakage: float  # [m³/s] at the stated condition, through every gap of the land
-    drawn_from_pump: float  # [m³/s] the part of the leakage that counts in the total
-    share: float  # what it draws / pump capacity at the stated condition
-    excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
-    verdict: Verdict
-    rules: tuple[Rule, ...]
-    replace_mileage: Crossing | None  # None where one visit cannot tell it, and where it has been passed
-    uncertainty: LandUncertainty | None  # None where nothing was measured
-    messages: tuple[Message, ...]
-
-    @property
-    def key(self) -> LandKey:
-        return self.state.land.key
-
-    @property
-    def decision(self) -> Decision | None:
-        """Say how sure the verdict is, about the limit of the rule that gave it; None where not measured."""
-        return self.uncertainty.decision if self.uncertainty and self.verdict != Verdict.NOT_MEASURED else None
-
-    @property
-    def suspect(self) -> bool:
-        """Return whether the pair measures tighter than a new one can be."""
-        return self.uncertainty is not None and self.uncertainty.suspect
-
-    @property
-    def in_doubt(self) -> bool:
-        """Return whether its readings contradict themselves: repeats too far apart, or a pair tighter than new."""
-        return self.suspect or bool(self.state.doubts)
-
-    @property
-    def probability_over_limit(self) -> float | None:
-        """Return the probability that the true value is over the limit of the rule that gave the verdict."""
-        decided = self.deciding_uncertainty
-        return decided.probability_over_limit if decided and self.verdict != Verdict.NOT_MEASURED else None
-
-    @property
-    def deciding_uncertainty(self) -> RuleDecision | None:
-        """Return the decision that belongs to the verdict."""
-        return self.uncertainty.deciding if self.uncertainty else None
-
-    @property
-    def deciding(self) -> Rule | None:
-        """Return the rule that gave the verdict: the worst; of several, the likeliest to be over its limit."""
-        decided = self.deciding_uncertainty
-        if decided is not None:
-            return decided.rule
-        return max(self.rules, key=lambda rule: rule.verdict.rank, default=None)
 
 
 @dataclass(frozen=True)
@@ -518,7 +461,7 @@ def diagnose(
             pressures, model, limits, projections=projections, assumptions=assumptions, guard_factor=guard_factor
         )
     )
-    lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
+    lands = tuple(diagnosed_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = messages_of(readings, controller, fluid, profile, projections, idle, road, states, unworn)
     messages = [*limits.doubts, *messages]
     if checked is not None:
@@ -592,46 +535,3 @@ def _farthest_first(rules: Iterable[Rule]) -> list[Rule]:
 def _certainty(decision: Decision | None) -> int:
     """Rank a decision: the surer a limit is passed, the higher."""
     return -1 if decision is None else DECISIONS.index(decision)
-
-
-def _land(
-    state: LandClearance,
-    projections: list[Projection],
-    when_new: Sequence[Projection],
-    rules: UnitRules,
-    mileage: float | None,
-    uncertainty: UnitUncertainty | None,
-) -> LandDiagnosis:
-    land = state.land
-    stated = projections[0]
-    wear = state.wear if state.measured else None
-    own_rules = rules.of_land(land.key)
-    excess = max(
-        now.share_of(now.drawn_by(land.key)) - new.share_of(new.drawn_by(land.key)) if now.pump_capacity > 0.0 else 0.0
-        for now, new in zip(projections, when_new, strict=True)
-    )
-    leakage = stated.leakage_of(land.key)
-    own_uncertainty = uncertainty.land(land.key) if uncertainty is not None and state.measured else None
-    return LandDiagnosis(
-        state=state,
-        wear=wear,
-        effective_clearance=state.effective_clearance(stated.condition.temperature),
-        leakage=leakage,
-        drawn_from_pump=stated.drawn_by(land.key),
-        share=stated.share_drawn_by(land.key),
-        excess_share=excess,
-        verdict=_verdict(state, own_rules),
-        rules=own_rules,
-        replace_mileage=replace_mileage(own_rules, mileage, own_uncertainty),
-        uncertainty=own_uncertainty,
-        messages=state.messages,
-    )
-
-
-def _verdict(state: LandClearance, rules: Iterable[Rule]) -> Verdict:
-    """Return the verdict of the worst rule.
-
-    With one part at its nominal diameter a limit can be passed, but ``ok`` cannot be claimed; nor of a sealed land.
-    """
-    reached = worst(rule.verdict for rule in rules)
-    return Verdict.NOT_MEASURED if reached == Verdict.OK and not state.can_be_ok else reached

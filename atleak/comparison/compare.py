@@ -11,9 +11,10 @@ from atleak.comparison.choices import differing_choices, judged_as, same_conditi
 from atleak.comparison.logs import compared_logs
 from atleak.comparison.remarks import remarks
 from atleak.comparison.results import CircuitComparison, Comparison, ConditionComparison, LandComparison
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.errors import InputError
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.uncertainty.assess import COVERAGE
 from atleak.uncertainty.paired import ChangeSpread, Visit, changes
 from atleak.uncertainty.results import Interval

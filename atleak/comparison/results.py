@@ -9,9 +9,10 @@ from atleak.catalogue.circuits import Circuit
 from atleak.comparison.changes import Change
 from atleak.comparison.choices import DifferingChoice
 from atleak.comparison.logs import LogComparison
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import CircuitState, Projection
 from atleak.errors import Message
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import LandKey
 
 Side = Literal["before", "after"]

@@ -8,9 +8,9 @@ import numpy as np
 
 from atleak.catalogue.limits import RuleKind
 from atleak.comparison import Comparison, EventPair, LandComparison, LogComparison
-from atleak.diagnosis import LandDiagnosis
 from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import SCREEN, look_of
 from atleak.road_test import QUANTITIES, Channel
 from atleak.thinning import thinned

@@ -11,10 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from atleak.catalogue.limits import RuleKind
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import HATCHING, SCREEN, look_of
 from atleak.rules import Rule
 from atleak.uncertainty import TotalUncertainty

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from atleak.catalogue.controller import Controller
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.errors import InputError, Place, unknown
 from atleak.job.record import Job, RepairDecision
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import LandKey
 
 

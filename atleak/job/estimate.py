@@ -13,10 +13,11 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from atleak.catalogue.controller import Controller
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import repaired
 from atleak.job.decisions import covered
 from atleak.job.record import EstimateTerms, Job, RepairDecision, RepairState
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import LandClearance
 from atleak.repair import Choice, Gain, Goal, Move, MoveKey, Prices, Stated, choose, gain_of, in_order
 from atleak.repair.money import amount, product

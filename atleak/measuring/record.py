@@ -9,7 +9,8 @@ from typing import Any
 
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import Controller, Land
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import look_of
 from atleak.measuring.doubts import Judged
 from atleak.measuring.plan import Cell

@@ -12,8 +12,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair.choice import Basis, Choice, Gain, Goal, choose, gain_of
 from atleak.repair.moves import Move, MoveKey, Prices, Stated
 from atleak.repair.offered import OfferedRepair, OfferedRepairs, ticked

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 
-from atleak.diagnosis import LandDiagnosis
 from atleak.engine.projection import repaired
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import LandClearance
 from atleak.repair.money import amount, product
 from atleak.repair.options import Option, Options

@@ -6,7 +6,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair.moves import Move, MoveKey, Moves, Prices, together
 from atleak.repair.options import Options
 from atleak.repair.totals import RepairableUnit, RepairedAt, Total

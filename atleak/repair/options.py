@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from atleak.catalogue.repairs import Repair
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import repaired
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import LandClearance
 from atleak.rules import LandKey, clearance_limits
 from atleak.verdicts import Verdict

@@ -8,10 +8,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.job.decisions import undecided, without_reason
 from atleak.job.estimate import CARRIED_OUT, Estimate, Line, Sum
 from atleak.job.record import Job, RepairDecision
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair.money import decimals
 from atleak.rules import Rule
 from atleak.views.repair_words import Named, label_of

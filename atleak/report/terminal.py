@@ -11,9 +11,10 @@ from rich.segment import Segment
 from rich.table import Column, Table
 from rich.text import Text
 
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import look_of
 from atleak.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
 from atleak.repair import RepairStep, plan_repairs

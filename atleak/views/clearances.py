@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from atleak.catalogue.controller import Controller
-from atleak.diagnosis import LandDiagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.views.columns import VERDICT, Column
 from atleak.wording import Wording, value_names
 from atleak.workshop_units import MM, PERCENT, UM

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.comparison import Change, Comparison, ConditionComparison, EventPair, LandComparison
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.events import Event
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.version import __version__
 from atleak.views.condition_matrix import MatrixRow
 from atleak.views.condition_record import condition_record, finite, scaled

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from atleak.comparison import Change, Comparison, ConditionComparison, LandComparison, LogComparison
-from atleak.diagnosis import LandDiagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.road_test import RoadTest
 from atleak.views.columns import Column
 from atleak.views.comparison_words import event_name, land_name, signed_number, with_uncertainty

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from atleak.catalogue.limits import RuleKind
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import Rule
 from atleak.verdicts import Verdict
 

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording, wording
 

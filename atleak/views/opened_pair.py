@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from atleak.catalogue.section_pressures import Pressure
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import Rule
 from atleak.verdicts import Verdict, worst
 from atleak.views.condition_matrix import MatrixRow

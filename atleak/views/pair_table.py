@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import LandKey
 from atleak.verdicts import Band, Verdict
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow

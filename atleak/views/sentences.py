@@ -7,9 +7,10 @@ import math
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import RuleKind
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.profile import UNKNOWN
 from atleak.engine.projection import Projection
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import LandKey, Rule
 from atleak.views.positions import position_band
 from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at

@@ -6,7 +6,7 @@ from collections import Counter
 from typing import Any
 
 from atleak.catalogue.limits import RuleKind
-from atleak.diagnosis import LandDiagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.uncertainty import LandUncertainty, RuleDecision, TotalUncertainty
 from atleak.verdicts import Verdict
 from simulated import population, worlds

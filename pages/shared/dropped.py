@@ -22,22 +22,26 @@ _OF_JOB = (Kind.READINGS, Kind.ROAD_TEST, Kind.PRESSURES)
 
 def take(files: Sequence[SourceFile]) -> None:
     """Take files into the job, each to its place; what cannot be used is kept in ``refused`` of the session."""
-    kinds = [(kind_of(file, controller_of(session().good)), file) for file in files]
-    session().notices = ()
-    for slot in ("job", "dropped"):
-        session().refused.pop(slot, None)
-    for kind, file in sorted(kinds, key=lambda each: _ORDER.index(each[0])):
-        now = session()  # another one where a job was opened
+    now, say = session(), reader.say()
+    now.notices, now.not_taken = (), ()
+    now.refused.pop("job", None)
+    kinds = [(kind_of(file, controller_of(now.good)), file) for file in files]
+    kinds.sort(key=lambda each: _ORDER.index(each[0]))
+    if any(kind is not Kind.JOB for kind, _ in kinds):  # a job that is opened is remembered there
+        remember(say("done.taken_in", name=", ".join(file.name for _, file in kinds)))
+    last = dict(kinds)
+    for kind, file in kinds:
+        if kind in _OF_JOB and file is not last[kind]:
+            _say(say("done.left_out", name=file.name, other=last[kind].name))
+            continue
         try:
             _take(kind, file)
         except AtleakError as error:
-            now.refused["dropped"] = Refusal(file.name, error)
+            session().not_taken += (Refusal(file.name, error),)  # of another session where a job was opened
 
 
 def _take(kind: Kind, file: SourceFile) -> None:
     now = session()
-    if kind is not Kind.JOB:  # which does it itself
-        remember(reader.say()("done.taken_in", name=file.name))
     if kind in _OF_JOB:
         now.follow = kind is Kind.READINGS or now.follow
         put_file(kind, file)

@@ -9,7 +9,8 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import look_of
 from atleak.views.drawing import component_svgs, on_dark, spool_svg
 from atleak.views.opened_pair import OpenedLand, component_verdict, components_worst_first, opened_lands

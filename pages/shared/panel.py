@@ -258,9 +258,9 @@ def _notices() -> None:
             still = say("panel.still_shown", name=kept.name) if kept else say("panel.as_it_was")
             hint = say("panel.what_was_read", page=say(f"pages.{page}"))
             show.refusal(say(f"panel.as_{slot}"), now.refused[slot], f"{still} {hint}")
-    for slot in ("job", "dropped"):
-        if slot in now.refused:
-            show.refusal(say("panel.as_part"), now.refused[slot], say("panel.as_it_was"))
+    of_job = [now.refused["job"]] if "job" in now.refused else []
+    for refused in (*of_job, *now.not_taken):
+        show.refusal(say("panel.as_part"), refused, say("panel.as_it_was"))
     for slot in ("catalogue", "settings"):
         if slot in now.refused:
             show.refusal(say("panel.not_computed"), now.refused[slot], say("panel.last_that_could"))

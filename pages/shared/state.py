@@ -94,6 +94,7 @@ class Session:
     tried: dict[str, PageCase] = field(default_factory=dict)  # by slot: the job before the file that is tried came in
     own: dict[str, SourceFile] = field(default_factory=dict)  # by slot: the last file of one's own that was given
     turns: int = 0  # part of the keys of the choices' widgets: they start anew where something else made the choice
+    not_taken: tuple[Refusal, ...] = ()  # of the files that came in last, those that are no part of a job
     notices: tuple[str, ...] = ()  # what was done with the files that came in last
     follow: bool = False  # whether the sheet that is tried may choose the controller that its head names
     undo: list[Before] = field(default_factory=list)
@@ -245,7 +246,7 @@ def current_diagnosis() -> Diagnosis:
     A file that cannot be used is left out, and the rest of what is tried with it is taken.
     """
     now = session()
-    for slot in ("settings", *(kind for kind in now.refused if kind not in (*FILES, "job", "dropped"))):
+    for slot in ("settings", *(kind for kind in now.refused if kind not in (*FILES, "job"))):
         now.refused.pop(slot, None)
     try:
         result = diagnosis_of(now.case)
@@ -271,11 +272,11 @@ def current_diagnosis() -> Diagnosis:
 
 def _follow(now: Session, error: AtleakError) -> bool:
     """Choose the controller that the head of a new sheet names, where the catalogue holds it; return whether it did."""
-    now.follow = False
     first = next(iter(getattr(error, "problems", (error,))))
     known = {name.casefold(): name for name in catalogue_list("controller").entries}
     if not isinstance(first, OtherControllerError) or first.named.casefold() not in known:
         return False
+    now.follow = False
     name = known[first.named.casefold()]
     pick("controller", name)
     now.notices += (reader.say()("done.head_chose", name=name),)
@@ -283,11 +284,15 @@ def _follow(now: Session, error: AtleakError) -> bool:
 
 
 def _without(case: PageCase, slot: str, before: PageCase) -> PageCase:
-    """Return the job without a file that cannot be used: with the one before it, or all of the sample again."""
+    """Return the job without a file that cannot be used: with the one before it, or all of the sample again.
+
+    The sample comes back only where nothing else was given or chosen since.
+    """
     if not before.sample:
         return replace(case, **{name: getattr(before, name) for name in (slot, *FITTED[slot])})
     case = replace(case, **FITTED[slot]).with_files({slot: None})
-    return case if any(getattr(case, name) for name in FILES) else before
+    others = any(getattr(case, name) for name in FILES)
+    return case if others or any(getattr(case, name) != getattr(before, name) for name in SLOTS) else before
 
 
 def _at_fault(now: Session, error: AtleakError) -> str:

@@ -7,7 +7,8 @@ from functools import partial
 from typing import Any
 
 from atleak.catalogue.controller import Controller
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.pdf.printed_names import PrintedNames, condition_name
 from atleak.views.repair_words import Named, label_of
 from atleak.views.sentences import land_in_words

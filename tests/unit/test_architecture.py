@@ -60,6 +60,7 @@ FLOORS = (
     ("engine.road_leakage", "engine.road_pressure", "rules"),
     ("uncertainty", "variants"),
     ("sheet_checks", "provisional", "replace_mileage", "result_messages", "road_findings", "gauges", "learning"),
+    ("land_diagnosis",),
     ("diagnosis",),
     ("repair", "next_checks", "comparison", "history", "what_if"),
     ("views", "intake"),

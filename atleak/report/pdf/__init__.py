@@ -10,8 +10,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.paper import DEFAULT_PAPER, Paper, find_paper
 from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.compiling import common_data, compile_pdf

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from atleak.comparison import Comparison, ConditionComparison, LandComparison
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.job.record import Job, RepairDecision
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.compiling import common_data, compile_pdf

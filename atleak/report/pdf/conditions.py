@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from atleak.diagnosis import LandDiagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.catalogue.controller import STATED, OperatingPoint
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.extremes import Instant
 from atleak.job.record import Job
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.pdf.blocks import joined
 from atleak.rules import Rule
 from atleak.uncertainty import Decision

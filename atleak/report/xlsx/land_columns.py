@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from atleak.diagnosis import LandDiagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.xlsx.book import exact
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.live_cells import (

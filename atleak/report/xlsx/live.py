@@ -10,7 +10,8 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import DATA_BAR
 from atleak.report.xlsx.book import Book, cell
 from atleak.report.xlsx.circuits_sheet import CircuitCells

@@ -11,8 +11,9 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.section_pressures import SECTIONS, Pressure
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import INPUT
 from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, formula, put
 from atleak.verdicts import BANDS, VERDICTS, Verdict

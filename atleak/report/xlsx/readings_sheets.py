@@ -14,7 +14,8 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Land
 from atleak.catalogue.instruments import Part
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import Reading, Station
 from atleak.report.xlsx.book import Book, exact, formula, put, span
 from atleak.report.xlsx.live_cells import (

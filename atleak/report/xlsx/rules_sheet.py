@@ -9,7 +9,8 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.limits import ROUNDING, Level, RuleKind
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.xlsx.book import Book, cell, formula, put, span
 from atleak.report.xlsx.limit_cells import LimitCells
 from atleak.report.xlsx.live_cells import (

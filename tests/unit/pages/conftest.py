@@ -61,6 +61,10 @@ class InJob:
     def upload(self, name: str, content: bytes, kind: str) -> AppTest:
         return next(zone for zone in self.app.sidebar.file_uploader).upload(name, content, kind)
 
+    def upload_all(self, files: dict[str, bytes]) -> AppTest:
+        zone = next(zone for zone in self.app.sidebar.file_uploader)
+        return zone.set_value([(name, content, "") for name, content in files.items()])
+
     def set_value(self, value: tuple[str, bytes, str] | None):
         if value is not None:
             return self.upload(*value)

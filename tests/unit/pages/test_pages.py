@@ -12,6 +12,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.entries import catalogue_files
 from atleak.diagnosis import Diagnosis
 from atleak.figures.diagnosis_figures import leakage_ranking, wear
 from atleak.look import PAPER
@@ -151,6 +152,33 @@ def test_a_sheet_whose_head_names_another_valve_body_chooses_it(app: AppTest) ->
     press(app, "Undo: five.xlsx taken in")
     assert choice(app, "Valve body").value == "four_speed_2023"
     assert "Sample job" in texts(app)
+
+
+@pytest.mark.page("22_Settings")
+def test_of_files_dropped_at_once_each_is_taken_or_named(app: AppTest) -> None:
+    sheet = (ROOT / "sample_data" / "measuring_sheet_five_speed.xlsx").read_bytes()
+    own = catalogue_files("limits")["project_default"].read_text(encoding="utf-8").replace(WATCH, 'watch = "ten"')
+    files = {"scan.pdf": b"%PDF-1.4", "notes.txt": b"hello\n", "five.xlsx": sheet, "bad.toml": own.encode()}
+    uploader(app).upload_all({**files, "record.json": b'{"numbr": 1, "notes": ""}'}).run()
+    assert not app.exception
+    assert app.session_state["atleak"].good.readings.name == "five.xlsx"
+    assert choice(app, "Valve body").value == "five_speed_2005"
+    said = texts(app)
+    assert "notes.txt was not taken as road-test log" in said
+    assert "scan.pdf was left out: notes.txt came with it" in said
+    assert "bad.toml was not taken" in said
+    assert "record.json was not taken" in said
+    press(app, "Undo: bad.toml, record.json, five.xlsx, scan.pdf, notes.txt taken in")
+    assert app.session_state["atleak"].good.sample
+
+
+@pytest.mark.page("22_Settings")
+def test_a_valve_body_of_ones_own_stays_where_a_sheet_for_it_is_refused(app: AppTest) -> None:
+    own = catalogue_files("controllers")["minimal_example"].read_bytes()
+    uploader(app).upload_all({"own.toml": own, "bad.csv": b"component;part;diameter [mm]\nnone;piston;18,0\n"}).run()
+    assert not app.exception
+    assert "bad.csv was not taken as measuring sheet" in texts(app)
+    assert app.session_state["atleak"].good.controller.name == "own.toml"
 
 
 @pytest.mark.page("2_Readings")

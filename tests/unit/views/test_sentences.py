@@ -13,7 +13,8 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.diagnosis import Diagnosis, LandDiagnosis, diagnose
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
