@@ -4,6 +4,7 @@ from pathlib import Path
 
 import streamlit as st
 
+from atleak.system.memory import set_imports_aside
 from pages.shared import reader
 
 HERE = Path(__file__).parent
@@ -37,5 +38,6 @@ try:
     page.run()
 finally:  # also where the page ends early
     news = book.keep(page.url_path)
+    set_imports_aside()
 if news:
     st.rerun()

@@ -25,6 +25,7 @@ from pages.shared.state import pick, session
 
 _FILE = "gauge-study-file"
 _UNITS = ("mm", "µm", "inch")
+_COUNTS = range(2, 61)  # of parts, people and repeats that a workbook is made for
 _ALPHAS = (ALPHA, 0.1, 0.25)
 TOLERANCE = AskedNumber("tolerance", "µm", 20.5, (1e-3, 1e6), (1.0, 1_000.0), "clearance")
 RESOLUTION = AskedNumber("resolution", "µm", 0.5, (1e-4, 1e4), (0.05, 10.0), "clearance")
@@ -36,7 +37,7 @@ def draw_blank_form(say: Wording) -> None:
         places = st.columns(4, vertical_alignment="bottom")
         asked = zip(("parts", "operators", "trials"), (10, 3, 3), places, strict=False)
         parts, operators, trials = (
-            int(place.number_input(say(f"gauge_study.{name}"), 2, 60, first, key=f"gauge-study-{name}"))
+            place.selectbox(say(f"gauge_study.{name}"), _COUNTS, _COUNTS.index(first), key=f"gauge-study-{name}")
             for name, first, place in asked
         )
         places[3].download_button(

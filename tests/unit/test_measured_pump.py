@@ -153,8 +153,8 @@ def test_one_line_says_it_in_every_language(worn_pump: Diagnosis, sound: Diagnos
     now, new = (f"{each.slip * DM3_MIN:.2f}" for each in (idle, worn_pump.new_at(idle)))
     said = pump_sentence(worn_pump, wording("en"))
     assert said == (
-        "This job's pump was measured: side clearance 85 µm (new 35, at most 50), tip clearance 160 µm (new 110). "
-        f"At “hot idle” it slips {now} dm³/min, {new} when new."
+        "This job's pump was measured: side clearance 85\u00a0µm (new 35\u00a0µm, at most 50\u00a0µm), "
+        f"tip clearance 160\u00a0µm (new 110\u00a0µm). At “hot idle” it slips {now} dm³/min, {new} when new."
     )
     for language in ("de", "pl"):
         translated = pump_sentence(worn_pump, wording(language))

@@ -267,7 +267,7 @@ def test_no_page_has_a_number_field_of_another_kind() -> None:
     for path in (ROOT / "pages").rglob("*.py"):
         text = path.read_text(encoding="utf-8")
         assert "number_input" not in text, path.name
-        assert "NumberColumn" not in text, path.name
+        assert "data_editor" not in text or "NumberColumn" not in text, path.name  # a table that is only read may
 
 
 def test_profile_options_reach_the_engine(app: AppTest) -> None:

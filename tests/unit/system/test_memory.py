@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 
 import pytest
+
+from atleak.system.memory import set_imports_aside
 
 SCRIPT = """
 import psutil
@@ -22,6 +25,16 @@ before = held()
 give_back()
 print(before - held())
 """
+
+
+def test_only_the_first_call_sets_imports_aside(monkeypatch: pytest.MonkeyPatch) -> None:
+    frozen: list[bool] = []
+    monkeypatch.setattr(gc, "freeze", lambda: frozen.append(True))
+    set_imports_aside.cache_clear()
+    set_imports_aside()
+    set_imports_aside()
+    set_imports_aside.cache_clear()
+    assert frozen == [True]
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="malloc_trim is the GNU C library's")
