@@ -18,9 +18,26 @@ Rows = list[dict[str, Any]]
 def condition_words(projection: Projection, say: Wording) -> str:
     """Say a condition in the reader's words and units: temperature, engine speed, gear."""
     at = projection.condition
-    temperature = say.quantity(at.temperature, "temperature")
+    temperature = say.plain_quantity(at.temperature, "temperature")
     speed = say.quantity(at.engine_speed * RPM, "engine_speed")
     return say("what_if.condition", temperature=temperature, speed=speed, gear=at.gear)
+
+
+def tried_words(tried: Tried, say: Wording) -> str:
+    """Say everything that is tried: the condition, and in what else it departs from the job."""
+    at, parts = tried.settings, [condition_words(tried.projection, say)]
+    if at.wear != 1.0:
+        parts.append(say("what_if.with_wear", factor=say.plain(at.wear)))
+    if at.growth:
+        parts.append(say("what_if.with_growth", growth=say.percent(at.growth, 0)))
+    if at.fluid is not None:
+        parts.append(at.fluid.name)
+    if at.fluid_state is not None:
+        parts.append(say("what_if.with_fluid", state=say(f"what_if.{at.fluid_state}")))
+    if at.eccentricity is not None:
+        unknown = isinstance(at.eccentricity, str)
+        parts.append(say("what_if.position_unknown") if unknown else f"e/c {say.plain(float(at.eccentricity))}")
+    return ", ".join(parts)
 
 
 def total_rows(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Rows:
@@ -30,7 +47,7 @@ def total_rows(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Rows:
         {
             "verdict": band,
             "what_if": say(f"what_if.{name}"),
-            "tried_at": condition_words(projection, say),
+            "tried_at": condition_words(tried.job, say) if projection is tried.job else tried_words(tried, say),
             "share": projection.share * PERCENT,
             "leakage": projection.leakage * DM3_MIN,
             "reserve": projection.reserve,

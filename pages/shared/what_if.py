@@ -14,7 +14,7 @@ from atleak.engine.line import LINE
 from atleak.errors import AtleakError
 from atleak.figures.what_if_figures import Place, pressure_map, share_map
 from atleak.views.columns import VERDICT, Column
-from atleak.views.what_if_rows import circuit_rows, condition_words, study_rows, total_rows
+from atleak.views.what_if_rows import circuit_rows, study_rows, total_rows, tried_words
 from atleak.what_if import (
     Axis,
     Map,
@@ -35,7 +35,7 @@ from pages.shared.cases import PageCase, result_key
 _TOTALS = (
     Column("verdict", VERDICT, width=92),
     Column("what_if"),
-    Column("tried_at", width=190),
+    Column("tried_at", width=300),
     Column("share", "percent", 1),
     Column("leakage", "flow"),
     Column("reserve", digits=2),
@@ -80,7 +80,7 @@ def _beside(diagnosis: Diagnosis, settings: WhatIf) -> None:
     say, here = reader.say(), tried(diagnosis, settings)
     now = here.projection
     st.subheader(say("what_if.beside"))
-    st.write(say("what_if.same") if now == here.job else say("what_if.changed", condition=condition_words(now, say)))
+    st.write(say("what_if.same") if now == here.job else say("what_if.changed", condition=tried_words(here, say)))
     share, line, reserve = st.columns(3)
     known = math.isfinite(now.share)
     share.metric(say("what_if.share"), say.percent(now.share) if known else say("what_if.no_flow"))

@@ -16,7 +16,7 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.projection import project
 from atleak.errors import DomainError, InputError
 from atleak.readings import Readings
-from atleak.views.what_if_rows import circuit_rows
+from atleak.views.what_if_rows import circuit_rows, tried_words
 from atleak.what_if import Axis, WhatIf, like_the_study, map_over, temperatures_to_try, tried, wears_to_try
 from atleak.wording import wording
 
@@ -227,6 +227,15 @@ def test_a_worn_clutch_holds_too_little_from_less_wear_the_hotter_it_is(worn_clu
     wears = wide.pressure_reaches("clutch_c1", watch)
     assert np.isfinite(wears).all()
     assert (np.diff(wears) < 0.0).all()
+
+
+def test_all_that_is_tried_is_said(worn_clutch: Diagnosis) -> None:
+    settings = WhatIf(temperature=95.5, wear=1.25, growth=0.1, fluid_state="used", eccentricity=0.5)
+    said = tried_words(tried(worn_clutch, settings), wording("de")).replace("\u00a0", " ")
+    assert said.startswith("95,5 °C, ")
+    assert said.endswith("Verschleiß × 1,25, 10 % weiterer Zuwachs, Öl gebraucht, e/c 0,5")
+    unknown = tried(worn_clutch, WhatIf(eccentricity="unknown"))
+    assert tried_words(unknown, wording("en")).endswith("unknown: mean of all positions")
 
 
 def test_circuits_are_named_in_the_reader_s_language(worn_units: dict[str, Diagnosis]) -> None:
