@@ -315,6 +315,7 @@ def test_every_page_opens_at_its_address_and_the_console_stays_silent(page: Page
     assert wrong == []
 
 
+@pytest.mark.slow
 def test_files_of_several_kinds_are_dropped_at_once_and_undone(visit: Visit, server: str, sample_log: Path) -> None:
     page = visit(server)
     page.get_by_test_id("stMain").get_by_role("button", name="New, empty job").click()

@@ -210,6 +210,7 @@ def share(page: Page) -> str:
     return page.get_by_test_id("stMain").get_by_test_id("stAlert").first.inner_text()
 
 
+@pytest.mark.slow
 def test_a_decimal_comma_is_the_decimal_sign(page: Page) -> None:
     fold = condition(page)
     write(fold, "Engine speed [rpm]", "850.5")
