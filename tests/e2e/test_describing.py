@@ -101,4 +101,4 @@ def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
     chosen = page.get_by_test_id("stSidebar").get_by_role("combobox", name="Valve body")
     expect(chosen).to_have_value("Our box, 2012 (own: our_box_2012)")
     page.get_by_role("link", name="Diagnosis", exact=True).click()
-    expect(page.get_by_text("no land is measured").first).to_be_visible()
+    expect(page.get_by_text("nothing was measured").first).to_be_visible()
