@@ -33,7 +33,7 @@ def test_what_is_tried_stays_until_it_is_reset_and_leaves_the_job_alone(app: App
     tried = share(app)
     assert not app.exception
     assert tried != job
-    assert "Tried: 102 °C" in texts(app).replace("\u00a0", " ")
+    assert "Tried: 101.5 °C" in texts(app).replace("\u00a0", " ")
     assert app.main.dataframe[0].value["At"].str.startswith("80").iloc[0]
     go(app, "4_Diagnosis")
     assert job in texts(app)  # the sentence on the unit
