@@ -7,11 +7,22 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeVar
 
+from atleak.sentence import Sentence
+
 _NAMES_SHOWN = 40  # of those that would have been valid
 
 
 class AtleakError(Exception):
     """Everything atleak raises on purpose."""
+
+    def __init__(self, sentence: Sentence) -> None:
+        super().__init__(sentence)
+
+    @property
+    def sentence(self) -> Sentence:
+        """Return what is wrong, to be said in the reader's language."""
+        said = self.args[0]
+        return said if isinstance(said, Sentence) else Sentence("{said}", said=str(said))
 
 
 class DomainError(AtleakError, ValueError):
@@ -40,16 +51,21 @@ class Place:
         """Return what is known of the place, by the names of its parts."""
         return {name: value for name, value in vars(self).items() if value not in (None, ())}
 
-    def __str__(self) -> str:
-        parts = [
+    @property
+    def sentence(self) -> Sentence:
+        """Return the place in words; nothing where nothing of it is known."""
+        parts = (
             self.file,
-            f"sheet {self.sheet!r}" if self.sheet else None,
-            f"row {self.row}" if self.row is not None else None,
-            f"column {self.column}" if self.column is not None else None,
+            Sentence("sheet {name!r}", name=self.sheet) if self.sheet else None,
+            Sentence("row {number}", number=self.row) if self.row is not None else None,
+            Sentence("column {name}", name=self.column) if self.column is not None else None,
             f"[{self.table}]" if self.table else None,
-            f"key {self.key!r}" if self.key else None,
-        ]
-        return ", ".join(part for part in parts if part)
+            Sentence("key {name!r}", name=self.key) if self.key else None,
+        )
+        return Sentence("{parts}", parts=tuple(part for part in parts if part))
+
+    def __str__(self) -> str:
+        return str(self.sentence)
 
 
 class InputError(AtleakError):
@@ -62,38 +78,45 @@ class InputError(AtleakError):
 
     def __init__(
         self,
-        problem: str,
+        problem: Sentence,
         *,
         place: Place | None = None,
         value: object = None,
-        expected: str | None = None,
+        expected: Sentence | None = None,
         nearest: str | None = None,
         others: Sequence[InputError] = (),
     ) -> None:
         self.problem, self.place, self.value = problem, place or Place(), value
         self.expected, self.nearest, self.others = expected, nearest, tuple(others)
-        super().__init__(str(self))
+        super().__init__(self.sentence)
+
+    @property
+    def sentence(self) -> Sentence:
+        """Return where what stands, what was expected there, and the further faults, a line each."""
+        said, where = self.problem, self.place.sentence
+        if where:
+            said = Sentence("{where}: {problem}", where=where, problem=said)
+        if self.value is not None:
+            said = Sentence("{problem} (found {value!r})", problem=said, value=self.value)
+        if self.expected:
+            said = Sentence("{problem}; expected {expected}", problem=said, expected=self.expected)
+        if self.nearest:
+            said = Sentence("{problem}; did you mean {nearest!r}?", problem=said, nearest=self.nearest)
+        for other in self.others[: self.others_shown]:
+            said = Sentence("{problem}\n  {other}", problem=said, other=other.sentence)
+        if len(self.others) > self.others_shown:
+            more = len(self.others) - self.others_shown
+            said = Sentence("{problem}\n  … and {count} more", problem=said, count=more)
+        return said
 
     def __str__(self) -> str:
-        where = str(self.place)
-        text = f"{where}: {self.problem}" if where else self.problem
-        if self.value is not None:
-            text += f" (found {self.value!r})"
-        if self.expected:
-            text += f"; expected {self.expected}"
-        if self.nearest:
-            text += f"; did you mean {self.nearest!r}?"
-        if self.others:
-            text += "".join(f"\n  {other}" for other in self.others[: self.others_shown])
-            if len(self.others) > self.others_shown:
-                text += f"\n  … and {len(self.others) - self.others_shown} more"
-        return text
+        return str(self.sentence)
 
     def rename_file(self, renamed: Callable[[str | None], str | None]) -> None:
         """Name the file, of this fault and of the others, as the user knows it."""
         for fault in (*self.others, self):
             fault.place = replace(fault.place, file=renamed(fault.place.file))
-            fault.args = (str(fault),)
+            fault.args = (fault.sentence,)
 
 
 class CatalogueError(InputError):
@@ -141,20 +164,20 @@ AnyInputError = TypeVar("AnyInputError", bound=InputError)
 
 
 def unknown(
-    problem: str,
+    problem: Sentence,
     value: object,
     known: Iterable[str],
     *,
     kind: type[AnyInputError] = InputError,  # type: ignore[assignment]
     place: Place | None = None,
-    otherwise: str = "",
+    otherwise: Sentence | None = None,
 ) -> AnyInputError:
     """Make the error for a name that is none of the known ones; it lists them and names the nearest.
 
     Parameters
     ----------
     problem
-        what is wrong, as a person reads it: ``"no such profile"``.
+        what is wrong, as a person reads it: ``Sentence("no such profile")``.
     value
         the name that was given; None where there is none.
     known
@@ -168,24 +191,27 @@ def unknown(
 
     Examples
     --------
-    >>> print(unknown("no such profile", "papper", ["workshop", "paper"]))
+    >>> print(unknown(Sentence("no such profile"), "papper", ["workshop", "paper"]))
     no such profile (found 'papper'); expected one of workshop, paper; did you mean 'paper'?
     """
     names = list(known)
-    expected = ", or ".join(part for part in (one_of(names), otherwise) if part)
+    expected = one_of(names)
+    if otherwise:
+        expected = Sentence("{first}, or {second}", first=expected, second=otherwise) if expected else otherwise
     nearest = None if value is None else nearest_name(str(value), names)
-    return kind(problem, place=place, value=value, expected=expected or None, nearest=nearest)
+    return kind(problem, place=place, value=value, expected=expected, nearest=nearest)
 
 
-def one_of(known: Iterable[str]) -> str | None:
+def one_of(known: Iterable[str]) -> Sentence | None:
     """Write the valid names as what is expected; None where there are none.
 
     >>> one_of(["paper", "workshop", "paper"])
     'one of paper, workshop'
     """
-    names = list(dict.fromkeys(known))
-    more = " …" if len(names) > _NAMES_SHOWN else ""
-    return f"one of {', '.join(names[:_NAMES_SHOWN])}{more}" if names else None
+    names = tuple(dict.fromkeys(known))
+    if len(names) > _NAMES_SHOWN:
+        return Sentence("one of {names} …", names=names[:_NAMES_SHOWN])
+    return Sentence("one of {names}", names=names) if names else None
 
 
 MessageLevel = Literal["info", "warning"]
@@ -197,7 +223,7 @@ class Message:
 
     level: MessageLevel
     code: str
-    text: str
+    text: Sentence
     place: Place | None = None
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from atleak.errors import unknown
+from atleak.sentence import Sentence
 from atleak.workshop_units import INCH, KPA, MILE, MM, PSI, QUART, UM
 
 
@@ -44,11 +45,24 @@ class ShownUnit:
 
 
 class Quantity(NamedTuple):
-    """A value in the unit of atleak's records, to be written in the reader's, with so many places in its own."""
+    """A value in the unit of atleak's records, to be written in the reader's, with so many places in its own.
+
+    In a `atleak.sentence.Sentence` it stands as ``{name} {name.unit}``; ``{name:g}`` and ``{name:.1f}`` say how many
+    digits it takes there.
+    """
 
     value: float
     kind: str
     digits: int = 0
+
+    def __format__(self, specification: str) -> str:
+        """Write the value in the unit of atleak's records, without naming it."""
+        return format(self.value, specification or f".{self.digits}f")
+
+    @property
+    def unit(self) -> str:
+        """Return the unit of atleak's records."""
+        return _METRIC[self.kind].name
 
 
 _METRIC = {
@@ -101,5 +115,5 @@ def unit_system(name: str) -> Mapping[str, ShownUnit]:
         if there is no such system.
     """
     if name not in SYSTEMS:
-        raise unknown("no such system of units", name, tuple(SYSTEMS))
+        raise unknown(Sentence("no such system of units"), name, tuple(SYSTEMS))
     return SYSTEMS[name]

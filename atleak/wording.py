@@ -11,17 +11,19 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 from atleak.errors import unknown
 from atleak.look import look_of
+from atleak.sentence import Name, Sentence, filled
 from atleak.unit_systems import Quantity, ShownUnit, unit_system
 from atleak.verdicts import Band, Verdict
-from atleak.workshop_units import PERCENT
+from atleak.workshop_units import PERCENT, RPM
 
 _FOLDER = Path(__file__).parent / "texts"
 _PLACE = re.compile(r"\{(\w+)\}")
 _UNIT = "unit_"  # begins a place that holds the reader's unit of a kind of quantity
+_FIXED = re.compile(r",?\.(\d)f")  # how a place of a sentence asks for decimal places
 _FROM_THE_RIGHT = ("R", "AL", "AN")  # Unicode's classes of letters and digits
 _NARROW = "\u00a0"  # between thousands, and between a number and its unit: no line breaks there
 
@@ -36,6 +38,35 @@ def isolated(text: str) -> str:
     """
     from_the_right = any(unicodedata.bidirectional(letter) in _FROM_THE_RIGHT for letter in text)
     return f"\u2068{text}\u2069" if from_the_right else text
+
+
+@runtime_checkable
+class Condition(Protocol):
+    """What is named of an operating point."""
+
+    @property
+    def name(self) -> str:
+        """How files refer to it."""
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether a person stated it, so that it has no name of its own."""
+
+    @property
+    def label(self) -> str:
+        """How its file words it, in English and °C."""
+
+    @property
+    def temperature(self) -> float:
+        """The temperature of the fluid [°C]."""
+
+    @property
+    def engine_speed(self) -> float:
+        """The speed of the engine [1/s]."""
+
+    @property
+    def gear(self) -> int:
+        """The gear that is engaged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +107,39 @@ class Wording:
         Those of the shipped files are known; any other stays as it is.
         """
         return self.get("names", name)
+
+    def condition(self, point: Condition) -> str:
+        """Return the name of an operating point in the reader's language and unit."""
+        if self.as_filed:
+            return point.label
+        temperature = self.plain_value(point.temperature, "temperature")
+        if point.is_stated:
+            speed = self.number(point.engine_speed * RPM, 0)
+            return self("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
+        if point.name in self.texts["conditions"]:
+            return self("conditions.at", name=self(f"conditions.{point.name}"), temperature=temperature)
+        stated, name = f", {point.temperature:g} °C", self.name(point.label)
+        if name.endswith(stated):
+            name = self("conditions.at", name=name.removesuffix(stated), temperature=temperature)
+        return name.replace(" °", f"{_NARROW}°")
+
+    @property
+    def as_filed(self) -> bool:
+        """Whether language and unit of the temperature are those of the catalogue's files."""
+        return self.language == "en" and self.unit("temperature") == "°C"
+
+    def sentence(self, said: str) -> str:
+        """Return a sentence of the program in the reader's language and units; any other text as it is.
+
+        Parameters
+        ----------
+        said
+            an `atleak.sentence.Sentence`: the text of a message, or what an error says.
+        """
+        if not isinstance(said, Sentence) or (self.language == "en" and self.units == "metric"):
+            return str(said)
+        template = self.texts.get("messages", {}).get(said.template, said.template)
+        return filled(template, {name: _spoken(value, self) for name, value in said.values.items()})
 
     def level(self, level: Verdict | Band) -> str:
         """Return the word of a verdict or a band."""
@@ -143,13 +207,12 @@ class Wording:
 
     def span(self, values: Iterable[float | None], kind: str, digits: int | None = None) -> str:
         """Return values of atleak's records in the reader's unit, with that unit behind the last: ``15.0–18.0 µm``."""
-        unit = self.system[kind].spelled or self.system[kind]
-        numbers = "–".join(self._in(unit, value, digits) for value in values)
-        return f"{numbers}{_NARROW}{self.get('units', unit.name)}"
+        numbers = "–".join(self.spelled(value, kind, digits) for value in values)
+        return f"{numbers}{_NARROW}{self.spelled_unit(kind)}"
 
     def spelled(self, value: float | None, kind: str, digits: int | None = None) -> str:
         """Return the number of `quantity` alone, for what stands beside one in a sentence."""
-        return self._in(self.system[kind].spelled or self.system[kind], value, digits)
+        return self._in(self._spelled(kind), value, digits)
 
     def plain_value(self, value: float, kind: str) -> str:
         """Return a value of atleak's records in the reader's unit with no more digits than it has, without the unit."""
@@ -157,8 +220,18 @@ class Wording:
 
     def plain_quantity(self, value: float, kind: str) -> str:
         """Return a value of atleak's records in the reader's unit with no more digits than it has, with that unit."""
-        unit = self.system[kind].spelled or self.system[kind]
-        return f"{self._plain_in(unit, value)}{_NARROW}{self.get('units', unit.name)}"
+        return f"{self.plain_spelled(value, kind)}{_NARROW}{self.spelled_unit(kind)}"
+
+    def plain_spelled(self, value: float, kind: str) -> str:
+        """Return the number of `plain_quantity` alone."""
+        return self._plain_in(self._spelled(kind), value)
+
+    def spelled_unit(self, kind: str) -> str:
+        """Return the unit in which the reader has a single quantity in a sentence."""
+        return self.get("units", self._spelled(kind).name)
+
+    def _spelled(self, kind: str) -> ShownUnit:
+        return self.system[kind].spelled or self.system[kind]
 
     def _plain_in(self, unit: ShownUnit, value: float) -> str:
         shown = unit.shown(value)
@@ -166,6 +239,57 @@ class Wording:
 
     def _in(self, unit: ShownUnit, value: float | None, digits: int | None) -> str:
         return self.number(None if value is None else unit.shown(value), unit.places(digits))
+
+
+class _Spoken:
+    """A value as a sentence in the reader's language writes it."""
+
+    __slots__ = ("say", "value")
+
+    def __init__(self, value: Any, say: Wording) -> None:
+        self.value, self.say = value, say
+
+    def __repr__(self) -> str:
+        return repr(self.value)
+
+    def __str__(self) -> str:
+        return format(self, "")
+
+    @property
+    def unit(self) -> str:
+        """The reader's unit of a quantity."""
+        return self.say.spelled_unit(self.value.kind)
+
+    def __format__(self, specification: str) -> str:
+        value, say = self.value, self.say
+        if isinstance(value, Sentence):
+            return say.sentence(value)
+        if isinstance(value, Name):
+            return isolated(say.name(value))
+        if isinstance(value, Quantity):
+            return self._quantity(value, specification)
+        if isinstance(value, float | int):
+            return self._number(format(value, specification))
+        if isinstance(value, Condition):
+            return isolated(say.condition(value))
+        return isolated(format(value, specification))
+
+    def _quantity(self, quantity: Quantity, specification: str) -> str:
+        value, kind, digits = quantity
+        if specification.endswith("g"):
+            return self.say.plain_spelled(value, kind)
+        places = _FIXED.fullmatch(specification)
+        return self.say.spelled(value, kind, int(places[1]) if places else digits)
+
+    def _number(self, written: str) -> str:
+        decimal = self.say.texts["decimal"]
+        return written.translate(str.maketrans({",": _NARROW, ".": decimal, "-": "−"}))
+
+
+def _spoken(value: Any, say: Wording) -> Any:
+    if type(value) in (tuple, list):
+        return tuple(_spoken(each, say) for each in value)
+    return _Spoken(value, say)
 
 
 @cache
@@ -178,7 +302,7 @@ def languages() -> tuple[str, ...]:
 def _texts(language: str) -> Mapping[str, Any]:
     known = languages()
     if language not in known:
-        raise unknown("no report in this language", language, known)
+        raise unknown(Sentence("no report in this language"), language, known)
     texts: dict[str, Any] = {}
     for path in sorted((_FOLDER / language).glob("*.toml")):
         for name, table in tomllib.loads(path.read_text(encoding="utf-8")).items():

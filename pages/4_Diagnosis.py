@@ -11,7 +11,7 @@ from pages.shared.state import session
 
 case, diagnosis = panel.shown()
 record, say = diagnosis_record(diagnosis), reader.say()
-named = words.named(say)
+named = say.condition
 st.title(say("diagnosis.title"))
 show.first_sentence(diagnosis, named)
 conditions.complaint(diagnosis)

@@ -210,6 +210,15 @@ class OperatingPoint:
     lockup_duty: float | None = None  # [-] of the lock-up solenoid, 0 to 1
     values_of: str = ""  # name of the file's point whose set pressures and flows hold here; "" for its own
 
+    def __format__(self, specification: str) -> str:
+        """Write the point's label, as the file has it."""
+        return format(self.label, specification)
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether a job states it, so that no file names it."""
+        return self.name == STATED
+
     @property
     def state(self) -> State:
         """Return whether the engine idles, the converter stalls or the vehicle drives; by speed unless stated."""

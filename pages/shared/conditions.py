@@ -22,7 +22,7 @@ from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
-from pages.shared import reader, show, words
+from pages.shared import reader, show
 from pages.shared.show import plain
 from pages.shared.state import choose, job, session
 
@@ -36,7 +36,7 @@ def complaint(diagnosis: Diagnosis) -> None:
     """Show the customer's complaint, the conditions at which it can show, and which lands to measure first."""
     if diagnosis.complaint is None:
         return
-    say, named = reader.say(), words.named(reader.say())
+    say, named = reader.say(), reader.say().condition
     shows = ", ".join(f"**{plain(named(each.condition))}**" for each in diagnosis.complained)
     ranked = measure_first(diagnosis)
     lines = [
@@ -55,7 +55,7 @@ def complaint(diagnosis: Diagnosis) -> None:
 def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """Show every condition with its total, and from which speed the pump covers the leakage."""
     say = reader.say()
-    named = words.named(say)
+    named = say.condition
     sources = {row["name"]: row["source"] for row in record["conditions"]}
     for number, point in enumerate(diagnosis.presented, start=1):
         label = named(point.condition)
@@ -118,12 +118,12 @@ def matrix(diagnosis: Diagnosis) -> None:
     elsewhere = st.column_config.TextColumn(say("diagnosis.matrix_elsewhere"), width=300)
     config[_ELSEWHERE] = elsewhere if any(frame[_ELSEWHERE]) else None
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
-    added = shares_add_up(diagnosis, say, words.named(say))
+    added = shares_add_up(diagnosis, say, say.condition)
     st.caption(plain(say("diagnosis.matrix_caption", added=added)))
 
 
 def _condition_columns(diagnosis: Diagnosis, say: Wording, help_key: str) -> dict[str, Any]:
-    named = words.named(say)
+    named = say.condition
     return {
         each.condition.name: st.column_config.Column(
             f"{number} · {named(each.condition)}",
@@ -155,14 +155,14 @@ def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         st.dataframe(_order(diagnosis, plan, say), hide_index=True, width="stretch", placeholder="–")
         st.caption(say(f"repair_plan.order_caption_{'cost' if plan.cost else 'new'}"))
         _options(diagnosis, plan, say)
-    st.markdown("  \n".join(plain(sentence) for sentence in plan_ends(plan, say, words.named(say))))
+    st.markdown("  \n".join(plain(sentence) for sentence in plan_ends(plan, say, say.condition)))
     if plan.steps and len(diagnosis.projections) > 1:
         st.markdown(f"**{say('repair_plan.every_step')}**")
         _steps_at_conditions(diagnosis, plan, say)
 
 
 def _order(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> pd.DataFrame:
-    named = words.named(say)
+    named = say.condition
 
     def row(number: int, step: RepairStep) -> dict[str, Any]:
         at = step.at

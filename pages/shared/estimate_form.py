@@ -22,7 +22,6 @@ from pages.shared import fields, reader, show
 from pages.shared.cases import result_key
 from pages.shared.job_form import key
 from pages.shared.state import RECORD, job, session
-from pages.shared.words import named
 
 _STATES = ("", *get_args(RepairState))
 _SEEN = "estimate-lines"  # what each line was when its fields were drawn: one that changed elsewhere gets fresh fields
@@ -35,7 +34,7 @@ def draw(diagnosis: Diagnosis) -> Estimate:
         st.error(show.plain(str(fault)))
     changed = record.model_copy(update={"estimate": _terms(record.estimate, diagnosis, say)})
     made = _estimate_of(diagnosis, changed)
-    words = EstimateWords(made, say, named(say))
+    words = EstimateWords(made, say, say.condition)
     st.subheader(say("estimate_page.lines"))
     st.caption(show.plain(" ".join(words.chosen_by())))
     if not made.lines:

@@ -21,7 +21,7 @@ from atleak.views.repair_words import Named
 from atleak.views.sentences import land_in_words, permissible_words, pressure_sentence, reserve_sentence, unsolved
 from atleak.wording import Wording
 from atleak.workshop_units import KPA, RPM
-from pages.shared import fields, reader, show, words
+from pages.shared import fields, reader, show
 from pages.shared.show import plain
 from pages.shared.state import session
 
@@ -65,7 +65,7 @@ def section(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
         the totals with the repairs made that were decided; none where nothing was.
     """
     say = reader.say()
-    named = words.named(say)
+    named = say.condition
     for sentence in (unsolved(diagnosis, say), pump_sentence(diagnosis, say)):
         if sentence is not None:
             st.write(plain(sentence))
@@ -82,7 +82,7 @@ def section(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
 def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     """Show one condition in full; another one is chosen without computing the rest of the page again."""
     say = reader.say()
-    named = words.named(say)
+    named = say.condition
     conditions = {each.condition.name: each for each in lowest_first(diagnosis)}
     chosen = st.selectbox(
         say("circuits.at"),

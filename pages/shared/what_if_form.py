@@ -13,7 +13,7 @@ from atleak.engine.profile import UNKNOWN
 from atleak.what_if import WhatIf
 from atleak.workshop_units import PERCENT, RPM
 from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE
-from pages.shared import fields, reader, words
+from pages.shared import fields, reader
 from pages.shared.cases import PageCase, catalogue_entry, catalogue_list, shown_name
 from pages.shared.state import session
 
@@ -54,7 +54,7 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
     with first[0]:
         points = {each.condition.name: each.condition for each in diagnosis.presented}
         stated = diagnosis.projection.condition
-        named = words.named(say)
+        named = say.condition
         labels = {name: named(point) for name, point in points.items()}
         labels[stated.name] = say("what_if.stated", label=labels[stated.name])
         point = _select("point", labels, stated.name)

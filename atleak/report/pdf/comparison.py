@@ -17,7 +17,6 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.compiling import common_data, compile_pdf
-from atleak.report.pdf.printed_names import condition_name
 from atleak.report.pictures import write_pictures
 from atleak.report.printed_charts import TwoBars, two_visits_chart
 from atleak.verdicts import Band
@@ -188,7 +187,7 @@ class _Page:
             said.append(
                 say(
                     "comparison.wrong_total",
-                    condition=condition_name(leading.before.condition, say),
+                    condition=say.condition(leading.before.condition),
                     share=say.percent(leading.share.before),
                     new=say.percent(diagnosis.new_at(leading.before).share),
                 )
@@ -247,7 +246,7 @@ class _Page:
             said.append(
                 say(
                     "comparison.result_total",
-                    condition=condition_name(leading.before.condition, say),
+                    condition=say.condition(leading.before.condition),
                     before=say.percent(leading.share.before),
                     after=say.percent(leading.share.after),
                     how=how_sure(leading.share, say),
@@ -284,7 +283,7 @@ class _Page:
             name=name,
             before=self.say.value(change.before * KPA, "pressure", 0),
             after=self.say.value(change.after * KPA, "pressure", 0),
-            condition=condition_name(at.condition, self.say),
+            condition=self.say.condition(at.condition),
             how=how_sure(change, self.say),
         )
 
@@ -365,7 +364,7 @@ class _Page:
             return None
         before, after = (comparison.before, each.before), (comparison.alike, each.alike)
         return TwoBars(
-            label=condition_name(each.before.condition, self.say),
+            label=self.say.condition(each.before.condition),
             shares=(each.share.before * PERCENT, each.share.after * PERCENT),
             verdicts=(_band(*before).verdict, _band(*after).verdict),
             intervals=(_interval(*before), _interval(*after)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from atleak.catalogue.controller import STATED, OperatingPoint
+from atleak.catalogue.controller import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.extremes import Instant
 from atleak.job.record import Job
@@ -16,24 +16,9 @@ from atleak.views.condition_matrix import MatrixRow
 from atleak.views.road_instants import instant_record
 from atleak.views.sentences import rule_value
 from atleak.wording import Wording, isolated
-from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
+from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 _MOSTLY = 0.5  # fraction of an uncertainty's variance
-
-
-def condition_name(point: OperatingPoint, say: Wording) -> str:
-    """Return the name of a condition in the reader's language."""
-    if point.name in say.texts["conditions"] and point.name != STATED:
-        name = say(f"conditions.{point.name}")
-        return say("conditions.at", name=name, temperature=say.plain_value(point.temperature, "temperature"))
-    if point.name == STATED:
-        temperature, speed = say.plain_value(point.temperature, "temperature"), say.number(point.engine_speed * RPM, 0)
-        return say("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
-    stated, name = f", {point.temperature:g} °C", say.name(point.label)
-    if name.endswith(stated):
-        temperature = say.plain_value(point.temperature, "temperature")
-        name = say("conditions.at", name=name.removesuffix(stated), temperature=temperature)
-    return name.replace(" °", "\u00a0°")
 
 
 class PrintedNames:
@@ -45,7 +30,7 @@ class PrintedNames:
 
     def condition(self, point: OperatingPoint) -> str:
         """Return the name of a condition in the reader's language."""
-        return condition_name(point, self.say)
+        return self.say.condition(point).replace(" °", "\u00a0°")  # no line breaks there
 
     def section(self, name: str) -> str:
         """Return the name of a section's pressure in the reader's language, or that of a circuit as its file has it."""

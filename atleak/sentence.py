@@ -1,0 +1,63 @@
+"""Sentences of the program that can be read in another language: each keeps how it is worded and what fills it in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+
+class Name(str):
+    """A name of a catalogue's file, of which the reader's language may have its own: a valve's, a circuit's."""
+
+    __slots__ = ()
+
+
+class Sentence(str):
+    """A sentence for people, or a part of one: English as it stands, and able to be said in another language.
+
+    It is a text like any other. `template` is how the code words it, with ``{places}`` as of `str.format`; `values`
+    fill them in. `atleak.wording.Wording.sentence` says it in the reader's language and units.
+
+    A value is best given as what it is: a number, a further `Sentence`, a `Name`, an operating point, or a
+    `atleak.unit_systems.Quantity` where the reader's units apply (``{clearance} {clearance.unit}``). Of a tuple each
+    is written, with commas between. Without values the template stands as it is, braces too.
+
+    Parameters
+    ----------
+    template
+        a literal of the code; the languages have their own wording of exactly this text.
+    values
+        what stands at its places.
+
+    Examples
+    --------
+    >>> said = Sentence("{count} readings of {planes}", count=3, planes=("I", "II"))
+    >>> said, said.template
+    ('3 readings of I, II', '{count} readings of {planes}')
+    """
+
+    template: str
+    values: Mapping[str, Any]
+
+    def __new__(cls, template: str, /, **values: Any) -> Sentence:
+        """Write the sentence in English."""
+        said = super().__new__(cls, filled(template, values))
+        said.template, said.values = str(template), values
+        return said
+
+
+class _Listed(tuple[Any, ...]):
+    """Several values, written with commas between."""
+
+    __slots__ = ()
+
+    def __format__(self, specification: str) -> str:
+        return ", ".join(format(each, specification) for each in self)
+
+
+def filled(template: str, values: Mapping[str, Any]) -> str:
+    """Write a template with its values; without values it stands as it is."""
+    if not values:
+        return str(template)
+    listed = {name: _Listed(value) if type(value) in (tuple, list) else value for name, value in values.items()}
+    return str(template).format_map(listed)
