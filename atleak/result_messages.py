@@ -159,7 +159,7 @@ def messages_of(
     """
     messages: list[Message] = [*controller.doubts, *fluid.doubts]
     if controller.representative:
-        text = Sentence("{controller}: {what}", controller=controller.name, what=controller.representative)
+        text = Sentence("{controller}: {what}", controller=controller.name, what=Name(controller.representative))
         messages.append(Message("warning", "controller_representative", text))
     leaking = {gap.key for gap in controller.gaps}
     silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking and not land.seal]

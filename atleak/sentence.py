@@ -8,7 +8,7 @@ from typing import Any
 
 
 class Name(str):
-    """A name of a catalogue's file, of which the reader's language may have its own: a valve's, a circuit's."""
+    """Words of a catalogue's file, of which the reader's language may have its own: a valve's name, a circuit's."""
 
     __slots__ = ()
 

@@ -16,7 +16,7 @@ from atleak.equations.uncertainty import normal_quantile, probability_over
 from atleak.errors import InputError, Message
 from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule, UnitRules
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, RuleDecision, decide_rule
 from atleak.uncertainty.points import rounded_up
@@ -360,7 +360,7 @@ def _messages(
         if instrument.representative:
             text = Sentence(
                 "{instrument}: representative, not from a certificate: {quantities}. Set your own instrument's.",
-                instrument=instrument.name,
+                instrument=Name(instrument.name),
                 quantities=instrument.representative,
             )
             messages.append(Message("info", "instrument_representative", text))
