@@ -159,14 +159,14 @@ def messages_of(
     """
     messages: list[Message] = [*controller.doubts, *fluid.doubts]
     if controller.representative:
-        text = Sentence("{controller}: {what}", controller=controller.name, what=Name(controller.representative))
+        text = Sentence("{controller}: {what}", controller=Name(controller.name), what=Name(controller.representative))
         messages.append(Message("warning", "controller_representative", text))
     leaking = {gap.key for gap in controller.gaps}
     silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking and not land.seal]
     if silent:
         text = Sentence(
             "{controller} names no gap of lands {lands}: they are taken to leak nothing.",
-            controller=controller.name,
+            controller=Name(controller.name),
             lands=silent,
         )
         messages.append(Message("warning", "land_without_gap", text))
@@ -211,7 +211,7 @@ def messages_of(
     if idle is None:
         text = Sentence(
             "{controller} states no operating point hot_idle, where a worn unit fails first.",
-            controller=controller.name,
+            controller=Name(controller.name),
         )
         messages.append(Message("info", "no_hot_idle", text))
     if road is not None:

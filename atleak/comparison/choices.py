@@ -9,7 +9,7 @@ from typing import Literal
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.pump import NO_CLEARANCES
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 
 ChoiceName = Literal["fluid", "limits", "profile", "condition", "assumptions"]
@@ -37,7 +37,7 @@ def _differing(before: Diagnosis, after: Diagnosis) -> Iterator[DifferingChoice]
     if _fluid(before) != _fluid(after):
         yield DifferingChoice("fluid", *_told_apart(_in_state(before), _in_state(after)))
     if before.limits.origin.sha256 != after.limits.origin.sha256:
-        yield DifferingChoice("limits", *_told_apart(*(_named(each.limits.name) for each in (before, after))))
+        yield DifferingChoice("limits", *_told_apart(*(_named(Name(each.limits.name)) for each in (before, after))))
     if before.profile.options != after.profile.options:
         yield DifferingChoice("profile", *_told_apart(*(_named(each.profile.label) for each in (before, after))))
     if not same_condition(before.projection.condition, after.projection.condition):
@@ -63,8 +63,8 @@ def _fluid(diagnosis: Diagnosis) -> tuple[str, str, bool]:
 
 def _in_state(diagnosis: Diagnosis) -> Sentence:
     if diagnosis.fluid.state == "used":
-        return Sentence("{fluid}, used", fluid=diagnosis.fluid.name)
-    return Sentence("{fluid}, fresh", fluid=diagnosis.fluid.name)
+        return Sentence("{fluid}, used", fluid=Name(diagnosis.fluid.name))
+    return Sentence("{fluid}, fresh", fluid=Name(diagnosis.fluid.name))
 
 
 def _named(choice: str | OperatingPoint | tuple[Sentence, ...]) -> Sentence:

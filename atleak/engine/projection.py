@@ -17,7 +17,7 @@ from atleak.engine.line import SURELY_LESS, Held, consumed, hold
 from atleak.equations.clearance import worn_clearance
 from atleak.errors import InputError, Message, one_of
 from atleak.readings import LandClearance
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import KPA, PERCENT
 
@@ -260,7 +260,7 @@ def stated_condition(
     if temperature is None and engine_speed is None and gear is None:
         return point
     if gear is not None and gear not in controller.gears:
-        problem = Sentence("{controller} has no such gear", controller=controller.name)
+        problem = Sentence("{controller} has no such gear", controller=Name(controller.name))
         raise InputError(problem, value=gear, expected=one_of(map(str, controller.gears)))
     if engine_speed is not None and not (engine_speed > 0.0 and math.isfinite(engine_speed)):
         raise InputError(

@@ -15,7 +15,7 @@ from atleak.engine.series import LeakageSeries, leakage_series
 from atleak.errors import Message, Place, RoadTestError
 from atleak.events import Event, Thresholds, engine_starts
 from atleak.road_test import RoadTest
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import KPA
 
@@ -369,7 +369,7 @@ def _series_messages(series: LeakageSeries, size: int, model: LeakageModel) -> l
             "{high.unit}) and are left out.",
             count=series.outside_fluid,
             size=size,
-            fluid=model.fluid.name,
+            fluid=Name(model.fluid.name),
             low=Quantity(low, "temperature"),
             high=Quantity(high, "temperature"),
         )

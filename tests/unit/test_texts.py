@@ -139,7 +139,7 @@ def test_every_name_of_a_shipped_valve_body_or_instrument_is_translated() -> Non
             *filter(None, [controller.representative]),
         )
     }
-    names |= {named for each in instruments() for named in (each.name, each.name.lower())}
+    names |= {each.name.lower() for each in instruments()}
     assert len(shipped) > 8
     assert set(ENGLISH["names"]) == names
     assert all(wording("en").name(name) == name for name in names)
