@@ -250,7 +250,7 @@ class _Spoken:
         self.value, self.say = value, say
 
     def __repr__(self) -> str:
-        return repr(self.value)
+        return repr(self.say.sentence(self.value) if isinstance(self.value, Sentence) else self.value)
 
     def __str__(self) -> str:
         return format(self, "")
