@@ -152,8 +152,8 @@ def _clearances(
             continue
         shown = units[0]
         difference = known[0] * (0.5 if radial else 1.0)
-        computed = Sentence("{size:.6g} {unit}", size=shown.from_si(difference), unit=shown.name)
-        yield row, Sentence("{size:g} {unit}", size=value, unit=shown.name), computed
+        computed = Sentence("{size:.6g} {unit}", size=shown.from_si(difference), unit=shown.said)
+        yield row, Sentence("{size:g} {unit}", size=value, unit=shown.said), computed
 
 
 def _differences(readings: Sequence[Reading]) -> list[float]:
@@ -201,7 +201,7 @@ def _means(
         if any(abs(value * stated_unit.factor - fmean(each)) <= _rounded(value, stated_unit) for each in sets):
             continue
         sizes = (value, stated_unit.from_si(fmean(sets[0])))
-        said, expected = (Sentence("{size:.7g} {unit}", size=size, unit=stated_unit.name) for size in sizes)
+        said, expected = (Sentence("{size:.7g} {unit}", size=size, unit=stated_unit.said) for size in sizes)
         yield row, said, expected
 
 

@@ -167,9 +167,9 @@ def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, c
     if stated is not None:
         fits = next(
             (
-                name
-                for name in unit_names("length")
-                if abs(stated.factor / unit(name, "length").factor - factor) < 1e-6 * factor
+                each.said
+                for each in (unit(name, "length") for name in unit_names("length"))
+                if abs(stated.factor / each.factor - factor) < 1e-6 * factor
             ),
             None,
         )
@@ -181,7 +181,7 @@ def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, c
             "{count} of {known} diameters, read as {unit}, are {times} the nominal ones: a wrong unit{fits}",
             count=count,
             known=known,
-            unit=readings.unit,
+            unit=stated.said if stated else readings.unit,
             times=_times(factor),
             fits=Sentence(" ({unit}?)", unit=fits) if fits else "",
         ),
@@ -211,7 +211,7 @@ def _slip(factor: float) -> Sentence:
 
 def _written(readings: Readings, metres: float) -> Sentence:
     stated = find_unit(readings.unit, "length") or MM
-    return Sentence("{size:.7g} {unit}", size=stated.from_si(metres), unit=stated.name)
+    return Sentence("{size:.7g} {unit}", size=stated.from_si(metres), unit=stated.said)
 
 
 def _repeats(

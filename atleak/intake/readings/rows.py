@@ -35,7 +35,7 @@ from atleak.intake.readings.words import (
 )
 from atleak.intake.sheets.sheet import Cell, column_letter
 from atleak.intake.units import Unit, find_unit, unit_names
-from atleak.phrases import together
+from atleak.phrases import PART_WORDS, together
 from atleak.sentence import Name, Sentence
 
 _EVERY_ROW = Sentence(
@@ -362,13 +362,14 @@ class _Reader:
         part = part_of(text_of(cell))
         if part is None:
             near = nearest_name(plain(text_of(cell)), part_words())
+            meant = part_of(near) if near else None
             self._add_problem_once(
                 ReadingsError(
                     Sentence("unknown part"),
                     place=self._place(row, self.columns.part),
                     value=text_of(cell),
                     expected=Sentence("spool (or piston), or sleeve (or bore)"),
-                    nearest=part_of(near) if near else None,
+                    nearest=PART_WORDS[meant] if meant else None,
                 )
             )
         return part
@@ -476,7 +477,7 @@ class _Reader:
         if self.given_unit is not None and self.overridden:
             text = Sentence(
                 "read in {unit} as told, although the heading says otherwise: {headings}",
-                unit=self.given_unit.name,
+                unit=self.given_unit.said,
                 headings=tuple(sorted(self.overridden)),
             )
             self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))

@@ -163,7 +163,8 @@ def _assumed_unit(
         unit = find_unit(name, "length")
         if unit is not None and 0.8 < middle * unit.factor / MM < 1.25:
             text = Sentence(
-                "the sheet names no unit: {unit} assumed, in which the diameters come near the nominal ones", unit=name
+                "the sheet names no unit: {unit} assumed, in which the diameters come near the nominal ones",
+                unit=unit.said,
             )
             result.messages.append(Message("warning", "unit_assumed", text, headings))
             return unit
