@@ -34,7 +34,8 @@ def in_mm(metres: float) -> Quantity:
     >>> f"{in_mm(0.01)} {in_mm(0.0179985)}"
     '10 17.9985'
     """
-    return _shortest(metres * MM, "length", 4)
+    needed = len(f"{metres * MM:.4f}".rstrip("0").partition(".")[2])
+    return _Size(metres * MM, "length", max(needed, 3))
 
 
 def in_um(metres: float) -> Quantity:
@@ -43,12 +44,17 @@ def in_um(metres: float) -> Quantity:
     >>> f"{in_um(5e-6)} {in_um(59.5e-6)}"
     '5 59.5'
     """
-    return _shortest(metres * UM, "clearance", 1)
+    return _Size(metres * UM, "clearance", 1)
 
 
-def _shortest(value: float, kind: str, most: int) -> Quantity:
-    decimals = f"{value:.{most}f}".rstrip("0").partition(".")[2]
-    return Quantity(value, kind, len(decimals))
+class _Size(Quantity):
+    """A size that English and metric units write without zeros at its end; converted, it keeps its decimal places."""
+
+    __slots__ = ()
+
+    def __format__(self, specification: str) -> str:
+        written = super().__format__(specification)
+        return written if specification else written.rstrip("0").rstrip(".")
 
 
 def together(parts: Iterable[str]) -> Sentence:

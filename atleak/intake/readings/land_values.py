@@ -25,7 +25,7 @@ from atleak.intake.units import Unit, find_unit
 from atleak.own_lands import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
 from atleak.phrases import named
 from atleak.readings import NOMINAL_TOLERANCE
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import MM as TO_MM
 from atleak.workshop_units import UM
@@ -302,7 +302,7 @@ def _about_repairs(own: OwnLands, controller: Controller) -> Iterator[Message]:
         text = Sentence(
             "Component {component} has {repair} fitted, which counts as its new state: {sizes}.",
             component=each.component,
-            repair=repair.label,
+            repair=Name(repair.label),
             sizes=tuple(map(_size, after)),
         )
         yield Message("info", REPAIR_FITTED, text, each.place)
