@@ -16,6 +16,7 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.paper import DEFAULT_PAPER, Paper, find_paper
 from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.compiling import common_data, compile_pdf
+from atleak.report.pdf.customer import DRAWING, CustomerPage
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
@@ -83,9 +84,13 @@ def report_data(
     series = road_series(diagnosis.road, _ROAD_POINTS) if diagnosis.road and "road_test" in chosen else None
     names = PrintedNames(diagnosis, diagnosis_record(diagnosis), job, say)
     front, body = Front(names), Body(names, series, pictures)
+    customer = CustomerPage(names, signed="signatures" in chosen)
     charts = _draw_charts(names, series, chosen, body.pressures)
+    worn = customer.drawing()
+    charts |= {} if worn is None else {DRAWING: worn}
     return {
         **common_data(say("title.report"), say("title.subject"), job, paper, say, pictures),
+        "customer": customer.data(),
         "facts": front.facts(),
         "verdict": front.verdict(),
         "sections": body.sections(chosen, {name: name for name in charts}),

@@ -90,6 +90,8 @@ class Body:
         """Return title and blocks of every section that has any content."""
         filled = []
         for name in names:
+            if name == "signatures":  # stands at the foot of the first page
+                continue
             build: Callable[[dict[str, str]], Iterable[Block]] = getattr(self, f"_{name}")
             blocks = [block for block in build(charts) if block]
             if blocks:
@@ -458,17 +460,6 @@ class Body:
         ]
         used = ("readings", "road_test", "pressure_table", "controller", "fluid", "limits")
         yield table(columns, [name for name in used if record[name] and record[name].get("sha256")])
-
-    def _signatures(self, charts: dict[str, str]) -> Iterable[Block]:
-        say = self.say
-        yield {
-            "kind": "signatures",
-            "line": say("texts.sign_place"),
-            "people": [
-                [say("texts.sign_technician"), self.job.technician],
-                [say("texts.sign_customer"), self.job.customer.name],
-            ],
-        }
 
 
 _SAID_ELSEWHERE = ("controller_representative",)  # stands among the representative values

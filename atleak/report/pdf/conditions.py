@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
+from atleak.repair import RepairPlan, RepairStep, Total
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, leaking_worst_first
@@ -98,7 +98,7 @@ class Conditions:
 
     def repair_order(self) -> Iterable[Block]:
         """Return the repairs in their order, with what each brings at every condition, and where they end."""
-        say, plan = self.say, plan_repairs(self.diagnosis)
+        say, plan = self.say, self.names.plan
         steps = list(enumerate(plan.steps, start=1))
         if steps:
             yield text(say("texts.repair_order_by_options" if plan.cost else "texts.repair_order"), leads=True)

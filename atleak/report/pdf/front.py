@@ -39,7 +39,7 @@ class Front:
         """Return owner, vehicle and transmission; fields that were not filled in are left out."""
         job, say = self.job, self.say
         customer, vehicle, box = job.customer, job.vehicle, job.transmission
-        mileage = self.record["mileage_km"] if self.record["mileage_km"] is not None else vehicle.mileage_km
+        mileage = self.names.mileage
         contact = [customer.name, customer.number, *customer.address.splitlines(), customer.phone, customer.email]
         rows = [
             ("number", job.number),

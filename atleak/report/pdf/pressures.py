@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import Any
 
-from atleak.repair import plan_repairs
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.printed_charts import pressures_chart, pump_chart
@@ -32,7 +31,7 @@ class Pressures:
     @cached_property
     def conditions(self) -> list[PressuresAt]:
         """Return reserve and pressures at every condition, also as the planned repairs leave them."""
-        plan = plan_repairs(self.diagnosis)
+        plan = self.names.plan
         ends = plan.ends if plan.steps else ()
         return [pressures_at(self.diagnosis, each, ends) for each in self.diagnosis.presented]
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.extremes import Instant
+from atleak.job.estimate import estimate
 from atleak.job.record import Job
 from atleak.land_diagnosis import LandDiagnosis
+from atleak.repair import RepairPlan, plan_repairs
+from atleak.report.estimate_words import EstimateWords
 from atleak.report.pdf.blocks import joined
 from atleak.rules import Rule
 from atleak.uncertainty import Decision
@@ -27,6 +31,25 @@ class PrintedNames:
     def __init__(self, diagnosis: Diagnosis, record: dict[str, Any], job: Job, say: Wording) -> None:
         self.diagnosis, self.record, self.job, self.say = diagnosis, record, job, say
         self.rows = {(row["component"], row["land"]): row for row in record["lands"]}
+
+    @cached_property
+    def plan(self) -> RepairPlan:
+        """Return the repairs that the diagnosis calls for."""
+        return plan_repairs(self.diagnosis)
+
+    @cached_property
+    def estimate(self) -> EstimateWords | None:
+        """Return the estimate; None where the job states no terms and no price, or there is nothing to list."""
+        if self.diagnosis.without_sheet or not self.job.estimated:
+            return None
+        words = EstimateWords(estimate(self.diagnosis, self.job), self.say, self.condition)
+        return words if words.estimate.lines else None
+
+    @property
+    def mileage(self) -> float | None:
+        """Return the mileage [km] that the diagnosis was made with, or else the one of the job."""
+        computed = self.record["mileage_km"]
+        return self.job.vehicle.mileage_km if computed is None else computed
 
     def condition(self, point: OperatingPoint) -> str:
         """Return the name of a condition in the reader's language."""
