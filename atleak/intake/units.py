@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from atleak.errors import unknown
+from atleak.sentence import Sentence
 from atleak.workshop_units import INCH, PSI
 
 
@@ -169,6 +171,16 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
     },
 }
 
+KINDS: Mapping[str, Sentence] = {  # as sentences name them
+    "length": Sentence("length"),
+    "pressure": Sentence("pressure"),
+    "temperature": Sentence("temperature"),
+    "rotational_speed": Sentence("rotational speed"),
+    "speed": Sentence("speed"),
+    "time": Sentence("time"),
+    "ratio": Sentence("ratio"),
+}
+
 
 def _spelling(name: str) -> str:
     # NFKC turns ℃ into °C, the micro sign and Greek mu into one letter, superscripts into digits
@@ -203,7 +215,7 @@ def unit(name: str, kind: str) -> Unit:
     """
     match = find_unit(name, kind)
     if match is None:
-        raise unknown(f"unknown unit of {kind.replace('_', ' ')}", name, unit_names(kind))
+        raise unknown(Sentence("unknown unit of {kind}", kind=KINDS[kind]), name, unit_names(kind))
     return match
 
 

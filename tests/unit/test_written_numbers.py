@@ -149,13 +149,13 @@ def test_what_a_field_shows_is_read_back_in_every_language_and_unit(
     say = wording(language, units)
     shown = asked.to(say)
     value = shown.limits[0] + part * (shown.limits[1] - shown.limits[0])
-    assert read_number(written(value, shown, say), shown, say).value == value
+    assert read_number(written(value, shown, say), shown).value == value
 
 
 @pytest.mark.parametrize("language", languages())
 def test_a_doubt_names_limits_and_unit_as_the_reader_has_them(language: str) -> None:
     say = wording(language, "us")
-    doubt = read_number("900", TEMPERATURE.to(say), say).doubt
+    doubt = say.sentence(read_number("900", TEMPERATURE.to(say)).doubt)
     assert "900 °F" in doubt
     assert "−76" in doubt
     assert "392 °F" in doubt
