@@ -142,9 +142,6 @@ def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None
     nearest = np.argmin(np.where(np.isnan(distance), np.inf, distance), axis=1)
     close = distance[np.arange(len(ratio)), nearest] <= tolerance
     gear = np.where(close, nearest + 1.0, np.nan)
-    how = Sentence("{count} ratios found in the log, the highest taken as first gear", count=len(levels))
-    if ratios:
-        how = Sentence("given ratios")
     channel = Channel(
         "gear",
         road_test.time,
@@ -154,7 +151,14 @@ def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None
         source="derived",
         independent=int(close.sum()),
     )
-    text = Sentence("no gear is logged: it is derived from the speed ratio ({how})", how=how)
+    if ratios:
+        text = Sentence("no gear is logged: it is derived from the speed ratio (given ratios)")
+    else:
+        text = Sentence(
+            "no gear is logged: it is derived from the speed ratio ({count} ratios found in the log, the highest taken "
+            "as first gear)",
+            count=len(levels),
+        )
     note = Message("warning", "gear_derived", text)
     return replace(
         road_test,

@@ -170,15 +170,14 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
         Unit("%", 1e-2): ("%", "percent"),
     },
 }
-
-KINDS: Mapping[str, Sentence] = {  # as sentences name them
-    "length": Sentence("length"),
-    "pressure": Sentence("pressure"),
-    "temperature": Sentence("temperature"),
-    "rotational_speed": Sentence("rotational speed"),
-    "speed": Sentence("speed"),
-    "time": Sentence("time"),
-    "ratio": Sentence("ratio"),
+_UNKNOWN = {
+    "length": Sentence("unknown unit of length"),
+    "pressure": Sentence("unknown unit of pressure"),
+    "temperature": Sentence("unknown unit of temperature"),
+    "rotational_speed": Sentence("unknown unit of rotational speed"),
+    "speed": Sentence("unknown unit of speed"),
+    "time": Sentence("unknown unit of time"),
+    "ratio": Sentence("unknown unit of ratio"),
 }
 
 
@@ -215,7 +214,7 @@ def unit(name: str, kind: str) -> Unit:
     """
     match = find_unit(name, kind)
     if match is None:
-        raise unknown(Sentence("unknown unit of {kind}", kind=KINDS[kind]), name, unit_names(kind))
+        raise unknown(_UNKNOWN[kind], name, unit_names(kind))
     return match
 
 
@@ -227,3 +226,14 @@ def unit_names(kind: str) -> list[str]:
 def kinds_of(name: str) -> list[str]:
     """Return every kind that has a unit of that name: ``"m"`` is a length only, ``"min"`` a time."""
     return [kind for kind in _TABLE if find_unit(name, kind)]
+
+
+KINDS: Mapping[str, Sentence] = {  # as sentences name them
+    "length": Sentence("length"),
+    "pressure": Sentence("pressure"),
+    "temperature": Sentence("temperature"),
+    "rotational_speed": Sentence("rotational speed"),
+    "speed": Sentence("speed"),
+    "time": Sentence("time"),
+    "ratio": Sentence("ratio"),
+}

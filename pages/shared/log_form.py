@@ -12,7 +12,7 @@ import pandas as pd
 import streamlit as st
 
 from atleak.errors import AtleakError
-from atleak.intake.road_test import NOT_LOGGED, Ambiguous, LogColumn, Understood, describe
+from atleak.intake.road_test import FORMATS, NOT_LOGGED, Ambiguous, LogColumn, Understood, describe
 from atleak.intake.units import unit_names
 from atleak.job.case import Case, SourceFile
 from atleak.keeping import kept_with
@@ -90,7 +90,7 @@ def keep_what_was_taken(case: PageCase) -> None:
 
 def facts(log: Understood, say: Wording) -> str:
     """Return format, encoding, decimal sign, rows, duration and breaks of a log in one line."""
-    parts = [log.format, log.encoding]
+    parts = [say.sentence(FORMATS.get(log.format, log.format)), log.encoding]
     if log.decimal is not None:
         parts.append(say("road_test.decimal_comma" if log.decimal == "," else "road_test.decimal_point"))
     test = log.road_test
@@ -120,7 +120,7 @@ def _understood_rows(log: Understood, say: Wording) -> list[dict[str, Any]]:
                 "log_kind": say(f"log_kinds.{row['kind']}") if row["quantity"].endswith("pressure") else None,
                 "log_least": _number(row["min"], say),
                 "log_largest": _number(row["max"], say),
-                "log_in": row["value_unit"],
+                "log_in": row["value_unit"] and say.get("units", row["value_unit"]),
                 "log_samples": whole(row["samples"], say),
                 "log_suspect": whole(row["suspect_samples"], say),
                 "log_rate": None if rate is None else short(rate, say),

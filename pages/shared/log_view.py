@@ -175,7 +175,7 @@ def _add(test: RoadTest, name: str, formula: str, say: Wording) -> str:
         return say("formulas.name_taken", name=name)
     result = _one(test, LogFormula(name=name, formula=formula), _computed(test, typed))
     if isinstance(result, FormulaError):
-        return str(result)
+        return say.sentence(result.sentence)
     _keep((*typed, LogFormula(name=name, formula=formula)))
     return ""
 

@@ -34,9 +34,7 @@ def _places(template: str) -> set[tuple[str, str | None, str | None]]:
 
 WRITTEN = {node.value for _, node in _sentences() if isinstance(node, ast.Constant)}
 WORDED = {
-    template
-    for template in WRITTEN
-    if any(text.strip(" .,:;()–…\n") for text, *_ in Formatter().parse(template))
+    template for template in WRITTEN if any(text.strip(" .,:;()–…\n") for text, *_ in Formatter().parse(template))
 }
 
 

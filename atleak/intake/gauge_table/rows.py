@@ -230,7 +230,7 @@ class _Reader:
         if known is None:
             problem = Sentence("no unit of the pressures")
             if name:
-                problem = Sentence("unknown unit of {kind}", kind=KINDS["pressure"])
+                problem = Sentence("unknown unit of pressure")
             units = one_of(unit_names("pressure"))
             expected = Sentence("{units}, in the heading as in 'slow idle [kPa]'", units=units)
             self._once(problem, place, name or heading.text or None, expected=expected)
