@@ -252,7 +252,7 @@ class _Spoken:
         self.value, self.say = value, say
 
     def __repr__(self) -> str:
-        return repr(self.value)
+        return repr(self.say.sentence(self.value) if isinstance(self.value, Sentence) else self.value)
 
     def __str__(self) -> str:
         return format(self, "")
@@ -288,9 +288,19 @@ class _Spoken:
         return written.translate(str.maketrans({",": _NARROW, ".": decimal, "-": "−"}))
 
 
+class _SpokenList(tuple[_Spoken, ...]):
+    """Several values as a sentence writes them: semicolons between numbers that have a decimal comma."""
+
+    __slots__ = ()
+
+    def __format__(self, specification: str) -> str:
+        numbers = any(isinstance(each.value, Quantity | float) and each.say.texts["decimal"] == "," for each in self)
+        return ("; " if numbers else ", ").join(format(each, specification) for each in self)
+
+
 def _spoken(value: Any, say: Wording) -> Any:
     if type(value) in (tuple, list):
-        return tuple(_spoken(each, say) for each in value)
+        return _SpokenList(_Spoken(each, say) for each in value)
     return _Spoken(value, say)
 
 

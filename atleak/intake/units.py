@@ -25,6 +25,11 @@ class Unit:
     factor: float
     offset: float = 0.0
 
+    @property
+    def said(self) -> str:
+        """Return its name in a sentence: one that is a word has other words in other languages."""
+        return Sentence("inch") if self.name == "inch" else self.name
+
     def to_si(self, value: Any) -> Any:
         """Convert a value or array in this unit to SI."""
         return value * self.factor + self.offset if self.offset else value * self.factor
