@@ -157,9 +157,9 @@ def test_no_english_word_stands_in_a_doubt_of_another_language(
     cells = [cell for cell in with_texts({}).entries if (cell.direction, cell.repeat) == (90.0, 2)]
     judged = judge(with_texts(dict(zip(cells, slips, strict=False))), minimal)
     assert len(judged.doubts) >= 7
+    ids = re.compile("|".join(minimal.components))
     for doubt in judged.doubts.values():
-        said = wording(language).sentence(doubt.text)
-        assert said != doubt.text
-        both = set(re.findall(r"[a-zA-Z]{2,}", doubt.text)) & set(re.findall(r"[^\W\d_]{2,}", said))
+        english, said = ids.sub("", doubt.text), ids.sub("", wording(language).sentence(doubt.text))
+        both = set(re.findall(r"[^\W\d_]{2,}", english)) & set(re.findall(r"[^\W\d_]{2,}", said))
         assert both <= {"mm"}, said
         assert not re.search(r"\d\.\d", said.replace("9.939", "")), "but for how a number may be typed"
