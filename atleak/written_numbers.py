@@ -205,6 +205,9 @@ class _Spelled(float):
         spelled.text = text
         return spelled
 
+    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]
+        return float(self), self.text
+
     def __format__(self, specification: str) -> str:
         return self.text
 

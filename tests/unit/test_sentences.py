@@ -33,9 +33,11 @@ def _places(template: str) -> set[tuple[str, str | None, str | None]]:
     return {(name, form, turned) for _, name, form, turned in Formatter().parse(template) if name is not None}
 
 
-WRITTEN = {node.value for _, node in _sentences() if isinstance(node, ast.Constant)}
+WRITTEN = {place: node.value for place, node in _sentences() if isinstance(node, ast.Constant)}
 WORDED = {
-    template for template in WRITTEN if any(text.strip(" .,:;()–…\n") for text, *_ in Formatter().parse(template))
+    template
+    for template in WRITTEN.values()
+    if any(text.strip(" .,:;()–…\n") for text, *_ in Formatter().parse(template))
 }
 
 
