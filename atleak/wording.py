@@ -282,7 +282,7 @@ class _Spoken:
     def _quantity(self, quantity: Quantity, specification: str) -> str:
         value, kind, digits = quantity
         if specification.endswith("g"):
-            return self.say.plain_spelled(value, kind)
+            return self.say.plain_spelled(float(format(value, specification)), kind)
         places = _FIXED.fullmatch(specification)
         return self.say.spelled(value, kind, int(places[1]) if places else digits)
 
