@@ -11,8 +11,9 @@ from pydantic import Field
 
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Entry, NonNegative, Origin, Positive, listed, read_tables
-from atleak.errors import CatalogueError, InputError, Message
+from atleak.errors import CatalogueError, InputError, Message, one_of
 from atleak.faults import validated
+from atleak.sentence import Sentence
 
 Part = Literal["spool", "sleeve"]
 DEFAULT_SPOOL_INSTRUMENT = "workshop_microscope"  # as in the source study
@@ -81,11 +82,14 @@ class Instruments:
         for part in parts:
             instrument = self.of(part)
             if part not in instrument.measures:
-                able = ", ".join(other.id for other in instruments() if part in other.measures)
+                able = one_of(other.id for other in instruments() if part in other.measures)
+                own = Sentence("a file of the workshop's own")
                 raise InputError(
-                    f"{instrument.name} does not measure a {part}",
+                    Sentence("{instrument} does not measure a spool", instrument=instrument.name)
+                    if part == "spool"
+                    else Sentence("{instrument} does not measure a sleeve", instrument=instrument.name),
                     value=instrument.id,
-                    expected=f"one of {able}, or a file of the workshop's own",
+                    expected=Sentence("{first}, or {second}", first=able, second=own),
                 )
         return self
 
