@@ -120,9 +120,9 @@ def _of_clearances(data: Mapping[str, Any]) -> Iterator[tuple[Steps, Sentence]]:
         yield (
             first,
             Sentence(
-                "The median of all mounting clearances is {middle:.4g} µm; new valves have {low:g} to {high:g} µm radial, which "
-                "is {twice_low:.3g} to {twice_high:.3g} µm of bore minus spool (published, Sonnax). Half of bore "
-                "minus spool is asked for: are these the whole of it?",
+                "The median of all mounting clearances is {middle:.4g} µm; new valves have {low:g} to {high:g} µm "
+                "radial, which is {twice_low:.3g} to {twice_high:.3g} µm of bore minus spool (published, Sonnax). "
+                "Half of bore minus spool is asked for: are these the whole of it?",
                 middle=middle,
                 low=low,
                 high=high,

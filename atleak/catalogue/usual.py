@@ -112,7 +112,7 @@ _OF_CONTROLLERS: Mapping[Pattern, Usual] = {
     ("leaks", EACH, "diameter_mm"): ORIFICE,
 }
 
-_PERCENT = {Sentence("parts of one"): 1e2}
+_PERCENT: Mapping[str, float] = {Sentence("parts of one"): 1e2}
 _LIMITS: Mapping[str, Usual] = {
     "wear_percent": Usual(Sentence("a limit of wear"), "%", 2.0, 300.0, _PERCENT),
     "clearance_um": Usual(Sentence("a limit of the radial clearance"), "µm", 5.0, 300.0, _OF_UM),
