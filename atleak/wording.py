@@ -290,7 +290,7 @@ class _Spoken:
 
 def _spoken(value: Any, say: Wording) -> Any:
     if type(value) in (tuple, list):
-        return tuple(_spoken(each, say) for each in value)
+        return type(value)(_spoken(each, say) for each in value)
     return _Spoken(value, say)
 
 

@@ -25,13 +25,12 @@ from atleak.faults import NotAccepted, validated
 from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.home import home, made
-from atleak.system.reasons import reason_of
+from atleak.system.reasons import reason_of, toml_reason
 
 _HERE = Path(__file__).parent
 KINDS = ("controllers", "fluids", "limits", "instruments")
 """The catalogue's folders, of what ships and of the user's own."""
 _REMOVED = "removed"  # folder of what was taken out of the own catalogue
-_TOML_LINE = 300  # characters of a parser's message worth showing
 _TOML_TEXT = Sentence("TOML text in UTF-8")
 NO_ENTRY = {
     "controllers": Sentence("no such entry among the controllers"),
@@ -294,7 +293,7 @@ def read_tables(kind: str, id_or_path: str | Path) -> tuple[dict[str, Any], Orig
     try:
         data = tomllib.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:  # also a number of 5000 digits, or tables nested a thousand deep
-        problem = Sentence("is not valid TOML: {reason}", reason=str(error)[:_TOML_LINE])
+        problem = Sentence("is not valid TOML: {reason}", reason=toml_reason(error))
         raise CatalogueError(problem, place=Place(file=path.name), expected=_TOML_TEXT) from error
     if own and data.get("id", path.stem) != path.stem:
         problem = Sentence("a file of the own catalogue is named as its id")
