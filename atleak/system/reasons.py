@@ -43,6 +43,7 @@ _KNOWN = (
     Sentence("Unterminated string"),
     Sentence("Invalid date or datetime"),
     Sentence("Invalid value"),
+    Sentence("maximum recursion depth exceeded"),
 )
 _BY_TEXT = {str(reason): reason for reason in _KNOWN}
 _OF_ONE: Mapping[str, Callable[[str], Sentence]] = {  # of a TOML file too: what a single thing stands in
