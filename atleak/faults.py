@@ -52,6 +52,7 @@ _WANTED_OF: Mapping[str, Callable[[Mapping[str, Any]], Sentence]] = {  # from wh
     "less_than": lambda of: Sentence("less than {bound:.15g}", bound=of["lt"]),
     "less_than_equal": lambda of: Sentence("less than or equal to {bound:.15g}", bound=of["le"]),
     "literal_error": lambda of: _alternatives(of["expected"]),
+    "enum": lambda of: _alternatives(of["expected"]),
 }
 
 
