@@ -48,7 +48,7 @@ def test_a_long_value_is_shortened() -> None:
     assert len(str(fault.value)) < 100
 
 
-ENGLISH = {"a", "expected", "found", "greater", "is", "less", "must", "not", "or", "than", "the", "value", "with"}
+ENGLISH = {"a", "expected", "found", "greater", "is", "less", "must", "not", "or", "than", "value", "with"}
 
 
 @pytest.mark.parametrize("language", ["de", "pl"])
