@@ -9,6 +9,7 @@ import tomllib
 import unicodedata
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import cache
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -170,7 +171,9 @@ class Wording:
 
     def plain(self, value: float, digits: int = 6) -> str:
         """Return a number with no more digits than it has."""
-        return f"{value:.{digits}g}".replace(".", self.texts["decimal"]).replace("-", "−")
+        text = f"{value:.{digits}g}"
+        text = f"{Decimal(text):f}" if "e" in text else text  # 0.00003937 in, not 3.937e-05
+        return text.replace(".", self.texts["decimal"]).replace("-", "−")
 
     def date(self, value: dt.date) -> str:
         """Return a date as ISO 8601, which every language reads the same way."""

@@ -11,7 +11,7 @@ from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Units
 from atleak.errors import InputError
 from atleak.faults import NotAccepted
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, in_a_row
 
 _LENGTHS = {"mm": 1e-3, "µm": 1e-6, "inch": 0.0254}
 
@@ -47,7 +47,7 @@ def fault_of_cell(error: InputError, column: Column, row: Row, units: Units) -> 
         return Fault(spot, Sentence("this cell must be filled in"), expected=expected)
     expected, question = error.expected, _other_unit(column, row, units)
     if expected and question:
-        expected = Sentence("{first}; {second}", first=expected, second=question)
+        expected = in_a_row((expected, question))
     return Fault(
         spot,
         Sentence("{problem}{converted}", problem=error.problem, converted=_converted(column, row, units)),

@@ -8,7 +8,7 @@ from statistics import median
 from atleak.errors import Message, Place
 from atleak.learning.learned import COVERED, PUBLISHED_NEW, Learned, LearnedLand, LearnedUnit, LeftOut, ToleranceFrom
 from atleak.learning.outliers import UNITS_TO_JUDGE_A_SHIFT, UNITS_TO_NAME_ONE, WhyUnit
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, in_a_row, some
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import PERCENT, UM
 
@@ -115,13 +115,11 @@ def _one_unit(learned: Learned) -> Iterator[Message]:
         high=high,
     )
     of_file = Sentence("the tolerance is that of the valve body's file, √2 times, as two pairs differ")
-    taken = of_file if ToleranceFrom.FILE in origins else published
-    if {ToleranceFrom.FILE, ToleranceFrom.PUBLISHED} <= origins:
-        taken = Sentence("{first}; {second}", first=published, second=of_file)
+    each = ((ToleranceFrom.PUBLISHED, published), (ToleranceFrom.FILE, of_file))
     text = Sentence(
         "One unit shows what its own clearances are, not how far new pairs differ, and nothing tells whether it is "
         "worn: {taken}. A second unit, better three, would show it",
-        taken=taken,
+        taken=in_a_row(said for origin, said in each if origin in origins),
     )
     yield Message("warning", "one_unit", text)
 
@@ -130,23 +128,27 @@ def _few_units(learned: Learned) -> Iterator[Message]:
     count = len(learned.counted)
     if learned.spread is None or count > _FEW_UNITS:
         return
-    text = Sentence(
-        "{count} units are few: their spread is taken over all lands together, and the uncertainties are wider by "
-        "Student's t",
-        count=count,
-    )
+    said = [
+        Sentence(
+            "{count} units are few: their spread is taken over all lands together, and the uncertainties are wider by "
+            "Student's t",
+            count=count,
+        )
+    ]
     if len(learned.units) < UNITS_TO_NAME_ONE:
-        cannot = Sentence("a worn unit cannot be named, only single pairs that are wider than those of the other unit")
-        text = Sentence("{first}; {second}", first=text, second=cannot)
+        said.append(
+            Sentence("a worn unit cannot be named, only single pairs that are wider than those of the other unit")
+        )
     if len(learned.units) < UNITS_TO_JUDGE_A_SHIFT:
         shifts = [unit.shift for unit in learned.counted]
-        cannot = Sentence(
-            "a unit that is worn in all lands alike cannot be told from a new one (all lands together are {apart} "
-            "{apart.unit} apart)",
-            apart=_width(max(shifts) - min(shifts)),
+        said.append(
+            Sentence(
+                "a unit that is worn in all lands alike cannot be told from a new one (all lands together are {apart} "
+                "{apart.unit} apart)",
+                apart=_width(max(shifts) - min(shifts)),
+            )
         )
-        text = Sentence("{first}; {second}", first=text, second=cannot)
-    yield Message("info", "few_units", text)
+    yield Message("info", "few_units", in_a_row(said))
 
 
 def _wider_than_thought(learned: Learned) -> Iterator[Message]:
@@ -234,10 +236,7 @@ def _name(land: LearnedLand) -> str:
 
 
 def _listed(names: Iterable[str]) -> Sentence:
-    every = list(names)
-    if not every[_NAMED:]:
-        return Sentence("{names}", names=every)
-    return Sentence("{names} and {count} more", names=every[:_NAMED], count=len(every) - _NAMED)
+    return some(list(names), _NAMED)
 
 
 def _width(metres: float) -> Quantity:
