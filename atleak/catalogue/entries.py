@@ -11,7 +11,7 @@ import hashlib
 import re
 import tomllib
 import unicodedata
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -112,6 +112,42 @@ class Listed(Generic[Loaded]):
 
     entries: dict[str, Loaded]
     faults: tuple[CatalogueError, ...]
+
+
+@dataclass(frozen=True)
+class Shelf(Generic[EntryModel, Loaded]):
+    """The entries of one kind: how a file is checked, and what is made of it."""
+
+    kind: str  # one of `KINDS`
+    model: type[EntryModel]
+    make: Callable[[EntryModel, Mapping[str, Any], Origin], Loaded]
+
+    def load(self, id_or_path: str | Path) -> Loaded:
+        """Load a shipped entry or one of the user's own by id, or a file by path.
+
+        Raises
+        ------
+        CatalogueError
+            if the file is missing or wrong; the message names file, table, key and value.
+        """
+        return self._made(*read_tables(self.kind, id_or_path))
+
+    def checked(self, data: Mapping[str, Any], file: str = "this description") -> Loaded:
+        """Return the entry that tables describe which came another way than from a TOML file.
+
+        Raises
+        ------
+        CatalogueError
+            as `load`; ``place.steps`` of every fault leads to it through the tables.
+        """
+        return self._made(data, Origin(Path(file), ""))
+
+    def usable(self) -> list[Loaded]:
+        """Return every entry that can be used, shipped or own."""
+        return list(listed(self.kind, self.load).entries.values())
+
+    def _made(self, data: Mapping[str, Any], origin: Origin) -> Loaded:
+        return self.make(validated(self.model, data, origin.file, kind=CatalogueError), data, origin)
 
 
 def shipped_files(kind: str) -> dict[str, Path]:

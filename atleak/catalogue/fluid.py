@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import numpy as np
@@ -18,16 +17,15 @@ from atleak.catalogue.entries import (
     Entry,
     Finite,
     Origin,
+    Shelf,
     Strict,
-    listed,
     read_entry,
-    read_tables,
     shipped_files,
 )
 from atleak.equations import fluid as fluid_equations
 from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
 from atleak.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
-from atleak.faults import NotAccepted, place_of, validated
+from atleak.faults import NotAccepted, place_of
 from atleak.sentence import Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import PERCENT
@@ -276,30 +274,7 @@ def fresh_assumed(fluid: Fluid) -> Message:
     return Message("info", "fluid_state_assumed", text)
 
 
-def load_fluid(id_or_path: str | Path) -> Fluid:
-    """Load a shipped fluid by id, or a workshop's own by path.
-
-    Raises
-    ------
-    CatalogueError
-        if the file is missing or wrong; the message names file, table, key and value.
-    """
-    return _fluid(*read_tables("fluids", id_or_path))
-
-
-def checked_fluid(data: Mapping[str, Any], file: str = "this description") -> Fluid:
-    """Return the fluid that tables describe which came another way than from a TOML file.
-
-    Raises
-    ------
-    CatalogueError
-        as `load_fluid`; ``place.steps`` of every fault leads to it through the tables.
-    """
-    return _fluid(data, Origin(Path(file), ""))
-
-
-def _fluid(data: Mapping[str, Any], origin: Origin) -> Fluid:
-    entry = validated(FluidFile, data, origin.file, kind=CatalogueError)
+def _fluid(entry: FluidFile, data: Mapping[str, Any], origin: Origin) -> Fluid:
     points = _falling("viscosity", entry.viscosity, data, origin)
     rows = _falling("table", entry.table, data, origin)
     return Fluid(
@@ -317,11 +292,6 @@ def _fluid(data: Mapping[str, Any], origin: Origin) -> Fluid:
         origin=origin,
         doubts=doubts_of("fluids", data, origin.file),
     )
-
-
-def fluids() -> list[Fluid]:
-    """Return every fluid that can be used, shipped or own."""
-    return list(listed("fluids", load_fluid).entries.values())
 
 
 def _used_entry(entry: FluidFile, origin: Origin) -> str | None:
@@ -412,3 +382,7 @@ class FluidFile(Entry):
         if len(rows) == 1:
             raise NotAccepted(Sentence("at least two temperatures, or no table"))
         return rows
+
+
+_SHELF = Shelf("fluids", FluidFile, _fluid)
+load_fluid, checked_fluid, fluids = _SHELF.load, _SHELF.checked, _SHELF.usable

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,12 +19,11 @@ from atleak.catalogue.entries import (
     NonNegative,
     Origin,
     Positive,
+    Shelf,
     Strict,
-    listed,
-    read_tables,
 )
-from atleak.errors import CatalogueError, Message
-from atleak.faults import NotAccepted, WrongTogether, validated
+from atleak.errors import Message
+from atleak.faults import NotAccepted, WrongTogether
 from atleak.sentence import Sentence
 from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.workshop_units import KPA, PERCENT, UM
@@ -259,30 +257,7 @@ class Limits:
         return MappingProxyType({kind: steps for kind, steps in stated.items() if steps is not None})
 
 
-def load_limits(id_or_path: str | Path) -> Limits:
-    """Load a shipped limit set by id, or a workshop's own by path.
-
-    Raises
-    ------
-    CatalogueError
-        if the file is missing or wrong; the message names file, table, key and value.
-    """
-    return _limits(*read_tables("limits", id_or_path))
-
-
-def checked_limits(data: Mapping[str, Any], file: str = "this description") -> Limits:
-    """Return the limit set that tables describe which came another way than from a TOML file.
-
-    Raises
-    ------
-    CatalogueError
-        as `load_limits`; ``place.steps`` of every fault leads to it through the tables.
-    """
-    return _limits(data, Origin(Path(file), ""))
-
-
-def _limits(data: Mapping[str, Any], origin: Origin) -> Limits:
-    entry = validated(LimitsFile, data, origin.file, kind=CatalogueError)
+def _limits(entry: LimitsFile, data: Mapping[str, Any], origin: Origin) -> Limits:
     return Limits(
         **entry.heading(),
         wear=_steps(entry.wear_percent, 1e-2),
@@ -300,11 +275,6 @@ def _limits(data: Mapping[str, Any], origin: Origin) -> Limits:
 
 def _steps(table: LevelTable | None, unit: float) -> Steps | None:
     return None if table is None else table.steps(unit)
-
-
-def limit_sets() -> list[Limits]:
-    """Return every limit set that can be used, shipped or own."""
-    return list(listed("limits", load_limits).entries.values())
 
 
 class LevelLimit(Strict):
@@ -457,3 +427,7 @@ class LimitsFile(Entry):
                 if wanted is not None:
                     raise WrongTogether(wanted, name, level)
         return self
+
+
+_SHELF = Shelf("limits", LimitsFile, _limits)
+load_limits, checked_limits, limit_sets = _SHELF.load, _SHELF.checked, _SHELF.usable
