@@ -26,7 +26,7 @@ from atleak.equations import fluid as fluid_equations
 from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
 from atleak.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
 from atleak.faults import NotAccepted, place_of
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import PERCENT
 
@@ -79,7 +79,7 @@ class Fluid:
         if state == self.state:
             return self
         if state == "fresh":
-            problem = Sentence("the data of {fluid} describe a used fluid", fluid=self.name)
+            problem = Sentence("the data of {fluid} describe a used fluid", fluid=Name(self.name))
             raise InputError(problem, value=state, expected=Sentence("used, or the file of the fresh fluid"))
         if self.used is not None:
             return load_fluid(self.used)
@@ -149,7 +149,7 @@ class Fluid:
             raise DomainError(
                 Sentence(
                     "{fluid}: {at:g} {at.unit} is below {limit}, {lowest:g} {lowest.unit}",
-                    fluid=self.name,
+                    fluid=Name(self.name),
                     at=at,
                     limit=limit if self.pour_point is None else Sentence("its pour point"),
                     lowest=lowest,
@@ -159,7 +159,7 @@ class Fluid:
             Sentence(
                 "{fluid}: {at:g} {at.unit} is outside the fluid's data ({model}), "
                 "{lowest:g} to {highest:g} {highest.unit}",
-                fluid=self.name,
+                fluid=Name(self.name),
                 at=at,
                 model=model,
                 lowest=lowest,
@@ -177,16 +177,16 @@ class Fluid:
             )
             messages.append(Message("warning", "viscosity_cold", text))
         if model == "regression" and not self.study_regression:
-            fluid = self.name
+            fluid: Sentence | Name = Name(self.name)
             if self.estimated:
-                fluid = Sentence("{fluid}, used", fluid=self.name)
+                fluid = Sentence("{fluid}, used", fluid=Name(self.name))
             text = Sentence("The study's viscosity regression describes fresh HIPOL ATF IID, not {fluid}.", fluid=fluid)
             messages.append(Message("warning", "viscosity_of_another_fluid", text))
         if model == "tabulated" and not self.table:
             text = Sentence(
                 "{fluid} has no table of viscosities: straight lines of log ν join its data-sheet points, which "
                 "between {low:g} and {high:g} {high.unit} can lie some 10 % above ASTM D341.",
-                fluid=self.name,
+                fluid=Name(self.name),
                 low=Quantity(40.0, "temperature"),
                 high=Quantity(100.0, "temperature"),
             )
@@ -196,7 +196,7 @@ class Fluid:
             text = Sentence(
                 "{fluid}: there are no data of the used fluid. Its viscosity is taken {low} to {high} % below the "
                 "fresh one's (representative: choice of this project), its density as that of the fresh one.",
-                fluid=self.name,
+                fluid=Name(self.name),
                 low=low,
                 high=high,
             )
@@ -204,12 +204,12 @@ class Fluid:
         if self.representative:
             text = Sentence(
                 "{fluid}: representative, not from the data sheet: {names}.",
-                fluid=self.name,
-                names=self.representative,
+                fluid=Name(self.name),
+                names=tuple(text if isinstance(text, Sentence) else Name(text) for text in self.representative),
             )
             messages.append(Message("info", "fluid_representative", text))
         if self.note:
-            text = Sentence("{fluid}: {note}", fluid=self.name, note=self.note)
+            text = Sentence("{fluid}: {note}", fluid=Name(self.name), note=Name(self.note))
             messages.append(Message("info", "fluid_note", text))
         span = self.points[0][0], self.points[-1][0]
         if model == "d341" and highest > span[1] + 20.0:
@@ -267,7 +267,7 @@ def fresh_assumed(fluid: Fluid) -> Message:
     text = Sentence(
         "{fluid} is taken as fresh: nobody said whether it is fresh or used. Used fluid is some {low} to {high} "
         "% thinner, and every gap leaks the more.",
-        fluid=fluid.name,
+        fluid=Name(fluid.name),
         low=low,
         high=high,
     )

@@ -12,7 +12,7 @@ from pydantic import Field
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Entry, NonNegative, Origin, Positive, Shelf
 from atleak.errors import InputError, Message, one_of
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 
 Part = Literal["spool", "sleeve"]
 DEFAULT_SPOOL_INSTRUMENT = "workshop_microscope"  # as in the source study
@@ -84,9 +84,9 @@ class Instruments:
                 able = one_of(other.id for other in instruments() if part in other.measures)
                 own = Sentence("a file of the workshop's own")
                 raise InputError(
-                    Sentence("{instrument} does not measure a spool", instrument=instrument.name)
+                    Sentence("{instrument} does not measure a spool", instrument=Name(instrument.name))
                     if part == "spool"
-                    else Sentence("{instrument} does not measure a sleeve", instrument=instrument.name),
+                    else Sentence("{instrument} does not measure a sleeve", instrument=Name(instrument.name)),
                     value=instrument.id,
                     expected=Sentence("{first}, or {second}", first=able, second=own),
                 )

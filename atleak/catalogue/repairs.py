@@ -14,7 +14,7 @@ from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.mounting import MountingClearance
 from atleak.errors import InputError, unknown
 from atleak.faults import NotAccepted
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 
 RepairKind = Literal["clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "other"]
 REPAIR_KINDS: tuple[RepairKind, ...] = get_args(RepairKind)
@@ -144,7 +144,7 @@ def find_repairs(repairs: Sequence[Repair], wanted: Iterable[str], controller: s
     for name in dict.fromkeys(wanted):
         if name not in known:
             otherwise = None if known else Sentence("no repair: the file has no table [[repairs]]")
-            problem = Sentence("{controller} names no such repair", controller=controller)
+            problem = Sentence("{controller} names no such repair", controller=Name(controller))
             raise unknown(problem, name, known, otherwise=otherwise)
         for other in chosen:
             both = sorted(known[name].lands & other.lands) if other.component == known[name].component else []
