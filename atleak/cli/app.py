@@ -17,6 +17,7 @@ from urllib.parse import urlencode
 
 from atleak.cli.shared import add_command
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 from atleak.system.shipped import shipped
 
 PORT = 8501  # streamlit's own
@@ -61,7 +62,8 @@ def _is_up(port: int) -> bool:
 
 def _start(address: str, port: int | None, *options: str) -> int:
     if find_spec("streamlit") is None:
-        raise InputError("the dashboard needs streamlit", expected="python -m pip install streamlit")
+        expected = Sentence("{command}", command="python -m pip install streamlit")
+        raise InputError(Sentence("the dashboard needs streamlit"), expected=expected)
     _check_free(address, port)
     app = shipped("app.py")
     command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.address", address, *options]
@@ -94,15 +96,16 @@ def _check_free(address: str, port: int | None) -> None:
         if error.errno == errno.EADDRNOTAVAIL:
             raise _no_address(address) from error
         if error.errno == errno.EADDRINUSE:
-            expected = "another --port; is the dashboard running already?"
-            raise InputError("--port is in use by another program", value=port, expected=expected) from error
-        problem = f"--port cannot be served: {error.strerror}"
-        raise InputError(problem, value=port, expected="another --port, from 1024 up") from error
+            problem = Sentence("--port is in use by another program")
+            expected = Sentence("another --port; is the dashboard running already?")
+            raise InputError(problem, value=port, expected=expected) from error
+        problem = Sentence("--port cannot be served: {reason}", reason=error.strerror)
+        raise InputError(problem, value=port, expected=Sentence("another --port, from 1024 up")) from error
 
 
 def _no_address(address: str) -> InputError:
-    expected = "127.0.0.1 for this machine alone, 0.0.0.0 for every machine of its network"
-    return InputError("--address is no address of this machine", value=address, expected=expected)
+    expected = Sentence("127.0.0.1 for this machine alone, 0.0.0.0 for every machine of its network")
+    return InputError(Sentence("--address is no address of this machine"), value=address, expected=expected)
 
 
 def _serve(command: list[str], folder: Path) -> int:

@@ -17,6 +17,7 @@ from atleak.cli.shared import (
     write_json,
 )
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 
 
 def add_parser(commands: Any) -> None:
@@ -37,8 +38,8 @@ def run(options: argparse.Namespace) -> int:
     from atleak.jobs.compared import compare_jobs, compared_record, job_of
 
     if options.pdf == "-":
-        problem = "a PDF cannot be written to standard output"
-        raise InputError(problem, value="--pdf -", expected="a file name")
+        problem = Sentence("a PDF cannot be written to standard output")
+        raise InputError(problem, value="--pdf -", expected=Sentence("a file name"))
     inputs = [name for name in (options.before, options.after) if Path(name).is_file()]
     check_targets(options, inputs, [("record", options.json), ("PDF", options.pdf)])
     compared = compare_jobs(job_of(options.before), job_of(options.after))

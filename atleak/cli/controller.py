@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from atleak.cli.learn import add_learn
 from atleak.cli.shared import add_command, add_force, check_targets, say_written, without_colours, write, write_text
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
@@ -73,7 +74,7 @@ def _add_units(parser: argparse.ArgumentParser) -> None:
 def _template(options: argparse.Namespace) -> int:
     from atleak.catalogue.entries import Entry
 
-    _check_name(options.output, ".xlsx", "the workbook to fill in")
+    _check_name(options.output, ".xlsx", Sentence("the workbook to fill in is a .xlsx file"))
     data = None
     if options.start is not None:
         tables = _described(options.start)[0]
@@ -82,7 +83,7 @@ def _template(options: argparse.Namespace) -> int:
 
 
 def _to_workbook(options: argparse.Namespace) -> int:
-    _check_name(options.output, ".xlsx", "the workbook")
+    _check_name(options.output, ".xlsx", Sentence("the workbook is a .xlsx file"))
     status = _write_workbook(options, options.controller, _described(options.controller)[0])
     print(f"atleak: {_LOST}", file=sys.stderr)
     return status
@@ -102,7 +103,7 @@ def _from_workbook(options: argparse.Namespace) -> int:
     from atleak.catalogue.catalogue_toml import written_toml
 
     if options.output != "-":
-        _check_name(options.output, ".toml", "the description")
+        _check_name(options.output, ".toml", Sentence("the description is a .toml file"))
     check_targets(options, [options.workbook], [("TOML file", options.output)])
     tables, controller = _from_sheets(options.workbook)
     say_written(write_text(options.output, written_toml(tables)))
@@ -163,6 +164,6 @@ def _from_sheets(path: str) -> tuple[dict[str, Any], Controller]:
     return described.data, described.controller
 
 
-def _check_name(name: str, suffix: str, what: str) -> None:
+def _check_name(name: str, suffix: str, problem: Sentence) -> None:
     if Path(name).suffix.lower() != suffix:
-        raise InputError(f"{what} is a {suffix} file", value=name, expected=f"a name{suffix}")
+        raise InputError(problem, value=name, expected=Sentence("a name{suffix}", suffix=suffix))

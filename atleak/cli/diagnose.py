@@ -17,6 +17,7 @@ from atleak.cli.shared import (
     write_json,
 )
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 from atleak.verdicts import FLAGGED
 
 if TYPE_CHECKING:
@@ -50,8 +51,8 @@ def run(options: argparse.Namespace) -> int:
 
     for name in ("xlsx", "pdf", "job_file"):
         if getattr(options, name) == "-":
-            problem = "a workbook, PDF or job file cannot be written to standard output"
-            raise InputError(problem, value=f"--{name} -", expected="a file name")
+            problem = Sentence("a workbook, PDF or job file cannot be written to standard output")
+            raise InputError(problem, value=f"--{name} -", expected=Sentence("a file name"))
     targets: list[tuple[Kind, str | None]] = [("record", options.json), ("report workbook", options.xlsx)]
     check_targets(options, input_files(options), [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
     case, job = chosen_job(options)

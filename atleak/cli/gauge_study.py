@@ -14,6 +14,7 @@ from atleak.cli.shared import (
     write_json,
 )
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
 
 
@@ -56,5 +57,6 @@ def run(options: argparse.Namespace) -> int:
 def _number(text: str, option: str) -> float:
     number = decimal_number(text)
     if number is None:
-        raise InputError(f"{option} is not a number", value=text, expected="a number such as 0.02")
+        problem = Sentence("{option} is not a number", option=option)
+        raise InputError(problem, value=text, expected=Sentence("a number such as {example}", example="0.02"))
     return number

@@ -19,6 +19,7 @@ from atleak.cli.shared import (
     write_text,
 )
 from atleak.errors import InputError, OutputError, Place
+from atleak.sentence import Sentence
 
 
 def add_parser(commands: Any) -> None:
@@ -49,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
         written += write_json(options.json, record)
     if understood.road_test is None:
         raise understood.problem or InputError(
-            "the log's columns cannot be identified", place=Place(file=understood.file)
+            Sentence("the log's columns cannot be identified"), place=Place(file=understood.file)
         )
     if options.csv is not None:
         written += write_text(options.csv, tidy_csv(understood.road_test))

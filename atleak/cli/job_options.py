@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, get_args
 
 from atleak.cli.shared import add_columns, add_controller, length_of, number, number_of, pair
 from atleak.errors import InputError, unknown
+from atleak.sentence import Sentence
 from atleak.written_numbers import (
     ENGINE_SPEED,
     MEASURING_TEMPERATURE,
@@ -114,7 +115,7 @@ def _profile(text: str) -> str:
     from atleak.engine.profile import PROFILES
 
     if text not in PROFILES:
-        raise argparse.ArgumentTypeError(str(unknown("no such profile", text, PROFILES)))
+        raise argparse.ArgumentTypeError(str(unknown(Sentence("no such profile"), text, PROFILES)))
     return text
 
 
@@ -122,7 +123,7 @@ def _fluid_state(text: str) -> str:
     from atleak.catalogue.fluid import FluidState
 
     if text not in get_args(FluidState):
-        raise argparse.ArgumentTypeError(str(unknown("no such state of a fluid", text, get_args(FluidState))))
+        raise argparse.ArgumentTypeError(str(unknown(Sentence("no such state of a fluid"), text, get_args(FluidState))))
     return text
 
 
@@ -205,5 +206,6 @@ def _profile_options(options: argparse.Namespace) -> tuple[tuple[str, str], ...]
     """Return the options of the profile, among them where the spools are assumed to lie."""
     assumed = [pair for pair in options.assume if pair[0] == _POSITION]
     if assumed and _POSITION in dict(options.set):
-        raise InputError("the eccentricity is set twice", value=assumed[-1][1], expected="--set or --assume, not both")
+        expected = Sentence("--set or --assume, not both")
+        raise InputError(Sentence("the eccentricity is set twice"), value=assumed[-1][1], expected=expected)
     return (*options.set, *assumed)

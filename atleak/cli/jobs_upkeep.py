@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from atleak.cli.shared import add_command, add_force, add_job_id, check_targets, say_written
 from atleak.errors import AtleakError, InputError, Place
+from atleak.sentence import Sentence
 
 if TYPE_CHECKING:
     from atleak.jobs.book import Book
@@ -76,7 +77,7 @@ def _ids(book: Book, options: argparse.Namespace) -> list[str]:
     from atleak.jobs.search import Query
 
     if options.all == bool(options.jobs):
-        raise InputError("it is not said which jobs", expected="their ids, or --all")
+        raise InputError(Sentence("it is not said which jobs"), expected=Sentence("their ids, or --all"))
     if not options.all:
         return list(dict.fromkeys(named_job(book, name) for name in options.jobs))
     return [row.id for row in book.rows(Query(archived=None, limit=None))]
@@ -100,7 +101,8 @@ def _import(options: argparse.Namespace) -> int:
         if taken.stored_verdict is not None:
             print(f"atleak: {path.name}: judged otherwise when it was written: {taken.stored_verdict}", file=sys.stderr)
     if empty:
-        raise InputError("no job file is there", value=", ".join(options.files), expected="job files (zip)")
+        expected = Sentence("job files (zip)")
+        raise InputError(Sentence("no job file is there"), value=", ".join(options.files), expected=expected)
     return 2 if failed else 0
 
 
@@ -157,16 +159,17 @@ def _erase(options: argparse.Namespace) -> int:
     from atleak.wording import wording
 
     if (options.customer is None) == (not options.jobs):
-        raise InputError("it is not said which jobs", expected="--customer NAME|NUMBER, or ids of jobs")
+        expected = Sentence("--customer NAME|NUMBER, or ids of jobs")
+        raise InputError(Sentence("it is not said which jobs"), expected=expected)
     book = open_book()
     if options.customer is None:
         ids = [named_job(book, name) for name in options.jobs]
     else:
         ids = [row.id for row in jobs_of_customer(book, options.customer)]
         if not ids:
-            expected = "the whole name or number, as `atleak jobs list` shows it"
-            place = Place(file=book.name)
-            raise InputError("no job is of this customer", place=place, value=options.customer, expected=expected)
+            problem = Sentence("no job is of this customer")
+            expected = Sentence("the whole name or number, as `atleak jobs list` shows it")
+            raise InputError(problem, place=Place(file=book.name), value=options.customer, expected=expected)
     rows = [row for row in book.rows(Query(archived=None, limit=None)) if row.id in ids]
     for row in rows:
         print(f"{row.id}  {row.in_words}")
@@ -188,7 +191,7 @@ def _erase(options: argparse.Namespace) -> int:
 
 def _agreed(count: int) -> bool:
     if not sys.stdin.isatty():
-        raise InputError("nothing was erased: nobody can be asked here", expected="--yes")
+        raise InputError(Sentence("nothing was erased: nobody can be asked here"), expected=Sentence("--yes"))
     answer = input(f"Erase {count} job{'s' * (count != 1)}? Write yes: ")
     if answer.strip().lower() == "yes":
         return True
@@ -205,7 +208,8 @@ def _backup(options: argparse.Namespace) -> int:
 
     path = Path(options.file)
     if path.exists() and not options.force:
-        raise InputError("is there already", place=Place(file=str(path)), expected="another name, or --force")
+        expected = Sentence("another name, or --force")
+        raise InputError(Sentence("is there already"), place=Place(file=str(path)), expected=expected)
     count = backup(open_book(), path)
     say_written([f"{path}, {count} job{'s' * (count != 1)}"])
     return 0

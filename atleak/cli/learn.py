@@ -19,6 +19,7 @@ from atleak.cli.shared import (
     write_text,
 )
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 from atleak.written_numbers import MEASURING_TEMPERATURE
 
 if TYPE_CHECKING:
@@ -77,9 +78,11 @@ def run(options: argparse.Namespace) -> int:
     from atleak.views.learned_rows import learned_record
 
     if options.output not in (None, "-") and Path(options.output).suffix.lower() != ".toml":
-        raise InputError("the description is a .toml file", value=options.output, expected="a name.toml")
+        expected = Sentence("a name{suffix}", suffix=".toml")
+        raise InputError(Sentence("the description is a .toml file"), value=options.output, expected=expected)
     if options.output == options.json == "-":
-        raise InputError("only one of -o and --json can be written to standard output", expected="a file for the other")
+        problem = Sentence("only one of -o and --json can be written to standard output")
+        raise InputError(problem, expected=Sentence("a file for the other"))
     check_targets(
         options,
         [options.controller, *options.sheets],
@@ -116,7 +119,8 @@ def _of_book(options: argparse.Namespace, controller: str) -> tuple[NewSheet, ..
     """Return the sheets of the job book that are asked for; of a valve body that was copied those of the original."""
     if not options.from_book:
         if not options.sheets:
-            raise InputError("no measuring sheet is given", expected="one for each unit, or --from-book")
+            expected = Sentence("one for each unit, or --from-book")
+            raise InputError(Sentence("no measuring sheet is given"), expected=expected)
         return ()
     from atleak.jobs.book import open_book
     from atleak.jobs.new_sheets import new_sheets

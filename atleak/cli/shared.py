@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from atleak.errors import unknown
 from atleak.paper import DEFAULT_PAPER, PAPERS
+from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.printable import unguarded
 from atleak.unit_systems import SYSTEMS
@@ -150,7 +151,7 @@ def constant(text: str) -> tuple[str, float]:
 
     name, value = pair(text)
     if name not in QUANTITIES:
-        raise argparse.ArgumentTypeError(str(unknown("no such quantity of a log", name, QUANTITIES)))
+        raise argparse.ArgumentTypeError(str(unknown(Sentence("no such quantity of a log"), name, QUANTITIES)))
     known = QUANTITIES[name]
     stated = number_of(AskedNumber(known.label, known.workshop_unit))(value)
     return name, unit(known.workshop_unit, known.unit_kind).to_si(stated) if known.unit_kind else stated

@@ -16,6 +16,7 @@ from atleak.cli.shared import (
     write,
 )
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 
 
 def add_parser(commands: Any) -> None:
@@ -31,7 +32,8 @@ def run(options: argparse.Namespace) -> int:
     from atleak.report.measuring_sheet import write_template
 
     if Path(options.output).suffix.lower() != ".xlsx":
-        raise InputError("the measuring sheet is an Excel workbook", value=options.output, expected="a name.xlsx")
+        problem = Sentence("the measuring sheet is an Excel workbook")
+        raise InputError(problem, value=options.output, expected=Sentence("a name{suffix}", suffix=".xlsx"))
     check_targets(options, [options.controller], [("measuring sheet", options.output)])
     say_written(write(options.output, write_template(chosen_controller(options))))
     return 0

@@ -14,6 +14,7 @@ from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
+from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.marks import Kind
 from atleak.views.diagnosis_record import diagnosis_record, to_json
@@ -97,7 +98,9 @@ def _report(form: str, diagnosis: Diagnosis, job: Job, say: Wording, paper: str)
 
 def _unexpected(error: BaseException, source: Path) -> AtleakError:
     """Put a fault of the program in words; the fault itself stays its cause."""
-    problem = f"unexpected {type(error).__name__}: {error}. This is a fault of atleak"
+    problem = Sentence(
+        "unexpected {kind}: {reason}. This is a fault of atleak", kind=type(error).__name__, reason=str(error)
+    )
     fault = InputError(problem, place=Place(file=source.name))
     fault.__cause__ = error
     return fault
