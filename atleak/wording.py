@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-from atleak.errors import unknown
+from atleak.errors import AtleakError, Place, unknown
 from atleak.look import look_of
 from atleak.sentence import Name, Sentence, filled
 from atleak.unit_systems import Quantity, ShownUnit, unit_system
@@ -95,7 +95,7 @@ class Wording:
         if place not in values and place.startswith(_UNIT):
             return self.unit(place.removeprefix(_UNIT))
         value = values[place]
-        return self.value(*value) if isinstance(value, Quantity) else isolated(str(value))
+        return self.value(*value) if isinstance(value, Quantity) else isolated(self.sentence(value))
 
     def get(self, table: str, name: str) -> str:
         """Return the text for a name, or the name itself where no text is known for it."""
@@ -128,14 +128,16 @@ class Wording:
         """Whether language and unit of the temperature are those of the catalogue's files."""
         return self.language == "en" and self.unit("temperature") == "°C"
 
-    def sentence(self, said: str) -> str:
+    def sentence(self, said: object) -> str:
         """Return a sentence of the program in the reader's language and units; any other text as it is.
 
         Parameters
         ----------
         said
-            an `atleak.sentence.Sentence`: the text of a message, or what an error says.
+            an `atleak.sentence.Sentence`, such as the text of a message, or an error or a place, which have one.
         """
+        if isinstance(said, AtleakError | Place):
+            said = said.sentence
         if not isinstance(said, Sentence) or (self.language == "en" and self.units == "metric"):
             return str(said)
         template = self.texts.get("messages", {}).get(said.template, said.template)

@@ -83,7 +83,7 @@ def draw(controller: Controller) -> Job:
         return record
     faults, typed = list(decision_faults(changed, controller)), changed.repair_decisions != record.repair_decisions
     for fault in faults:
-        place.error(show.plain(say("job_form.not_taken", problem=fault) if typed else str(fault)))
+        place.error(show.plain(say("job_form.not_taken", problem=fault) if typed else fault))
     if faults and typed:
         return record
     st.session_state[RECORD] = changed
@@ -221,7 +221,7 @@ def _uploads(what: str, *, several: bool) -> None:
                 printable_picture(name, content)
                 _put(job().with_photo(name, content) if several else job().with_logo(name, content))
             except InputError as error:
-                st.session_state[f"{count}-fault"] = str(error)
+                st.session_state[f"{count}-fault"] = error
 
     label = reader.say()(f"job_form.{what}")
     st.file_uploader(label, PICTURE_KINDS, accept_multiple_files=several, key=own, on_change=changed)

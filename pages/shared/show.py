@@ -42,8 +42,12 @@ HAIR_SPACE = "\u200a"
 
 
 def plain(text: object) -> str:
-    """Escape text of a user or a file, so that markdown shows it sign for sign."""
-    return _MARKDOWN.sub(r"\\\1", str(text)).replace("\n", "  \n")
+    """Escape text of a user or a file, so that markdown shows it sign for sign.
+
+    A sentence of the program, and what an error says, comes in the reader's language and units.
+    """
+    said = text if type(text) is str else reader.say().sentence(text)
+    return _MARKDOWN.sub(r"\\\1", said).replace("\n", "  \n")
 
 
 def refusal(what: str, refused: Refusal, kept: str) -> None:
@@ -61,8 +65,8 @@ def error_line(error: AtleakError) -> str:
     """Return where the first problem of an error stands; the whole text is at the head of the page."""
     problems = getattr(error, "problems", (error,))
     first = problems[0]
-    where = str(getattr(first, "place", "")) or str(first)
     say = reader.say()
+    where = say.sentence(getattr(first, "place", "")) or first
     more = f" ({say('show.more', count=len(problems) - 1)})" if len(problems) > 1 else ""
     return f"{plain(where)}{more}: {say('show.see_head')}"
 
@@ -85,8 +89,8 @@ def _counted(what: str, notes: Sequence[Message], about: str, say: Wording) -> s
 
 
 def _with_place(message: Message) -> str:
-    place = "" if message.place is None else str(message.place)
-    return plain(message.text) + (f" — *{plain(place)}*" if place else "")
+    place = plain(message.place or "")
+    return plain(message.text) + (f" — *{place}*" if place else "")
 
 
 def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int], **options: Any) -> Any:
