@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from atleak.sentence import Name, Sentence
-from atleak.verdicts import level_named
+from atleak.verdicts import Verdict, level_named
 
 
 @dataclass(frozen=True)
@@ -77,5 +77,5 @@ def _words(verdict: str | None, decision: str | None) -> Sentence:
 
 
 def _level(verdict: str) -> Sentence:
-    known = level_named(verdict)
-    return Sentence("{verdict}", verdict=known)
+    level = level_named(verdict)
+    return Sentence("not measured") if level is Verdict.NOT_MEASURED else Sentence("{verdict}", verdict=level)
