@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
-from atleak.cli.shared import add_command
+from atleak.cli.parser import add_command
 from atleak.errors import InputError
 from atleak.sentence import Sentence
 from atleak.system.shipped import shipped
@@ -28,9 +28,13 @@ _PORTS = range(1, 65536)
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "app", run, "the dashboard in a browser")
-    parser.add_argument("--port", metavar="N", type=port_number)
-    parser.add_argument("--address", metavar="A", default=_HERE)
+    parser = add_command(
+        commands, "app", run, "the dashboard in a browser", examples=("app", "app --port 8600"), quiet=False
+    )
+    help = f"at which it answers: the first free one from {PORT} on unless given"
+    parser.add_argument("--port", metavar="N", type=port_number, help=help)
+    help = f"of this machine at which it answers: {_HERE}, which no other machine reaches, unless given"
+    parser.add_argument("--address", metavar="A", default=_HERE, help=help)
 
 
 def run(options: argparse.Namespace) -> int:

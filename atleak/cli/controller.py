@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.cli.learn import add_learn
-from atleak.cli.shared import add_command, add_force, check_targets, say_written, without_colours, write, write_text
+from atleak.cli.parser import add_command, add_group
+from atleak.cli.shared import add_force, check_targets, say_written, write, write_text
 from atleak.errors import InputError
 from atleak.sentence import Sentence
 
@@ -22,20 +23,35 @@ _LOST = "comments and the order of keys in a TOML file are not kept on the way t
 def add_parser(commands: Any) -> None:
     """Add the commands."""
     about = "describe a valve body: in a workbook, and as the TOML file that every command takes"
-    parser = commands.add_parser("controller", help=about, description=about[0].upper() + about[1:] + ".")
-    without_colours(parser)
-    group = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    group = add_group(
+        commands,
+        "controller",
+        about,
+        examples=(
+            "controller template -o my_unit.xlsx --units inch --clearance diametral",
+            "controller check my_unit.xlsx",
+            "controller from-workbook my_unit.xlsx -o my_unit.toml",
+            "controller learn new_unit.xlsx --controller my_unit.toml -o my_unit_learned.toml",
+        ),
+    )
     _add_template(group)
     _add_from_workbook(group)
     _add_to_workbook(group)
     add_learn(group)
-    check = add_command(group, "check", _check, "whether a valve body is described well: lists all faults at once")
+    about = "whether a valve body is described well: lists all faults at once"
+    check = add_command(group, "check", _check, about, examples=("controller check my_unit.xlsx",))
     check.add_argument("file", metavar="FILE", help="workbook, TOML file, or id of a shipped one")
 
 
 def _add_template(group: Any) -> None:
-    template = add_command(group, "template", _template, "a workbook to fill in")
-    template.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+    template = add_command(
+        group,
+        "template",
+        _template,
+        "a workbook to fill in",
+        examples=("controller template -o my_unit.xlsx", "controller template --from four_speed_2023 -o mine.xlsx"),
+    )
+    template.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the workbook")
     template.add_argument(
         "--from",
         dest="start",
@@ -47,16 +63,28 @@ def _add_template(group: Any) -> None:
 
 
 def _add_from_workbook(group: Any) -> None:
-    parser = add_command(group, "from-workbook", _from_workbook, "a filled workbook as TOML file")
-    parser.add_argument("workbook", metavar="FILE.xlsx")
-    parser.add_argument("-o", "--output", metavar="FILE.toml|-", required=True)
+    parser = add_command(
+        group,
+        "from-workbook",
+        _from_workbook,
+        "a filled workbook as TOML file",
+        examples=("controller from-workbook my_unit.xlsx -o my_unit.toml",),
+    )
+    parser.add_argument("workbook", metavar="FILE.xlsx", help="as template or to-workbook writes it, filled in")
+    parser.add_argument("-o", "--output", metavar="FILE.toml|-", required=True, help="what --controller takes")
     add_force(parser)
 
 
 def _add_to_workbook(group: Any) -> None:
-    parser = add_command(group, "to-workbook", _to_workbook, "a valve body as workbook, to change it there")
-    parser.add_argument("controller", metavar="ID|FILE")
-    parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+    parser = add_command(
+        group,
+        "to-workbook",
+        _to_workbook,
+        "a valve body as workbook, to change it there",
+        examples=("controller to-workbook four_speed_2023 -o mine.xlsx",),
+    )
+    parser.add_argument("controller", metavar="ID|FILE", help="the valve body")
+    parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the workbook")
     _add_units(parser)
     add_force(parser)
 

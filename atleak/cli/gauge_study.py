@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from atleak.cli.parser import add_command
 from atleak.cli.shared import (
-    add_command,
     add_force,
     add_json,
     check_targets,
@@ -20,7 +20,13 @@ from atleak.written_numbers import decimal_number
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "gauge-study", run, "repeatability and reproducibility of a gauge, by ANOVA")
+    parser = add_command(
+        commands,
+        "gauge-study",
+        run,
+        "repeatability and reproducibility of a gauge, by ANOVA",
+        examples=("gauge-study study.xlsx", "gauge-study study.csv --unit µm --tolerance 0.02 --json study.json"),
+    )
     parser.add_argument("file", metavar="FILE", help="repeated readings of several parts by several people: xlsx, csv")
     parser.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
     parser.add_argument(

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atleak.cli.shared import add_command, add_force, add_job_id, check_targets, say_written
+from atleak.cli.parser import add_command
+from atleak.cli.shared import add_force, add_job_id, check_targets, say_written
 from atleak.errors import AtleakError, InputError, Place
 from atleak.sentence import Sentence
 
@@ -22,7 +23,7 @@ def add_upkeep(group: Any) -> None:
     export = add_command(group, "export", _export, "jobs as job files, with tables for other programs")
     add_job_id(export, "*")
     export.add_argument("--all", action="store_true", help="every job of the book, archived ones too")
-    export.add_argument("-o", "--output", metavar="FOLDER", required=True)
+    export.add_argument("-o", "--output", metavar="FOLDER", required=True, help="where they go")
     add_force(export)
     taken = add_command(group, "import", _import, "take job files into the book; a job that is there is recognised")
     taken.add_argument("files", metavar="FILE|FOLDER", nargs="+", help="job files, or folders of them")
@@ -32,16 +33,16 @@ def add_upkeep(group: Any) -> None:
     part = add_command(group, "part", _part, "undo a merge")
     part.add_argument("unit", metavar="UNIT", type=int, help="number of the unit that was merged into another one")
     add_command(group, "duplicates", _duplicates, "which units may be one")
-    erase = add_command(group, "erase", _erase, "remove a customer's personal data from the book for good")
+    erase = add_command(group, "erase", _erase, "remove a customer's personal data from the book for good", quiet=False)
     add_job_id(erase, "*")
     erase.add_argument("--customer", metavar="NAME|NUMBER", help="every job of this customer")
     erase.add_argument("--delete", action="store_true", help="delete jobs whole that this version cannot open or judge")
     erase.add_argument("--yes", action="store_true", help="do not ask")
     backup = add_command(group, "backup", _backup, "a copy of the whole book, also while it is in use")
-    backup.add_argument("file", metavar="FILE")
+    backup.add_argument("file", metavar="FILE", help="the copy")
     add_force(backup)
     restore = add_command(group, "restore", _restore, "bring a backup back")
-    restore.add_argument("file", metavar="FILE")
+    restore.add_argument("file", metavar="FILE", help="as backup wrote it")
     restore.add_argument("--force", action="store_true", help="in the place of a book that holds jobs")
     restore.add_argument("--damaged", action="store_true", help="take what is left of damaged jobs of the backup too")
     add_command(group, "verify", _verify, "whether every job opens and its stored result is whole")

@@ -7,8 +7,8 @@ import datetime as dt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from atleak.cli.parser import add_command
 from atleak.cli.shared import (
-    add_command,
     add_force,
     add_json,
     check_targets,
@@ -29,7 +29,17 @@ if TYPE_CHECKING:
 
 def add_learn(group: Any) -> None:
     """Add the command to those about the description of a valve body."""
-    parser = add_command(group, "learn", run, "mounting clearances from measuring sheets of new or known-good units")
+    parser = add_command(
+        group,
+        "learn",
+        run,
+        "mounting clearances from measuring sheets of new or known-good units",
+        usage="atleak controller learn [SHEET ...] --controller ID|FILE [options]",
+        examples=(
+            "controller learn new_1.xlsx new_2.xlsx --controller my_unit.toml -o my_unit_learned.toml",
+            "controller learn --from-book --controller four_speed_2023",
+        ),
+    )
     parser.add_argument(
         "sheets",
         metavar="SHEET",

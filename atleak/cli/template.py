@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from atleak.cli.parser import add_command
 from atleak.cli.shared import (
-    add_command,
     add_controller,
     add_force,
     check_targets,
@@ -21,9 +21,10 @@ from atleak.sentence import Sentence
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "template", run, "a measuring sheet to fill in")
+    examples = ("template -o sheet.xlsx", "template --controller five_speed_2005 -o sheet.xlsx")
+    parser = add_command(commands, "template", run, "a measuring sheet to fill in", examples=examples)
     add_controller(parser)
-    parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+    parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the sheet")
     add_force(parser)
 
 
