@@ -109,7 +109,7 @@ def _write_reports(
         content = write_job_file(diagnosis, job, as_read(case))
         written += write(options.job_file, content)
     if options.json is not None:  # written last: standard output stays empty when another file fails
-        from atleak.views.diagnosis_record import diagnosis_record
+        from atleak.job.issued import issued_record
 
-        written += write_json(options.json, diagnosis_record(diagnosis))
+        written += write_json(options.json, issued_record(diagnosis, job))
     return written

@@ -180,16 +180,16 @@ def _print_rows(rows: list[JobRow], count: int) -> None:
 
 
 def _show(options: argparse.Namespace) -> int:
+    from atleak.job.issued import issued_record
     from atleak.jobs.book import open_book
     from atleak.jobs.judged_anew import judged_otherwise
     from atleak.jobs.named import named_job
-    from atleak.views.diagnosis_record import diagnosis_record
 
     check_targets(options, [], [("record", options.json)])
     book = open_book()
     stored = book.load(named_job(book, options.job))
     diagnosis = stored.file.diagnose()
-    record = diagnosis_record(diagnosis)
+    record = issued_record(diagnosis, stored.file.job)
     if stored.archived_at is not None:
         print(f"atleak: this job was archived on {stored.archived_at:%Y-%m-%d}", file=sys.stderr)
     otherwise = judged_otherwise(stored.file.result, record)
@@ -198,7 +198,8 @@ def _show(options: argparse.Namespace) -> int:
         for each in otherwise:
             print(f"  {each}", file=sys.stderr)
     if options.json is not None:
-        said = {"job": stored.file.job.record(), "id": stored.id, "stored_verdict": stored.file.result.get("verdict")}
+        record["job"] |= stored.file.job.record()  # all that was written down
+        said = {"id": stored.id, "stored_verdict": stored.file.result.get("verdict")}
         say_written(write_json(options.json, {**record, **said}))
     if options.json != "-":
         from atleak.report.terminal import print_diagnosis

@@ -270,6 +270,19 @@ class Job(Record):
         """Return what was measured of this job's pump."""
         return PumpClearances.of_um(self.pump_side_clearance_um, self.pump_tip_clearance_um)
 
+    @property
+    def identity(self) -> dict[str, Any]:
+        """Return what tells this job from others, and who measured; None for what nobody wrote down."""
+        return {
+            "number": self.number or None,
+            "date": self.date.isoformat() if self.date else None,
+            "vin": self.vehicle.vin or None,
+            "plate": self.vehicle.registration or None,
+            "serial": self.transmission.serial or None,
+            "mileage_km": self.vehicle.mileage_km,
+            "measured_by": self.technician or None,
+        }
+
     def mileage_or(self, computed: float | None) -> float | None:
         """Return the mileage with which the result was computed [km], or else the one that the record states."""
         return self.vehicle.mileage_km if computed is None else computed

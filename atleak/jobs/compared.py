@@ -78,20 +78,8 @@ def compared_record(compared: ComparedJobs) -> dict[str, Any]:
     """Return the record of a comparison with what tells the two jobs apart: ``job`` on either side."""
     record = comparison_record(compared.comparison)
     for side, job_file in (("before", compared.before), ("after", compared.after)):
-        record[side] = {"job": _identity(job_file), **record[side]}
+        record[side] = {"job": job_file.job.identity, **record[side]}
     return record
-
-
-def _identity(job_file: JobFile) -> dict[str, Any]:
-    job = job_file.job
-    return {
-        "number": job.number or None,
-        "date": job.date.isoformat() if job.date else None,
-        "vin": job.vehicle.vin or None,
-        "plate": job.vehicle.registration or None,
-        "serial": job.transmission.serial or None,
-        "mileage_km": job.vehicle.mileage_km,
-    }
 
 
 def _of_records(before: JobFile, after: JobFile) -> Iterator[Message]:

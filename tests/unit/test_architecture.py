@@ -78,7 +78,7 @@ FLOORS = (
         "report.controller_workbook",
         "report.lands_sheet",
     ),
-    ("job.decisions", "job.kinds", "job.steps"),
+    ("job.decisions", "job.issued", "job.kinds", "job.steps"),
     ("job.estimate",),
     ("report.estimate_words", "report.pictures", "job.repair_set"),
     (
