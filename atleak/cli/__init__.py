@@ -23,6 +23,7 @@ from atleak.cli import (
     import_log,
     jobs,
     report,
+    schema,
     template,
     variants,
 )
@@ -118,6 +119,7 @@ def _parser() -> Parser:
         controller,
         gauge_study,
         catalogue,
+        schema,
         app,
     ):  # as --help lists them
         group.add_parser(commands)

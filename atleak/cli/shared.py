@@ -48,7 +48,7 @@ def add_force(parser: Options) -> None:
 
 def add_json(parser: Options) -> None:
     """Add ``--json``, which `write_json` serves."""
-    help = "everything as JSON, to a file or (-) to standard output, alone"
+    help = "everything as JSON, to a file or (-) to standard output, alone; `atleak schema` describes it"
     parser.add_argument("--json", metavar="FILE|-", help=help)
 
 
