@@ -271,6 +271,8 @@ class _Spoken:
             return say.sentence(value)
         if isinstance(value, Name):
             return isolated(say.name(value))
+        if isinstance(value, Verdict | Band):
+            return say.level(value)
         if isinstance(value, Quantity):
             return self._quantity(value, specification)
         if isinstance(value, float | int):
