@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import reduce
 from itertools import combinations
 from typing import Literal
 
@@ -16,7 +15,7 @@ from atleak.job.record import Job
 from atleak.jobs.book import Book
 from atleak.jobs.tables import jobs, key_of, units, visits
 from atleak.jobs.units import final_unit, rows_of_unit, unit_key
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, in_a_row
 
 Reason = Literal["same_vin", "vin_within_one_character", "same_plate"]
 REASONS: dict[Reason, Sentence] = {
@@ -53,7 +52,7 @@ class UnitSeen:
         parts = [part for part in said if isinstance(part, Sentence)]
         if not parts:
             return Sentence("nothing that tells it")
-        return reduce(lambda first, then: Sentence("{first}; {then}", first=first, then=then), parts)
+        return in_a_row(parts)
 
 
 @dataclass(frozen=True)
