@@ -271,6 +271,8 @@ class _Spoken:
             return say.sentence(value)
         if isinstance(value, Name):
             return isolated(say.name(value))
+        if isinstance(value, Verdict | Band):
+            return say.level(value)
         if isinstance(value, Quantity):
             return self._quantity(value, specification)
         if isinstance(value, float | int):
@@ -282,7 +284,7 @@ class _Spoken:
     def _quantity(self, quantity: Quantity, specification: str) -> str:
         value, kind, digits = quantity
         if specification.endswith("g"):
-            return self.say.plain_spelled(value, kind)
+            return self.say.plain_spelled(float(format(value, specification)), kind)
         places = _FIXED.fullmatch(specification)
         return self.say.spelled(value, kind, int(places[1]) if places else digits)
 
