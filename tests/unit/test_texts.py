@@ -11,12 +11,16 @@ import pytest
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.entries import shipped_files
+from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.instruments import instruments
+from atleak.catalogue.limits import load_limits
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages, wording
 
 ROOT = Path(__file__).resolve().parents[2]
 CODE = [ROOT / "app.py", *(ROOT / "pages").rglob("*.py"), *(ROOT / "atleak").rglob("*.py")]
 ENGLISH = wording("en").texts
+LOADS = {"fluids": load_fluid, "limits": load_limits}
 KEYS = {f"{table}.{key}" for table, texts in ENGLISH.items() if isinstance(texts, dict) for key in texts}
 DOTTED = re.compile(r"\w+\..+")
 
@@ -126,19 +130,25 @@ def test_a_language_is_no_copy_of_english(language: str) -> None:
     assert same == []
 
 
-def test_every_name_of_a_shipped_valve_body_is_translated() -> None:
+def test_every_name_of_the_shipped_catalogue_is_translated() -> None:
+    """Of fluids those that are a product's own name stay as they are."""
     shipped = [load_controller(name) for name in sorted(shipped_files("controllers"))]
     names = {
         name
         for controller in shipped
         for name in (
+            controller.name,
             *controller.components.values(),
-            *(each.name for each in controller.circuits),
+            *(each.name for each in (*controller.circuits, *controller.leaks, *controller.consumers)),
             *(each.label for each in (*controller.operating_points, *controller.complaints)),
+            *(each.name for each in controller.repairs),
         )
     }
+    names |= {each.name for kind in ("fluids", "limits") for each in map(LOADS[kind], shipped_files(kind))}
+    names |= {each.name for each in instruments()}
+    products = {name for name in names if name.startswith("Mobil ")}
     assert len(shipped) > 8
-    assert set(ENGLISH["names"]) == names
+    assert set(ENGLISH["names"]) == names - products
     assert all(wording("en").name(name) == name for name in names)
     assert wording("de").name("main pressure valve") == "Hauptdruckventil"
     assert wording("de").name("valve of a workshop's own file") == "valve of a workshop's own file"
