@@ -51,7 +51,7 @@ if clearances.open:
             show.rows_table(clearance_rows(chosen, controller, say), CLEARANCE_COLUMNS)
             st.caption(say("readings.columns"))
             st.subheader(say("readings.wear"))
-            show.chart(figures.wear(diagnosis, chosen), "wear")
+            show.chart(figures.wear(diagnosis, chosen, say), "wear")
         else:
             st.write(say("readings.no_lands"))
 if controller.representative:

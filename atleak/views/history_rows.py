@@ -98,7 +98,7 @@ def total_rows(totals: Iterable[TotalOverMileage], say: Wording) -> list[dict[st
     """Return a row for each condition: the total now and at the end of the way ahead, and when it reaches each band."""
     return [
         {
-            "condition": say.name(total.condition.label),
+            "condition": say.condition(total.condition),
             "now": total.median[0] * PERCENT,
             "ahead": _within(total, -1, say),
             **{

@@ -11,6 +11,7 @@ from atleak.engine.line import LINE
 from atleak.repair import MoveKey, OfferedRepair, OfferedRepairs, RepairedAt, Total
 from atleak.verdicts import Verdict
 from atleak.views.pair_table import Cell, Row, Table
+from atleak.views.repair_options import repair_name
 from atleak.views.repair_words import Named, label_of
 from atleak.views.rule_words import rule_reached
 from atleak.views.sentences import land_in_words
@@ -92,7 +93,7 @@ def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording, named
     others = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in each.lands[1:])
     lands = ", ".join(filter(None, (land_in_words(diagnosis, first.key, say), others)))
     option = each.move.option
-    work = say("repair_plan.as_new") if option is None else option.repair.label
+    work = say("repair_plan.as_new") if option is None else repair_name(option.repair, say)
     at = each.best_at
     alone = say("repair_plan.no_help")
     if at.saving > 0.0:

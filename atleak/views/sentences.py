@@ -29,7 +29,7 @@ def counted_in_speed(diagnosis: Diagnosis, say: Wording) -> str:
 
     Of a pump held at demand it says too that the speed is that of the full stroke.
     """
-    consumers = ", ".join(isolated(each.name) for each in diagnosis.controller.consumers)
+    consumers = ", ".join(isolated(say.name(each.name)) for each in diagnosis.controller.consumers)
     said = say("texts.counted_in_speed", consumers=consumers) if consumers else say("texts.left_out_of_speed")
     return f"{said}. {say('pump.full_stroke')}" if diagnosis.controller.pump.held_at_demand else said
 
@@ -38,7 +38,7 @@ def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
     """Return the name of the fluid and the state in which it is taken: ``Mobil ATF 220; used``."""
     fluid, (low, high) = diagnosis.fluid, USED_THINNER
     state = "fresh_assumed" if diagnosis.fluid_state_assumed else "used_estimated" if fluid.estimated else fluid.state
-    return f"{isolated(fluid.name)}; {say(f'fluid_states.{state}', low=low, high=high)}"
+    return f"{isolated(say.name(fluid.name))}; {say(f'fluid_states.{state}', low=low, high=high)}"
 
 
 def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:

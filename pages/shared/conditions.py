@@ -17,7 +17,7 @@ from atleak.report.estimate_words import open_words
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
-from atleak.views.repair_options import option_rows
+from atleak.views.repair_options import option_rows, repair_name
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
 from atleak.wording import Wording
@@ -207,7 +207,7 @@ def _options(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:
         return
     show.table([{say(f"repair_plan.{name}"): value for name, value in row.items()} for row in rows])
     st.caption(say("repair_plan.planned"))
-    names = {repair.id: repair.label for repair in diagnosis.controller.repairs}
+    names = {repair.id: repair_name(repair, say) for repair in diagnosis.controller.repairs}
     key = f"planned-repairs-{diagnosis.controller.sha256}-{session().generation}"
     st.multiselect(
         say("repair_plan.plan_with"),

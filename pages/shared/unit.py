@@ -236,7 +236,7 @@ def draw_totals(now: Seen) -> None:
     name = st.selectbox(
         say("columns.condition"),
         list(by_name),
-        format_func=lambda each: say.name(by_name[each].condition.label),
+        format_func=lambda each: say.condition(by_name[each].condition),
         key="unit-condition",
     )
     show.chart(figures.total_over_mileage(by_name[name], say), "unit-total")
@@ -270,7 +270,7 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
     controller = now.diagnosis.controller
     across = _across(jobs.name, controller.id, jobs)
     say = reader.say()
-    st.write(say("unit.of_kind", count=across.units, controller=f"**{show.plain(controller.name)}**"))
+    st.write(say("unit.of_kind", count=across.units, controller=f"**{show.plain(say.name(controller.name))}**"))
     places = [each for each in standing(jobs, across, unit) if each.enough]
     if places:
         spread = {land.key: land for land in across.lands}

@@ -128,7 +128,8 @@ def _slide(name: str, low: Any, high: Any, step: Any) -> Any:
 
 
 def _fluids(diagnosis: Diagnosis) -> dict[str | None, str]:
-    as_in_job = reader.say()("what_if.fluid_job", name=diagnosis.fluid.name)
+    say = reader.say()
+    as_in_job = say("what_if.fluid_job", name=say.name(diagnosis.fluid.name))
     return {None: as_in_job, **{name: shown_name(entry) for name, entry in catalogue_list("fluid").entries.items()}}
 
 
