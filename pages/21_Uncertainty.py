@@ -39,7 +39,7 @@ land = st.selectbox(say("columns.land"), measured, format_func=lambda each: land
 show.chart(figures.budget(land, say), "budget")
 verdicts = {each.key: each.verdict for each in diagnosis.lands}
 label = f"{say('columns.component')} {land.key[0]}"
-show.svg(spool_svg(diagnosis.controller, land.key[0], verdicts), label, least_width=300)
+show.svg(spool_svg(diagnosis.controller, land.key[0], verdicts, say), label, least_width=300)
 with st.expander(say("uncertainty.in_numbers")):
     columns = [Column("uncertain_source"), Column("of_clearance", "percent"), Column("of_share", "percent")]
     show.rows_table(budget_rows(land, say), columns)

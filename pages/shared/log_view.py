@@ -90,7 +90,7 @@ def window(test: RoadTest, happened: Sequence[Event]) -> tuple[float, float] | N
     if chosen is None:
         ends = kept.get(test.sha256, ends)
     key = f"window-{test.sha256}-{st.session_state.get('window-set', 0)}-{ends if chosen is not None else 'own'}"
-    start, stop = st.slider(f"{say('road_test.cursors')} [s]", first, last, ends, key=key)
+    start, stop = st.slider(f"{say('road_test.cursors')} [s]", first, last, ends, format="localized", key=key)
     all_of_it = (start, stop) == (first, last)
     if chosen is None:
         kept.pop(test.sha256, None) if all_of_it else kept.update({test.sha256: (start, stop)})
