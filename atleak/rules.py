@@ -17,10 +17,12 @@ from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Level, LimitOrigin, Limits, RuleKind, Steps
 from atleak.engine.projection import Projection
 from atleak.readings import LandClearance
+from atleak.sentence import Sentence
 from atleak.verdicts import Band, Verdict
 
 LandKey = tuple[str, int]
 _OWN_LIMIT_SOURCE = "the valve body's file"
+_EVERYWHERE = Sentence("")
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class Rule:
     steps: Steps  # with the limits that apply to this land or unit at this condition
     new: float | None = None  # the same of the same land or unit as it may have been when new; None for wear, clearance
     circuit: Circuit | None = None  # whose pressure it is
-    where: str = ""  # in a log or table: at which time or place the value was taken
+    where: Sentence = _EVERYWHERE  # in a log or table: at which time or place the value was taken
 
     @cached_property
     def _judged(self) -> tuple[Level, float]:

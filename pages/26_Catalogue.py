@@ -37,7 +37,7 @@ for tab, kind in zip(st.tabs([say(f"catalogue.{kind}") for kind in rows.FOLDERS]
         if entry.note:
             st.markdown(show.plain(entry.note))
         if getattr(entry, "representative", None):
-            st.info(f"**{say('catalogue.representative')}** {show.plain(rows.representative(entry))}")
+            st.info(f"**{say('catalogue.representative')}** {show.plain(rows.representative(entry, say))}")
         if kind == "fluid":
             st.subheader(say("catalogue.viscosity"))
             show.chart(viscosity_curve(entry, say), "viscosity-curve")

@@ -55,4 +55,4 @@ if clearances.open:
         else:
             st.write(say("readings.no_lands"))
 if controller.representative:
-    st.info(f"**{say('readings.representative')}** {show.plain(controller.representative)}")
+    st.info(f"**{say('readings.representative')}** {show.plain(say.name(controller.representative))}")

@@ -86,10 +86,10 @@ _LIMITS = columns(
 )
 
 
-def representative(entry: Controller | Fluid) -> str:
-    """Return which values of an entry are representative, as its file words it."""
+def representative(entry: Controller | Fluid, say: Wording) -> str:
+    """Say which values of an entry are representative: as its file words it, where that is no shipped one."""
     values = entry.representative
-    return values if isinstance(values, str) else ", ".join(values)
+    return say.name(values) if isinstance(values, str) else ", ".join(say.get("value_names", each) for each in values)
 
 
 def controller_tables(controller: Controller, say: Wording) -> list[CatalogueTable]:
@@ -195,7 +195,7 @@ def _pump_rows(controller: Controller, say: Wording) -> Rows:
             "displacement": pump.displacement * _MM3,
             "volumetric_efficiency": pump.volumetric_efficiency,
             "slip_coefficient": None if pump.slip_coefficient is None else say.plain(pump.slip_coefficient, 4),
-            "representative_values": ", ".join(pump.representative) or None,
+            "representative_values": ", ".join(say.get("value_names", each) for each in pump.representative) or None,
         }
     ]
 

@@ -48,7 +48,7 @@ class Editing:
             keep_draft(self.token, draft.written())
             self.unkept = ""
         except OutputError as error:
-            self.unkept = str(error)
+            self.unkept = error.sentence
 
     def anew(self) -> None:
         """Draw every field and table anew from the draft."""
@@ -239,7 +239,7 @@ def _save(editing: Editing, saving: Saving, over: str, then: Callable[[str], Non
     try:
         path = write_own(editing.draft.subject.kind, saving.name, saving.text, over=over)
     except OutputError as error:
-        st.session_state[editing.key("refused")] = str(error)
+        st.session_state[editing.key("refused")] = error
         return
     editing.over = hashlib.sha256(path.read_bytes()).hexdigest()
     forget_draft(editing.token)

@@ -230,10 +230,10 @@ def _label(column: Column, editing: Editing, say: Wording) -> str:
     return f"{editing.said(column.heading, say)}{f' [{unit}]' if unit else ''}{' *' if column.required else ''}"
 
 
-def _said(column: Column, editing: Editing, say: Wording) -> Callable[[str], str]:
+def _said(column: Column, editing: Editing, say: Wording) -> Callable[[Any], str]:
     """Return what says a choice in the reader's language; what somebody named stands as it is."""
     words = isinstance(column.kind, Choice | YesNo)
-    return lambda typed: editing.said(typed, say) if words and typed else typed
+    return lambda typed: editing.said(typed, say) if words and typed else str(typed)
 
 
 def _options(column: Column, draft: Draft, *typed: str) -> list[str] | None:

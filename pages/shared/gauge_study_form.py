@@ -151,4 +151,4 @@ def _save(id: str, text: str, over: str) -> None:
     try:
         write_own("instruments", id, text, over=over)
     except OutputError as error:
-        st.session_state["gauge-study-refused"] = str(error)
+        st.session_state["gauge-study-refused"] = error

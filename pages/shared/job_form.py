@@ -85,7 +85,7 @@ def draw(controller: Controller) -> Job:
         return record
     faults, typed = list(decision_faults(changed, controller)), changed.repair_decisions != record.repair_decisions
     for fault in faults:
-        place.error(show.plain(say("job_form.not_taken", problem=fault) if typed else str(fault)))
+        place.error(show.plain(say("job_form.not_taken", problem=fault) if typed else fault))
     if faults and typed:
         return record
     st.session_state[RECORD] = changed
@@ -147,12 +147,12 @@ def _tables(record: Job, controller: Controller) -> dict[str, Any]:
     pairs = st.column_config.SelectboxColumn(
         say("job_table.component"),
         options=["", *controller.components],
-        format_func=lambda each: component_words(controller, each, say) if each in controller.components else each,
+        format_func=lambda each: component_words(controller, str(each), say) if each else "",
     )
     land = _choice(say("job_table.land"), range(1, 10), say)
     decision = _choice(say("job_table.decision"), get_args(RepairState), say)
     parts = st.column_config.SelectboxColumn(
-        say("job_table.part"), options=["", *_PARTS], format_func=lambda each: say(_PARTS[each]) if each else each
+        say("job_table.part"), options=["", *_PARTS], format_func=lambda each: say(_PARTS[str(each)]) if each else ""
     )
     dates = {
         name: st.column_config.DateColumn(say(f"job_table.{name}"), format="YYYY-MM-DD")
@@ -229,7 +229,7 @@ def _uploads(what: str, *, several: bool) -> None:
                 printable_picture(name, content)
                 _put(job().with_photo(name, content) if several else job().with_logo(name, content))
             except InputError as error:
-                st.session_state[f"{count}-fault"] = str(error)
+                st.session_state[f"{count}-fault"] = error
 
     label = reader.say()(f"job_form.{what}")
     st.file_uploader(label, PICTURE_KINDS, accept_multiple_files=several, key=own, on_change=changed)

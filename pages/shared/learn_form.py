@@ -90,7 +90,8 @@ def _gauge(place: Any, part: Part, key: str) -> str:
     able = {gauge.id: say.name(gauge.name) for gauge in instruments() if part in gauge.measures}
     names = list(able)
     first = names.index(load_instruments().of(part).id)
-    chosen: str = place.selectbox(say(f"slots.{part}_instrument"), names, first, format_func=able.get, key=f"{key}-{part}")
+    label = say(f"slots.{part}_instrument")
+    chosen: str = place.selectbox(label, names, first, format_func=able.get, key=f"{key}-{part}")
     return chosen
 
 

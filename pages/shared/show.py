@@ -41,8 +41,12 @@ HAIR_SPACE = "\u200a"
 
 
 def plain(text: object) -> str:
-    """Escape text of a user or a file, so that markdown shows it sign for sign."""
-    return _MARKDOWN.sub(r"\\\1", str(text)).replace("\n", "  \n")
+    """Escape text of a user or a file, so that markdown shows it sign for sign.
+
+    A sentence of the program, and what an error says, comes in the reader's language and units.
+    """
+    said = text if type(text) is str else reader.say().sentence(text)
+    return _MARKDOWN.sub(r"\\\1", said).replace("\n", "  \n")
 
 
 def refusal(what: str, refused: Refusal, kept: str) -> None:
@@ -60,8 +64,8 @@ def error_line(error: AtleakError) -> str:
     """Return where the first problem of an error stands; the whole text is at the head of the page."""
     problems = getattr(error, "problems", (error,))
     first = problems[0]
-    where = str(getattr(first, "place", "")) or str(first)
     say = reader.say()
+    where = say.sentence(getattr(first, "place", "")) or first
     more = f" ({say('show.more', count=len(problems) - 1)})" if len(problems) > 1 else ""
     return f"{plain(where)}{more}: {say('show.see_head')}"
 
@@ -84,8 +88,8 @@ def _counted(what: str, notes: Sequence[Message], about: str, say: Wording) -> s
 
 
 def _with_place(message: Message) -> str:
-    place = "" if message.place is None else str(message.place)
-    return plain(message.text) + (f" — *{plain(place)}*" if place else "")
+    place = plain(message.place or "")
+    return plain(message.text) + (f" — *{place}*" if place else "")
 
 
 def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **options: Any) -> Any:
@@ -175,7 +179,9 @@ def what_is_shown(diagnosis: Diagnosis) -> None:
     """Say, below the flagged table, what its shares are of and what of it is representative."""
     say, controller = reader.say(), diagnosis.controller
     said = [say("diagnosis.shares_of", fluid=fluid_in_state(diagnosis, say))]
-    said += [say("diagnosis.representative", what=controller.representative)] if controller.representative else []
+    said += (
+        [say("diagnosis.representative", what=say.name(controller.representative))] if controller.representative else []
+    )
     st.caption(plain(" ".join(said)))
 
 

@@ -131,7 +131,7 @@ def test_a_language_is_no_copy_of_english(language: str) -> None:
 
 
 def test_every_name_of_the_shipped_catalogue_is_translated() -> None:
-    """Of fluids those that are a product's own name stay as they are."""
+    """Of fluids those that are a product's own name stay as they are; an instrument has small letters in a sentence."""
     shipped = [load_controller(name) for name in sorted(shipped_files("controllers"))]
     names = {
         name
@@ -142,10 +142,11 @@ def test_every_name_of_the_shipped_catalogue_is_translated() -> None:
             *(each.name for each in (*controller.circuits, *controller.leaks, *controller.consumers)),
             *(each.label for each in (*controller.operating_points, *controller.complaints)),
             *(each.name for each in controller.repairs),
+            *filter(None, [controller.representative]),
         )
     }
     names |= {each.name for kind in ("fluids", "limits") for each in map(LOADS[kind], shipped_files(kind))}
-    names |= {each.name for each in instruments()}
+    names |= {name for each in instruments() for name in (each.name, each.name.lower())}
     products = {name for name in names if name.startswith("Mobil ")}
     assert len(shipped) > 8
     assert set(ENGLISH["names"]) == names - products
