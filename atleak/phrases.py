@@ -48,7 +48,7 @@ def in_um(metres: float) -> Quantity:
 
 
 class _Size(Quantity):
-    """A size that English and metric units write without zeros at its end; converted, it keeps its decimal places."""
+    """A size that English in the record's unit writes without zeros at its end; elsewhere it has all its places."""
 
     __slots__ = ()
 

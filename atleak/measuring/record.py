@@ -147,7 +147,7 @@ def _cell(grid: Grid, cell: Cell, say: Wording) -> dict[str, Any]:
         "place": place,
         "repeat": cell.repeat,
         "text": "" if entry is None else entry.text,
-        "doubt": "" if doubt is None else doubt.text,
+        "doubt": "" if doubt is None else say.sentence(doubt.text),
         "counts": doubt is None or doubt.counts,
         "nominal": say.quantity(land.nominal_of(cell.part) * MM, "length"),
     }

@@ -12,6 +12,7 @@ from html import escape
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.look import DARK, EDGE, PAPER, Inks, look_of
+from atleak.sentence import Name, Sentence
 from atleak.verdicts import Verdict, worst
 from atleak.wording import Wording, wording
 from atleak.workshop_units import MM
@@ -131,6 +132,8 @@ def measuring_svg(
     ----------
     directions
         [°] round the axis, 0 is upright.
+    say
+        the reader's words and units; English and metric unless given.
 
     Raises
     ------
@@ -157,8 +160,9 @@ def _measured_spool(
     above, below = reach + _ABOVE, reach + _BELOW  # no empty band above or beneath
     if directions:
         above, below = max(above, _ABOVE_END_VIEW), max(below, _BELOW_END_VIEW)
-    name = say.name(controller.components[component])
-    parts = [svg_head(_WIDTH, above + below, say("drawing.planes", component=component, name=name))]
+    name = Name(controller.components[component])
+    title = Sentence("component {component}, {name}: lands and measuring planes", component=component, name=name)
+    parts = [svg_head(_WIDTH, above + below, say.sentence(title))]
     centre, middle = (_WIDTH - room) / 2.0, above
     parts.append(_spool(lands, verdicts, centre, middle, scale, thick=2.0))
     for land, left, width in _places(lands, centre, scale):
@@ -167,14 +171,13 @@ def _measured_spool(
             line = _axis_line(f"{x:.1f} {middle - reach - 26:.1f}", f"{x:.1f} {middle + reach + 26:.1f}")
             label = svg_text(x, middle - reach - 34, plane, 18, bold=True)
             parts.append(f'<g data-plane="{escape(plane)}">{line}{label}</g>')
-        parts.append(
-            svg_text(left + width / 2, middle + reach + 48, f"⌀ {say.value(land.nominal_diameter * MM, 'length')}", 16)
-        )
-    parts.append(_end_view(directions, _WIDTH - room / 2.0, middle))
+        nominal = say.value(land.nominal_diameter * MM, "length", 3)
+        parts.append(svg_text(left + width / 2, middle + reach + 48, f"⌀ {nominal}", 16))
+    parts.append(_end_view(directions, _WIDTH - room / 2.0, middle, say))
     return "".join((*parts, "</svg>"))
 
 
-def _end_view(directions: Sequence[float], x: float, y: float) -> str:
+def _end_view(directions: Sequence[float], x: float, y: float, say: Wording) -> str:
     """Draw the spool seen along its axis, with a line for each direction in which a diameter is measured."""
     if not directions:
         return ""
@@ -182,7 +185,7 @@ def _end_view(directions: Sequence[float], x: float, y: float) -> str:
     for angle in directions:
         across, up = math.sin(math.radians(angle)), math.cos(math.radians(angle))
         ends = [f"{x + far * across:.1f} {y - far * up:.1f}" for far in (-62.0, 62.0)]
-        label = svg_text(x + 80.0 * across, y + 6.0 - 80.0 * up, f"{angle:g}°", 18, bold=True)
+        label = svg_text(x + 80.0 * across, y + 6.0 - 80.0 * up, f"{say.plain(angle)}°", 18, bold=True)
         parts.append(f'<g data-direction="{angle:g}">{_axis_line(*ends)}{label}</g>')
     return "".join(parts)
 
