@@ -11,7 +11,7 @@ import pytest
 from atleak.catalogue.limits import load_limits
 from atleak.errors import CatalogueError, OutputError
 from atleak.system.files import replace_file
-from atleak.system.reasons import reason_of, toml_reason
+from atleak.system.reasons import reason_of, text_reason
 from atleak.wording import wording
 
 BROKEN = (
@@ -24,7 +24,7 @@ BROKEN = (
 def test_where_a_toml_file_is_wrong_is_said_in_every_language(text: str) -> None:
     with pytest.raises(tomllib.TOMLDecodeError) as caught:
         tomllib.loads(text)
-    said = toml_reason(caught.value)
+    said = text_reason(caught.value)
     assert said == str(caught.value)
     german = wording("de").sentence(said)
     assert "Zeile" in german or "am Ende der Datei" in german
@@ -34,7 +34,7 @@ def test_where_a_toml_file_is_wrong_is_said_in_every_language(text: str) -> None
 def test_a_text_that_is_no_utf_8_is_said_in_every_language(content: bytes) -> None:
     with pytest.raises(UnicodeDecodeError) as caught:
         content.decode("utf-8")
-    said = toml_reason(caught.value)
+    said = text_reason(caught.value)
     assert said == str(caught.value)
     assert "kein Text in utf-8: " in wording("de").sentence(said).replace("sind", "ist")
     assert not {"byte", "codec", "position"} & set(wording("pl").sentence(said).split())
