@@ -47,12 +47,10 @@ class UnitSeen:
             self.serials and Sentence("serial {texts}", texts=sorted(self.serials)),
             self.vins and Sentence("VIN {texts}", texts=sorted(self.vins)),
             self.plates and Sentence("plate {texts}", texts=sorted(self.plates)),
-            *(Sentence("{customer}", customer=customer) for customer in sorted(self.customers)),
+            *sorted(self.customers),
         ]
-        parts = [part for part in said if isinstance(part, Sentence)]
-        if not parts:
-            return Sentence("nothing that tells it")
-        return in_a_row(parts)
+        parts = [part for part in said if isinstance(part, str)]
+        return in_a_row(parts) if parts else Sentence("nothing that tells it")
 
 
 @dataclass(frozen=True)
