@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import tomllib
 from pathlib import Path
@@ -28,6 +29,15 @@ def test_where_a_toml_file_is_wrong_is_said_in_every_language(text: str) -> None
     assert said == str(caught.value)
     german = wording("de").sentence(said)
     assert "Zeile" in german or "am Ende der Datei" in german
+
+
+@pytest.mark.parametrize("text", ["{", "[1", '{"a" 1}', '{"a": 1,, }', "1 2", '"x', '["\n"]', ""])
+def test_where_a_json_file_is_wrong_is_said_in_every_language(text: str) -> None:
+    with pytest.raises(json.JSONDecodeError) as caught:
+        json.loads(text)
+    said = text_reason(caught.value)
+    assert said == str(caught.value)
+    assert not {"line", "Expecting", "data"} & set(wording("de").sentence(said).split())
 
 
 @pytest.mark.parametrize("content", [b"a\xff", b"\xe2\x82", b"\xe2a"])
