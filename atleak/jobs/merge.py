@@ -15,8 +15,7 @@ from atleak.job.record import Job
 from atleak.jobs.book import Book
 from atleak.jobs.tables import jobs, key_of, units, visits
 from atleak.jobs.units import final_unit, rows_of_unit, unit_key
-from atleak.phrases import in_turn
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, in_a_row
 
 Reason = Literal["same_vin", "vin_within_one_character", "same_plate"]
 REASONS: dict[Reason, Sentence] = {
@@ -51,7 +50,7 @@ class UnitSeen:
             *sorted(self.customers),
         ]
         parts = [part for part in said if isinstance(part, str)]
-        return in_turn(parts) if parts else Sentence("nothing that tells it")
+        return in_a_row(parts) if parts else Sentence("nothing that tells it")
 
 
 @dataclass(frozen=True)
