@@ -72,13 +72,13 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: a
     if options.xlsx is not None:
         from atleak.report.xlsx import write_workbook
 
-        written += write(options.xlsx, write_workbook(diagnosis, job, paper=options.paper))
+        content = write_workbook(diagnosis, job, **_print(options))
+        written += write(options.xlsx, content)
     if options.pdf is not None:
         from atleak.report.pdf import write_pdf
 
         sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
-        asked = {"language": options.language, "units": options.units, "paper": options.paper}
-        content = write_pdf(diagnosis, job, **asked, sections=sections)
+        content = write_pdf(diagnosis, job, **_print(options), sections=sections)
         written += write(options.pdf, content)
     if options.job_file is not None:
         from atleak.job.file import write_job_file
@@ -90,3 +90,8 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: a
 
         written += write_json(options.json, diagnosis_record(diagnosis))
     return written
+
+
+def _print(options: argparse.Namespace) -> dict[str, Any]:
+    """Return language, units and paper of PDF and workbook."""
+    return {"language": options.language, "units": options.units, "paper": options.paper}

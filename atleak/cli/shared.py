@@ -64,8 +64,8 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 def add_print(parser: argparse.ArgumentParser) -> None:
     """Add the options of printing: language, units and paper."""
-    parser.add_argument("--language", choices=languages(), default="en", help="of the PDF")
-    parser.add_argument("--units", choices=tuple(SYSTEMS), default="metric", help="of the PDF")
+    parser.add_argument("--language", choices=languages(), default="en", help="of the PDF and the workbook")
+    parser.add_argument("--units", choices=tuple(SYSTEMS), default="metric", help="of the PDF and the workbook")
     parser.add_argument("--paper", choices=list(PAPERS), default=DEFAULT_PAPER, help="of the PDF and the workbook")
 
 

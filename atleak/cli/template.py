@@ -16,6 +16,8 @@ from atleak.cli.shared import (
     write,
 )
 from atleak.errors import InputError
+from atleak.unit_systems import SYSTEMS
+from atleak.wording import languages
 
 
 def add_parser(commands: Any) -> None:
@@ -23,6 +25,8 @@ def add_parser(commands: Any) -> None:
     parser = add_command(commands, "template", run, "a measuring sheet to fill in")
     add_controller(parser)
     parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+    parser.add_argument("--language", choices=languages(), default="en", help="of the sheet; any of them is read back")
+    parser.add_argument("--units", choices=tuple(SYSTEMS), default="metric", help="of the sheet")
     add_force(parser)
 
 
@@ -33,5 +37,6 @@ def run(options: argparse.Namespace) -> int:
     if Path(options.output).suffix.lower() != ".xlsx":
         raise InputError("the measuring sheet is an Excel workbook", value=options.output, expected="a name.xlsx")
     check_targets(options, [options.controller], [("measuring sheet", options.output)])
-    say_written(write(options.output, write_template(chosen_controller(options))))
+    content = write_template(chosen_controller(options), language=options.language, units=options.units)
+    say_written(write(options.output, content))
     return 0

@@ -35,7 +35,7 @@ class EstimateWords:
     def pair(self, line: Line) -> str:
         """Name the component with the lands that the line is about: ``8/1, 8/2 valve``."""
         component = line.decision.component
-        name = isolated(self.estimate.diagnosis.controller.components.get(component, ""))
+        name = isolated(self.say.name(self.estimate.diagnosis.controller.components.get(component, "")))
         about = f"{component}/{line.decision.land}" if line.decision.land else component
         lands = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in line.lands)
         return f"{lands or about} {name}".strip()
