@@ -17,6 +17,7 @@ from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.live_cells import (
     CHANGEABLE,
+    RANKED,
     Cell,
     SheetCondition,
     band_of_rank,
@@ -40,6 +41,7 @@ SPEED = Sentence("pump covers leakage, slip and consumers from")
 _SOLVED = Sentence(
     "Solved, not followed by the sheet: a changed reading changes flows at the pressures that stand here."
 )
+_LARGEST = 900000  # share [%] that still tells two totals of a band apart
 NO_GROWTH = "–"  # where the same unit new draws nothing, or the pump delivers nothing
 AS_SPOOLS_MAY_LIE = Sentence(
     "Nobody knows where a spool lies; one that touches its sleeve leaks up to 2.5 times as much as a concentric one, "
@@ -132,6 +134,21 @@ class ConditionsSheet:
         for row, (label, text) in enumerate(notes, start=end + 2):
             book.put(sheet, row, 0, label, book.bold)
             book.put(sheet, row, 1, text)
+
+    @property
+    def labels(self) -> str:
+        """Return the stretch of cells with the names of the conditions."""
+        return self._across(0)
+
+    def row_of(self, name: str) -> str:
+        """Return the stretch of cells with one quantity at every condition."""
+        rows = {[each.name for each in self._condition(at)].index(name) for at in self.conditions}
+        assert len(rows) == 1, f"{name} stands in several rows"
+        return self._across(1 + rows.pop())
+
+    def _across(self, row: int) -> str:
+        ends = cell(row, 2, self.sheet), cell(row, 1 + len(self.conditions))
+        return ":".join(ends)
 
     def quantities(self, at: SheetCondition) -> dict[str, Quantity]:
         """Return every quantity of one condition by its name."""
@@ -327,6 +344,10 @@ class ConditionsSheet:
         band = quote(not_measured) if reached is None else band_of_rank(rank, self.say)
         said = not_measured if reached is None else self.say.level(reached)
         yield Quantity(Sentence("band of the total share"), "", "band", band, said, "plain")
+        order = f"{rank}+MIN({at('share')},{_LARGEST})*1E-6"
+        worst = RANKED.index(rule.verdict) + 1 + min(now.share * PERCENT, _LARGEST) * 1e-6
+        label = Sentence("order of the totals, the worst largest: rank of the band, then the share")
+        yield Quantity(label, "", "order", order, worst, "plain")
 
     def _positions(self, at: SheetCondition) -> Iterable[Quantity]:
         """Return the leakages and shares between which the total may lie as the spools do."""

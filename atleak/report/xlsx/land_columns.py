@@ -87,7 +87,19 @@ def land_columns(sheet: LandSheet) -> list[LandColumn]:
     columns = [*_names(sheet), *_clearances(sheet, uncertain=uncertain)]
     for condition in sheet.conditions:
         columns += _at_condition(sheet, condition)
-    return [*columns, *_as_issued(sheet, uncertain=uncertain)]
+    return [*columns, *_as_issued(sheet, uncertain=uncertain), _also_flagged(sheet)]
+
+
+def _also_flagged(sheet: LandSheet) -> LandColumn:
+    """Return the order in which the summary lists the lands that are flagged by now and were not as issued."""
+    places = {land.key: place for place, land in enumerate(sheet.lands, start=1)}
+
+    def order(row: LandRow) -> Cell:
+        ranks = None if row.land.verdict.flagged else sheet.rules.ranks_of(row.land.key)
+        rank = f"MAX({ranks})"
+        return Cell("plain", 0, None if ranks is None else f"IF({rank}>1,{rank}-{places[row.land.key]}*1E-4,0)")
+
+    return LandColumn("also", Sentence("order among those flagged since, as the summary lists them"), 14, order)
 
 
 def _names(sheet: LandSheet) -> Iterable[LandColumn]:

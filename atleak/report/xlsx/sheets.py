@@ -11,22 +11,21 @@ from atleak.errors import MessageLevel
 from atleak.job.record import Job, Record
 from atleak.repair import RepairPlan, RepairStep, plan_repairs
 from atleak.report.estimate_words import open_words
-from atleak.report.xlsx.book import Book, cell, formula, span
+from atleak.report.xlsx.book import Book, cell, formula
 from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
+from atleak.report.xlsx.flagged_lands import OF_A_LAND, FlaggedLands
+from atleak.report.xlsx.headline import Headline
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
     RANKED,
-    ColumnKey,
     SheetCondition,
     component_width,
-    quote,
     verdict_of_rank,
 )
 from atleak.report.xlsx.road_sheet import RoadSheets
-from atleak.rules import Rule
 from atleak.sentence import Name, Sentence
-from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.verdicts import BANDS, VERDICTS, Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.condition_matrix import condition_matrix
 from atleak.views.first_sentence import first_sentence
@@ -47,7 +46,6 @@ _ISSUED = {
     "low": Sentence("leakage, low as issued [dm³/min]"),
     "high": Sentence("leakage, high as issued [dm³/min]"),
 }
-_OF_A_LAND = (Sentence("component"), Sentence("name"), Sentence("verdict"), Sentence("land"))
 _OF_AN_OPTION = (
     Sentence("step"),
     Sentence("repair"),
@@ -70,6 +68,9 @@ class Sheets:
     def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any], job: Job, live: LiveSheets) -> None:
         self.book, self.diagnosis, self.record, self.job, self.live = book, diagnosis, record, job, live
         self.say = book.say
+        shown = dict.fromkeys(rule.verdict for rule in (*diagnosis.gauge_rules, *diagnosis.log_rules))
+        issued = "".join(f",{1 + RANKED.index(verdict)}" for verdict in shown)
+        self.headline = Headline(diagnosis, live, f"MAX({live.rules.ranks}{issued})", self.say)
 
     # --- summary
 
@@ -105,14 +106,14 @@ class Sheets:
             (Sentence("representative"), record["controller"]["representative_note"]),
             *self._complaint(),
         ]
-        row = book.pairs(sheet, 4, rows) + 1
+        row = book.pairs(sheet, 5, rows) + 1
         if diagnosis.without_sheet:
             self.book.put(sheet, row, 0, self.say("findings.alone"))
             if diagnosis.log is not None:
                 RoadSheets(book, diagnosis, diagnosis.log).write_findings(sheet, row + 1)
             return
         row = self._totals(sheet, row) + 1
-        row = self._flagged(sheet, row) + 1
+        row = FlaggedLands(book, diagnosis, self.live, self.headline).write(sheet, row) + 1
         row = self._repair(sheet, row) + 1
         self.book.put(
             sheet, row, 0, Sentence("Blue numbers may be changed: everything in black follows from them."), book.form()
@@ -149,20 +150,19 @@ class Sheets:
         self.book.put(sheet, row, 0, Sentence("verdict of the unit"), book.bold)
         if diagnosis.judged:  # half a pair is never called ok
             fine = Verdict.OK if any(land.state.can_be_ok for land in diagnosis.lands) else Verdict.NOT_MEASURED
-            shown = (*diagnosis.gauge_rules, *diagnosis.log_rules)
-            issued = "".join(
-                f",{1 + RANKED.index(verdict)}" for verdict in dict.fromkeys(each.verdict for each in shown)
-            )
-            verdict = verdict_of_rank(f"MAX({self.live.rules.ranks}{issued})", self.say, fine)
+            verdict = verdict_of_rank(self.headline.rank, self.say, fine)
             formula(sheet, row, 1, verdict, self.say.signed(diagnosis.verdict), book.bold)
         else:
             self.book.put(sheet, row, 1, self.say.signed(diagnosis.verdict), book.bold)
         book.colour_words(sheet, (row, 1), (row, 1), VERDICTS)
-        self.book.put(sheet, row + 1, 0, Sentence("as issued"), book.bold)
         said = f"{self.say.signed(diagnosis.verdict)}: {first_sentence(diagnosis, self.say, self.say.condition)}"
         marks = caveat_marks(diagnosis, self.say)
         marked = [f"{', '.join(marks).capitalize()}."] if marks else []
-        self.book.put(sheet, row + 1, 1, " ".join([*marked, said, *caveats(diagnosis, self.say)]))
+        if diagnosis.judged:
+            book.put(sheet, row + 1, 0, Sentence("by the numbers of this workbook"), book.bold)
+            formula(sheet, row + 1, 1, self.headline.formula(cell(row, 1)), self.headline.issued)
+        book.put(sheet, row + 2, 0, Sentence("as issued"), book.bold)
+        book.put(sheet, row + 2, 1, " ".join([*marked, said, *caveats(diagnosis, self.say)]))
 
     def _totals(self, sheet: Worksheet, row: int) -> int:
         """Write each condition's total beside the same unit new, how sure its band is, and as the spools may lie."""
@@ -203,42 +203,6 @@ class Sheets:
         low, high = (end * DM3_MIN for end in total.leakage_interval)
         return {"decision": self.say.get("decisions", total.decision.decision), "low": low, "high": high}
 
-    def _flagged(self, sheet: Worksheet, row: int) -> int:
-        book, live, flagged = self.book, self.live, self.diagnosis.flagged
-        self.book.put(sheet, row, 0, Sentence("Flagged lands as issued, the worst first"), book.bold)
-        verdicts = span(1, len(live.lands), live.column_of["verdict"], live.sheet)
-        self.book.put(sheet, row, 2, Sentence("flagged now"), book.bold)
-        count = "+".join(f"COUNTIF({verdicts},{quote(self.say.signed(level))})" for level in FLAGGED)
-        formula(sheet, row, 3, count, len(flagged), book.form("count", align="left"))
-        if not flagged:
-            self.book.put(sheet, row, 1, Sentence("none"))
-            return row + 1
-        shown = [at for at in live.conditions if any(at.projection is each for each in self.diagnosis.reported)]
-        keys: list[ColumnKey] = ["c_r", "c_m", "wear", *(("share", at.prefix) for at in shown)]
-        headings = [live.columns[live.column_of[key]].heading for key in keys]
-        headings = [*_OF_A_LAND, *headings, Sentence("because, as issued")]
-        book.headings(sheet, row + 1, headings, lines=4)
-        first = row + 2
-        for row, flag in enumerate(flagged, start=first):
-            (component, number), at = flag.key, live.row_of[flag.key]
-            self.book.put(sheet, row, 0, component, book.bold)
-            self.book.put(sheet, row, 1, Name(self.diagnosis.controller.components[component]))
-            verdict = cell(at, live.column_of["verdict"], live.sheet)
-            formula(sheet, row, 2, verdict, self.say.signed(flag.verdict), book.bold)
-            self.book.put(sheet, row, 3, number, book.form(align="left"))
-            for column, key in enumerate(keys, start=4):
-                content = live.land_cell(flag, key)
-                if content.value is not None:
-                    address = cell(at, live.column_of[key], live.sheet)
-                    formula(sheet, row, column, address, content.value, book.form(content.kind, align="left"))
-            if flag.deciding is not None:
-                self.book.put(sheet, row, 4 + len(keys), self._because(flag.deciding))
-        book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
-        return row + 1
-
-    def _because(self, rule: Rule) -> Sentence:
-        return Sentence("{rule} ({origin})", rule=rule.label, origin=self.say.get("origins", rule.origin))
-
     def _repair(self, sheet: Worksheet, row: int) -> int:
         plan, book = plan_repairs(self.diagnosis), self.book
         order = Sentence("Order of repair as issued: each land is made as new after those before it")
@@ -249,7 +213,7 @@ class Sheets:
         book.put(sheet, row, 0, order, book.bold)
         row += 1
         if plan.steps:
-            names = [*_OF_A_LAND, Sentence("total before [%]"), Sentence("total after [%]"), Sentence("band after")]
+            names = [*OF_A_LAND, Sentence("total before [%]"), Sentence("total after [%]"), Sentence("band after")]
             names += [Sentence("total after [%], {condition}", condition=total.condition) for total in plan.ends]
             names.append(Sentence("helps most at"))
             book.headings(sheet, row, names, lines=3)

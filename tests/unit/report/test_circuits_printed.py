@@ -552,7 +552,7 @@ def test_the_summary_says_so_too_and_its_verdict_follows_the_rules(
     found, numbers = decided
     sheets = calculator(write_workbook(found))
     assert sheets.value("Summary", "B2") == signed(found.verdict)
-    issued = sheets.book["Summary"]["B3"].value
+    issued = sheets.book["Summary"]["B4"].value
     assert issued == f"{signed(found.verdict)}: {first_sentence(found, wording('en'))}"
     assert [number for number in numbers if f"{number:g}" not in issued] == []
 

@@ -40,7 +40,7 @@ def test_sheets_verdicts_and_conditions_have_the_words_of_the_report(worn_clutch
     assert book.sheetnames[:3] == ["Übersicht", "Bunde", "Bund je Zustand"]
     summary = book["Übersicht"]
     assert summary["B2"].value == say.signed(worn_clutch.verdict)
-    assert summary["B3"].value.startswith(f"{say.signed(worn_clutch.verdict)}: ")
+    assert summary["B4"].value.startswith(f"{say.signed(worn_clutch.verdict)}: ")
     headings = {str(cell.value) for cell in book["Bund je Zustand"][1]}
     assert f"Befund des Anteils, {say.condition(worn_clutch.worst.condition)}" in headings
 
