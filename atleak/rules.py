@@ -22,6 +22,7 @@ from atleak.verdicts import Band, Verdict
 
 LandKey = tuple[str, int]
 _OWN_LIMIT_SOURCE = "the valve body's file"
+_EVERYWHERE = Sentence("")
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Rule:
     steps: Steps  # with the limits that apply to this land or unit at this condition
     new: float | None = None  # the same of the same land or unit as it may have been when new; None for wear, clearance
     circuit: Circuit | None = None  # whose pressure it is
-    where: str = ""  # in a log or table: at which time or place the value was taken
+    where: Sentence = _EVERYWHERE  # in a log or table: at which time or place the value was taken
 
     @cached_property
     def _judged(self) -> tuple[Level, float]:

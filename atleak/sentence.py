@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from functools import reduce
 from typing import Any
 
 
 class Name(str):
-    """A name of a catalogue's file, of which the reader's language may have its own: a valve's, a circuit's."""
+    """Words of a catalogue's file, of which the reader's language may have its own: a valve's name, a circuit's."""
 
     __slots__ = ()
 
@@ -44,6 +45,29 @@ class Sentence(str):
         said = super().__new__(cls, filled(template, values))
         said.template, said.values = str(template), values
         return said
+
+
+def in_a_row(parts: Iterable[Any]) -> Sentence:
+    """Write parts with semicolons between: sentences, names, operating points; at least one.
+
+    >>> in_a_row(["D as gear 1", "R as gear -1"])
+    'D as gear 1; R as gear -1'
+    """
+    first, *others = parts
+    return reduce(
+        lambda said, part: Sentence("{said}; {part}", said=said, part=part), others, Sentence("{part}", part=first)
+    )
+
+
+def some(names: Sequence[str], most: int) -> Sentence:
+    """Write names with commas between, and of more than so many how many others there are.
+
+    >>> some(["25/1", "8/2", "8/3"], 2)
+    '25/1, 8/2 and 1 more'
+    """
+    if len(names) > most:
+        return Sentence("{names} and {count} more", names=tuple(names[:most]), count=len(names) - most)
+    return Sentence("{names}", names=tuple(names))
 
 
 class _Listed(tuple[Any, ...]):

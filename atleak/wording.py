@@ -9,6 +9,7 @@ import tomllib
 import unicodedata
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import cache
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -170,7 +171,9 @@ class Wording:
 
     def plain(self, value: float, digits: int = 6) -> str:
         """Return a number with no more digits than it has."""
-        return f"{value:.{digits}g}".replace(".", self.texts["decimal"]).replace("-", "−")
+        text = f"{value:.{digits}g}"
+        text = f"{Decimal(text):f}" if "e" in text else text  # 0.00003937 in, not 3.937e-05
+        return text.replace(".", self.texts["decimal"]).replace("-", "−")
 
     def date(self, value: dt.date) -> str:
         """Return a date as ISO 8601, which every language reads the same way."""
@@ -252,7 +255,7 @@ class _Spoken:
         self.value, self.say = value, say
 
     def __repr__(self) -> str:
-        return repr(self.value)
+        return repr(self.say.sentence(self.value) if isinstance(self.value, Sentence) else self.value)
 
     def __str__(self) -> str:
         return format(self, "")
@@ -288,9 +291,19 @@ class _Spoken:
         return written.translate(str.maketrans({",": _NARROW, ".": decimal, "-": "−"}))
 
 
+class _SpokenList(tuple[_Spoken, ...]):
+    """Several values as a sentence writes them: semicolons between numbers that have a decimal comma."""
+
+    __slots__ = ()
+
+    def __format__(self, specification: str) -> str:
+        numbers = any(isinstance(each.value, Quantity | float) and each.say.texts["decimal"] == "," for each in self)
+        return ("; " if numbers else ", ").join(format(each, specification) for each in self)
+
+
 def _spoken(value: Any, say: Wording) -> Any:
     if type(value) in (tuple, list):
-        return tuple(_spoken(each, say) for each in value)
+        return _SpokenList(_Spoken(each, say) for each in value)
     return _Spoken(value, say)
 
 

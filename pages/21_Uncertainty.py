@@ -29,7 +29,8 @@ advised = words.advised(diagnosis, diagnosis_record(diagnosis), say)
 show.open_verdicts(words.advice(diagnosis, advised, say))
 
 st.subheader(say("uncertainty.clearances"))
-show.chart(figures.clearances(unit, say), "clearances")
+of_land = {land.key: land for land in diagnosis.lands}
+show.chart(figures.clearances(unit, say, advised=lambda key: advised(of_land[key])), "clearances")
 st.subheader(say("uncertainty.leakages"))
 show.chart(figures.leakages(unit, say), "leakages")
 

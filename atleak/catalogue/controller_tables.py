@@ -39,7 +39,9 @@ from atleak.sentence import Sentence
 ContactLength = Annotated[float, Field(gt=0, lt=200)]
 LandValue = Literal["nominal_diameter_mm", "contact_length_mm", "mounting_clearance_um"]
 PartKind = Literal["spool", "piston", "end_plug"]
-PART_NAMES: Mapping[PartKind, str] = MappingProxyType({"spool": "spool", "piston": "piston", "end_plug": "end plug"})
+PART_NAMES: Mapping[PartKind, Sentence] = MappingProxyType(
+    {"spool": Sentence("spool"), "piston": Sentence("piston"), "end_plug": Sentence("end plug")}
+)
 Seal = Literal["o_ring", "teflon_ring"]  # a ring on the land: it leaks past its ring alone
 SEALS: Mapping[Seal, str] = MappingProxyType({"o_ring": "an O-ring", "teflon_ring": "a Teflon ring"})
 Bore = Literal["plain", "sleeved"]

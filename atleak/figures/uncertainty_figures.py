@@ -6,23 +6,29 @@ A decision shows by its symbol and its words as well as by its colour. Units are
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from atleak.catalogue.limits import RuleKind
 from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import DECISION_MARKS, SCREEN
+from atleak.rules import LandKey
 from atleak.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 
-def clearances(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
+def clearances(
+    unit: UnitUncertainty, say: Wording, lands: int = 20, advised: Callable[[LandKey], str] = lambda _: ""
+) -> Figure:
     """Draw radial clearances with their intervals, beside the mounting clearance and the limit that decides.
 
     Parameters
     ----------
     lands
         how many are drawn: those likeliest to be over a limit.
+    advised
+        says in the reader's language what would make the verdict of a land clear, under the pointer.
     """
     chosen = _chosen(unit, lands)
     figure, um, name_of = Figure(), say.convert(UM, "clearance"), say.unit("clearance")
@@ -55,7 +61,7 @@ def clearances(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
             marker={"color": colour, "symbol": symbol, "size": 10, "line": {"width": 2}},
             error_x=error_bars(values, [land.clearance_interval for land in shown], um, colour),
             customdata=[
-                ((land.u_clearance or 0.0) * um, PERCENT * (land.probability_over_limit or 0.0), land.advice or "")
+                ((land.u_clearance or 0.0) * um, PERCENT * (land.probability_over_limit or 0.0), advised(land.key))
                 for land in shown
             ],
             hovertemplate=f"%{{y}}: %{{x:.{digits}f}} {name_of}, u = %{{customdata[0]:.{digits + 1}f}} {name_of}<br>"

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from atleak.errors import unknown
+from atleak.sentence import Sentence
 from atleak.workshop_units import INCH, PSI
 
 
@@ -22,6 +23,11 @@ class Unit:
     name: str
     factor: float
     offset: float = 0.0
+
+    @property
+    def said(self) -> str:
+        """Return its name in a sentence: one that is a word has other words in other languages."""
+        return Sentence("inch") if self.name == "inch" else self.name
 
     def to_si(self, value: Any) -> Any:
         """Convert a value or array in this unit to SI."""
@@ -169,6 +175,15 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
         Unit("%", 1e-2): ("%", "percent"),
     },
 }
+_UNKNOWN = {
+    "length": Sentence("unknown unit of length"),
+    "pressure": Sentence("unknown unit of pressure"),
+    "temperature": Sentence("unknown unit of temperature"),
+    "rotational_speed": Sentence("unknown unit of rotational speed"),
+    "speed": Sentence("unknown unit of speed"),
+    "time": Sentence("unknown unit of time"),
+    "ratio": Sentence("unknown unit of ratio"),
+}
 
 
 def _spelling(name: str) -> str:
@@ -204,7 +219,7 @@ def unit(name: str, kind: str) -> Unit:
     """
     match = find_unit(name, kind)
     if match is None:
-        raise unknown(f"unknown unit of {kind.replace('_', ' ')}", name, unit_names(kind))
+        raise unknown(_UNKNOWN[kind], name, unit_names(kind))
     return match
 
 

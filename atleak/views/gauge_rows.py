@@ -83,7 +83,7 @@ def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
         others=", ".join(pattern.others),
         circuits=circuits,
         count=len(pattern.cells),
-        worst="" if worst is None else f"{worst.range}, {say.get('engine_states', worst.engine)}",
+        worst="" if worst is None else f"{worst.range}, {say.sentence(worst.engine.label)}",
         percent=say.percent(amount, 0),
         kpa=say.value(amount * KPA, "pressure", 0),
         limit=say.value(BELOW_LINE * KPA, "pressure", 0),

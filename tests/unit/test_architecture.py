@@ -48,7 +48,7 @@ FLOORS = (
         "unit_systems",
     ),
     ("catalogue", "wording", "system.drafts"),
-    ("written_numbers",),
+    ("written_numbers", "phrases"),
     ("pressure_table", "controller_sheets", "own_lands", "wear_line"),
     ("readings", "road_test", "gauge_study"),
     ("events", "engine.profile", "engine.extremes", "engine.restrictions"),

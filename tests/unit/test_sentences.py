@@ -25,7 +25,8 @@ def _sentences() -> Iterator[tuple[str, ast.expr]]:
     for path in CODE:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Sentence":
-                yield f"{path.relative_to(ROOT).as_posix()}:{node.lineno}:{node.col_offset}", node.args[0]
+                place = f"{path.relative_to(ROOT).as_posix()}:{node.lineno}:{node.col_offset}"
+                yield place, node.args[0]
 
 
 def _places(template: str) -> set[tuple[str, str | None, str | None]]:

@@ -11,6 +11,7 @@ import pytest
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.entries import shipped_files
+from atleak.catalogue.instruments import instruments
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages, wording
 
@@ -126,7 +127,7 @@ def test_a_language_is_no_copy_of_english(language: str) -> None:
     assert same == []
 
 
-def test_every_name_of_a_shipped_valve_body_is_translated() -> None:
+def test_every_name_of_a_shipped_valve_body_or_instrument_is_translated() -> None:
     shipped = [load_controller(name) for name in sorted(shipped_files("controllers"))]
     names = {
         name
@@ -135,8 +136,10 @@ def test_every_name_of_a_shipped_valve_body_is_translated() -> None:
             *controller.components.values(),
             *(each.name for each in controller.circuits),
             *(each.label for each in (*controller.operating_points, *controller.complaints)),
+            *filter(None, [controller.representative]),
         )
     }
+    names |= {each.name.lower() for each in instruments()}
     assert len(shipped) > 8
     assert set(ENGLISH["names"]) == names
     assert all(wording("en").name(name) == name for name in names)

@@ -23,7 +23,7 @@ from atleak.workshop_units import DM3_MIN, KPA
 
 CIRCUITS = Sentence("Circuits")
 _HEADINGS = {
-    "condition": (Sentence("condition"), 34),
+    "condition": (None, 34),  # which all sheets word alike
     "circuit": (Sentence("circuit"), 22),
     "name": (Sentence("name"), 30),
     "held": (Sentence("pressure held, as issued [kPa]"), 13),
@@ -78,7 +78,9 @@ class CircuitCells:
 
     def write(self, book: Book, sheet: Worksheet) -> None:
         """Write one row per condition and circuit, the line before its circuits."""
-        book.headings(sheet, 0, [heading for heading, _ in _HEADINGS.values()], lines=5)
+        book.headings(
+            sheet, 0, [heading or self.say("printed.condition") for heading, _ in _HEADINGS.values()], lines=5
+        )
         for row, line in enumerate(self.lines, start=1):
             for key, content in (self._pressures(line) | self._judged(line, row)).items():
                 write_cell(book, sheet, row, _COLUMN[key], content)

@@ -129,7 +129,10 @@ class ConditionsSheet:
             ),
             (Sentence("fluid"), f"{fluid_in_state(self.diagnosis, self.say)}; {fluid.source}"),
             (Sentence("profile"), self.diagnosis.profile.label),
-            *((Sentence("condition"), f"{at.title}: {at.projection.condition.source}") for at in self.conditions),
+            *(
+                (self.say("printed.condition"), f"{at.title}: {at.projection.condition.source}")
+                for at in self.conditions
+            ),
         ]
         for row, (label, text) in enumerate(notes, start=end + 2):
             book.put(sheet, row, 0, label, book.bold)

@@ -172,7 +172,7 @@ class Sheets:
             quantities, issued = live.totals.quantities(at), self._issued(at)
             if row == first:
                 headings = [_ISSUED.get(name) or quantities[name].heading for name in _TOTALS]
-                book.headings(sheet, first - 1, [Sentence("condition"), *headings], lines=5)
+                book.headings(sheet, first - 1, [self.say("printed.condition"), *headings], lines=5)
             worst = at.projection is self.diagnosis.worst and len(live.conditions) > 1
             self.book.put(
                 sheet, row, 0, Sentence("{condition}; the worst, as issued", condition=at.label) if worst else at.label
