@@ -121,7 +121,7 @@ class ConditionsSheet:
                 Sentence("{spools}. {lie}", spools=spools_taken(self.diagnosis.profile), lie=AS_SPOOLS_MAY_LIE),
             ),
             (Sentence("share"), DEMAND),
-            (Sentence("speed"), covers(self.diagnosis, self.say)),
+            (Sentence("engine speed"), covers(self.diagnosis, self.say)),
             (Sentence("viscosity"), self._viscosity_note()),
             (
                 Sentence("gaps"),
