@@ -53,10 +53,29 @@ def in_a_row(parts: Iterable[Any]) -> Sentence:
     >>> in_a_row(["D as gear 1", "R as gear -1"])
     'D as gear 1; R as gear -1'
     """
-    first, *others = parts
-    return reduce(
-        lambda said, part: Sentence("{said}; {part}", said=said, part=part), others, Sentence("{part}", part=first)
-    )
+    return reduce(lambda first, second: Sentence("{first}; {second}", first=first, second=second), map(_part, parts))
+
+
+def all_of(parts: Iterable[Any]) -> Sentence:
+    """Write parts with "and" between; at least one.
+
+    >>> all_of(["spool", "sleeve"])
+    'spool and sleeve'
+    """
+    return reduce(lambda first, second: Sentence("{first} and {second}", first=first, second=second), map(_part, parts))
+
+
+def any_of(parts: Iterable[Any]) -> Sentence:
+    """Write parts with "or" between; at least one.
+
+    >>> any_of(["mm", "inch"])
+    'mm or inch'
+    """
+    return reduce(lambda first, second: Sentence("{first} or {second}", first=first, second=second), map(_part, parts))
+
+
+def _part(part: Any) -> Sentence:
+    return part if isinstance(part, Sentence) else Sentence("{part}", part=part)
 
 
 def some(names: Sequence[str], most: int) -> Sentence:
@@ -70,13 +89,22 @@ def some(names: Sequence[str], most: int) -> Sentence:
     return Sentence("{names}", names=tuple(names))
 
 
-class _Listed(tuple[Any, ...]):
-    """Several values, written with commas between."""
+class _Listed:
+    """Several values, written with commas between; ``{values!r}`` quotes them as Python does."""
 
-    __slots__ = ()
+    __slots__ = ("values",)
+
+    def __init__(self, values: Sequence[Any]) -> None:
+        self.values = values
+
+    def __repr__(self) -> str:
+        return repr(self.values)
+
+    def __str__(self) -> str:
+        return format(self, "")
 
     def __format__(self, specification: str) -> str:
-        return ", ".join(format(each, specification) for each in self)
+        return ", ".join(format(each, specification) for each in self.values)
 
 
 def filled(template: str, values: Mapping[str, Any]) -> str:

@@ -11,6 +11,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
+from atleak.intake.readings.headings import EXPECTED, read_heading
 from atleak.phrases import PART_WORDS
 from atleak.readings import clearances
 from atleak.wording import wording
@@ -103,3 +104,29 @@ def test_sizes_are_said_in_the_reader_s_units_with_the_places_that_they_need(con
     assert "repeats are 59.5 µm apart (15, 14.9405 mm), more than 5 µm" in said
     assert "59,5 µm auseinander (15,000; 14,9405 mm), mehr als 5,0 µm" in wording("de").sentence(said)
     assert "0.00234 in apart (0.59055, 0.588209 in), more than 0.00020 in" in wording("en", "us").sentence(said)
+
+
+@pytest.mark.parametrize(
+    ("language", "headings"),
+    [
+        ("de", ["Nr.", "Teil", "Ebene", "Bund", "Durchmesser", "Koordinate x1", "Richtung", "Wiederholung", "Einheit"]),
+        (
+            "pl",
+            [
+                "Nr",
+                "część",
+                "płaszczyzna",
+                "stopień",
+                "średnica",
+                "współrzędna x1",
+                "kierunek",
+                "powtórzenie",
+                "jednostka",
+            ],
+        ),
+    ],
+)
+def test_headings_that_are_asked_for_are_understood(language: str, headings: list[str]) -> None:
+    roles = ["component", "part", "plane", "land", "diameter", "coordinate", "direction", "repeat", "unit"]
+    assert [heading for heading in headings if heading not in wording(language).sentence(EXPECTED)] == []
+    assert [column.role for heading in headings if (column := read_heading(heading))] == roles
