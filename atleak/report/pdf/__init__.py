@@ -29,6 +29,7 @@ from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 _ROAD_POINTS = 1200
+_LARGE = 28  # valves of which a drawing with large words fits a page
 _LABEL = 48  # characters that fit beside a bar
 
 
@@ -107,7 +108,11 @@ def _draw_charts(
     charts = {}
     if "picture" in chosen:
         verdicts = {land.key: land.verdict for land in diagnosis.lands}
-        charts["picture"] = controller_svg(diagnosis.controller, verdicts, columns=6)
+        valves = {land.component for land in diagnosis.controller.lands}
+        columns, letters = (4, 1.6) if len(valves) <= _LARGE else (6, 1.0)
+        charts["picture"] = controller_svg(
+            diagnosis.controller, verdicts, columns=columns, named=say.name, letters=letters
+        )
     if "shares" in chosen and at.leakage > 0.0 and at.pump_capacity > 0.0:
         label = say("charts.share_of_pump", condition=names.condition(at.condition))
         charts["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from itertools import groupby
 from typing import Any
 
 from atleak.catalogue.fluid import USED_THINNER
@@ -11,7 +12,7 @@ from atleak.engine.profile import UNKNOWN
 from atleak.errors import Message, unknown
 from atleak.job.record import RepairDecision
 from atleak.report.estimate_words import open_words
-from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
+from atleak.report.pdf.blocks import Block, PrintedColumn, facts, grouped_table, joined, table, text, with_notes
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.estimate import estimate_blocks
 from atleak.report.pdf.gauges import GaugeSection
@@ -94,7 +95,7 @@ class Body:
             if name == "signatures":  # stands at the foot of the first page
                 continue
             build: Callable[[dict[str, str]], Iterable[Block]] = getattr(self, f"_{name}")
-            blocks = [block for block in build(charts) if block]
+            blocks = list(with_notes(build(charts)))
             if blocks:
                 filled.append({"name": name, "title": self.say(f"sections.{name}"), "blocks": blocks})
         return filled
@@ -169,8 +170,7 @@ class Body:
     def _all(self, charts: dict[str, str]) -> Iterable[Block]:
         say, names = self.say, self.names
         columns = [
-            PrintedColumn(names.column("pair"), names.pair, width=1),
-            PrintedColumn(names.column("land"), names.land, side="c"),
+            PrintedColumn(names.column("land"), names.land, width=1),
             PrintedColumn(
                 names.column("sleeve"),
                 lambda at: say.value(at.state.sleeve_diameter * MM, "length", 4),
@@ -192,11 +192,12 @@ class Body:
                 say.unit("clearance"),
                 side="r",
             ),
-            PrintedColumn(names.column("leakage"), names.leakage, say.unit("flow"), side="r"),
+            PrintedColumn(names.column("leakage"), lambda at: names.flow(at.leakage, 3), say.unit("flow"), side="r"),
+            PrintedColumn(names.column("interval"), names.leakage_interval, say.unit("flow"), side="r"),
             PrintedColumn(names.column("share"), names.share, "%", side="r"),
             PrintedColumn(names.column("verdict"), names.verdict),
         ]
-        yield table(columns, self.diagnosis.lands)
+        yield grouped_table(columns, ((pair, list(lands)) for pair, lands in groupby(self.diagnosis.lands, names.pair)))
         at = self.names.condition(self.diagnosis.projection.condition)
         yield text(say("texts.all_at", condition=at), small=True)
 
@@ -227,10 +228,9 @@ class Body:
             PrintedColumn(
                 say("printed.decision"),
                 lambda each: say.get("job_decisions", each.decision) if each.decision else "–",
-                width=2,
             ),
             PrintedColumn(say("printed.reason"), lambda each: each.reason, width=6),
-            PrintedColumn(say("printed.date"), lambda each: say.date(each.date) if each.date else "", width=2),
+            PrintedColumn(say("printed.date"), lambda each: say.date(each.date) if each.date else ""),
         ]
         yield table(columns, [each for each in self.job.repair_decisions if not each.empty], empty=False)
         for sentence in open_words(self.diagnosis, self.job, say, closing=True):

@@ -54,7 +54,7 @@ class Conditions:
         for first in range(0, len(self.diagnosis.presented), ABREAST):
             numbers = range(len(self.diagnosis.presented))[first : first + ABREAST]
             columns = [
-                PrintedColumn(names.column("pair"), lambda row: names.pair(row.land), width=3),
+                PrintedColumn(names.column("pair"), lambda row: names.pair(row.land), width=5),
                 PrintedColumn(names.column("land"), lambda row: names.land(row.land), side="c"),
             ]
             for number in numbers:

@@ -29,7 +29,7 @@ NAMED = 4  # valves that a sentence names
 FELT = 2  # complaints that are named for one valve
 _ROW = 6  # valves that are drawn, beside one another
 _ABREAST = 4  # for which there is room beside one another at the least, so that few are not drawn larger
-_LETTERS = 1.45  # against those of the drawing of all valves
+_LETTERS = 1.6  # against those of the drawing of all valves
 _SHORT = 4  # most letters of a component's number that says more to a customer than the name alone
 
 

@@ -114,11 +114,11 @@ class PrintedNames:
             return "–"
         return f"{self.say.number(worst.share * PERCENT, 2)}\n{self.condition(worst.projection.condition)}"
 
-    def leakage(self, land: LandDiagnosis) -> str:
-        """Return the leakage [dm³/min] with its interval where the uncertainty is known and the land leaks at all."""
+    def leakage_interval(self, land: LandDiagnosis) -> str:
+        """Return the interval of the leakage [dm³/min]; a dash where it is not known, or the land does not leak."""
         row = self.rows[land.key]
         interval = self.interval(row["leakage_low_dm3_min"], row["leakage_high_dm3_min"], 3, "flow")
-        return self.flow(land.leakage, 3) + interval * (land.leakage > 0.0)
+        return interval.strip("\n()") or "–" if land.leakage > 0.0 else "–"
 
     def interval(self, low: float | None, high: float | None, digits: int, kind: str = "percent") -> str:
         """Return an interval on a separate line; an empty text where it is not known."""
