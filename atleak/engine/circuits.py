@@ -82,9 +82,12 @@ class Network:
         drop = branch.drop(pressures)
         return branch.restriction.flow(drop if leaks_both_ways(branch, self.solved) else np.maximum(drop, 0.0))
 
-    def balance(self, sections: Mapping[str, Any]) -> Balance:
-        """Find the pressures that the circuits hold at given pressures of the sections [Pa]."""
-        return balance(self, sections) if self.has_circuits else Balance(dict(sections), {}, {}, True)
+    def balance(self, sections: Mapping[str, Any], after: Balance | None = None) -> Balance:
+        """Find the pressures that the circuits hold at given pressures of the sections [Pa].
+
+        ``after`` is this network's balance at others, near to which the new one is soon found.
+        """
+        return balance(self, sections, after) if self.has_circuits else Balance(dict(sections), {}, {}, True)
 
     def drawn_from_pump(self, balance: Balance) -> Any:
         """Return what all gaps and leaks that count draw from the pump, and what is relieved [m³/s]."""

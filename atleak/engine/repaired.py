@@ -87,8 +87,9 @@ class LandStates:
     def repaired(self, choices: Sequence[Mapping[LandKey, int]]) -> Repaired:
         """Compute the unit for several choices of the states of its lands."""
         network, model = self.network(choices), self.model
-        held = hold(network, self.point, model.pump, model.dynamic_viscosity(self.point.temperature))
-        leakage = network.drawn_from_pump(network.balance(self.sections))
+        required = network.balance(self.sections)
+        held = hold(network, self.point, model.pump, model.dynamic_viscosity(self.point.temperature), required)
+        leakage = network.drawn_from_pump(required)
         names = (circuit.id for circuit in model.controller.circuits)
         pressures = {LINE: held.main_pressure, **{name: held.balance.pressures[name] for name in names}}
 
