@@ -14,6 +14,8 @@ st.title(say("readings.title"))
 with st.container():  # one element whatever is said: the grid below keeps its place
     if readings is None:
         st.markdown(say("readings.none"))
+    elif not readings.readings:
+        st.markdown(say("readings.none_counts"))
     else:
         unit = f"{readings.unit} ({say('readings.unit_assumed')})" if readings.unit_assumed else readings.unit
         counts = {"count": len(readings.readings), "measured": diagnosis.measured, "lands": len(diagnosis.lands)}

@@ -66,7 +66,8 @@ def _lands(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     elif diagnosis.judged:
         yield say("diagnosis.none_past", measured=diagnosis.judged)
     else:
-        yield say("diagnosis.nothing_measured")
+        none_counts = diagnosis.readings is not None and not diagnosis.readings.readings
+        yield say(f"diagnosis.nothing_{'counts' if none_counts else 'measured'}")
 
 
 def _open(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
