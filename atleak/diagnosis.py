@@ -37,6 +37,7 @@ from atleak.result_messages import messages_of
 from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
 from atleak.rules import Rule, unit_rules
+from atleak.sentence import Sentence
 from atleak.sheet_checks import sheet_messages
 from atleak.uncertainty import (
     DECISIONS,
@@ -524,7 +525,8 @@ def _leakage_over(
     try:
         return _evaluated(model, road_test, condition), None
     except RoadTestError as error:
-        return None, Message("warning", NO_LEAKAGE, f"No leakage is computed over {road_test.file}: {error.problem}.")
+        text = Sentence("No leakage is computed over {file}: {problem}.", file=road_test.file, problem=error.problem)
+        return None, Message("warning", NO_LEAKAGE, text)
 
 
 def _farthest_first(rules: Iterable[Rule]) -> list[Rule]:

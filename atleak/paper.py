@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from atleak.errors import unknown
+from atleak.sentence import Sentence
 
 
 @dataclass(frozen=True)
@@ -33,5 +34,5 @@ def find_paper(name: str) -> Paper:
         if there is none.
     """
     if name not in PAPERS:
-        raise unknown("no such paper", name, PAPERS)
+        raise unknown(Sentence("no such paper"), name, PAPERS)
     return PAPERS[name]

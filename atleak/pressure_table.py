@@ -11,6 +11,7 @@ from atleak.catalogue.circuit_tables import SelectorRange, StandingState
 from atleak.catalogue.circuits import Circuit, StandingPressure
 from atleak.catalogue.controller import Controller
 from atleak.errors import Message, Place
+from atleak.sentence import Name, Sentence
 
 LINE = "line"  # the tap of main pressure
 RANGES: tuple[SelectorRange, ...] = get_args(SelectorRange)
@@ -24,9 +25,9 @@ class Engine(StrEnum):
     STALL = "stall"
 
     @property
-    def label(self) -> str:
+    def label(self) -> Sentence:
         """Return its name for people."""
-        return self.value.replace("_", " ")
+        return _LABELS[self]
 
     @property
     def state(self) -> StandingState:
@@ -34,6 +35,11 @@ class Engine(StrEnum):
         return _STATES[self]
 
 
+_LABELS: dict[Engine, Sentence] = {
+    Engine.SLOW_IDLE: Sentence("slow idle"),
+    Engine.FAST_IDLE: Sentence("fast idle"),
+    Engine.STALL: Sentence("stall"),
+}
 _STATES: dict[Engine, StandingState] = {
     Engine.SLOW_IDLE: "idle",
     Engine.FAST_IDLE: "fast_idle",
@@ -125,7 +131,9 @@ def circuit_at(controller: Controller, tap: str) -> Circuit | None:
 def tap_name(controller: Controller, tap: str) -> str:
     """Return the name of a tap for people."""
     circuit = circuit_at(controller, tap)
-    return tap if circuit is None else circuit.name
+    if circuit is not None:
+        return Name(circuit.name)
+    return Sentence("line") if tap == LINE else tap
 
 
 def taps_of(controller: Controller) -> tuple[str, ...]:

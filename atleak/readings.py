@@ -21,14 +21,17 @@ from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.equations import clearance as clearance_equations
 from atleak.errors import Message, Place, ReadingsError
 from atleak.own_lands import OwnLands
+from atleak.phrases import PART_WORDS, angle, in_mm, in_um, named
 from atleak.pressure_table import PressureTable
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
 
 Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
 
 REPEAT_TOLERANCE = 5e-6  # [m] repeats of one diameter further apart than this are flagged: choice of this project
 OVALITY_TO_LOOK_AT = 50e-6  # [m] choice of this project
 _TOLERATED = REPEAT_TOLERANCE + 1e-12  # [m] less than this beyond it is floating point
-NOMINAL_HEADING = "Nominal\ndiameter [mm]"  # of the printed form: it marks a sheet that was made from it
+NOMINAL_HEADING = Sentence("Nominal\ndiameter")  # of the printed form, a unit behind it: it marks a sheet made from it
 TYPED_MARK = "atleak: readings typed in"  # the first cell of a sheet that was: it may hold nothing yet that counts
 NOMINAL_TOLERANCE = 0.5e-3  # [m] a diameter further than this from the nominal one is flagged: choice of this project
 
@@ -339,11 +342,19 @@ def _land_clearance(
     sleeve_diameter = land.nominal_sleeve_diameter if sleeve is None else sleeve.diameter
     if gauges is not None and sleeve_diameter < spool_diameter:
         raise ReadingsError(
-            f"component {land.component} land {land.land}: corrected from {temperature:g} to "
-            f"{REFERENCE_TEMPERATURE:g} °C the sleeve is smaller than the {land.part_name}",
+            Sentence(
+                "{land}: corrected from {measured:g} to {reference:g} {reference.unit} the sleeve is smaller than the "
+                "{part}",
+                land=named(land),
+                measured=Quantity(temperature, "temperature"),
+                reference=Quantity(REFERENCE_TEMPERATURE, "temperature"),
+                part=land.part_name,
+            ),
             place=place,
-            value=f"{_mm(sleeve_diameter)} and {_mm(spool_diameter)} mm",
-            expected="the temperature that gauge and parts had when they were measured",
+            value=Sentence(
+                "{sleeve} and {spool} {spool.unit}", sleeve=in_mm(sleeve_diameter), spool=in_mm(spool_diameter)
+            ),
+            expected=Sentence("the temperature that gauge and parts had when they were measured"),
         )
     clearance = land.new_clearance if status == "not_measured" else _clearance(sleeve_diameter, spool_diameter)
     stations = _stations(spool, sleeve, spool_diameter, sleeve_diameter)
@@ -474,94 +485,105 @@ def _stations(
 
 
 def _part_messages(land: Land, part: Part, readings: list[Reading], mean: _PartMean) -> Iterable[Message]:
-    name = f"component {land.component} land {land.land}"
-    word = land.part_name if part == "spool" else "sleeve"
+    word = land.part_name if part == "spool" else PART_WORDS[part]
+    name = Sentence("{land}, {part}", land=named(land), part=word)
     for doubt in mean.doubts:
         first = doubt.repeats[0]
-        where = f"{name}, {word}, plane {first.plane}{_direction(first.direction)}"
-        values = ", ".join(_mm(reading.diameter) for reading in doubt.repeats)
-        counted = ", ".join(_mm(reading.diameter) for reading in doubt.counted)
-        why = "on which most of them agree" if doubt.agreed else "which makes the pair widest"
-        yield Message(
-            "warning",
-            "repeats_disagree",
-            f"{where}: repeats are {_um(doubt.apart)} µm apart ({values} mm), more than {_um(REPEAT_TOLERANCE)} µm: "
-            f"measure again; until then {counted} mm counts, {why}",
-            next(reading for reading in doubt.repeats if reading not in doubt.counted).place,
+        text = Sentence(
+            "{part}, plane {plane}{direction}: repeats are {apart} {apart.unit} apart ({values} {size.unit}), more "
+            "than {tolerance} {tolerance.unit}: measure again; until then {counted} {size.unit} counts, {why}",
+            part=name,
+            plane=first.plane,
+            direction=angle(first.direction),
+            apart=in_um(doubt.apart),
+            values=tuple(in_mm(reading.diameter) for reading in doubt.repeats),
+            size=in_mm(first.diameter),
+            tolerance=in_um(REPEAT_TOLERANCE),
+            counted=tuple(in_mm(reading.diameter) for reading in doubt.counted),
+            why=Sentence("on which most of them agree") if doubt.agreed else Sentence("which makes the pair widest"),
         )
+        place = next(reading for reading in doubt.repeats if reading not in doubt.counted).place
+        yield Message("warning", "repeats_disagree", text, place)
     groups: dict[tuple[str, float | None], list[Reading]] = defaultdict(list)
     for reading in readings:
         groups[reading.plane, reading.direction].append(reading)
     kept = {id(reading) for group in groups.values() for reading in independent_repeats(group)}
     lost = [reading for reading in readings if id(reading) not in kept]
     if lost:
-        yield Message(
-            "info",
-            "mirrored_repeats",
-            f"{name}, {word}: {len(lost)} of {len(readings)} readings only swap or copy the coordinates "
-            "of another one: no independent repeats",
-            lost[0].place,
+        text = Sentence(
+            "{part}: {lost} of {count} readings only swap or copy the coordinates of another one: no independent "
+            "repeats",
+            part=name,
+            lost=len(lost),
+            count=len(readings),
         )
+        yield Message("info", "mirrored_repeats", text, lost[0].place)
     planes: dict[str, set[float | None]] = defaultdict(set)
     for reading in readings:
         planes[reading.plane].add(reading.direction)
     single = [plane for plane, directions in planes.items() if len(directions) == 1]
     if single:
-        yield Message(
-            "warning",
-            "one_direction",
-            f"{name}, {word}: measured in one direction only in plane {', '.join(single)}. A bore wears to one side, "
-            "so wear found in one direction is a lower bound",
-            readings[0].place,
+        text = Sentence(
+            "{part}: measured in one direction only in plane {planes}. A bore wears to one side, so wear found in "
+            "one direction is a lower bound",
+            part=name,
+            planes=single,
         )
+        yield Message("warning", "one_direction", text, readings[0].place)
     if mean.ovality is not None and mean.ovality > OVALITY_TO_LOOK_AT:
-        yield Message(
-            "warning",
-            "large_ovality",
-            f"{name}, {word}: the directions differ by {_um(mean.ovality)} µm: worn to one side, or a slip",
-            readings[0].place,
+        text = Sentence(
+            "{part}: the directions differ by {ovality} {ovality.unit}: worn to one side, or a slip",
+            part=name,
+            ovality=in_um(mean.ovality),
         )
+        yield Message("warning", "large_ovality", text, readings[0].place)
     far = far_from_nominal(land, part, mean.diameter)
     if far:
-        yield Message("warning", "far_from_nominal", f"{name}, {word}: mean diameter {far}", readings[0].place)
+        text = Sentence("{part}: mean diameter {far}", part=name, far=far)
+        yield Message("warning", "far_from_nominal", text, readings[0].place)
 
 
-def far_from_nominal(land: Land, part: Part, diameter: float) -> str:
+def far_from_nominal(land: Land, part: Part, diameter: float) -> Sentence | None:
     """Say how a diameter [m], as corrected or as read, lies far from its nominal one; nothing where it does not."""
     nominal = land.nominal_of(part)
     if abs(diameter - nominal) <= NOMINAL_TOLERANCE:
-        return ""
-    said = " (representative)" if "nominal_diameter_mm" in land.representative else ""
-    return f"{_mm(diameter)} mm, nominal{said} {_mm(nominal)} mm: is it this land?"
+        return None
+    said = {"diameter": in_mm(diameter), "nominal": in_mm(nominal)}
+    if "nominal_diameter_mm" in land.representative:
+        return Sentence(
+            "{diameter} {diameter.unit}, nominal (representative) {nominal} {nominal.unit}: is it this land?", **said
+        )
+    return Sentence("{diameter} {diameter.unit}, nominal {nominal} {nominal.unit}: is it this land?", **said)
 
 
 def _land_messages(state: LandClearance, place: Place | None) -> Iterable[Message]:
     land = state.land
-    name = f"component {land.component} land {land.land}"
+    name = named(land)
     if state.status == "spool_only":
-        yield Message(
-            "warning",
-            "sleeve_missing",
-            f"{name}: sleeve not measured; its nominal diameter {_mm(state.sleeve_diameter)} mm was taken, so wear "
-            "of the sleeve is not seen",
-            place,
+        text = Sentence(
+            "{land}: sleeve not measured; its nominal diameter {nominal} {nominal.unit} was taken, so wear of the "
+            "sleeve is not seen",
+            land=name,
+            nominal=in_mm(state.sleeve_diameter),
         )
+        yield Message("warning", "sleeve_missing", text, place)
     elif state.status == "sleeve_only":
-        yield Message(
-            "warning",
-            "spool_missing",
-            f"{name}: {land.part_name} not measured; its nominal diameter {_mm(state.spool_diameter)} mm was taken, so "
-            "its wear is not seen",
-            place,
+        text = Sentence(
+            "{land}: {part} not measured; its nominal diameter {nominal} {nominal.unit} was taken, so its wear is "
+            "not seen",
+            land=name,
+            part=land.part_name,
+            nominal=in_mm(state.spool_diameter),
         )
+        yield Message("warning", "spool_missing", text, place)
     elif state.status == "measured" and state.min_clearance < 0.0 <= state.radial_clearance:
-        yield Message(
-            "warning",
-            "tight_direction",
-            f"{name}: in one direction the sleeve measures {_um(-2.0 * state.min_clearance)} µm smaller than the "
-            f"{land.part_name}",
-            place,
+        text = Sentence(
+            "{land}: in one direction the sleeve measures {less} {less.unit} smaller than the {part}",
+            land=name,
+            less=in_um(-2.0 * state.min_clearance),
+            part=land.part_name,
         )
+        yield Message("warning", "tight_direction", text, place)
 
 
 def _clearance(sleeve_diameter: float, spool_diameter: float) -> float:
@@ -569,15 +591,3 @@ def _clearance(sleeve_diameter: float, spool_diameter: float) -> float:
     if sleeve_diameter >= spool_diameter:
         return clearance_equations.radial_clearance(sleeve_diameter, spool_diameter)
     return -clearance_equations.radial_clearance(spool_diameter, sleeve_diameter)
-
-
-def _direction(direction: float | None) -> str:
-    return "" if direction is None else f", {direction:g}°"
-
-
-def _mm(metres: float) -> str:
-    return f"{metres * 1e3:.4f}".rstrip("0").rstrip(".")
-
-
-def _um(metres: float) -> str:
-    return f"{metres * 1e6:.1f}".removesuffix(".0")

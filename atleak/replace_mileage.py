@@ -13,8 +13,10 @@ import numpy as np
 from atleak.catalogue.limits import RuleKind
 from atleak.errors import Message
 from atleak.rules import Rule
+from atleak.sentence import Sentence
 from atleak.uncertainty import LandUncertainty
 from atleak.uncertainty.sources import LandSources
+from atleak.unit_systems import Quantity
 from atleak.verdicts import Verdict
 from atleak.wear_line import Crossing, WearLine, wear_line
 
@@ -66,8 +68,12 @@ def without_rate(lands: Iterable[LandUncertainty], mileage: float | None) -> Mes
     unknown = sum(not known_at_start(land) for land in measured)
     if mileage is None or not unknown:
         return None
-    text = (
-        f"One visit tells no wear over mileage of {unknown} of {len(measured)} measured lands: what they had at 0 km "
-        "was not measured. A second visit tells it, or mounting clearances that are learned from new units."
+    text = Sentence(
+        "One visit tells no wear over mileage of {unknown} of {measured} measured lands: what they had at {start} "
+        "{start.unit} was not measured. A second visit tells it, or mounting clearances that are learned from new "
+        "units.",
+        unknown=unknown,
+        measured=len(measured),
+        start=Quantity(0.0, "distance"),
     )
     return Message("info", NO_RATE, text)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -15,60 +16,119 @@ from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.readings import LandClearance, Readings
+from atleak.sentence import Name, Sentence
+from atleak.unit_systems import Quantity
 from atleak.workshop_units import PERCENT
-
-_NEW_WAS = {
-    NewOrigin.USED_UNIT: "was measured on a used unit and is taken as new: wear counts from there",
-    NewOrigin.TYPE: "is a value of the unit's type: how far single pairs differ from it counts in their wear",
-    NewOrigin.RANGE: "is known as a range only: wear counts from its upper end, flows when new from its mean cube",
-}
 
 
 def _what_new_was(controller: Controller) -> Iterable[Message]:
     """Say what the mounting clearances are, where they are not those of these very pairs when new."""
-    for origin, text in _NEW_WAS.items():
-        count = sum(land.new_origin is origin for land in controller.lands)
-        if count:
-            text = f"The mounting clearance of {count} of {len(controller.lands)} lands {text}."
+    counts = Counter(land.new_origin for land in controller.lands)
+    for origin, text in _new_was(counts, len(controller.lands)).items():
+        if counts[origin]:
             yield Message("info", f"mounting_clearance_{origin}", text)
+
+
+def _new_was(counts: Mapping[NewOrigin, int], lands: int) -> Mapping[NewOrigin, Sentence]:
+    return {
+        NewOrigin.USED_UNIT: Sentence(
+            "The mounting clearance of {count} of {lands} lands was measured on a used unit and is taken as new: wear "
+            "counts from there.",
+            count=counts[NewOrigin.USED_UNIT],
+            lands=lands,
+        ),
+        NewOrigin.TYPE: Sentence(
+            "The mounting clearance of {count} of {lands} lands is a value of the unit's type: how far single pairs "
+            "differ from it counts in their wear.",
+            count=counts[NewOrigin.TYPE],
+            lands=lands,
+        ),
+        NewOrigin.RANGE: Sentence(
+            "The mounting clearance of {count} of {lands} lands is known as a range only: wear counts from its upper "
+            "end, flows when new from its mean cube.",
+            count=counts[NewOrigin.RANGE],
+            lands=lands,
+        ),
+    }
 
 
 def _about_pump(pump: Pump, profile: Profile, readings: Readings | None) -> Iterable[Message]:
     """Say what shares of a pump held at demand are of, what measured clearances do, and which are over their limit."""
     if pump.held_at_demand:
-        text = (
+        text = Sentence(
             "The pump's displacement is held at demand: its capacity, all shares, its reserve and the speed from which "
             "it covers the leakage are those of its full stroke."
         )
         yield Message("info", "pump_full_stroke", text)
     if pump.counted.known and profile.pump_efficiency != "wilson":
-        text = "The pump's measured clearances count nowhere: the profile takes its efficiency as a constant."
+        text = Sentence("The pump's measured clearances count nowhere: the profile takes its efficiency as a constant.")
         yield Message("warning", "pump_clearance_left_out", text)
     for name, missing in pump.left_out:
-        text = f"The pump's {name} clearance was measured, but makes no slip here: {missing}."
+        if name == "side":
+            text = Sentence(
+                "The pump's side clearance was measured, but makes no slip here: {missing}.", missing=missing
+            )
+        else:
+            text = Sentence(
+                "The pump's tip clearance was measured, but makes no slip here: {missing}.", missing=missing
+            )
         yield Message("warning", "pump_clearance_left_out", text)
     of_sheet = (None, None) if readings is None else readings.pump.um
     for name, um, most, in_head in zip(("side", "tip"), pump.measured.um, pump.limits.um, of_sheet, strict=True):
-        if in_head is not None and um != in_head:
-            text = f"The head of the sheet states a pump {name} clearance of {in_head:g} µm, the job {um:g} µm"
-            yield Message("warning", "pump_clearance_differs", f"{text}: the job's is taken.")
+        if in_head is not None and um is not None and um != in_head:
+            yield Message("warning", "pump_clearance_differs", _differs(name, in_head, um))
         if um is not None and most is not None and um > most:
-            text = f"The pump's {name} clearance of {um:g} µm is over the {most:g} µm that its manual allows."
-            yield Message("warning", "pump_clearance_over_limit", text)
+            yield Message("warning", "pump_clearance_over_limit", _over_limit(name, um, most))
     if pump.counted.known and pump.as_new is None:
-        text = "The slip of the pump when new is not known, so that of the measured one stands beside no other."
+        text = Sentence(
+            "The slip of the pump when new is not known, so that of the measured one stands beside no other."
+        )
         yield Message("info", "pump_new_unknown", text)
+
+
+def _differs(name: str, in_head: float, um: float) -> Sentence:
+    values = {"of_head": Quantity(in_head, "clearance"), "of_job": Quantity(um, "clearance")}
+    if name == "side":
+        return Sentence(
+            "The head of the sheet states a pump side clearance of {of_head:g} {of_head.unit}, the job {of_job:g} "
+            "{of_job.unit}: the job's is taken.",
+            **values,
+        )
+    return Sentence(
+        "The head of the sheet states a pump tip clearance of {of_head:g} {of_head.unit}, the job {of_job:g} "
+        "{of_job.unit}: the job's is taken.",
+        **values,
+    )
+
+
+def _over_limit(name: str, um: float, most: float) -> Sentence:
+    values = {"measured": Quantity(um, "clearance"), "most": Quantity(most, "clearance")}
+    if name == "side":
+        return Sentence(
+            "The pump's side clearance of {measured:g} {measured.unit} is over the {most:g} {most.unit} that its "
+            "manual allows.",
+            **values,
+        )
+    return Sentence(
+        "The pump's tip clearance of {measured:g} {measured.unit} is over the {most:g} {most.unit} that its manual "
+        "allows.",
+        **values,
+    )
 
 
 def _new_and_more_than_the_pump(unworn: Iterable[Projection]) -> Iterable[Message]:
     """Doubt a description by which a new unit leaks more than its pump delivers: such a unit would never have run."""
-    shares = {projection.condition.label: projection.share for projection in unworn}
-    above = {label: share for label, share in shares.items() if share is not None and share >= 1.0}
+    shares = {projection.condition.label: projection for projection in unworn}
+    above = [each for each in shares.values() if each.share is not None and each.share >= 1.0]
     if above:
-        said = ", ".join(f"{share * PERCENT:.1f} % at {label}" for label, share in above.items())
-        text = (
-            f"With every land new it would leak more than the pump delivers: {said}. Something that describes the unit "
-            "is not so: the pump's displacement, clearances (half of bore minus spool, in µm), diameters or pressures."
+        text = Sentence(
+            "With every land new it would leak more than the pump delivers: {shares}. Something that describes the "
+            "unit is not so: the pump's displacement, clearances (half of bore minus spool, in µm), diameters or "
+            "pressures.",
+            shares=tuple(
+                Sentence("{share:.1f} % at {condition}", share=each.share * PERCENT, condition=each.condition)
+                for each in above
+            ),
         )
         yield Message("warning", "more_than_the_pump_when_new", text)
 
@@ -99,30 +159,34 @@ def messages_of(
     """
     messages: list[Message] = [*controller.doubts, *fluid.doubts]
     if controller.representative:
-        messages.append(
-            Message("warning", "controller_representative", f"{controller.name}: {controller.representative}")
-        )
+        text = Sentence("{controller}: {what}", controller=Name(controller.name), what=Name(controller.representative))
+        messages.append(Message("warning", "controller_representative", text))
     leaking = {gap.key for gap in controller.gaps}
     silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking and not land.seal]
     if silent:
-        text = f"{controller.name} names no gap of lands {', '.join(silent)}: they are taken to leak nothing."
+        text = Sentence(
+            "{controller} names no gap of lands {lands}: they are taken to leak nothing.",
+            controller=Name(controller.name),
+            lands=silent,
+        )
         messages.append(Message("warning", "land_without_gap", text))
     sealed = [f"{land.component}/{land.land}" for land in controller.lands if land.seal]
     if sealed:
-        text = (
-            f"A ring seals lands {', '.join(sealed)}: they leak nothing through their clearance, which is not judged. "
-            "What passes a ring is a leak of its own."
+        text = Sentence(
+            "A ring seals lands {lands}: they leak nothing through their clearance, which is not judged. What passes a "
+            "ring is a leak of its own.",
+            lands=sealed,
         )
         messages.append(Message("info", "land_sealed", text))
     gears = {projection.condition.gear for projection in projections}
-    nowhere = [circuit.name for circuit in controller.circuits if not circuit.gears & gears]
+    nowhere = [Name(circuit.name) for circuit in controller.circuits if not circuit.gears & gears]
     if nowhere:
-        text = f"No operating point applies {', '.join(nowhere)}: what they hold is judged nowhere."
+        text = Sentence("No operating point applies {circuits}: what they hold is judged nowhere.", circuits=nowhere)
         messages.append(Message("warning", "circuit_nowhere_applied", text))
     messages += _what_new_was(controller)
     messages += _about_pump(controller.pump, profile, readings)
     if readings is None:
-        text = "No measuring sheet: every land is computed at its mounting clearance."
+        text = Sentence("No measuring sheet: every land is computed at its mounting clearance.")
         messages.append(Message("warning", "no_readings", text))
     else:
         messages += readings.messages
@@ -138,11 +202,17 @@ def messages_of(
     for projection in projections:
         messages += projection.messages
         if projection.pump_capacity <= 0.0:
-            text = f"{projection.condition.label}: the pump delivers nothing at this pressure and viscosity."
+            text = Sentence(
+                "{condition}: the pump delivers nothing at this pressure and viscosity.",
+                condition=projection.condition,
+            )
             messages.append(Message("warning", "pump_delivers_nothing", text))
     messages += _new_and_more_than_the_pump(unworn)
     if idle is None:
-        text = f"{controller.name} states no operating point hot_idle, where a worn unit fails first."
+        text = Sentence(
+            "{controller} states no operating point hot_idle, where a worn unit fails first.",
+            controller=Name(controller.name),
+        )
         messages.append(Message("info", "no_hot_idle", text))
     if road is not None:
         messages += road.road_test.messages

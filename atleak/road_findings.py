@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.lasting import CountedSamples
@@ -22,6 +23,7 @@ from atleak.events import Event, events
 from atleak.keeping import kept_with
 from atleak.road_test import RoadTest
 from atleak.rules import Rule
+from atleak.sentence import Sentence
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, RuleDecision
 from atleak.uncertainty.decision import decide_rule
 
@@ -112,13 +114,21 @@ def _judged(
     """Yield every rule with the standard uncertainty of its value; ``relative`` is that of main pressure."""
     lowest = pressure.lowest if isinstance(pressure, RoadPressure) else None
     if lowest is not None and limits.below_permissible is not None:
-        where = f"gear {lowest.gear}, {lowest.state}, at {lowest.at:.1f} s of the road test"
+        where = _lowest_at(lowest.gear, lowest.state, lowest.at)
         kind, steps = RuleKind.PERMISSIBLE_PRESSURE, limits.below_permissible
         yield Rule(kind, None, lowest.fraction, steps, where=where), relative * lowest.pressure / lowest.limit
     if commanded is not None and limits.commanded_pressure is not None:
-        where = f"at {commanded.at:.1f} s of the road test"
+        where = Sentence("at {time:.1f} s of the road test", time=commanded.at)
         kind, steps = RuleKind.COMMANDED_PRESSURE, limits.commanded_pressure
         yield Rule(kind, None, abs(commanded.difference), steps, where=where), relative * commanded.actual
+
+
+def _lowest_at(gear: int, state: State, time: float) -> Sentence:
+    if state == "idle":
+        return Sentence("gear {gear}, idle, at {time:.1f} s of the road test", gear=gear, time=time)
+    if state == "stall":
+        return Sentence("gear {gear}, stall, at {time:.1f} s of the road test", gear=gear, time=time)
+    return Sentence("gear {gear}, driving, at {time:.1f} s of the road test", gear=gear, time=time)
 
 
 def _decided(rule: Rule, standard_uncertainty: float, guard_factor: float) -> RuleDecision:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from functools import reduce
 from typing import Any
 
 
 class Name(str):
-    """A name of a catalogue's file, of which the reader's language may have its own: a valve's, a circuit's."""
+    """Words of a catalogue's file, of which the reader's language may have its own: a valve's name, a circuit's."""
 
     __slots__ = ()
 
@@ -46,13 +47,64 @@ class Sentence(str):
         return said
 
 
-class _Listed(tuple[Any, ...]):
-    """Several values, written with commas between."""
+def in_a_row(parts: Iterable[Any]) -> Sentence:
+    """Write parts with semicolons between: sentences, names, operating points; at least one.
 
-    __slots__ = ()
+    >>> in_a_row(["D as gear 1", "R as gear -1"])
+    'D as gear 1; R as gear -1'
+    """
+    return reduce(lambda first, second: Sentence("{first}; {second}", first=first, second=second), map(_part, parts))
+
+
+def all_of(parts: Iterable[Any]) -> Sentence:
+    """Write parts with "and" between; at least one.
+
+    >>> all_of(["spool", "sleeve"])
+    'spool and sleeve'
+    """
+    return reduce(lambda first, second: Sentence("{first} and {second}", first=first, second=second), map(_part, parts))
+
+
+def any_of(parts: Iterable[Any]) -> Sentence:
+    """Write parts with "or" between; at least one.
+
+    >>> any_of(["mm", "inch"])
+    'mm or inch'
+    """
+    return reduce(lambda first, second: Sentence("{first} or {second}", first=first, second=second), map(_part, parts))
+
+
+def _part(part: Any) -> Sentence:
+    return part if isinstance(part, Sentence) else Sentence("{part}", part=part)
+
+
+def some(names: Sequence[str], most: int) -> Sentence:
+    """Write names with commas between, and of more than so many how many others there are.
+
+    >>> some(["25/1", "8/2", "8/3"], 2)
+    '25/1, 8/2 and 1 more'
+    """
+    if len(names) > most:
+        return Sentence("{names} and {count} more", names=tuple(names[:most]), count=len(names) - most)
+    return Sentence("{names}", names=tuple(names))
+
+
+class _Listed:
+    """Several values, written with commas between; ``{values!r}`` quotes them as Python does."""
+
+    __slots__ = ("values",)
+
+    def __init__(self, values: Sequence[Any]) -> None:
+        self.values = values
+
+    def __repr__(self) -> str:
+        return repr(self.values)
+
+    def __str__(self) -> str:
+        return format(self, "")
 
     def __format__(self, specification: str) -> str:
-        return ", ".join(format(each, specification) for each in self)
+        return ", ".join(format(each, specification) for each in self.values)
 
 
 def filled(template: str, values: Mapping[str, Any]) -> str:

@@ -11,11 +11,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place
 from atleak.readings import LandClearance, MeasuringTemperature, Readings
 from atleak.road_test import RoadTest
+from atleak.sentence import Sentence, all_of
 from atleak.uncertainty.sources import LandSources
+from atleak.unit_systems import Quantity
 from atleak.workshop_units import UM
 
 # All choices of this project; benchmarks/common_shift.py says how often they are right.
@@ -149,13 +150,17 @@ def _shifted(lands: Sequence[LandSources], place: Place) -> Iterator[Message]:
     found = common_shift(lands)
     if found is None:
         return
-    way = "wider" if found.shift > 0.0 else "tighter"
-    text = (
-        f"All pairs moved alike: {found.agreeing} of {found.pairs} measure {abs(found.shift) * UM:.1f} ± "
-        f"{2.0 * found.standard_uncertainty * UM:.1f} µm {way} than their mounting clearance. Wear differs from pair "
-        "to pair; a setting ring, a zero or a temperature moves all by the same amount (the instruments' certificates "
-        f"allow {2.0 * found.common_error * UM:.1f} µm). Nothing was corrected: check the gauges and the mounting "
-        "clearances"
+    text = Sentence(
+        "All pairs moved alike: {agreeing} of {pairs} measure {shift} ± {uncertainty} {uncertainty.unit} {way} than "
+        "their mounting clearance. Wear differs from pair to pair; a setting ring, a zero or a temperature moves all "
+        "by the same amount (the instruments' certificates allow {allowed} {allowed.unit}). Nothing was corrected: "
+        "check the gauges and the mounting clearances",
+        agreeing=found.agreeing,
+        pairs=found.pairs,
+        shift=_um(abs(found.shift)),
+        uncertainty=_um(2.0 * found.standard_uncertainty),
+        way=Sentence("wider") if found.shift > 0.0 else Sentence("tighter"),
+        allowed=_um(2.0 * found.common_error),
     )
     yield Message("warning", "pairs_moved_alike", text, place)
 
@@ -167,16 +172,21 @@ def _suspect(lands: Sequence[LandSources], readings: Readings, place: Place) -> 
     suspects = [land for land in lands if land.suspect]
     if not suspects:
         return
-    named = [
-        f"{land.key[0]}/{land.key[1]} {land.state.radial_clearance * UM:.1f} µm "
-        f"(new {land.state.land.mounting_range[0] * UM:.1f})"
+    named = tuple(
+        Sentence(
+            "{pair} {clearance} {clearance.unit} (new {new})",
+            pair=_pair(land),
+            clearance=_um(land.state.radial_clearance),
+            new=_um(land.state.land.mounting_range[0]),
+        )
         for land in suspects[:_NAMED]
-    ]
-    more = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in suspects[_NAMED:])
-    text = (
-        f"Tighter than a new pair, by more than three standard uncertainties: {', '.join(named)}"
-        f"{f'; and {more}' if more else ''}. Wear cannot do that, so these pairs are not passed: check the readings, "
-        "the gauges and the mounting clearance"
+    )
+    more = tuple(map(_pair, suspects[_NAMED:]))
+    text = Sentence(
+        "Tighter than a new pair, by more than three standard uncertainties: {named}{more}. Wear cannot do that, so "
+        "these pairs are not passed: check the readings, the gauges and the mounting clearance",
+        named=named,
+        more=Sentence("; and {pairs}", pairs=more) if more else "",
     )
     first, planes = suspects[0].key[0], suspects[0].state.land.planes
     places = (each.place for each in readings.readings if each.component == first and each.plane in planes)
@@ -191,21 +201,39 @@ def _unequal_repeats(states: Sequence[LandClearance], place: Place) -> Iterator[
     counts = {(state.spool_repeats, state.sleeve_repeats) for state in unequal}
     if len(counts) == 1:
         ((spools, sleeves),) = counts
-        said = f"spools were measured {_times(spools)} in each place, sleeves {_times(sleeves)}"
-        fewer: Part | None = "spool" if spools < sleeves else "sleeve"
+        said = Sentence(
+            "spools were measured {spools} in each place, sleeves {sleeves}",
+            spools=_times(spools),
+            sleeves=_times(sleeves),
+        )
+        fewer = Sentence("the spool") if spools < sleeves else Sentence("the sleeve")
     else:
-        each = ", ".join(f"{spools} and {sleeves}" for spools, sleeves in sorted(counts))
-        said, fewer = f"spools and sleeves were measured unequally often ({each} times)", None
-    which = f"the {fewer}" if fewer else "the part measured less often"
-    text = (
-        f"In {len(unequal)} of {len(measured)} pairs {said}, counting independent repeats: {which} limits what the "
-        "other's repeats can tell"
+        each = tuple(all_of(map(str, times)) for times in sorted(counts))
+        said = Sentence("spools and sleeves were measured unequally often ({each} times)", each=each)
+        fewer = Sentence("the part measured less often")
+    text = Sentence(
+        "In {unequal} of {measured} pairs {said}, counting independent repeats: {fewer} limits what the other's "
+        "repeats can tell",
+        unequal=len(unequal),
+        measured=len(measured),
+        said=said,
+        fewer=fewer,
     )
     yield Message("info", "unequal_repeats", text, place)
 
 
-def _times(count: int) -> str:
-    return {1: "once", 2: "twice"}.get(count, f"{count} times")
+def _times(count: int) -> Sentence:
+    if count == 1:
+        return Sentence("once")
+    return Sentence("twice") if count == 2 else Sentence("{count} times", count=count)
+
+
+def _um(metres: float) -> Quantity:
+    return Quantity(metres * UM, "clearance", 1)
+
+
+def _pair(land: LandSources) -> str:
+    return f"{land.key[0]}/{land.key[1]}"
 
 
 # --- what the head of the sheet states
@@ -213,9 +241,11 @@ def _times(count: int) -> str:
 
 def _other_temperature(readings: Readings, measured_at: MeasuringTemperature, place: Place) -> Iterator[Message]:
     if readings.temperature is not None and readings.temperature != measured_at.value:
-        text = (
-            f"The head of the sheet states a measuring temperature of {readings.temperature:g} °C, the job "
-            f"{measured_at.value:g} °C: the job's is taken"
+        text = Sentence(
+            "The head of the sheet states a measuring temperature of {sheet:g} {sheet.unit}, the job {job:g} "
+            "{job.unit}: the job's is taken",
+            sheet=Quantity(readings.temperature, "temperature"),
+            job=Quantity(measured_at.value, "temperature"),
         )
         yield Message("warning", "measuring_temperature_differs", text, place)
 
@@ -225,8 +255,12 @@ def _older(readings: Readings, road_test: RoadTest | None, place: Place) -> Iter
         return
     days = (road_test.date - readings.date).days
     if days > DAYS_OLDER:
-        text = (
-            f"The sheet is dated {readings.date}, the road test {road_test.file} {road_test.date}: {days} days later. "
-            "The clearances may be those of an earlier state"
+        text = Sentence(
+            "The sheet is dated {sheet}, the road test {file} {driven}: {days} days later. The clearances may be those "
+            "of an earlier state",
+            sheet=readings.date,
+            file=road_test.file,
+            driven=road_test.date,
+            days=days,
         )
         yield Message("warning", "sheet_older_than_road_test", text, place)

@@ -56,8 +56,8 @@ class Quantity(NamedTuple):
     digits: int = 0
 
     def __format__(self, specification: str) -> str:
-        """Write the value in the unit of atleak's records, without naming it."""
-        return format(self.value, specification or f".{self.digits}f")
+        """Write the value in the unit of atleak's records, without naming it; no line breaks between its thousands."""
+        return format(self.value, specification or f".{self.digits}f").replace(",", "\u00a0")
 
     @property
     def unit(self) -> str:

@@ -9,11 +9,12 @@ import tomllib
 import unicodedata
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import cache
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-from atleak.errors import unknown
+from atleak.errors import AtleakError, Place, unknown
 from atleak.look import look_of
 from atleak.sentence import Name, Sentence, filled
 from atleak.unit_systems import Quantity, ShownUnit, unit_system
@@ -95,7 +96,7 @@ class Wording:
         if place not in values and place.startswith(_UNIT):
             return self.unit(place.removeprefix(_UNIT))
         value = values[place]
-        return self.value(*value) if isinstance(value, Quantity) else isolated(str(value))
+        return self.value(*value) if isinstance(value, Quantity) else isolated(self.sentence(value))
 
     def get(self, table: str, name: str) -> str:
         """Return the text for a name, or the name itself where no text is known for it."""
@@ -128,14 +129,16 @@ class Wording:
         """Whether language and unit of the temperature are those of the catalogue's files."""
         return self.language == "en" and self.unit("temperature") == "°C"
 
-    def sentence(self, said: str) -> str:
+    def sentence(self, said: object) -> str:
         """Return a sentence of the program in the reader's language and units; any other text as it is.
 
         Parameters
         ----------
         said
-            an `atleak.sentence.Sentence`: the text of a message, or what an error says.
+            an `atleak.sentence.Sentence`, such as the text of a message, or an error or a place, which have one.
         """
+        if isinstance(said, AtleakError | Place):
+            said = said.sentence
         if not isinstance(said, Sentence) or (self.language == "en" and self.units == "metric"):
             return str(said)
         template = self.texts.get("messages", {}).get(said.template, said.template)
@@ -168,7 +171,9 @@ class Wording:
 
     def plain(self, value: float, digits: int = 6) -> str:
         """Return a number with no more digits than it has."""
-        return f"{value:.{digits}g}".replace(".", self.texts["decimal"]).replace("-", "−")
+        text = f"{value:.{digits}g}"
+        text = f"{Decimal(text):f}" if "e" in text else text  # 0.00003937 in, not 3.937e-05
+        return text.replace(".", self.texts["decimal"]).replace("-", "−")
 
     def date(self, value: dt.date) -> str:
         """Return a date as ISO 8601, which every language reads the same way."""
@@ -250,7 +255,7 @@ class _Spoken:
         self.value, self.say = value, say
 
     def __repr__(self) -> str:
-        return repr(self.value)
+        return repr(self.say.sentence(self.value) if isinstance(self.value, Sentence) else self.value)
 
     def __str__(self) -> str:
         return format(self, "")
@@ -266,6 +271,8 @@ class _Spoken:
             return say.sentence(value)
         if isinstance(value, Name):
             return isolated(say.name(value))
+        if isinstance(value, Verdict | Band):
+            return say.level(value)
         if isinstance(value, Quantity):
             return self._quantity(value, specification)
         if isinstance(value, float | int):
@@ -277,7 +284,7 @@ class _Spoken:
     def _quantity(self, quantity: Quantity, specification: str) -> str:
         value, kind, digits = quantity
         if specification.endswith("g"):
-            return self.say.plain_spelled(value, kind)
+            return self.say.plain_spelled(float(format(value, specification)), kind)
         places = _FIXED.fullmatch(specification)
         return self.say.spelled(value, kind, int(places[1]) if places else digits)
 
@@ -286,9 +293,30 @@ class _Spoken:
         return written.translate(str.maketrans({",": _NARROW, ".": decimal, "-": "−"}))
 
 
+class _SpokenList:
+    """Several values as a sentence writes them: semicolons between numbers that have a decimal comma."""
+
+    __slots__ = ("values",)
+
+    def __init__(self, values: tuple[Any, ...] | list[Any], say: Wording) -> None:
+        self.values = type(values)(_Spoken(each, say) for each in values)
+
+    def __repr__(self) -> str:
+        return repr(self.values)
+
+    def __str__(self) -> str:
+        return format(self, "")
+
+    def __format__(self, specification: str) -> str:
+        comma = any(
+            isinstance(each.value, Quantity | float) and each.say.texts["decimal"] == "," for each in self.values
+        )
+        return ("; " if comma else ", ").join(format(each, specification) for each in self.values)
+
+
 def _spoken(value: Any, say: Wording) -> Any:
     if type(value) in (tuple, list):
-        return tuple(_spoken(each, say) for each in value)
+        return _SpokenList(value, say)
     return _Spoken(value, say)
 
 

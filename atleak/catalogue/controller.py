@@ -32,6 +32,7 @@ from atleak.catalogue.repairs import Repair
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.equations import clearance as clearance_equations
 from atleak.errors import Message
+from atleak.sentence import Sentence
 
 HOT_IDLE = "hot_idle"
 STATED = "stated"  # name of the condition that a job states: no point of a file has it
@@ -115,7 +116,7 @@ class Land:
         return np.clip(clearance, self.new_clearance, self.widest_new)
 
     @property
-    def part_name(self) -> str:
+    def part_name(self) -> Sentence:
         """Name the part that moves in the bore, or closes it."""
         return PART_NAMES[self.part]
 

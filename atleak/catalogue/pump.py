@@ -10,6 +10,7 @@ import numpy as np
 
 from atleak.catalogue.pump_tables import PumpKind
 from atleak.equations import pump as equations
+from atleak.sentence import Sentence
 
 
 @dataclass(frozen=True)
@@ -146,7 +147,7 @@ class Pump:
         return replace(known, slip_coefficient=coefficient, tips=tips, counted=counted, as_new=self)
 
     @property
-    def left_out(self) -> tuple[tuple[str, str], ...]:
+    def left_out(self) -> tuple[tuple[str, Sentence], ...]:
         """Return which measured clearances make no slip here, ``side`` or ``tip``, and what the file lacks for it."""
         gaps, out = self.gaps, []
         for name, measured, counted, lacking in (
@@ -156,15 +157,15 @@ class Pump:
             if measured is None or counted is not None:
                 continue
             if name == "tip" and not gaps.has_tips:
-                missing = "the vanes of such a pump lie against their ring"
+                missing = Sentence("the vanes of such a pump lie against their ring")
             elif self.kind is None:
-                missing = "its file does not state the kind of the pump"
+                missing = Sentence("its file does not state the kind of the pump")
             elif lacking:
-                missing = f"its file does not state {', '.join(lacking)}"
+                missing = Sentence("its file does not state {keys}", keys=lacking)
             elif self.slip_coefficient is None:
-                missing = "its file states neither slip_coefficient nor both clearances of a new pump"
+                missing = Sentence("its file states neither slip_coefficient nor both clearances of a new pump")
             else:
-                missing = f"its file does not state {name}_clearance_um, that of a new pump"
+                missing = Sentence("its file does not state {name}_clearance_um, that of a new pump", name=name)
             out.append((name, missing))
         return tuple(out)
 

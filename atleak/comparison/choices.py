@@ -9,6 +9,7 @@ from typing import Literal
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.pump import NO_CLEARANCES
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.sentence import Name, Sentence
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 
 ChoiceName = Literal["fluid", "limits", "profile", "condition", "assumptions"]
@@ -19,8 +20,8 @@ class DifferingChoice:
     """One choice in which two jobs differ, in English words."""
 
     name: ChoiceName
-    before: str
-    after: str
+    before: Sentence
+    after: Sentence
 
 
 def differing_choices(before: Diagnosis, after: Diagnosis) -> tuple[DifferingChoice, ...]:
@@ -34,15 +35,14 @@ def differing_choices(before: Diagnosis, after: Diagnosis) -> tuple[DifferingCho
 
 def _differing(before: Diagnosis, after: Diagnosis) -> Iterator[DifferingChoice]:
     if _fluid(before) != _fluid(after):
-        yield DifferingChoice("fluid", *_told_apart(f"{_in_state(before)}", f"{_in_state(after)}"))
+        yield DifferingChoice("fluid", *_told_apart(_in_state(before), _in_state(after)))
     if before.limits.origin.sha256 != after.limits.origin.sha256:
-        yield DifferingChoice("limits", *_told_apart(before.limits.name, after.limits.name))
+        yield DifferingChoice("limits", *_told_apart(*(_named(Name(each.limits.name)) for each in (before, after))))
     if before.profile.options != after.profile.options:
-        yield DifferingChoice("profile", *_told_apart(before.profile.label, after.profile.label))
+        yield DifferingChoice("profile", *_told_apart(*(_named(each.profile.label) for each in (before, after))))
     if not same_condition(before.projection.condition, after.projection.condition):
-        yield DifferingChoice(
-            "condition", *_told_apart(before.projection.condition.label, after.projection.condition.label)
-        )
+        conditions = (_named(each.projection.condition) for each in (before, after))
+        yield DifferingChoice("condition", *_told_apart(*conditions))
     if before.uncertainty is not None and after.uncertainty is not None:
         assumed = [
             {**each.assumptions.settings, "guard band": each.guard_factor}
@@ -50,21 +50,30 @@ def _differing(before: Diagnosis, after: Diagnosis) -> Iterator[DifferingChoice]
         ]
         names = [name for name, value in assumed[0].items() if value != assumed[1][name]]
         if names:
-            said = [", ".join(f"{name.replace('_', ' ')} {each[name]:g}" for name in names) for each in assumed]
-            yield DifferingChoice("assumptions", said[0], said[1])
+            first, second = (
+                tuple(Sentence("{name} {value:g}", name=name.replace("_", " "), value=each[name]) for name in names)
+                for each in assumed
+            )
+            yield DifferingChoice("assumptions", _named(first), _named(second))
 
 
 def _fluid(diagnosis: Diagnosis) -> tuple[str, str, bool]:
     return diagnosis.fluid.origin.sha256, diagnosis.fluid.state, diagnosis.fluid.estimated
 
 
-def _in_state(diagnosis: Diagnosis) -> str:
-    return f"{diagnosis.fluid.name}, {diagnosis.fluid.state}"
+def _in_state(diagnosis: Diagnosis) -> Sentence:
+    if diagnosis.fluid.state == "used":
+        return Sentence("{fluid}, used", fluid=Name(diagnosis.fluid.name))
+    return Sentence("{fluid}, fresh", fluid=Name(diagnosis.fluid.name))
 
 
-def _told_apart(before: str, after: str) -> tuple[str, str]:
+def _named(choice: str | OperatingPoint | tuple[Sentence, ...]) -> Sentence:
+    return Sentence("{choice}", choice=choice)
+
+
+def _told_apart(before: Sentence, after: Sentence) -> tuple[Sentence, Sentence]:
     """Return both names; what differs in its file alone says so."""
-    return (before, after) if before != after else (before, f"another file of the name {after}")
+    return (before, after) if before != after else (before, Sentence("another file of the name {name}", name=after))
 
 
 def same_condition(before: OperatingPoint, after: OperatingPoint) -> bool:

@@ -15,6 +15,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.errors import InputError
 from atleak.land_diagnosis import LandDiagnosis
+from atleak.sentence import Sentence
 from atleak.uncertainty.assess import COVERAGE
 from atleak.uncertainty.paired import ChangeSpread, Visit, changes
 from atleak.uncertainty.results import Interval
@@ -52,9 +53,9 @@ def compare(before: Diagnosis, after: Diagnosis) -> Comparison:
     """
     if before.controller.id != after.controller.id:
         raise InputError(
-            "these are two different valve bodies, whose lands have nothing to do with each other",
+            Sentence("these are two different valve bodies, whose lands have nothing to do with each other"),
             value=f"{before.controller.name} and {after.controller.name}",
-            expected="two jobs of one unit",
+            expected=Sentence("two jobs of one unit"),
         )
     differing = differing_choices(before, after)
     alike = judged_as(after, before) if differing else after

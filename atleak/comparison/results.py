@@ -92,6 +92,13 @@ class ConditionComparison:
     main_pressure: Change | None  # [Pa] that holds
     circuits: tuple[CircuitComparison, ...]
 
+    @property
+    def projection(self) -> Projection:
+        """Return one of the two: at the same operating point."""
+        found = self.after if self.before is None else self.before
+        assert found is not None
+        return found
+
     def only_on(self, side: Side) -> bool:
         """Return whether that job alone was judged at it."""
         return self.before is None if side == "after" else self.alike is None and self.before is not None

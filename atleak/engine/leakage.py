@@ -34,6 +34,8 @@ from atleak.equations import clearance as clearance_equations
 from atleak.equations import gap as gap_equations
 from atleak.equations import pump as pump_equations
 from atleak.errors import Message
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
 from atleak.workshop_units import PERCENT, UM
 
 #: Part of a gap's flow [-] from which on the entry loss is reported: choice of this project.
@@ -500,16 +502,23 @@ class LeakageModel:
 def gap_messages(law: GapLaw, gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[Message]:
     """Report reversed drops, a large entry loss and turbulence at one condition."""
     messages = []
-    at = condition.label
     reversed_ = [gap for gap in gaps if gap.pressure_drop < 0 and not gap.leaks_back]
     if reversed_:
-        text = f"{at}: the pressure drop is negative and counts as no leakage at {_lands(reversed_)}."
+        text = Sentence(
+            "{condition}: the pressure drop is negative and counts as no leakage at {lands}.",
+            condition=condition,
+            lands=_lands(reversed_),
+        )
         messages.append(Message("warning", "reversed_pressure_drop", text))
-    messages += _entry_loss_messages(law, gaps, at)
+    messages += _entry_loss_messages(law, gaps, condition)
     fast = [gap for gap in gaps if gap.reynolds_number > gap_equations.LAMINAR_REYNOLDS]
     if fast:
-        limit = f"{gap_equations.LAMINAR_REYNOLDS:g}"
-        text = f"{at}: Reynolds number over {limit}, the flow may not be laminar, at {_lands(fast)}."
+        text = Sentence(
+            "{condition}: Reynolds number over {limit:g}, the flow may not be laminar, at {lands}.",
+            condition=condition,
+            limit=gap_equations.LAMINAR_REYNOLDS,
+            lands=_lands(fast),
+        )
         messages.append(Message("warning", "not_laminar", text))
     return messages
 
@@ -526,17 +535,21 @@ def narrow_gap_messages(gaps: Iterable[GapLeakage]) -> list[Message]:
     narrow = np.count_nonzero(regime != "free")
     if not narrow:
         return []
-    component, land = min(clearances, key=lambda key: clearances[key])
-    free = f"{gap_equations.FREE_CLEARANCE * UM:g} µm"
-    text = (
-        f"{narrow} of {len(clearances)} lands that leak have gaps of {free} or less at operating temperature, which "
-        "the boundary layer partly closes: their leakage is an upper bound. The narrowest is "
-        f"{component} land {land} with {clearances[component, land] * UM:.1f} µm."
+    narrowest = min(clearances, key=lambda key: clearances[key])
+    text = Sentence(
+        "{narrow} of {lands} lands that leak have gaps of {free:g} {free.unit} or less at operating temperature, which "
+        "the boundary layer partly closes: their leakage is an upper bound. The narrowest is {narrowest} with "
+        "{clearance} {clearance.unit}.",
+        narrow=int(narrow),
+        lands=len(clearances),
+        free=Quantity(gap_equations.FREE_CLEARANCE * UM, "clearance"),
+        narrowest=named_land(narrowest),
+        clearance=Quantity(clearances[narrowest] * UM, "clearance", 1),
     )
     return [Message("info", "partly_closed_gap", text)]
 
 
-def _entry_loss_messages(law: GapLaw, gaps: Sequence[GapLeakage], at: str) -> list[Message]:
+def _entry_loss_messages(law: GapLaw, gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[Message]:
     """Report how much of the flow by friction alone the entry loss takes, or would take, where that is much."""
     if not gaps:
         return []
@@ -544,20 +557,35 @@ def _entry_loss_messages(law: GapLaw, gaps: Sequence[GapLeakage], at: str) -> li
         [(gap.pressure_drop, gap.effective_clearance, gap.contact_length) for gap in gaps]
     ).T
     losses = law.entry_loss(drop, clearance, gaps[0].kinematic_viscosity, gaps[0].density, length)
-    taken: dict[str, float] = {}
+    taken: dict[Sentence, float] = {}
     for gap, loss in zip(gaps, losses.tolist(), strict=True):
         if loss > ENTRY_LOSS_WORTH_SAYING:
-            land = _lands([gap])
+            (land,) = _lands([gap])
             taken[land] = max(loss, taken.get(land, 0.0))
     if not taken:
         return []
     largest_first = sorted(taken.items(), key=lambda item: -item[1])
-    amounts = ", ".join(f"{loss * PERCENT:.0f} % at {land}" for land, loss in largest_first)
+    amounts = tuple(Sentence("{loss:.0f} % at {land}", loss=loss * PERCENT, land=land) for land, loss in largest_first)
     if law.linear:
-        text = f"{at}: the entry loss is left out, so flows are too high. It would take off {amounts}."
+        text = Sentence(
+            "{condition}: the entry loss is left out, so flows are too high. It would take off {amounts}.",
+            condition=condition,
+            amounts=amounts,
+        )
         return [Message("warning", "entry_loss", text)]
-    return [Message("info", "entry_loss", f"{at}: of the flow by friction alone the entry loss takes off {amounts}.")]
+    text = Sentence(
+        "{condition}: of the flow by friction alone the entry loss takes off {amounts}.",
+        condition=condition,
+        amounts=amounts,
+    )
+    return [Message("info", "entry_loss", text)]
 
 
-def _lands(gaps: Iterable[GapLeakage]) -> str:
-    return ", ".join(sorted({f"{gap.gap.component} land {gap.gap.land}" for gap in gaps}))
+def _lands(gaps: Iterable[GapLeakage]) -> list[Sentence]:
+    return sorted({named_land(gap.gap.key) for gap in gaps})
+
+
+def named_land(key: tuple[str, int]) -> Sentence:
+    """Name a land by component and number, as messages do: ``25 land 1``."""
+    component, land = key
+    return Sentence("{component} land {land}", component=component, land=land)

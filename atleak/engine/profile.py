@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from atleak.catalogue.fluid import ViscosityModel
 from atleak.errors import InputError, unknown
+from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
 
 #: The eccentricity of a spool of which nobody knows where it lies: e/c uniform from 0 to 1, a choice of this project.
@@ -104,24 +105,28 @@ def find_profile(name: str, settings: dict[str, str] | None = None) -> Profile:
         unknown profile, option or value.
     """
     if name not in PROFILES:
-        raise unknown("no such profile", name, PROFILES)
+        raise unknown(Sentence("no such profile"), name, PROFILES)
     return PROFILES[name].with_options(**(settings or {}))
 
 
 def _checked(name: str, value: Any) -> Any:
     known = [field.name for field in fields(Profile) if field.name != "name"]
     if name not in known:
-        raise unknown("no such option", name, known)
+        raise unknown(Sentence("no such option"), name, known)
     if name in _CHOICES:
         written = str(value).lower()
         choice = _SWITCH.get(written, written) if name == "entry_loss" else value
         if choice not in _CHOICES[name]:
-            raise unknown(f"option {name} does not take this value", value, _CHOICES[name])
+            raise unknown(_not_taken(name), value, _CHOICES[name])
         return choice
     if str(value).lower() == UNKNOWN:
         return UNKNOWN
     ratio = decimal_number(str(value))
     if ratio is None or not 0.0 <= ratio <= 1.0:
-        expected = f"a number 0 to 1, or {UNKNOWN}"
-        raise InputError("option eccentricity does not take this value", value=value, expected=expected)
+        expected = Sentence("a number 0 to 1, or {unknown}", unknown=UNKNOWN)
+        raise InputError(_not_taken("eccentricity"), value=value, expected=expected)
     return ratio
+
+
+def _not_taken(option: str) -> Sentence:
+    return Sentence("option {option} does not take this value", option=option)

@@ -15,8 +15,10 @@ from atleak.engine.circuits import Balance, Network, leaks_both_ways
 from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
 from atleak.engine.line import SURELY_LESS, Held, consumed, hold
 from atleak.equations.clearance import worn_clearance
-from atleak.errors import InputError, Message
+from atleak.errors import InputError, Message, one_of
 from atleak.readings import LandClearance
+from atleak.sentence import Name, Sentence
+from atleak.unit_systems import Quantity
 from atleak.workshop_units import KPA, PERCENT
 
 
@@ -196,8 +198,9 @@ def _circuit_state(circuit: Circuit, network: Network, held: Held, condition: Op
 
 def _balance_messages(condition: OperatingPoint, held: Held) -> Iterable[Message]:
     if not np.all(held.converged):
-        text = (
-            f"{condition.label}: no pressures were found at which all circuits balance; theirs are not to be relied on."
+        text = Sentence(
+            "{condition}: no pressures were found at which all circuits balance; theirs are not to be relied on.",
+            condition=condition,
         )
         yield Message("warning", "circuits_not_balanced", text)
 
@@ -206,20 +209,35 @@ def _demand_messages(
     condition: OperatingPoint, leakage: float, capacity: float, main_pressure_held: float
 ) -> Iterable[Message]:
     if 0.0 < capacity < leakage:
-        text = (
-            f"{condition.label}: the share of {leakage / capacity * PERCENT:.0f} % is a demand that the pump cannot "
-            "meet, not a flow: main pressure will fall until no more leaks than the pump delivers"
-        )
+        share = leakage / capacity * PERCENT
         if main_pressure_held < condition.main_pressure:
-            text += f", at {main_pressure_held * KPA:.0f} of {condition.main_pressure * KPA:.0f} kPa"
-        text += "."
+            text = Sentence(
+                "{condition}: the share of {share:.0f} % is a demand that the pump cannot meet, not a flow: main "
+                "pressure will fall until no more leaks than the pump delivers, at {held} of {required} "
+                "{required.unit}.",
+                condition=condition,
+                share=share,
+                held=Quantity(main_pressure_held * KPA, "pressure"),
+                required=Quantity(condition.main_pressure * KPA, "pressure"),
+            )
+        else:
+            text = Sentence(
+                "{condition}: the share of {share:.0f} % is a demand that the pump cannot meet, not a flow: main "
+                "pressure will fall until no more leaks than the pump delivers.",
+                condition=condition,
+                share=share,
+            )
         yield Message("warning", "demand_over_pump", text)
 
 
 def _relation_messages(controller: Controller, condition: OperatingPoint) -> Iterable[Message]:
     for section, above in controller.above_main(condition.main_pressure).items():
         if above:
-            text = f"{condition.label}: {section} would be above main pressure, where its relation does not hold."
+            text = Sentence(
+                "{condition}: {section} would be above main pressure, where its relation does not hold.",
+                condition=condition,
+                section=section,
+            )
             yield Message("warning", "pressure_relation", text)
 
 
@@ -242,12 +260,14 @@ def stated_condition(
     if temperature is None and engine_speed is None and gear is None:
         return point
     if gear is not None and gear not in controller.gears:
-        gears = ", ".join(map(str, controller.gears))
-        raise InputError(f"{controller.name} has no such gear", value=gear, expected=f"one of {gears}")
+        problem = Sentence("{controller} has no such gear", controller=Name(controller.name))
+        raise InputError(problem, value=gear, expected=one_of(map(str, controller.gears)))
     if engine_speed is not None and not (engine_speed > 0.0 and math.isfinite(engine_speed)):
-        raise InputError("engine speed not accepted", value=engine_speed * 60.0, expected="more than 0 rpm")
+        raise InputError(
+            Sentence("engine speed not accepted"), value=engine_speed * 60.0, expected=Sentence("more than 0 rpm")
+        )
     if temperature is not None and not math.isfinite(temperature):
-        raise InputError("temperature not accepted", value=temperature, expected="a number in °C")
+        raise InputError(Sentence("temperature not accepted"), value=temperature, expected=Sentence("a number in °C"))
     point = replace(
         point,
         name=STATED,

@@ -15,6 +15,8 @@ from atleak.engine.series import LeakageSeries, leakage_series
 from atleak.errors import Message, Place, RoadTestError
 from atleak.events import Event, Thresholds, engine_starts
 from atleak.road_test import RoadTest
+from atleak.sentence import Name, Sentence
+from atleak.unit_systems import Quantity
 from atleak.workshop_units import KPA
 
 _FIELDS = {"atf_temperature": "temperature"}  # a log's quantity → the field of a condition, where they differ
@@ -110,63 +112,101 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     main = _main_pressure(road_test)
     messages: list[Message] = []
 
-    def channel(quantity: str, value: float, value_text: str) -> np.ndarray:
+    def channel(quantity: str, value: float, text: Sentence) -> np.ndarray:
         values = road_test.values(quantity)
         if values is not None:
             return values
-        text = f"The log has no {quantity.replace('_', ' ')}: {value_text} is assumed for all of it."
         messages.append(Message("warning", f"assumed_{quantity}", text))
         return np.full(len(road_test.time), value)
 
     converter = channel(
         "converter_pressure",
         assumed.converter_pressure,
-        f"{assumed.converter_pressure / 1e3:g} kPa ({assumed.label})",
+        Sentence(
+            "The log has no converter pressure: {pressure:g} {pressure.unit} ({condition}) is assumed for all of it.",
+            pressure=Quantity(assumed.converter_pressure * KPA, "pressure"),
+            condition=assumed,
+        ),
     )
-    temperature = channel("atf_temperature", assumed.temperature, f"{assumed.temperature:g} °C ({assumed.label})")
-    gear = channel("gear", float(assumed.gear), f"gear {assumed.gear} ({assumed.label})")
+    temperature = channel(
+        "atf_temperature",
+        assumed.temperature,
+        Sentence(
+            "The log has no atf temperature: {temperature:g} {temperature.unit} ({condition}) is assumed for all of "
+            "it.",
+            temperature=Quantity(assumed.temperature, "temperature"),
+            condition=assumed,
+        ),
+    )
+    gear = channel(
+        "gear",
+        float(assumed.gear),
+        Sentence(
+            "The log has no gear: gear {gear} ({condition}) is assumed for all of it.",
+            gear=assumed.gear,
+            condition=assumed,
+        ),
+    )
     series = leakage_series(model, main, converter, temperature, gear, sections=True, assumed=assumed)
     if not np.isfinite(series.total).any():
         low, high = model.fluid.span(model.profile.viscosity)
         raise RoadTestError(
-            f"no sample of the log has usable values of pressure, temperature and gear together "
-            f"({series.other_gear} in a gear this valve body does not have, {series.outside_fluid} at a temperature "
-            f"outside the fluid's data)",
+            Sentence(
+                "no sample of the log has usable values of pressure, temperature and gear together ({other_gear} in a "
+                "gear this valve body does not have, {outside} at a temperature outside the fluid's data)",
+                other_gear=series.other_gear,
+                outside=series.outside_fluid,
+            ),
             place=Place(file=road_test.file),
-            expected=f"gears {', '.join(map(str, model.controller.gears))}, temperatures from {low:g} to {high:g} °C",
+            expected=Sentence(
+                "gears {gears}, temperatures from {low:g} to {high:g} {high.unit}",
+                gears=model.controller.gears,
+                low=Quantity(low, "temperature"),
+                high=Quantity(high, "temperature"),
+            ),
         )
     speed = road_test.values("engine_speed")
     if speed is None:
-        text = "The log has no engine speed: pump capacity and share over the log are not known."
+        text = Sentence("The log has no engine speed: pump capacity and share over the log are not known.")
         messages.append(Message("warning", "no_engine_speed", text))
         capacity = None
     else:
         capacity = np.asarray(model.pump_capacity(speed, main, temperature), dtype=float)
         idle = int(np.count_nonzero((capacity <= 0.0) & (series.total > 0.0)))
         if idle:
-            with_share = (share_of(series.total, capacity) >= 0.0).any()
-            no_share = (
-                "no share can be given there, and the largest share is that of the other samples"
-                if with_share
-                else "no sample of this log has a share"
-            )
-            text = f"In {idle} of {len(road_test.time)} samples the pump delivers nothing while pressure stands: "
-            text += f"{no_share}."
+            without = {"count": idle, "samples": len(road_test.time)}
+            if (share_of(series.total, capacity) >= 0.0).any():
+                text = Sentence(
+                    "In {count} of {samples} samples the pump delivers nothing while pressure stands: no share can be "
+                    "given there, and the largest share is that of the other samples.",
+                    **without,
+                )
+            else:
+                text = Sentence(
+                    "In {count} of {samples} samples the pump delivers nothing while pressure stands: no sample of "
+                    "this log has a share.",
+                    **without,
+                )
             messages.append(Message("warning", "pump_delivers_nothing", text))
     messages += _series_messages(series, len(road_test.time), model)
     hottest = model.fluid.span(model.profile.viscosity)[1]
     hotter = int(np.count_nonzero((temperature > hottest) & (main > 0.0)))
     if hotter:
-        text = (
-            f"{hotter} of the samples left out are hotter than {hottest:g} °C: the largest leakage and share of this "
-            "log are lower bounds."
+        text = Sentence(
+            "{count} of the samples left out are hotter than {hottest:g} {hottest.unit}: the largest leakage and share "
+            "of this log are lower bounds.",
+            count=hotter,
+            hottest=Quantity(hottest, "temperature"),
         )
         messages.append(Message("warning", "lower_bound", text))
     for section, above in model.controller.above_main(main).items():
         if above.any():
-            text = (
-                f"In {np.count_nonzero(above)} of {len(above)} samples {section} would be above main pressure, where "
-                "its relation does not hold: its leakage there is too high."
+            text = Sentence(
+                "In {count} of {samples} samples {section} would be above main pressure, where its relation does not "
+                "hold: its leakage there is too high.",
+                count=int(np.count_nonzero(above)),
+                samples=len(above),
+                section=section,
             )
             messages.append(Message("warning", "pressure_relation", text))
     known_gears = gear[np.isfinite(series.total)]
@@ -192,20 +232,23 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
 def _main_pressure(road_test: RoadTest) -> np.ndarray:
     main, why = road_test.values("main_pressure"), road_test.refused.get("main_pressure")
     if main is None:
-        missing = "the log has no main pressure"
+        missing = Sentence("the log has no main pressure")
         if why is not None:
-            missing = f"the log's column of main pressure is not usable: {why}"
+            missing = Sentence("the log's column of main pressure is not usable: {why}", why=why)
     elif not np.isfinite(main).any():
-        missing = "the log has no usable sample of main pressure"
+        missing = Sentence("the log has no usable sample of main pressure")
     elif not (main >= 0.0).any():
-        low, high = float(np.nanmin(main)) * KPA, float(np.nanmax(main)) * KPA
-        missing = f"main pressure is below zero throughout this log ({low:.4g} to {high:.4g} kPa)"
+        missing = Sentence(
+            "main pressure is below zero throughout this log ({low:.4g} to {high:.4g} {high.unit})",
+            low=Quantity(float(np.nanmin(main)) * KPA, "pressure"),
+            high=Quantity(float(np.nanmax(main)) * KPA, "pressure"),
+        )
     else:
         return main
     raise RoadTestError(
-        f"{missing}; without it leakage cannot be computed",
+        Sentence("{missing}; without it leakage cannot be computed", missing=missing),
         place=Place(file=road_test.file),
-        expected="a column p_g [kPa] (or bar, psi) with the pressure above that of the surrounding air",
+        expected=Sentence("a column p_g [kPa] (or bar, psi) with the pressure above that of the surrounding air"),
     )
 
 
@@ -222,16 +265,29 @@ def _extremes(
     starting = _within(road_test.time, starts) & np.isfinite(leakage)
     if not starting.any():
         return of(leakage), None
-    apart = f"{Thresholds.start_seconds:g} s after the engine runs"
     turning = np.asarray(road_test.values("engine_speed")) >= Thresholds.engine_standing
     if not (np.isfinite(leakage) & turning & ~starting).any():
-        text = f"The engine turns only in its start, which ends {apart}: the extremes are those of the start."
+        text = Sentence(
+            "The engine turns only in its start, which ends {seconds:g} s after the engine runs: the extremes are "
+            "those of the start.",
+            seconds=Thresholds.start_seconds,
+        )
         messages.append(Message("warning", "start_alone", text))
         return of(leakage), None
-    text = (
-        f"The engine is started {len(starts)} time{'s' * (len(starts) > 1)} in this log: the extremes of "
-        f"{np.count_nonzero(starting)} samples until {apart} are given apart."
-    )
+    counts = {"samples": int(np.count_nonzero(starting)), "seconds": Thresholds.start_seconds}
+    if len(starts) > 1:
+        text = Sentence(
+            "The engine is started {count} times in this log: the extremes of {samples} samples until {seconds:g} s "
+            "after the engine runs are given apart.",
+            count=len(starts),
+            **counts,
+        )
+    else:
+        text = Sentence(
+            "The engine is started 1 time in this log: the extremes of {samples} samples until {seconds:g} s after the "
+            "engine runs are given apart.",
+            **counts,
+        )
     messages.append(Message("info", "start_apart", text))
     return of(np.where(starting, np.nan, leakage)), of(np.where(starting, leakage, np.nan))
 
@@ -283,27 +339,47 @@ def _series_messages(series: LeakageSeries, size: int, model: LeakageModel) -> l
     messages = []
     for section, count in series.reversed_samples.items():
         if count:
-            text = (
-                f"In {count} of {size} samples a pressure drop of section {section} is negative and counts as no "
-                "leakage."
+            text = Sentence(
+                "In {count} of {size} samples a pressure drop of section {section} is negative and counts as no "
+                "leakage.",
+                count=count,
+                size=size,
+                section=section,
             )
             messages.append(Message("warning", "reversed_pressure_drop", text))
     if series.unbalanced:
-        text = f"In {series.unbalanced} of {size} samples no pressures were found at which all circuits balance."
+        text = Sentence(
+            "In {count} of {size} samples no pressures were found at which all circuits balance.",
+            count=series.unbalanced,
+            size=size,
+        )
         messages.append(Message("warning", "circuits_not_balanced", text))
     if series.other_gear:
-        gears = ", ".join(map(str, model.controller.gears))
-        text = f"{series.other_gear} of {size} samples are in no gear of this valve body ({gears}) and are left out."
+        text = Sentence(
+            "{count} of {size} samples are in no gear of this valve body ({gears}) and are left out.",
+            count=series.other_gear,
+            size=size,
+            gears=model.controller.gears,
+        )
         messages.append(Message("warning", "other_gear", text))
     if series.outside_fluid:
         low, high = model.fluid.span(model.profile.viscosity)
-        text = (
-            f"{series.outside_fluid} of {size} samples are at a temperature outside the data of {model.fluid.name} "
-            f"({low:g} to {high:g} °C) and are left out."
+        text = Sentence(
+            "{count} of {size} samples are at a temperature outside the data of {fluid} ({low:g} to {high:g} "
+            "{high.unit}) and are left out.",
+            count=series.outside_fluid,
+            size=size,
+            fluid=Name(model.fluid.name),
+            low=Quantity(low, "temperature"),
+            high=Quantity(high, "temperature"),
         )
         messages.append(Message("warning", "outside_fluid", text))
     missing = int(np.count_nonzero(~np.isfinite(series.total))) - series.other_gear - series.outside_fluid
     if missing > 0:
-        text = f"{missing} of {size} samples lack a usable value of pressure, temperature or gear and are left out."
+        text = Sentence(
+            "{count} of {size} samples lack a usable value of pressure, temperature or gear and are left out.",
+            count=missing,
+            size=size,
+        )
         messages.append(Message("info", "samples_left_out", text))
     return messages

@@ -12,8 +12,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.equations._domain import net_areas, not_negative, pair_of_diameters, positive, refuse, result, values
+from atleak.equations._domain import (
+    NOT_UNDER_SPOOL,
+    net_areas,
+    not_negative,
+    pair_of_diameters,
+    positive,
+    refuse,
+    result,
+    values,
+)
 from atleak.errors import DomainError
+from atleak.sentence import Sentence
 
 # cosh L - sinh L / L = L² · (1/3 + L²/30 + L⁴/840 + …); the term of L^(2k) is 2k/(2k + 1)!
 _ANNULUS_SERIES = tuple(2 * k / math.factorial(2 * k + 1) for k in range(9, 0, -1))
@@ -210,7 +220,7 @@ def exact_annulus_flow(
     d = positive("spool diameter", spool_diameter, "m")
     sleeve = positive("sleeve diameter", sleeve_diameter, "m")
     gap = sleeve - d
-    refuse("sleeve diameter", sleeve, gap < 0.0, "at least the spool's", "m")
+    refuse("sleeve diameter", sleeve, gap < 0.0, NOT_UNDER_SPOOL, "m")
     mu = positive("dynamic viscosity", dynamic_viscosity, "Pa·s")
     length = positive("contact length", contact_length, "m")
 
@@ -297,7 +307,7 @@ def oval_cube(mean_clearance: ArrayLike, lobe_amplitude: ArrayLike) -> Any:
     """
     c = not_negative("mean radial clearance", mean_clearance, "m")
     a = values(lobe_amplitude)
-    refuse("lobe amplitude", a, np.abs(a) > c, "at most the mean radial clearance", "m")
+    refuse("lobe amplitude", a, np.abs(a) > c, Sentence("at most the mean radial clearance"), "m")
     return result(c * (c * c + 1.5 * (a * a)))
 
 
@@ -539,5 +549,7 @@ def _several(clearances: ArrayLike, axis: int) -> Any:
     """Return clearances along an axis, at least one."""
     c = np.atleast_1d(not_negative("radial clearance", clearances, "m"))
     if c.shape[axis] == 0:
-        raise DomainError("radial clearances must be at least one along the axis that is averaged, found none")
+        raise DomainError(
+            Sentence("radial clearances must be at least one along the axis that is averaged, found none")
+        )
     return c

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from atleak.equations._domain import not_negative, refuse, result, values
+from atleak.sentence import Sentence
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 _HALVINGS = 60
@@ -90,7 +91,7 @@ def student_quantile(probability: ArrayLike, degrees_of_freedom: ArrayLike) -> A
     2.2281
     """
     p = values(probability)
-    refuse("probability", p, (p < 0.5) | (p >= 1.0), "from 0.5 to below 1", "")
+    refuse("probability", p, (p < 0.5) | (p >= 1.0), Sentence("from 0.5 to below 1"), "")
     p, nu = np.broadcast_arrays(p, _degrees(degrees_of_freedom))
     low, high = np.zeros(p.shape), np.full(p.shape, 0.5 * math.pi)  # of the angle whose tangent is t/√ν
     for _ in range(_HALVINGS):
@@ -146,5 +147,5 @@ def one_sided_squares_tail(value: ArrayLike, number: int) -> Any:
 
 def _degrees(given: ArrayLike) -> Any:
     nu = values(given)
-    refuse("degrees of freedom", nu, nu < 1.0, "one or more", "")
+    refuse("degrees of freedom", nu, nu < 1.0, Sentence("one or more"), "")
     return np.minimum(nu, _MOST_DEGREES)

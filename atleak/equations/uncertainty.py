@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from atleak.equations._domain import not_negative, refuse, result, values
+from atleak.sentence import Sentence
 
 _NORMAL = NormalDist()
 _SQRT_HALF = math.sqrt(0.5)
@@ -66,7 +67,7 @@ def normal_quantile(probability: ArrayLike) -> Any:
     1.644854
     """
     p = values(probability)
-    refuse("probability", p, (p <= 0.0) | (p >= 1.0), "above 0 and below 1", "")
+    refuse("probability", p, (p <= 0.0) | (p >= 1.0), Sentence("above 0 and below 1"), "")
     quantiles = np.full(p.shape, np.nan)
     known = ~np.isnan(p)
     quantiles[known] = np.asarray(_each_quantile(p[known]), dtype=float)

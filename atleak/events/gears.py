@@ -11,6 +11,7 @@ import numpy as np
 from atleak.errors import Message
 from atleak.events.event import Event, Thresholds, segments
 from atleak.road_test import Channel, ChannelSource, RoadTest
+from atleak.sentence import Sentence
 
 
 def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
@@ -70,9 +71,8 @@ def _by_ratio(
     if stop <= start:
         return event
     lag = float(time[high] - stop)
-    return replace(
-        event, start=float(start), stop=float(stop), note=f"the logged gear lags by {lag:.2f} s" if lag > 0 else ""
-    )
+    note = Sentence("the logged gear lags by {lag:.2f} s", lag=lag) if lag > 0 else Sentence("")
+    return replace(event, start=float(start), stop=float(stop), note=note)
 
 
 def _ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", "engine_speed")) -> np.ndarray | None:
@@ -142,7 +142,6 @@ def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None
     nearest = np.argmin(np.where(np.isnan(distance), np.inf, distance), axis=1)
     close = distance[np.arange(len(ratio)), nearest] <= tolerance
     gear = np.where(close, nearest + 1.0, np.nan)
-    how = "given ratios" if ratios else f"{len(levels)} ratios found in the log, the highest taken as first gear"
     channel = Channel(
         "gear",
         road_test.time,
@@ -152,7 +151,15 @@ def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None
         source="derived",
         independent=int(close.sum()),
     )
-    note = Message("warning", "gear_derived", f"no gear is logged: it is derived from the speed ratio ({how})")
+    if ratios:
+        text = Sentence("no gear is logged: it is derived from the speed ratio (given ratios)")
+    else:
+        text = Sentence(
+            "no gear is logged: it is derived from the speed ratio ({count} ratios found in the log, the highest taken "
+            "as first gear)",
+            count=len(levels),
+        )
+    note = Message("warning", "gear_derived", text)
     return replace(
         road_test,
         channels=MappingProxyType({**road_test.channels, "gear": channel}),

@@ -6,23 +6,30 @@ A decision shows by its symbol and its words as well as by its colour. Units are
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
+from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import RuleKind
 from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import DECISION_MARKS, SCREEN
+from atleak.rules import LandKey
 from atleak.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 
-def clearances(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
+def clearances(
+    unit: UnitUncertainty, say: Wording, lands: int = 20, advised: Callable[[LandKey], str] = lambda _: ""
+) -> Figure:
     """Draw radial clearances with their intervals, beside the mounting clearance and the limit that decides.
 
     Parameters
     ----------
     lands
         how many are drawn: those likeliest to be over a limit.
+    advised
+        says in the reader's language what would make the verdict of a land clear, under the pointer.
     """
     chosen = _chosen(unit, lands)
     figure, um, name_of = Figure(), say.convert(UM, "clearance"), say.unit("clearance")
@@ -55,7 +62,7 @@ def clearances(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
             marker={"color": colour, "symbol": symbol, "size": 10, "line": {"width": 2}},
             error_x=error_bars(values, [land.clearance_interval for land in shown], um, colour),
             customdata=[
-                ((land.u_clearance or 0.0) * um, PERCENT * (land.probability_over_limit or 0.0), land.advice or "")
+                ((land.u_clearance or 0.0) * um, PERCENT * (land.probability_over_limit or 0.0), advised(land.key))
                 for land in shown
             ],
             hovertemplate=f"%{{y}}: %{{x:.{digits}f}} {name_of}, u = %{{customdata[0]:.{digits + 1}f}} {name_of}<br>"
@@ -65,11 +72,13 @@ def clearances(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
     return by_land(figure, [_name(land) for land in chosen], 24, say)
 
 
-def leakages(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
+def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int = 20) -> Figure:
     """Draw leakages at the stated condition with intervals; a thin line ends where a spool that touches would leak.
 
     Parameters
     ----------
+    at
+        the stated condition.
     lands
         how many of the largest are drawn.
     """
@@ -100,8 +109,7 @@ def leakages(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
         customdata=[tuple(end * flow for end in land.leakage_interval or (math.nan, math.nan)) for land in chosen],
         hovertemplate=f"%{{y}}: %{{x:.3f}} {name_of}, %{{customdata[0]:.3f}} – %{{customdata[1]:.3f}}<extra></extra>",
     )
-    label = chosen[0].conditions[0].label if chosen else ""
-    figure.update_xaxes(title=say("figures.leakage", unit=name_of, condition=label), rangemode="tozero")
+    figure.update_xaxes(title=say("figures.leakage", unit=name_of, condition=say.condition(at)), rangemode="tozero")
     return by_land(figure, [_name(land) for land in chosen], 24, say)
 
 
@@ -120,7 +128,7 @@ def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> Figure:
     ):
         figure.add_bar(
             x=[PERCENT * parts.get(name, 0.0) for name in names],
-            y=names,
+            y=[say.get("uncertainty_sources", name) for name in names],
             orientation="h",
             name=title,
             marker={"color": colour, "pattern": {"shape": shape}},

@@ -30,9 +30,12 @@ from atleak.pressure_table import (
     taps_of,
 )
 from atleak.rules import Rule
+from atleak.sentence import Sentence, in_a_row
 from atleak.uncertainty import Assumptions, RuleDecision
 from atleak.uncertainty.decision import decide_rule
+from atleak.unit_systems import Quantity
 from atleak.verdicts import Verdict, worst
+from atleak.workshop_units import KPA
 
 _SHOWN = 8  # cells named in a message
 
@@ -57,9 +60,11 @@ class CheckedReading:
         return self.reading.cell
 
     @property
-    def label(self) -> str:
+    def label(self) -> Sentence:
         """Return its cell's name for people: ``"D, slow idle, line"``."""
-        return f"{self.cell.range}, {self.cell.engine.label}, {self.tap_name}"
+        return Sentence(
+            "{range}, {engine}, {tap}", range=self.cell.range, engine=self.cell.engine.label, tap=self.tap_name
+        )
 
     @property
     def stands(self) -> Stands | None:
@@ -200,14 +205,12 @@ class _Checker:
         if permissible is not None and permissible.low is not None and self.limits.below_permissible is not None:
             below, u = 1.0 - reading.pressure / permissible.low, self.uncertainty * reading.pressure / permissible.low
             kind, steps = RuleKind.PERMISSIBLE_PRESSURE, self.limits.below_permissible
-            where = f"{cell.range}, {cell.engine.label}"
-            rules.append((Rule(kind, None, below, steps, where=where), u))
+            rules.append((Rule(kind, None, below, steps, where=_where(cell)), u))
         if line is not None and self.limits.circuit_loss is not None:
             u = self.uncertainty * math.hypot(line, reading.pressure)
             circuit = circuit_at(self.controller, cell.tap)
-            where = f"{cell.range}, {cell.engine.label}"
             kind, steps = RuleKind.BELOW_LINE, self.limits.circuit_loss
-            rule = Rule(kind, None, line - reading.pressure, steps, circuit=circuit, where=where)
+            rule = Rule(kind, None, line - reading.pressure, steps, circuit=circuit, where=_where(cell))
             rules.append((rule, u))
         return replace(checked, decisions=tuple(self._decide(rule, u) for rule, u in rules))
 
@@ -294,29 +297,41 @@ class _Checker:
             if gear is not None:
                 by_gear.setdefault(gear, []).append(selected)
         if by_gear:
-            taken = "; ".join(f"{', '.join(ranges)} as gear {gear}" for gear, ranges in by_gear.items())
-            text = (
-                f"Gauge readings of a standing vehicle: {taken} where the file names no range (choice of this project)."
+            text = Sentence(
+                "Gauge readings of a standing vehicle: {taken} where the file names no range (choice of this project).",
+                taken=in_a_row(
+                    Sentence("{ranges} as gear {gear}", ranges=ranges, gear=gear) for gear, ranges in by_gear.items()
+                ),
             )
             yield Message("info", "ranges_as_gears", text, place)
         unjudged = [each.label for each in readings if not each.decisions]
         if unjudged:
-            more = " …" if len(unjudged) > _SHOWN else ""
-            text = (
-                f"{len(unjudged)} of {len(readings)} gauge readings cannot be judged, since the valve body's file says "
-                f"nothing that they must reach: {'; '.join(unjudged[:_SHOWN])}{more}."
+            named = in_a_row(unjudged[:_SHOWN])
+            text = Sentence(
+                "{count} of {readings} gauge readings cannot be judged, since the valve body's file says nothing that "
+                "they must reach: {cells}.",
+                count=len(unjudged),
+                readings=len(readings),
+                cells=Sentence("{named} …", named=named) if len(unjudged) > _SHOWN else named,
             )
             yield Message("info", "pressure_not_judged", text, place)
         for each in readings:
             high = each.permissible.high if each.permissible else None
             if each.over is not None and high is not None:
-                text = (
-                    f"Main pressure is over the permissible: {each.label}, "
-                    f"{each.reading.pressure / 1e3:.0f} of at most {high / 1e3:.0f} kPa."
+                text = Sentence(
+                    "Main pressure is over the permissible: {cell}, {pressure} of at most {high} {high.unit}.",
+                    cell=each.label,
+                    pressure=Quantity(each.reading.pressure * KPA, "pressure"),
+                    high=Quantity(high * KPA, "pressure"),
                 )
                 yield Message("warning", "over_permissible", text, each.reading.place)
-        for text in dict.fromkeys(map(str, self.outside)):
-            yield Message("warning", "pressure_not_expected", f"No pressure is expected from the engine: {text}", place)
+        for reason in dict.fromkeys(error.sentence for error in self.outside):
+            text = Sentence("No pressure is expected from the engine: {reason}", reason=reason)
+            yield Message("warning", "pressure_not_expected", text, place)
+
+
+def _where(cell: Cell) -> Sentence:
+    return Sentence("{range}, {engine}", range=cell.range, engine=cell.engine.label)
 
 
 def _reached(circuit: Circuit, gear: int | None, line: float) -> float | None:

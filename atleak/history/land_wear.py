@@ -11,6 +11,7 @@ from atleak.history.series import Restart, Series, series_of
 from atleak.history.visits import Visit, Visits, in_order
 from atleak.replace_mileage import NO_RATE
 from atleak.rules import LandKey, clearance_limits
+from atleak.sentence import Sentence, some
 from atleak.uncertainty import LandSources
 from atleak.verdicts import Verdict
 from atleak.wear_line import Crossing, WearLine
@@ -113,40 +114,49 @@ def _limits(land: LandSources, limits: Limits) -> Iterator[tuple[RuleKind, Verdi
 def _messages(lands: Sequence[LandWear], visits: Visits) -> Iterator[Message]:
     without = [land for land in lands if land.line is None]
     if without:
-        text = (
-            f"{len(lands) - len(without)} of {len(lands)} measured lands tell a rate of wear: it takes two visits with "
-            "their mileages since the last repair, or one visit and a mounting clearance that was measured."
+        text = Sentence(
+            "{count} of {lands} measured lands tell a rate of wear: it takes two visits with their mileages since the "
+            "last repair, or one visit and a mounting clearance that was measured.",
+            count=len(lands) - len(without),
+            lands=len(lands),
         )
         yield Message("info", NO_RATE, text)
     yield from _restarts(lands, visits)
     bent = [land for land in lands if land.line is not None and not land.line.straight]
     if bent:
-        text = (
-            f"The clearance of {_listed(bent)} does not grow in a straight line: measuring does not explain how its "
-            "points scatter, so its intervals are widened by as much. Wear that grows faster is of the last visits."
+        text = Sentence(
+            "The clearance of {lands} does not grow in a straight line: measuring does not explain how its points "
+            "scatter, so its intervals are widened by as much. Wear that grows faster is of the last visits.",
+            lands=_listed(bent),
         )
         yield Message("warning", "wear_not_straight", text)
 
 
 def _restarts(lands: Sequence[LandWear], visits: Visits) -> Iterator[Message]:
-    for why, level, text in (
-        (Restart.REPAIRED, "info", "repaired at the visit of {visit}: the series begins there."),
-        (Restart.FITTED, "info", "another part since the visit of {visit}: the series begins there."),
-        (
-            Restart.NARROWER,
-            "warning",
-            "measured narrower at the visit of {visit} than at the one before, by more than measuring can be off: "
-            "a repair that no record names, or a slip. The series begins there.",
-        ),
-    ):
+    for why in (Restart.REPAIRED, Restart.FITTED, Restart.NARROWER):
         numbers = {land.series.since for land in lands if land.series.restart is why}
         for number in sorted(number for number in numbers if number is not None):
             at = [land for land in lands if land.series.restart is why and land.series.since == number]
-            said = text.format(visit=visits.visits[number].label)
-            yield Message(level, f"series_{why}", f"{_listed(at)} {said}")  # type: ignore[arg-type]
+            text = _begins_there(why, _listed(at), visits.visits[number])
+            yield Message("warning" if why is Restart.NARROWER else "info", f"series_{why}", text)
 
 
-def _listed(lands: Iterable[LandWear]) -> str:
-    names = [f"{component}/{land}" for component, land in (each.key for each in lands)]
-    more = f" and {len(names) - _NAMED} more" if names[_NAMED:] else ""
-    return ", ".join(names[:_NAMED]) + more
+def _begins_there(why: Restart, lands: Sentence, visit: Visit) -> Sentence:
+    if why is Restart.REPAIRED:
+        return Sentence(
+            "{lands} repaired at the visit of {visit}: the series begins there.", lands=lands, visit=visit.label
+        )
+    if why is Restart.FITTED:
+        return Sentence(
+            "{lands} another part since the visit of {visit}: the series begins there.", lands=lands, visit=visit.label
+        )
+    return Sentence(
+        "{lands} measured narrower at the visit of {visit} than at the one before, by more than measuring can be off: "
+        "a repair that no record names, or a slip. The series begins there.",
+        lands=lands,
+        visit=visit.label,
+    )
+
+
+def _listed(lands: Iterable[LandWear]) -> Sentence:
+    return some([f"{component}/{land}" for component, land in (each.key for each in lands)], _NAMED)

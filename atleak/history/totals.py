@@ -16,6 +16,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.errors import Message
 from atleak.history.land_wear import LandWear, WearHistory
 from atleak.rules import LandKey
+from atleak.sentence import Sentence
 from atleak.wear_line import COVERAGE, FARTHEST, Crossing
 
 AHEAD = 200_000.0  # [km] over which totals are foreseen: choice of this project
@@ -175,8 +176,10 @@ def _reached(share: Draws, limit: float, mileages: Draws) -> Crossing:
 def _messages(growing: int, lands: int) -> list[Message]:
     if growing == lands:
         return []
-    text = (
-        f"{lands - growing} of {lands} lands have no rate of wear and stay as they are in the totals over mileage: "
-        "what they will wear comes on top."
+    text = Sentence(
+        "{count} of {lands} lands have no rate of wear and stay as they are in the totals over mileage: what they will "
+        "wear comes on top.",
+        count=lands - growing,
+        lands=lands,
     )
     return [Message("info", "lands_without_rate", text)]

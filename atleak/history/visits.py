@@ -11,8 +11,9 @@ from itertools import pairwise
 from atleak.diagnosis import Diagnosis
 from atleak.errors import Message
 from atleak.rules import LandKey
+from atleak.sentence import Sentence
 from atleak.uncertainty import LandSources
-from atleak.wording import wording
+from atleak.unit_systems import Quantity
 
 
 @dataclass(frozen=True)
@@ -58,9 +59,10 @@ class Visit:
         )
 
     @property
-    def label(self) -> str:
+    def label(self) -> Sentence:
         """Name the visit: ``2026-05-04 (job 1042)``."""
-        return f"{self.date.isoformat()} (job {self.name})" if self.name else self.date.isoformat()
+        date = self.date.isoformat()
+        return Sentence("{date} (job {job})", date=date, job=self.name) if self.name else Sentence("{date}", date=date)
 
     def measured(self, key: LandKey) -> LandSources | None:
         """Return a land of which both parts were measured and whose clearance counts; None where they were not."""
@@ -110,33 +112,45 @@ def in_order(visits: Sequence[Visit]) -> Visits:
 
 
 def _of_another_valve_body(visit: Visit, last: Visit) -> Message:
-    text = (
-        f"The visit of {visit.label} is left out: its valve body is {visit.controller}, that of the last visit "
-        f"{last.controller}."
+    text = Sentence(
+        "The visit of {visit} is left out: its valve body is {controller}, that of the last visit {last}.",
+        visit=visit.label,
+        controller=visit.controller,
+        last=last.controller,
     )
     return Message("warning", "visit_of_another_valve_body", text)
 
 
 def _without_mileage(visit: Visit) -> Message:
-    text = f"The visit of {visit.label} states no mileage: its clearances count in no rate of wear."
+    text = Sentence(
+        "The visit of {visit} states no mileage: its clearances count in no rate of wear.", visit=visit.label
+    )
     return Message("warning", "visit_without_mileage", text)
 
 
 def _falling(before: Visit, after: Visit) -> Message:
-    text = (
-        f"The mileage falls from {_km(before)} on {before.label} to {_km(after)} on {after.label}: "
-        "another odometer, or a slip. No visit before that counts in any rate of wear."
+    text = Sentence(
+        "The mileage falls from {more:,.0f} {more.unit} on {before} to {less:,.0f} {less.unit} on {after}: another "
+        "odometer, or a slip. No visit before that counts in any rate of wear.",
+        more=_mileage(before),
+        before=before.label,
+        less=_mileage(after),
+        after=after.label,
     )
     return Message("warning", "mileage_falls", text)
 
 
 def _equal(before: Visit, after: Visit) -> Message:
-    text = (
-        f"{before.label} and {after.label} state the same mileage, {_km(after)}: together they tell a "
-        "clearance better, and no wear between them."
+    text = Sentence(
+        "{before} and {after} state the same mileage, {mileage:,.0f} {mileage.unit}: together they tell a clearance "
+        "better, and no wear between them.",
+        before=before.label,
+        after=after.label,
+        mileage=_mileage(after),
     )
     return Message("info", "mileage_unchanged", text)
 
 
-def _km(visit: Visit) -> str:
-    return f"{wording('en').number(visit.mileage, 0)} km"
+def _mileage(visit: Visit) -> Quantity:
+    assert visit.mileage is not None
+    return Quantity(visit.mileage, "distance")

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from atleak.errors import unknown
+from atleak.sentence import Sentence
 from atleak.workshop_units import INCH, PSI
 
 
@@ -22,6 +24,11 @@ class Unit:
     name: str
     factor: float
     offset: float = 0.0
+
+    @property
+    def said(self) -> str:
+        """Return its name in a sentence: one that is a word has other words in other languages."""
+        return Sentence("inch") if self.name == "inch" else self.name
 
     def to_si(self, value: Any) -> Any:
         """Convert a value or array in this unit to SI."""
@@ -38,6 +45,7 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
         Unit("µm", 1e-6): ("µm", "um", "micron", "microns", "micrometre", "micrometer", "mkm", "мкм"),
         Unit("inch", INCH): ("inch", "in", "inches", '"', "zoll", "cal"),
         Unit("mil", INCH / 1000): ("mil", "thou"),
+        Unit("0.0001 in", INCH / 10000): ("0.0001 in", "0,0001 in"),
         Unit("cm", 1e-2): ("cm",),
         Unit("m", 1.0): ("m",),
     },
@@ -168,6 +176,15 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
         Unit("%", 1e-2): ("%", "percent"),
     },
 }
+_UNKNOWN = {
+    "length": Sentence("unknown unit of length"),
+    "pressure": Sentence("unknown unit of pressure"),
+    "temperature": Sentence("unknown unit of temperature"),
+    "rotational_speed": Sentence("unknown unit of rotational speed"),
+    "speed": Sentence("unknown unit of speed"),
+    "time": Sentence("unknown unit of time"),
+    "ratio": Sentence("unknown unit of ratio"),
+}
 
 
 def _spelling(name: str) -> str:
@@ -203,7 +220,7 @@ def unit(name: str, kind: str) -> Unit:
     """
     match = find_unit(name, kind)
     if match is None:
-        raise unknown(f"unknown unit of {kind.replace('_', ' ')}", name, unit_names(kind))
+        raise unknown(_UNKNOWN[kind], name, unit_names(kind))
     return match
 
 
@@ -215,3 +232,14 @@ def unit_names(kind: str) -> list[str]:
 def kinds_of(name: str) -> list[str]:
     """Return every kind that has a unit of that name: ``"m"`` is a length only, ``"min"`` a time."""
     return [kind for kind in _TABLE if find_unit(name, kind)]
+
+
+KINDS: Mapping[str, Sentence] = {  # as sentences name them
+    "length": Sentence("length"),
+    "pressure": Sentence("pressure"),
+    "temperature": Sentence("temperature"),
+    "rotational_speed": Sentence("rotational speed"),
+    "speed": Sentence("speed"),
+    "time": Sentence("time"),
+    "ratio": Sentence("ratio"),
+}

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from itertools import product
 
 from atleak.catalogue.instruments import Instrument, Part, instruments
 from atleak.catalogue.limits import RuleKind
+from atleak.sentence import Name, Sentence, all_of
 from atleak.uncertainty.decision import RuleDecision
 from atleak.uncertainty.sources import PARTS, LandSources
 
@@ -93,18 +94,27 @@ def _allowed_variance(
 
 def gauges_that_do(
     land: LandSources, rule: RuleDecision, per_clearance: float, guard_factor: float, distance: float
-) -> str:
+) -> Sentence:
     """Say which gauges of the catalogue tell the limit from a new pair."""
     measured = [part for part in PARTS if part in land.plans]
     allowed = _allowed_variance(land, rule, per_clearance, guard_factor, distance)
     choices = _better(land, measured, allowed) if allowed > 0.0 else ()
     if not choices:
-        return "No gauge of the catalogue would do: set a limit of so many µm (at_least_um)."
-    return f"It would be measurable with {', or with '.join(_gauges(choice) for choice in choices)}."
+        return Sentence("No gauge of the catalogue would do: set a limit of so many µm (at_least_um).")
+    return Sentence(
+        "It would be measurable with {gauges}.",
+        gauges=reduce(
+            lambda said, other: Sentence("{gauges}, or with {others}", gauges=said, others=other),
+            map(_gauges, choices),
+        ),
+    )
 
 
-def _gauges(choice: Sequence[tuple[Part, str]]) -> str:
-    return " and ".join(f"{instrument} for {_SYMBOL[part]}" for part, instrument in choice)
+def _gauges(choice: Sequence[tuple[Part, str]]) -> Sentence:
+    return all_of(
+        Sentence("{instrument} for {symbol}", instrument=Name(instrument), symbol=_SYMBOL[part])
+        for part, instrument in choice
+    )
 
 
 def advise(rule: RuleDecision, name: str, way: Remedy, land: LandSources, limit_text: str, guard_text: str) -> str:

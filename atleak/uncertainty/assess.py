@@ -10,12 +10,13 @@ from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.extremes import Instant
-from atleak.engine.leakage import LeakageModel
+from atleak.engine.leakage import LeakageModel, named_land
 from atleak.engine.projection import Projection
 from atleak.equations.uncertainty import normal_quantile, probability_over
 from atleak.errors import InputError, Message
 from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule, UnitRules
+from atleak.sentence import Name, Sentence
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, RuleDecision, decide_rule
 from atleak.uncertainty.points import rounded_up
@@ -39,7 +40,9 @@ from atleak.uncertainty.results import (
     UnitUncertainty,
 )
 from atleak.uncertainty.sources import PARTS, LandSources, RepeatSpread, find_sources
+from atleak.unit_systems import Quantity
 from atleak.verdicts import Band
+from atleak.workshop_units import UM
 
 COVERAGE = 0.95
 
@@ -155,13 +158,15 @@ def assess(
 
 def _check(projections: Sequence[Projection], coverage: float, guard_factor: float, draws: int) -> None:
     if not projections:
-        raise InputError("no condition to assess", expected="at least one projection")
+        raise InputError(Sentence("no condition to assess"), expected=Sentence("at least one projection"))
     if not 0.0 < coverage < 1.0:
-        raise InputError("coverage not accepted", value=coverage, expected="a number between 0 and 1, such as 0.95")
+        expected = Sentence("a number between 0 and 1, such as 0.95")
+        raise InputError(Sentence("coverage not accepted"), value=coverage, expected=expected)
     if not (guard_factor >= 0.0 and math.isfinite(guard_factor)):
-        raise InputError("guard factor not accepted", value=guard_factor, expected="0 or more, such as 1.645")
+        expected = Sentence("0 or more, such as 1.645")
+        raise InputError(Sentence("guard factor not accepted"), value=guard_factor, expected=expected)
     if draws < 100:
-        raise InputError("too few draws", value=draws, expected="at least 100, such as 8192")
+        raise InputError(Sentence("too few draws"), value=draws, expected=Sentence("at least 100, such as 8192"))
 
 
 # --- one land
@@ -353,29 +358,48 @@ def _messages(
     for instrument in dict.fromkeys(instruments.of(part) for part in used):
         messages += instrument.doubts
         if instrument.representative:
-            quantities = ", ".join(instrument.representative)
-            text = (
-                f"{instrument.name}: representative, not from a certificate: {quantities}. Set your own instrument's."
+            text = Sentence(
+                "{instrument}: representative, not from a certificate: {quantities}. Set your own instrument's.",
+                instrument=Name(instrument.name),
+                quantities=instrument.representative,
             )
             messages.append(Message("info", "instrument_representative", text))
     for part in used:
         spread = repeats[part]
         if spread.degrees_of_freedom == 0:
-            taken = (
-                f"{spread.standard_deviation * 1e6:.2g} µm is taken from the instrument"
-                if spread.origin == "instrument"
-                else f"the reading's step of {spread.resolution * 1e6:g} µm is taken instead"
-            )
-            text = f"No independent repeats of any {part}: how far readings spread is not known, {taken}."
+            if spread.origin == "instrument":
+                taken = Sentence(
+                    "{spread:.2g} {spread.unit} is taken from the instrument",
+                    spread=Quantity(spread.standard_deviation * UM, "clearance"),
+                )
+            else:
+                taken = Sentence(
+                    "the reading's step of {step:g} {step.unit} is taken instead",
+                    step=Quantity(spread.resolution * UM, "clearance"),
+                )
+            if part == "spool":
+                text = Sentence(
+                    "No independent repeats of any spool: how far readings spread is not known, {taken}.", taken=taken
+                )
+            else:
+                text = Sentence(
+                    "No independent repeats of any sleeve: how far readings spread is not known, {taken}.", taken=taken
+                )
             messages.append(Message("info", "no_independent_repeats", text))
     single = [land.state for land in sources if _lower_bound(land.state)]
     if single:
-        names = ", ".join(f"{state.land.component} land {state.land.land}" for state in single)
-        text = f"Sleeve measured in one direction only, so the clearance is a lower bound: {names}."
+        text = Sentence(
+            "Sleeve measured in one direction only, so the clearance is a lower bound: {lands}.",
+            lands=tuple(named_land(state.land.key) for state in single),
+        )
         messages.append(Message("warning", "clearance_lower_bound", text))
     missing = sum(not land.state.measured for land in sources)
     if used and missing:
-        text = f"{missing} of {len(sources)} lands were not measured and are in the total at their mounting clearance."
+        text = Sentence(
+            "{missing} of {lands} lands were not measured and are in the total at their mounting clearance.",
+            missing=missing,
+            lands=len(sources),
+        )
         messages.append(Message("warning", "total_with_unmeasured", text))
     return messages
 
@@ -386,8 +410,12 @@ def _too_fine(lands: Sequence[LandUncertainty]) -> list[Message]:
     fine = [(land, rule) for land, rule in first if rule.conditional and not land.measurable(rule)]
     if not fine:
         return []
-    names = ", ".join(dict.fromkeys(f"{land.key[0]} land {land.key[1]}" for land, _ in fine))
+    names = tuple(dict.fromkeys(named_land(land.key) for land, _ in fine))
     land, rule = min(fine, key=lambda each: each[1].limit / each[1].standard_uncertainty)
-    text = f"Not measurable with this gauge: a limit is finer than what the gauges can tell from a new pair at {names}."
-    text = f"{text} {land.gauges_that_do(rule)}"
+    text = Sentence(
+        "Not measurable with this gauge: a limit is finer than what the gauges can tell from a new pair at {lands}. "
+        "{gauges}",
+        lands=names,
+        gauges=land.gauges_that_do(rule),
+    )
     return [Message("info", "limit_finer_than_gauge", text)]

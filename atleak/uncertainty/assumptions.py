@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from atleak.errors import InputError, unknown
+from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
 
 
@@ -66,13 +67,16 @@ class Assumptions:
         changes: dict[str, float] = {}
         for key, given in settings.items():
             if key not in names:
-                raise unknown("no such assumption", key, names)
+                raise unknown(Sentence("no such assumption"), key, names)
             name = names[key]
             number = decimal_number(str(given))
             most = _MOST.get(name, math.inf)
             if number is None or not 0.0 <= number * _UNITS[name][1] <= most:
-                expected = "0 or more" if math.isinf(most) else f"a number from 0 to {most / _UNITS[name][1]:g}"
-                raise InputError(f"assumption {key} does not take this value", value=given, expected=expected)
+                expected = Sentence("0 or more")
+                if not math.isinf(most):
+                    expected = Sentence("a number from 0 to {most:g}", most=most / _UNITS[name][1])
+                problem = Sentence("assumption {key} does not take this value", key=key)
+                raise InputError(problem, value=given, expected=expected)
             changes[name] = number * _UNITS[name][1]
         return replace(self, **changes)
 

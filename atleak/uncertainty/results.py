@@ -12,6 +12,7 @@ from atleak.catalogue.limits import RuleKind
 from atleak.engine.extremes import Instant
 from atleak.errors import Message
 from atleak.rules import Rule
+from atleak.sentence import Sentence
 from atleak.uncertainty.advice import Remedy, advise, gauges_that_do, remedy
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.decision import Decision, RuleDecision
@@ -126,7 +127,7 @@ class LandUncertainty:
         allowed = rule.limit - self.sources.state.land.mounting_high
         return allowed if rule.rule.kind is RuleKind.CLEARANCE and allowed > 0.0 else None
 
-    def gauges_that_do(self, rule: RuleDecision) -> str:
+    def gauges_that_do(self, rule: RuleDecision) -> Sentence:
         """Say which gauges of the catalogue tell the limit from a new pair."""
         allowed = self._allowed_wear(rule) or 0.0
         return gauges_that_do(self.sources, rule, self._per_clearance(rule), self.guard_factor, allowed)

@@ -9,6 +9,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Verdict
+from atleak.views.land_names import land_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import worst_pressure
 from atleak.views.repair_words import Named, label_of
@@ -38,7 +39,7 @@ def _parts(diagnosis: Diagnosis, say: Wording, named: Named) -> Iterator[str]:
     if diagnosis.without_sheet:
         yield say("findings.alone")
         return
-    yield from _lands(diagnosis, say)
+    yield lands_part(diagnosis, say)
     decided_by = diagnosis.decided_by
     if isinstance(decided_by, LandDiagnosis):
         rule = decided_by.deciding
@@ -51,21 +52,21 @@ def _parts(diagnosis: Diagnosis, say: Wording, named: Named) -> Iterator[str]:
         because = because_of(diagnosis, decided_by, say, named)
         yield because or say("diagnosis.by_rule", rule=rule_reached(decided_by, say, named))
     yield from _open(diagnosis, say)
-    yield _total(diagnosis, say, named)
+    yield total_part(diagnosis, say, named)
 
 
-def _lands(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
+def lands_part(diagnosis: Diagnosis, say: Wording) -> str:
     """Say how many of the measured lands are past a limit."""
     counts = {level: sum(land.verdict == level for land in diagnosis.lands) for level in reversed(FLAGGED)}
     flagged = [f"{count} {say.signed(level)}" for level, count in counts.items() if count]
     if flagged:
-        yield say("diagnosis.flagged", flagged=", ".join(flagged), measured=diagnosis.judged)
-    elif diagnosis.passed:
-        yield say("diagnosis.all_within", measured=diagnosis.judged)
-    elif diagnosis.judged:
-        yield say("diagnosis.none_past", measured=diagnosis.judged)
-    else:
-        yield say("diagnosis.nothing_measured")
+        return say("diagnosis.flagged", flagged=", ".join(flagged), measured=diagnosis.judged)
+    if diagnosis.passed:
+        return say("diagnosis.all_within", measured=diagnosis.judged)
+    if diagnosis.judged:
+        return say("diagnosis.none_past", measured=diagnosis.judged)
+    none_counts = diagnosis.readings is not None and not diagnosis.readings.readings
+    return say(f"diagnosis.nothing_{'counts' if none_counts else 'measured'}")
 
 
 def _open(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
@@ -73,21 +74,23 @@ def _open(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     half = [land for land in diagnosis.unmeasured if land.state.measured]
     none = [land for land in diagnosis.unmeasured if not land.state.measured]
     if diagnosis.judged and none:
-        yield say("diagnosis.unmeasured", count=len(none), lands=len(diagnosis.lands), named=_named(none, say))
+        yield say(
+            "diagnosis.unmeasured", count=len(none), lands=len(diagnosis.lands), named=_named(diagnosis, none, say)
+        )
     if half:
-        yield say("diagnosis.half_measured", count=len(half), named=_named(half, say))
+        yield say("diagnosis.half_measured", count=len(half), named=_named(diagnosis, half, say))
     if diagnosis.in_doubt:
-        yield say("diagnosis.in_doubt", count=len(diagnosis.in_doubt), named=_named(diagnosis.in_doubt, say))
+        yield say("diagnosis.in_doubt", count=len(diagnosis.in_doubt), named=_named(diagnosis, diagnosis.in_doubt, say))
 
 
-def _named(lands: Iterable[LandDiagnosis], say: Wording) -> str:
-    names = [f"{land.key[0]}/{land.key[1]}" for land in lands]
+def _named(diagnosis: Diagnosis, lands: Iterable[LandDiagnosis], say: Wording) -> str:
+    names = [land_number(diagnosis.controller, land.key, say) for land in lands]
     more = len(names) - NAMED
     said = ", ".join(names[:NAMED])
     return said if more <= 0 else say("diagnosis.and_more", named=said, count=more)
 
 
-def _total(diagnosis: Diagnosis, say: Wording, named: Named) -> str:
+def total_part(diagnosis: Diagnosis, say: Wording, named: Named) -> str:
     """Say what the unit leaks where that is worst, and which band that is."""
     worst = diagnosis.worst
     band, condition = diagnosis.band(worst), named(worst.condition)

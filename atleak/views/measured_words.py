@@ -46,7 +46,7 @@ def _of_gauge(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str:
     return say(
         f"gauges.{'below' if rule.circuit is None else 'circuit'}",
         tap=tap_text(diagnosis.controller, each.cell.tap, say),
-        cell=f"{each.cell.range}, {say.get('engine_states', each.cell.engine)}",
+        cell=f"{each.cell.range}, {say.sentence(each.cell.engine.label)}",
         pressure=say.value(each.reading.pressure * KPA, "pressure", 0),
         limit=say.value(_low(each) * KPA, "pressure", 0),
         kpa=say.value((below or 0.0) * KPA, "pressure", 0),

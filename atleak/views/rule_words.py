@@ -21,7 +21,7 @@ def rule_value(rule: Rule, value: float, say: Wording) -> str:
 
 def rule_name(rule: Rule, say: Wording, named: Named = label_of) -> str:
     """Return what a rule limits, of which circuit and at which condition."""
-    return ", ".join(filter(None, (_limited(rule, say), *_where(rule, named))))
+    return ", ".join(filter(None, (_limited(rule, say), *_where(rule, say, named))))
 
 
 def rule_reached(rule: Rule, say: Wording, named: Named = label_of) -> str:
@@ -29,7 +29,7 @@ def rule_reached(rule: Rule, say: Wording, named: Named = label_of) -> str:
     value = rule_value(rule, rule.value, say) if math.isfinite(rule.value) else say.number(rule.value, 0)
     limit = rule_value(rule, rule.limit, say)
     reached = say("rules.reached_short", rule=_limited(rule, say), value=value, limit=limit)
-    return ", ".join(filter(None, (reached, *_where(rule, named))))
+    return ", ".join(filter(None, (reached, *_where(rule, say, named))))
 
 
 def _limited(rule: Rule, say: Wording) -> str:
@@ -37,5 +37,5 @@ def _limited(rule: Rule, say: Wording) -> str:
     return ", ".join(filter(None, (say(f"rules.{rule.kind}"), circuit)))
 
 
-def _where(rule: Rule, named: Named) -> tuple[str, str]:
-    return "" if rule.condition is None else named(rule.condition), rule.where
+def _where(rule: Rule, say: Wording, named: Named) -> tuple[str, str]:
+    return "" if rule.condition is None else named(rule.condition), say.sentence(rule.where)

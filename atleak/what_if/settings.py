@@ -12,6 +12,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import stated_condition
 from atleak.errors import InputError, unknown
+from atleak.sentence import Sentence
 from atleak.what_if.wear import worn
 
 
@@ -68,7 +69,7 @@ class WhatIf:
             return diagnosis.projection.condition
         points = {each.condition.name: each.condition for each in diagnosis.projections}
         if self.point not in points:
-            raise unknown("no such condition of the job", self.point, points)
+            raise unknown(Sentence("no such condition of the job"), self.point, points)
         return points[self.point]
 
     def condition(self, diagnosis: Diagnosis) -> OperatingPoint:
@@ -104,9 +105,12 @@ class WhatIf:
         InputError
             a wear or growth below zero, an eccentricity outside 0 to 1, data of a used fluid asked for fresh.
         """
-        for name, value in (("wear", self.wear), ("growth", self.growth)):
+        for problem, value in (
+            (Sentence("wear not accepted"), self.wear),
+            (Sentence("growth not accepted"), self.growth),
+        ):
             if not value >= 0.0:
-                raise InputError(f"{name} not accepted", value=value, expected="0 or more")
+                raise InputError(problem, value=value, expected=Sentence("0 or more"))
         model = diagnosis.model
         profile = model.profile
         if self.eccentricity is not None:

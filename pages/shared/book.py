@@ -13,6 +13,7 @@ from atleak.errors import AtleakError, ChangedElsewhere
 from atleak.job.parts import job_parts
 from atleak.job.record import Job
 from atleak.jobs.judged_anew import judged_otherwise
+from atleak.sentence import Sentence
 from atleak.system.home import home
 from pages.shared import reader
 from pages.shared.cases import case_with_columns, diagnosis_of, opened_case
@@ -110,7 +111,9 @@ def keep(page: str) -> bool:
 def _look_for_others(in_book: InBook) -> None:
     """Notice that a job which is only looked at here was changed elsewhere."""
     if in_book.id is not None and in_book.conflict is None and book().version(in_book.id) != in_book.version:
-        in_book.conflict = ChangedElsewhere("this job was changed elsewhere; what you see is as it was before")
+        in_book.conflict = ChangedElsewhere(
+            Sentence("this job was changed elsewhere; what you see is as it was before")
+        )
 
 
 def _save(now: Session, id: str | None, version: int | None) -> None:

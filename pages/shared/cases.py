@@ -34,6 +34,7 @@ from atleak.measuring.plan import PARTS
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.system.memory import give_back_soon
+from pages.shared import reader
 
 CaseKind = TypeVar("CaseKind", bound=Case)
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
@@ -156,7 +157,7 @@ def _entry(slot: str, called: str, sha256: str, _choice: Choice) -> Any:
     return Reader().entry(SLOTS[slot], _choice)
 
 
-@st.cache_resource(max_entries=6, show_spinner="Reading the measuring sheet …")
+@st.cache_resource(max_entries=6, show_spinner="…")
 def _readings(key: str, _case: Case, _controller: Controller) -> Readings:
     assert _case.readings is not None
     file = _case.readings
@@ -168,14 +169,12 @@ def _pressures(key: str, _case: Case, _controller: Controller) -> PressureTable:
     return Reader().pressures(_case, _controller)
 
 
-@st.cache_resource(max_entries=6, show_spinner="Reading the road-test log …")
+@st.cache_resource(max_entries=6, show_spinner="…")
 def _understood(key: str, _log: SourceFile, _choices: LogChoices, _remembered: bool) -> Understood:
     return _read(_log, _choices, _remembered)
 
 
-@st.cache_resource(
-    max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="Reading the road-test log …"
-)
+@st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="…")
 def _understood_here(key: str, _log: SourceFile, _choices: LogChoices, _remembered: bool) -> Understood:
     return _read(_log, _choices, _remembered)
 
@@ -223,8 +222,9 @@ def own_faults() -> list[CatalogueError]:
 
 
 def shown_name(entry: Any) -> str:
-    """Return the name of an entry of the catalogue; the user's own are marked."""
-    return f"{entry.name} (own: {entry.id})" if entry.origin is not None and entry.origin.own else str(entry.name)
+    """Return the name of an entry of the catalogue in the reader's language; the user's own are marked."""
+    say, own = reader.say(), entry.origin is not None and entry.origin.own
+    return say("settings.own_entry", name=entry.name, id=entry.id) if own else say.name(entry.name)
 
 
 def controller_of(case: Case) -> Controller:
@@ -283,12 +283,12 @@ def case_with_columns(case: CaseKind) -> CaseKind:
     return case if case.road_test is None else with_log_choices(case, Kept().log(case))
 
 
-@st.cache_resource(max_entries=6, show_spinner="Computing …")
+@st.cache_resource(max_entries=6, show_spinner="…")
 def _diagnosis(key: str, _case: Case) -> Diagnosis:
     return _computed(_case)
 
 
-@st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="Computing …")
+@st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="…")
 def _diagnosis_here(key: str, _case: Case) -> Diagnosis:
     return _computed(_case)
 

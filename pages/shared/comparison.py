@@ -131,7 +131,7 @@ def compared(before: JobFile, after: JobFile) -> ComparedJobs:
     return _compared(repr(([result_key(case) for case in cases], records)), (before, after), diagnoses)
 
 
-@st.cache_resource(max_entries=6, show_spinner="Comparing …")
+@st.cache_resource(max_entries=6, show_spinner="…")
 def _compared(key: str, _jobs: Chosen, _diagnoses: tuple[Diagnosis, Diagnosis]) -> ComparedJobs:
     return compare_jobs(*_jobs, _diagnoses)
 
@@ -139,7 +139,7 @@ def _compared(key: str, _jobs: Chosen, _diagnoses: tuple[Diagnosis, Diagnosis]) 
 def sentence(comparison: Comparison) -> str:
     """Return both verdicts and what changed, in markdown."""
     say = reader.say()
-    more = [changed_sentence(comparison, say), total_sentence(comparison, say)]
+    more = [changed_sentence(comparison, say), total_sentence(comparison, say, say.condition)]
     return " ".join([f"**{plain(verdicts_sentence(comparison, say))}**", *(plain(each) for each in more if each)])
 
 

@@ -31,7 +31,7 @@ def draw(diagnosis: Diagnosis) -> Estimate:
     """Draw terms, lines and sums; return the estimate as it now is."""
     say, record = reader.say(), job()
     for fault in decision_faults(record, diagnosis.controller):
-        st.error(show.plain(str(fault)))
+        st.error(show.plain(fault))
     changed = record.model_copy(update={"estimate": _terms(record.estimate, diagnosis, say)})
     made = _estimate_of(diagnosis, changed)
     words = EstimateWords(made, say, say.condition)

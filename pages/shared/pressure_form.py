@@ -48,7 +48,7 @@ def draw(case: PageCase, controller: Controller) -> None:
     for selected in ranges_of(controller):
         for place, engine in zip(st.columns(3), Engine, strict=True):
             cell, key = Cell(selected, engine, tap), f"{owner}-{tap}-{selected}-{engine}"
-            label = say("gauge_page.cell", range=selected, engine=say(f"engine_states.{engine}"))
+            label = say("gauge_page.cell", range=selected, engine=say.sentence(engine.label))
             place.text_input(
                 f"{label} [{typed.unit}]", typed.cells.get(cell, ""), key=key, on_change=_put_cell, args=(cell, key)
             )

@@ -11,6 +11,9 @@ import pytest
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.entries import shipped_files
+from atleak.catalogue.fluid import fluids
+from atleak.catalogue.instruments import instruments
+from atleak.catalogue.limits import limit_sets
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages, wording
 
@@ -89,7 +92,7 @@ def test_no_text_stands_unused() -> None:
     strings: set[str] = set()
     patterns: set[str] = set()
     # by `Wording.level`, the menu, each column, and the form of a catalogue's entry
-    whole = {"verdicts", "bands", "pages", "column_help", "workshop_fields"}
+    whole = {"verdicts", "bands", "pages", "column_help", "workshop_fields", "transmission_fields"}
     for nodes in NODES.values():
         for node in nodes:
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
@@ -126,17 +129,24 @@ def test_a_language_is_no_copy_of_english(language: str) -> None:
     assert same == []
 
 
-def test_every_name_of_a_shipped_valve_body_is_translated() -> None:
+def test_every_name_of_the_shipped_catalogue_is_translated() -> None:
     shipped = [load_controller(name) for name in sorted(shipped_files("controllers"))]
     names = {
         name
         for controller in shipped
         for name in (
+            controller.name,
             *controller.components.values(),
-            *(each.name for each in controller.circuits),
+            *(each.name for each in (*controller.circuits, *controller.leaks, *controller.consumers)),
             *(each.label for each in (*controller.operating_points, *controller.complaints)),
+            *(each.name for each in controller.repairs),
+            *filter(None, [controller.representative]),
         )
     }
+    names |= {name for each in instruments() for name in (each.name, each.name.lower())}
+    of_fluids = [text for each in fluids() for text in (each.name, each.note, *each.representative)]
+    of_limits = [each.name for each in limit_sets()]
+    names |= {text for text in (*of_fluids, *of_limits) if re.search(r"\b[a-z]{4,}\b", text)}  # no brands, no keys
     assert len(shipped) > 8
     assert set(ENGLISH["names"]) == names
     assert all(wording("en").name(name) == name for name in names)

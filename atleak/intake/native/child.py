@@ -23,6 +23,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, BinaryIO
 
+from atleak.sentence import Sentence
+
 LENGTH = struct.Struct(">Q")
 ADDRESSES = 1 << 30
 """Bytes of address space beyond the memory limit: libraries, stacks, what is reserved and never used."""
@@ -33,7 +35,12 @@ class Refused(Exception):
     """Raised by a reading function: why the file cannot be used, in the words of `atleak.errors.InputError`."""
 
     def __init__(
-        self, problem: str, *, expected: str | None = None, sheet: str | None = None, value: str | None = None
+        self,
+        problem: Sentence,
+        *,
+        expected: Sentence | None = None,
+        sheet: str | None = None,
+        value: str | None = None,
     ) -> None:
         super().__init__(problem)
         self.words = {"problem": problem, "expected": expected, "sheet": sheet, "value": value}

@@ -4,8 +4,8 @@ Children keep running for the next file and serve one thread at a time. When one
 it was reading is refused; the next file gets a new child.
 
 To have another kind of file read there, write a function that takes the file's bytes and yields plain data (None,
-numbers, texts, bytes, bytearrays, dates, times, and lists, tuples and dicts of them), in a module that imports nothing
-heavy at its top, and hand it to `read_apart`.
+numbers, texts, sentences, bytes, bytearrays, dates, times, and lists, tuples and dicts of them), in a module that
+imports nothing heavy at its top, and hand it to `read_apart`.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ import psutil
 
 from atleak.errors import InputError, Place
 from atleak.intake.native.child import Request, receive, send
+from atleak.sentence import Sentence
 
 Item = TypeVar("Item")
 
@@ -50,13 +51,13 @@ LEAVE = 5.0
 class Budget:
     """What reading a file may use: memory [bytes] and time [s], each with a part for every byte of the file."""
 
-    kind: str
+    kind: Sentence
     memory: int
     memory_per_byte: float
     seconds: float
     seconds_per_byte: float
-    suspicion: str
-    expected: str
+    suspicion: Sentence
+    expected: Sentence
 
     def limits(self, size: int) -> tuple[int, float]:
         """Return the memory [bytes] and time [s] allowed for a file of ``size`` bytes."""
@@ -66,24 +67,26 @@ class Budget:
 # A workbook of 78 MB (560 000 rows of 12 columns) took 630 MB and 7 s, 8 bytes of memory a byte of file; packed four
 # times as tightly, as a log of round numbers is, it would take 32. A measuring sheet takes 30 MB and 0.03 s.
 WORKBOOK = Budget(
-    kind="workbook",
+    kind=Sentence("workbook"),
     memory=400 << 20,
     memory_per_byte=30.0,
     seconds=20.0,
     seconds_per_byte=2e-6,
-    suspicion="it is damaged, or has cells far outside its table",
-    expected="a workbook as a spreadsheet program saves it: open it there, delete what lies outside the table, save it "
-    "anew as .xlsx, or the table as .csv",
+    suspicion=Sentence("it is damaged, or has cells far outside its table"),
+    expected=Sentence(
+        "a workbook as a spreadsheet program saves it: open it there, delete what lies outside the table, save it "
+        "anew as .xlsx, or the table as .csv"
+    ),
 )
 # asammdf alone takes 130 MB and a second to load.
 MDF = Budget(
-    kind="MDF file",
+    kind=Sentence("MDF file"),
     memory=700 << 20,
     memory_per_byte=30.0,
     seconds=30.0,
     seconds_per_byte=2e-6,
-    suspicion="it is damaged",
-    expected="the log saved anew, or exported as .csv, by the logger's own program",
+    suspicion=Sentence("it is damaged"),
+    expected=Sentence("the log saved anew, or exported as .csv, by the logger's own program"),
 )
 
 
@@ -125,25 +128,44 @@ def read_apart(
     except _ChildGone as gone:
         answer = None if explain is None or gone.reason == "time" else _explained_refusal(explain, data, memory)
         if answer is None:
+            kind, suspicion = budget.kind, budget.suspicion
             problem = {
-                "time": f"reading this {budget.kind} took longer than {seconds:.0f} s and was stopped",
-                "memory": f"reading this {budget.kind} took more than {memory >> 20} MB of memory and was stopped",
-                "death": f"this {budget.kind} cannot be read: what reads it broke down",
+                "time": Sentence(
+                    "reading this {kind} took longer than {limit:.0f} s and was stopped; {suspicion}",
+                    kind=kind,
+                    limit=seconds,
+                    suspicion=suspicion,
+                ),
+                "memory": Sentence(
+                    "reading this {kind} took more than {limit} MB of memory and was stopped; {suspicion}",
+                    kind=kind,
+                    limit=memory >> 20,
+                    suspicion=suspicion,
+                ),
+                "death": Sentence(
+                    "this {kind} cannot be read: what reads it broke down; {suspicion}", kind=kind, suspicion=suspicion
+                ),
             }[gone.reason]
-            raise error(f"{problem}; {budget.suspicion}", place=place, expected=budget.expected) from None
+            raise error(problem, place=place, expected=budget.expected) from None
         ending = "refused"
     except OSError as fault:
         raise error(
-            f"a {budget.kind} is read by a second Python process, and none can be started: {fault}",
+            Sentence(
+                "a {kind} is read by a second Python process, and none can be started: {reason}",
+                kind=budget.kind,
+                reason=str(fault),
+            ),
             place=place,
-            expected="a plain Python installation, or the table as .csv, which needs no second process",
+            expected=Sentence("a plain Python installation, or the table as .csv, which needs no second process"),
         ) from fault
     if ending == "refused":
         raise error(
             answer["problem"], place=Place(file, answer["sheet"]), value=answer["value"], expected=answer["expected"]
         )
     if ending == "damaged":
-        problem = f"this {budget.kind} is damaged or of a kind that cannot be read ({answer})"
+        problem = Sentence(
+            "this {kind} is damaged or of a kind that cannot be read ({reason})", kind=budget.kind, reason=answer
+        )
         raise error(problem, place=place, expected=budget.expected)
     return items
 
@@ -168,14 +190,17 @@ class _ChildGone(Exception):
         self.reason = reason
 
 
+_TIMES = (datetime.date, datetime.datetime, datetime.time, datetime.timedelta)
+
+
 class _PlainUnpickler(pickle.Unpickler):
     """Accepts plain data alone: a child that a damaged file has taken over must not run code in its parent."""
 
-    _TIMES = {name: getattr(datetime, name) for name in ("date", "datetime", "time", "timedelta")}
+    _PLAIN = {(kind.__module__, kind.__name__): kind for kind in (*_TIMES, Sentence)}
 
     def find_class(self, module: str, name: str) -> Any:
-        if module == "datetime" and name in self._TIMES:
-            return self._TIMES[name]
+        if (module, name) in self._PLAIN:
+            return self._PLAIN[module, name]
         raise pickle.UnpicklingError(f"{module}.{name} is no plain data")
 
 

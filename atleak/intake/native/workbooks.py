@@ -14,6 +14,7 @@ from xml.parsers import expat
 
 from atleak.intake.native.child import Refused
 from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths
+from atleak.sentence import Sentence
 
 NativeCell = Any  # str, float, int, bool, date or time; "" where empty
 Range = tuple[tuple[int, int], tuple[int, int]]  # first and last (row, column), both from 0
@@ -137,14 +138,17 @@ def _refuse_other_kinds(data: bytes) -> None:
             names = archive.namelist()
         if not {"xl/workbook.xml", "xl/workbook.bin", "content.xml"} & set(names):
             raise Refused(
-                "this file is a ZIP archive, not a workbook",
+                Sentence("this file is a ZIP archive, not a workbook"),
                 value=", ".join(names[:3]),
-                expected="the file itself: unpack the archive and give the workbook or text file inside",
+                expected=Sentence("the file itself: unpack the archive and give the workbook or text file inside"),
             )
 
 
 def _protected() -> Refused:
-    return Refused("this workbook is protected by a password", expected="the workbook saved without a password")
+    return Refused(
+        Sentence("this workbook is protected by a password"),
+        expected=Sentence("the workbook saved without a password"),
+    )
 
 
 def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
@@ -168,9 +172,9 @@ def _size(sheet: Any) -> tuple[int, int]:
 def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None:
     if vast or columns > COLUMNS:
         raise Refused(
-            f"the cells of this sheet reach row {rows} and column number {columns}",
+            Sentence("the cells of this sheet reach row {row} and column number {column}", row=rows, column=columns),
             sheet=sheet,
-            expected="a table: delete the stray cells far outside it",
+            expected=Sentence("a table: delete the stray cells far outside it"),
         )
 
 
@@ -184,9 +188,9 @@ def _within(ranges: list[Range], rows: int, columns: int, sheet: str) -> list[Ra
             covered += (bottom - top + 1) * (right - left + 1)
     if covered > rows * columns:
         raise Refused(
-            "merged ranges of this sheet overlap: the workbook is damaged",
+            Sentence("merged ranges of this sheet overlap: the workbook is damaged"),
             sheet=sheet,
-            expected="a workbook as a spreadsheet program saves it: open it there and save it anew",
+            expected=Sentence("a workbook as a spreadsheet program saves it: open it there and save it anew"),
         )
     return kept
 

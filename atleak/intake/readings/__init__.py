@@ -49,8 +49,10 @@ from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
 from atleak.intake.units import unit as unit_named
+from atleak.phrases import PART_WORDS
 from atleak.pressure_table import PressureTable
 from atleak.readings import TYPED_MARK, Reading, Readings
+from atleak.sentence import Sentence, all_of, in_a_row
 
 __all__ = ["ReadingsRefused", "check", "read_readings"]
 
@@ -195,11 +197,24 @@ def _contradictions(read: Sequence[Rows], converted: Converted) -> list[Message]
 def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
     if not unworn:
         return []
-    lands = dict.fromkeys(f"{each.component}, plane {each.plane}" for each in unworn)
-    text = (
-        f"{len(unworn)} reading{'s' if len(unworn) > 1 else ''} at an unworn end (component {'; '.join(lands)}): of "
-        "the pair when new, not of its wear. `atleak controller learn` makes mounting clearances of them"
+    places = in_a_row(
+        dict.fromkeys(
+            Sentence("{component}, plane {plane}", component=each.component, plane=each.plane) for each in unworn
+        )
     )
+    text = Sentence(
+        "{count} reading at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
+        "controller learn` makes mounting clearances of them",
+        count=len(unworn),
+        places=places,
+    )
+    if len(unworn) > 1:
+        text = Sentence(
+            "{count} readings at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
+            "controller learn` makes mounting clearances of them",
+            count=len(unworn),
+            places=places,
+        )
     return [Message("info", "unworn_ends", text, unworn[0].place)]
 
 
@@ -209,9 +224,9 @@ def _none_left(result: Readings) -> ReadingsError | None:
     if not reasons:
         return None
     return ReadingsError(
-        f"no reading is left: {'; '.join(reasons)}",
+        Sentence("no reading is left: {reasons}", reasons=in_a_row(reasons)),
         place=Place(result.file, result.sheet),
-        expected="at least one diameter, or two coordinates",
+        expected=Sentence("at least one diameter, or two coordinates"),
     )
 
 
@@ -247,9 +262,9 @@ def _account(
 def _not_filled_in(table: Table) -> ReadingsError:
     sheet, header = table.sheet, table.header
     return ReadingsError(
-        "no readings are filled in: every diameter is empty",
+        Sentence("no readings are filled in: every diameter is empty"),
         place=Place(sheet.file, sheet.name, sheet.row_number(header.last)),
-        expected="at least one diameter, or two coordinates",
+        expected=Sentence("at least one diameter, or two coordinates"),
     )
 
 
@@ -266,11 +281,14 @@ def _about_sheet(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
     for rows in read:
         table = rows.table
         if table.said_by and rows.entries:
-            said = " and ".join(str(each) for each in (table.component, table.part) if each is not None)
-            text = f"{table.where}: {said}, as {table.said_by} says"
+            part = table.part and PART_WORDS[table.part]
+            said = all_of(each for each in (table.component, part) if each is not None)
+            text = Sentence("{where}: {said}, as {said_by} says", where=table.where, said=said, said_by=table.said_by)
             messages.append(Message("info", "taken_from_title", text, table.sheet.place(table.rows[0])))
     unread = sum(rows.rows_without_reading for rows in read)
     if unread:
-        text = f"{unread} row{'s' if unread > 1 else ''} without a reading: not measured"
+        text = Sentence("{count} row without a reading: not measured", count=unread)
+        if unread > 1:
+            text = Sentence("{count} rows without a reading: not measured", count=unread)
         messages.append(Message("info", "rows_not_measured", text, Place(sheet.file, sheet.name)))
     return messages

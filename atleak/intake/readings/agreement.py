@@ -31,12 +31,15 @@ from atleak.intake.readings.words import (
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import Reading
+from atleak.sentence import Sentence
 
 _ROUNDED = 1.5e-6  # [m] by which a clearance or mean of rounded diameters may differ from theirs
 _SHOWN = 5  # rows that are named one by one
 _PAIRS = 400  # at most so many pairs of diameters are compared with a clearance
 _UNITS = ("mm", "µm", "inch")  # that a clearance without a unit may be in
-_CONTROLLER = re.compile(r"\bcontroller\b[\s:=]*([A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+)?", re.IGNORECASE)
+_CONTROLLER = re.compile(
+    r"\b(?:controller|schieberkasten|sterownik)\b[\s:=]*([A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+)?", re.IGNORECASE
+)
 _ID = re.compile(r"[A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+")
 
 
@@ -71,7 +74,7 @@ def messages(
     yield from _correction_above(sheet, header)
 
 
-Contradiction = tuple[int, str, str]  # row, what is stated, what follows from the diameters
+Contradiction = tuple[int, Sentence, Sentence]  # row, what is stated, what follows from the diameters
 
 
 def _warnings(
@@ -81,16 +84,28 @@ def _warnings(
         yield Message(
             "warning",
             f"{what}_disagrees",
-            f"row {sheet.row_number(row)}: column {heading!r} says {stated}, and the diameters make {computed}: a "
-            "slip in one of them",
+            Sentence(
+                "row {row}: column {heading!r} says {stated}, and the diameters make {computed}: a slip in one of them",
+                row=sheet.row_number(row),
+                heading=heading,
+                stated=stated,
+                computed=computed,
+            ),
             sheet.place(row, index, heading),
         )
     if len(contradictions) > _SHOWN:
         more = len(contradictions) - _SHOWN
+        text = Sentence(
+            "{count} more row where column {heading!r} contradicts the diameters", count=more, heading=heading
+        )
+        if more > 1:
+            text = Sentence(
+                "{count} more rows where column {heading!r} contradicts the diameters", count=more, heading=heading
+            )
         yield Message(
             "warning",
             f"{what}_disagrees",
-            f"{more} more row{'s' if more > 1 else ''} where column {heading!r} contradicts the diameters",
+            text,
             sheet.place(contradictions[_SHOWN][0], index, heading),
         )
 
@@ -139,7 +154,8 @@ def _clearances(
             continue
         shown = units[0]
         difference = known[0] * (0.5 if radial else 1.0)
-        yield row, f"{value:g} {shown.name}", f"{shown.from_si(difference):.6g} {shown.name}"
+        computed = Sentence("{size:.6g} {unit}", size=shown.from_si(difference), unit=shown.said)
+        yield row, Sentence("{size:g} {unit}", size=value, unit=shown.said), computed
 
 
 def _differences(readings: Sequence[Reading]) -> list[float]:
@@ -186,8 +202,9 @@ def _means(
         sets = [means for reading in wanted for means in _sets(reading, wanted, lands)]
         if any(abs(value * stated_unit.factor - fmean(each)) <= _rounded(value, stated_unit) for each in sets):
             continue
-        expected = fmean(sets[0])
-        yield row, f"{value:.7g} {stated_unit.name}", f"{stated_unit.from_si(expected):.7g} {stated_unit.name}"
+        sizes = (value, stated_unit.from_si(fmean(sets[0])))
+        said, expected = (Sentence("{size:.7g} {unit}", size=size, unit=stated_unit.said) for size in sizes)
+        yield row, said, expected
 
 
 def _sets(
@@ -222,13 +239,19 @@ def _correction(sheet: Sheet, header: Header, index: int, rows: Collection[int],
     if nonzero:
         row, largest = max(nonzero, key=lambda each: abs(each[1]))
         heading = header.text(index)
-        yield Message(
-            "warning",
-            "correction_not_applied",
-            f"column {heading!r} is not zero in {len(nonzero)} row{'s' if len(nonzero) > 1 else ''} (up to "
-            f"{largest:g}, row {sheet.row_number(row)}): it was not applied to the diameters",
-            sheet.place(row, index, heading),
+        said = {"heading": heading, "count": len(nonzero), "largest": largest, "row": sheet.row_number(row)}
+        text = Sentence(
+            "column {heading!r} is not zero in {count} row (up to {largest:g}, row {row}): it was not applied to the "
+            "diameters",
+            **said,
         )
+        if len(nonzero) > 1:
+            text = Sentence(
+                "column {heading!r} is not zero in {count} rows (up to {largest:g}, row {row}): it was not applied to "
+                "the diameters",
+                **said,
+            )
+        yield Message("warning", "correction_not_applied", text, sheet.place(row, index, heading))
 
 
 def _correction_above(sheet: Sheet, header: Header) -> Iterator[Message]:
@@ -243,8 +266,11 @@ def _correction_above(sheet: Sheet, header: Header) -> Iterator[Message]:
                 yield Message(
                     "warning",
                     "correction_not_applied",
-                    f"above the table stands {' '.join(cell.split())[:80]!r}{'' if amount else f' {value[:20]}'}: "
-                    "it was not applied to the diameters",
+                    Sentence(
+                        "above the table stands {said!r}{value}: it was not applied to the diameters",
+                        said=" ".join(cell.split())[:80],
+                        value="" if amount else f" {value[:20]}",
+                    ),
                     sheet.place(row, index),
                 )
 
@@ -263,21 +289,28 @@ def other_controller(
     mine = {plain(name) for name in (controller.id, controller.name, made_for) if name is not None}
     for row in range(max(header.first, 0)):
         for index, cell in enumerate(sheet.rows[row]):
-            if not isinstance(cell, str) or not letters(cell) or "controller" not in plain(cell):
+            match = _CONTROLLER.search(cell) if isinstance(cell, str) else None
+            if not isinstance(cell, str) or match is None:
                 continue
-            match = _CONTROLLER.search(cell)
-            named = match[1] if match else None
-            if match and named is None and not cell[match.end() :].strip(" .:"):
+            named = match[1]
+            if named is None and not cell[match.end() :].strip(" .:"):
                 beside = text_of(sheet.cell(row, index + 1))
                 named = beside if _ID.fullmatch(beside) else None
             if named is None or plain(named) in mine or (plain(named) not in known and "_" not in named):
                 continue
             error = OtherControllerError(
-                f"the sheet was made for controller {named}, not for {controller.id}",
+                Sentence(
+                    "the sheet was made for controller {named}, not for {controller}",
+                    named=named,
+                    controller=controller.id,
+                ),
                 place=sheet.place(row, index),
                 value=" ".join(cell.split())[:80],
-                expected=f"that controller, chosen with --controller {named} (or the path of its file); or the line "
-                "taken out of the sheet",
+                expected=Sentence(
+                    "that controller, chosen with --controller {named} (or the path of its file); or the line taken "
+                    "out of the sheet",
+                    named=named,
+                ),
             )
             error.named = named
             return error

@@ -32,6 +32,8 @@ from atleak.intake.readings.words import (
     text_of,
 )
 from atleak.intake.sheets.sheet import Cell, rows_named
+from atleak.intake.workbook_marks import Hiding
+from atleak.sentence import Sentence
 
 LEFT_ASIDE = (
     "summaries_left_aside",
@@ -42,13 +44,13 @@ LEFT_ASIDE = (
 )  # codes of messages
 _HALF_A_MICROMETRE = 0.5e-3  # in the numbers of a sheet in mm: how far a mean may be rounded
 _MARKS = {"x", "✓", "✔", "1"}
-_NAMES: dict[Summary, str] = {
-    "mean": "means",
-    "sum": "sums",
-    "largest": "largest values",
-    "smallest": "smallest values",
-    "spread": "spreads",
-    "count": "counts",
+_NAMES: dict[Summary, tuple[Sentence, Sentence]] = {  # of one, and of several
+    "mean": (Sentence("mean"), Sentence("means")),
+    "sum": (Sentence("sum"), Sentence("sums")),
+    "largest": (Sentence("largest value"), Sentence("largest values")),
+    "smallest": (Sentence("smallest value"), Sentence("smallest values")),
+    "spread": (Sentence("spread"), Sentence("spreads")),
+    "count": (Sentence("count"), Sentence("counts")),
 }
 _COMPUTED: dict[Summary, Callable[[Sequence[float]], float]] = {
     "mean": fmean,
@@ -66,9 +68,9 @@ class SummaryRow:
     kind: Summary
 
     @property
-    def name(self) -> str:
+    def name(self) -> Sentence:
         """Return what one such number is called."""
-        return _NAMES[self.kind].removesuffix("s")
+        return _NAMES[self.kind][0]
 
 
 class Asides:
@@ -78,9 +80,9 @@ class Asides:
         self.sheet, self.header, self.columns, self.names = table.sheet, table.header, columns, names
         self.summaries: list[SummaryRow] = []
         self.struck: list[int] = []
-        self._rejected: dict[str, list[int]] = defaultdict(list)
+        self._rejected: dict[Sentence, list[int]] = defaultdict(list)
         self._specified: dict[str, list[int]] = defaultdict(list)
-        self._hidden: dict[str, list[int]] = defaultdict(list)
+        self._hidden: dict[Hiding, list[int]] = defaultdict(list)
         values = {column.index for group in columns.groups for column in group.values()}
         keys = columns.keys
         self._keys = [column.index for column in keys]
@@ -142,25 +144,25 @@ class Asides:
     def _is_struck(self, row: int, index: int) -> bool:
         return bool(self.sheet.marks.struck) and self.sheet.is_struck(row, index)
 
-    def _rejection(self, row: int) -> str | None:
+    def _rejection(self, row: int) -> Sentence | None:
         for index in self._counts:
             cell = self.sheet.filled(row, index)
             if not is_blank(cell) and says_no(cell):
-                return f"{self._heading(index)} says {text_of(cell)!r}"
+                return self._says(index, cell)
             if index in self._marked and is_blank(cell):
-                return f"{self._heading(index)} has no mark"
+                return Sentence("column {heading!r} has no mark", heading=self.header.text(index))
         for index in self._counts_not:
             cell = self.sheet.filled(row, index)
             if not is_blank(cell) and says_yes(cell):
-                return f"{self._heading(index)} says {text_of(cell)!r}"
+                return self._says(index, cell)
         for index in self._others:
             cell = self.sheet.cell(row, index)
             if is_rejected(cell):
-                return f"a remark says {text_of(cell)!r}"
+                return Sentence("a remark says {said!r}", said=text_of(cell))
         return None
 
-    def _heading(self, index: int) -> str:
-        return f"column {self.header.text(index)!r}"
+    def _says(self, index: int, cell: Cell) -> Sentence:
+        return Sentence("column {heading!r} says {said!r}", heading=self.header.text(index), said=text_of(cell))
 
     def _summary(self, row: int) -> Summary | None:
         columns, cell = self.columns, self.sheet.filled
@@ -191,22 +193,36 @@ class Asides:
         for summary in self.summaries:
             by_kind[summary.kind].append(summary.row)
         for kind, rows in by_kind.items():
-            text = f"{_count(rows)} of {_NAMES[kind]} left aside ({rows_named(self.sheet, rows)})"
+            what, named = _NAMES[kind][1], rows_named(self.sheet, rows)
+            text = Sentence("{rows} of {what} left aside ({named})", rows=_count(rows), what=what, named=named)
             yield Message("info", "summaries_left_aside", text, place)
         for word, rows in self._specified.items():
-            text = f"{_count(rows)} of {word!r} left aside, what should be ({rows_named(self.sheet, rows)})"
+            text = Sentence(
+                "{rows} of {word!r} left aside, what should be ({named})",
+                rows=_count(rows),
+                word=word,
+                named=rows_named(self.sheet, rows),
+            )
             yield Message("info", "specifications_left_aside", text, place)
         for reason, rows in self._rejected.items():
-            text = f"{_count(rows)} left aside, because {reason} ({rows_named(self.sheet, rows)})"
+            text = Sentence(
+                "{rows} left aside, because {reason} ({named})",
+                rows=_count(rows),
+                reason=reason,
+                named=rows_named(self.sheet, rows),
+            )
             yield Message("warning", "rejected_left_aside", text, place)
         if self.struck:
             rows = sorted(set(self.struck))
-            text = f"{_count(rows)} with a crossed-out reading: it was left aside ({rows_named(self.sheet, rows)})"
+            text = Sentence(
+                "{rows} with a crossed-out reading: it was left aside ({named})",
+                rows=_count(rows),
+                named=rows_named(self.sheet, rows),
+            )
             yield Message("warning", "struck_left_aside", text, place)
         for way, rows in self._hidden.items():
-            done = "left aside: show them, and they are read" if way == "by hand" else "read all the same"
-            text = f"{_count(rows)} with readings, hidden {way}: {done} ({rows_named(self.sheet, rows)})"
-            yield Message("warning" if way == "by hand" else "info", "hidden_rows", text, place)
+            counted, named = _count(rows), rows_named(self.sheet, rows)
+            yield Message("warning" if way == "by hand" else "info", "hidden_rows", _hidden(way, counted, named), place)
         for summary in self.summaries:
             yield from self._disagreement(summary, entries)
 
@@ -265,8 +281,15 @@ class Asides:
             yield Message(
                 "warning",
                 "summary_disagrees",
-                f"{_said(summary.kind)} {stated:.7g} stands in row {self.sheet.row_number(summary.row)}, but that of "
-                f"{rows_named(self.sheet, rows)} is {compute(sizes[0]):.7g}: a slip in one of them",
+                Sentence(
+                    "the {what} {stated:.7g} stands in row {row}, but that of {rows} is {computed:.7g}: a slip in one "
+                    "of them",
+                    what=summary.name,
+                    stated=stated,
+                    row=self.sheet.row_number(summary.row),
+                    rows=rows_named(self.sheet, rows),
+                    computed=compute(sizes[0]),
+                ),
                 self.sheet.place(summary.row, column.index, self.header.text(column.index)),
             )
 
@@ -287,11 +310,21 @@ def _agree(stated: float, computed: float) -> bool:
     return abs(stated - computed) <= max(0.5 * 10.0**-decimals if decimals <= 3 else 0.0, _HALF_A_MICROMETRE) + 1e-9
 
 
-def _said(kind: Summary) -> str:
-    return {"mean": "the mean", "sum": "the sum", "largest": "the largest value", "smallest": "the smallest value"}[
-        kind
-    ]
+def _hidden(way: Hiding, rows: Sentence, named: Sentence) -> Sentence:
+    if way == "by hand":
+        return Sentence(
+            "{rows} with readings, hidden by hand: left aside: show them, and they are read ({named})",
+            rows=rows,
+            named=named,
+        )
+    if way == "by a filter":
+        return Sentence("{rows} with readings, hidden by a filter: read all the same ({named})", rows=rows, named=named)
+    return Sentence(
+        "{rows} with readings, hidden in a folded outline: read all the same ({named})", rows=rows, named=named
+    )
 
 
-def _count(rows: Sequence[int]) -> str:
-    return f"{len(rows)} row{'s' if len(rows) > 1 else ''}"
+def _count(rows: Sequence[int]) -> Sentence:
+    if len(rows) > 1:
+        return Sentence("{count} rows", count=len(rows))
+    return Sentence("{count} row", count=len(rows))

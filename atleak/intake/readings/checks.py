@@ -10,7 +10,12 @@ from atleak.catalogue.controller import Controller, Land
 from atleak.errors import Place, ReadingsError
 from atleak.intake.readings.sizes import MM
 from atleak.intake.units import find_unit, unit, unit_names
+from atleak.phrases import PART_WORDS, angle, named
 from atleak.readings import REPEAT_TOLERANCE, LandClearance, Reading, Readings, clearances
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+from atleak.workshop_units import MM as TO_MM
+from atleak.workshop_units import UM
 
 CLEARANCE_LIMIT = 0.5e-3  # [m] radial; a pair further apart than this is a slip of the pen: choice of this project
 REPEAT_LIMIT = 0.5e-3  # [m] repeats further apart than this are a slip too
@@ -37,10 +42,16 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
         first = min((by_land[gap.land.key][0].place for gap in swapped), key=lambda place: place.row or 0)
         problems.append(
             ReadingsError(
-                f"in {len(swapped)} of {len(both_measured)} lands the sleeve measures smaller than the spool, and the "
-                "other way round they would fit: spool and sleeve swapped in the whole sheet?",
+                Sentence(
+                    "in {swapped} of {measured} lands the sleeve measures smaller than the spool, and the other way "
+                    "round they would fit: spool and sleeve swapped in the whole sheet?",
+                    swapped=len(swapped),
+                    measured=len(both_measured),
+                ),
                 place=Place(first.file, first.sheet, first.row),
-                expected="in the column of parts 'spool' or 'piston' for the smaller diameter, 'sleeve' for the larger",
+                expected=Sentence(
+                    "in the column of parts 'spool' or 'piston' for the smaller diameter, 'sleeve' for the larger"
+                ),
             )
         )
     problems += [problem for _, problem in _contradictions(readings, controller, by_land, gaps, doubtful)]
@@ -136,12 +147,12 @@ def _factors(readings: Readings, controller: Controller) -> tuple[list[ReadingsE
 
 
 def _off_problem(readings: Readings, reading: Reading, land: Land, ratio: float, factor: float | None) -> ReadingsError:
-    if factor is None:
-        what = f"the diameter is {ratio:.3g} times the nominal one"
-        if abs(ratio - 0.5) < 0.05:
-            what += ": a radius?"
+    if factor is not None:
+        what = Sentence("the diameter is {times} the nominal one: {slip}", times=_times(factor), slip=_slip(factor))
+    elif abs(ratio - 0.5) < 0.05:
+        what = Sentence("the diameter is {ratio:.3g} times the nominal one: a radius?", ratio=ratio)
     else:
-        what = f"the diameter is {_times(factor)} the nominal one: {_slip(factor)}"
+        what = Sentence("the diameter is {ratio:.3g} times the nominal one", ratio=ratio)
     return ReadingsError(
         what,
         place=reading.place,
@@ -156,40 +167,51 @@ def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, c
     if stated is not None:
         fits = next(
             (
-                name
-                for name in unit_names("length")
-                if abs(stated.factor / unit(name, "length").factor - factor) < 1e-6 * factor
+                each.said
+                for each in (unit(name, "length") for name in unit_names("length"))
+                if abs(stated.factor / each.factor - factor) < 1e-6 * factor
             ),
             None,
         )
-    text = f"{count} of {known} diameters, read as {readings.unit}, are {_times(factor)} the nominal ones"
+    mend = Sentence("check the unit in the heading")
+    if fits:
+        mend = Sentence("if the numbers are in {unit}, state that unit", unit=fits)
     return ReadingsError(
-        f"{text}: a wrong unit{f' ({fits}?)' if fits else ''}",
+        Sentence(
+            "{count} of {known} diameters, read as {unit}, are {times} the nominal ones: a wrong unit{fits}",
+            count=count,
+            known=known,
+            unit=stated.said if stated else readings.unit,
+            times=_times(factor),
+            fits=Sentence(" ({unit}?)", unit=fits) if fits else "",
+        ),
         place=first.place,
         value=_written(readings, first.diameter),
-        expected=f"{_about(readings, land, first)}; "
-        f"{f'if the numbers are in {fits}, state that unit' if fits else 'check the unit in the heading'}",
+        expected=Sentence("{about}; {mend}", about=_about(readings, land, first), mend=mend),
     )
 
 
-def _about(readings: Readings, land: Land, reading: Reading) -> str:
-    return f"about {_written(readings, land.nominal_of(reading.part))} (component {land.component} land {land.land})"
+def _about(readings: Readings, land: Land, reading: Reading) -> Sentence:
+    nominal = _written(readings, land.nominal_of(reading.part))
+    return Sentence("about {nominal} ({land})", nominal=nominal, land=named(land))
 
 
-def _times(factor: float) -> str:
-    return f"{factor:.4g} times" if factor > 1.0 else f"1/{1.0 / factor:.4g} of"
+def _times(factor: float) -> Sentence:
+    if factor > 1.0:
+        return Sentence("{factor:.4g} times", factor=factor)
+    return Sentence("1/{part:.4g} of", part=1.0 / factor)
 
 
-def _slip(factor: float) -> str:
+def _slip(factor: float) -> Sentence:
     size = max(factor, 1.0 / factor)
     if size in (25.4, 25400.0) or abs(size - 1000.0 / 25.4) < 1e-9:
-        return "inch and millimetre mixed?"
-    return "a decimal point lost, or another unit?"
+        return Sentence("inch and millimetre mixed?")
+    return Sentence("a decimal point lost, or another unit?")
 
 
-def _written(readings: Readings, metres: float) -> str:
+def _written(readings: Readings, metres: float) -> Sentence:
     stated = find_unit(readings.unit, "length") or MM
-    return f"{stated.from_si(metres):.7g} {stated.name}"
+    return Sentence("{size:.7g} {unit}", size=stated.from_si(metres), unit=stated.said)
 
 
 def _repeats(
@@ -204,16 +226,31 @@ def _repeats(
         land = controller.land_of_plane(high.component, high.plane)
         if spread <= REPEAT_LIMIT or land is None or land.key in doubtful:  # what is off by a factor is refused already
             continue
-        rows = f" (rows {low.place.row} and {high.place.row})" if high.place.row else ""
+        rows = (
+            Sentence(" (rows {first} and {second})", first=low.place.row, second=high.place.row)
+            if high.place.row
+            else ""
+        )
         yield (
             land,
             ReadingsError(
-                f"repeats of component {high.component}, {high.part}, plane {high.plane} are "
-                f"{_written(readings, spread)} apart{rows}",
+                Sentence(
+                    "repeats of component {component}, {part}, plane {plane} are {spread} apart{rows}",
+                    component=high.component,
+                    part=PART_WORDS[high.part],
+                    plane=high.plane,
+                    spread=_written(readings, spread),
+                    rows=rows,
+                ),
                 place=high.place,
                 value=_written(readings, high.diameter),
-                expected=f"about {_written(readings, low.diameter)}, as the other repeat; a difference over "
-                f"{_written(readings, REPEAT_TOLERANCE)} is flagged, over {_written(readings, REPEAT_LIMIT)} refused",
+                expected=Sentence(
+                    "about {other}, as the other repeat; a difference over {flagged} is flagged, over {refused} "
+                    "refused",
+                    other=_written(readings, low.diameter),
+                    flagged=_written(readings, REPEAT_TOLERANCE),
+                    refused=_written(readings, REPEAT_LIMIT),
+                ),
             ),
         )
 
@@ -224,7 +261,7 @@ def _diameter(reading: Reading) -> float:
 
 def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> list[ReadingsError]:
     land = gap.land
-    name = f"component {land.component} land {land.land}"
+    name = named(land)
     spool, sleeve = (_written(all_readings, size) for size in (gap.spool_diameter, gap.sleeve_diameter))
     place = _place(readings, "sleeve") or _place(readings, "spool")
     swapped = _swapped_rows(gap, readings, all_readings)
@@ -235,11 +272,23 @@ def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readin
     if gap.radial_clearance > CLEARANCE_LIMIT:
         return [
             ReadingsError(
-                f"{name}: radial clearance {gap.radial_clearance * 1e3:.3f} mm between {land.part_name} {spool} and "
-                f"sleeve {sleeve}{_unmeasured(gap)}",
+                Sentence(
+                    "{land}: radial clearance {clearance} {clearance.unit} between {part} {spool} and sleeve "
+                    "{sleeve}{unmeasured}",
+                    land=name,
+                    clearance=Quantity(gap.radial_clearance * TO_MM, "length", 3),
+                    part=land.part_name,
+                    spool=spool,
+                    sleeve=sleeve,
+                    unmeasured=_unmeasured(gap),
+                ),
                 place=place,
                 value=sleeve if gap.status != "spool_only" else spool,
-                expected=f"at most 0.5 mm; the mounting clearance is {land.mounting_high * 1e3:.4g} mm",
+                expected=Sentence(
+                    "at most {most:g} {most.unit}; the mounting clearance is {new:.4g} {new.unit}",
+                    most=Quantity(CLEARANCE_LIMIT * TO_MM, "length"),
+                    new=Quantity(land.mounting_high * TO_MM, "length"),
+                ),
             )
         ]
     return []
@@ -261,47 +310,61 @@ def _swapped_rows(gap: LandClearance, readings: list[Reading], all_readings: Rea
         return None
     if spool.diameter - sleeve.diameter <= REPEAT_TOLERANCE:
         return None
-    name = f"component {gap.land.component} land {gap.land.land}"
-    where = f"plane {sleeve.plane}" + ("" if sleeve.direction is None else f", {sleeve.direction:g}°")
-    row = f" in row {spool.place.row}" if spool.place.row else ""
     return ReadingsError(
-        f"{name}, {where}: the sleeve measures smaller than the {gap.land.part_name}{row} "
-        f"({_written(all_readings, spool.diameter)}): spool and sleeve swapped there?",
+        Sentence(
+            "{land}, plane {plane}{direction}: the sleeve measures smaller than the {part}{row} ({spool}): spool and "
+            "sleeve swapped there?",
+            land=named(gap.land),
+            plane=sleeve.plane,
+            direction=angle(sleeve.direction),
+            part=gap.land.part_name,
+            row=Sentence(" in row {row}", row=spool.place.row) if spool.place.row else "",
+            spool=_written(all_readings, spool.diameter),
+        ),
         place=sleeve.place,
         value=_written(all_readings, sleeve.diameter),
-        expected="a sleeve larger than the spool in every plane and direction",
+        expected=Sentence("a sleeve larger than the spool in every plane and direction"),
     )
 
 
-def _smaller(gap: LandClearance, name: str, spool: str, sleeve: str, place: Place | None) -> ReadingsError:
-    land = gap.land
+def _smaller(
+    gap: LandClearance, name: Sentence, spool: Sentence, sleeve: Sentence, place: Place | None
+) -> ReadingsError:
+    said = {"land": name, "part": gap.land.part_name, "spool": spool, "sleeve": sleeve}
     if gap.status == "spool_only":
         return ReadingsError(
-            f"{name}: the {land.part_name} ({spool}) measures larger than the nominal sleeve ({sleeve}), and the "
-            "sleeve was not measured",
+            Sentence(
+                "{land}: the {part} ({spool}) measures larger than the nominal sleeve ({sleeve}), and the sleeve was "
+                "not measured",
+                **said,
+            ),
             place=place,
             value=spool,
-            expected="the sleeve's readings too, or the right nominal diameter in the valve body's file",
+            expected=Sentence("the sleeve's readings too, or the right nominal diameter in the valve body's file"),
         )
     if gap.status == "sleeve_only":
         return ReadingsError(
-            f"{name}: the sleeve ({sleeve}) measures smaller than the nominal {land.part_name} ({spool}), and the "
-            f"{land.part_name} was not measured",
+            Sentence(
+                "{land}: the sleeve ({sleeve}) measures smaller than the nominal {part} ({spool}), and the {part} was "
+                "not measured",
+                **said,
+            ),
             place=place,
             value=sleeve,
-            expected=f"readings of the {land.part_name} too, or the right nominal diameter in the valve body's file",
+            expected=Sentence(
+                "readings of the {part} too, or the right nominal diameter in the valve body's file", **said
+            ),
         )
-    swapped = -gap.radial_clearance
+    problem = Sentence("{land}: the sleeve ({sleeve}) measures smaller than the {part} ({spool})", **said)
+    if _looks_swapped(gap):
+        problem = Sentence(
+            "{problem}: spool and sleeve swapped? The other way round the radial clearance would be {swapped} "
+            "{swapped.unit}",
+            problem=problem,
+            swapped=Quantity(-gap.radial_clearance * UM, "clearance", 1),
+        )
     return ReadingsError(
-        f"{name}: the sleeve ({sleeve}) measures smaller than the {land.part_name} ({spool})"
-        + (
-            f": spool and sleeve swapped? The other way round the radial clearance would be {swapped * 1e6:.1f} µm"
-            if _looks_swapped(gap)
-            else ""
-        ),
-        place=place,
-        value=sleeve,
-        expected=f"a sleeve larger than {spool}",
+        problem, place=place, value=sleeve, expected=Sentence("a sleeve larger than {spool}", spool=spool)
     )
 
 
@@ -310,9 +373,9 @@ def _looks_swapped(gap: LandClearance) -> bool:
     return 0.0 < -gap.radial_clearance <= max(5.0 * gap.land.mounting_high, 0.1e-3)
 
 
-def _unmeasured(gap: LandClearance) -> str:
-    missing = {"spool_only": "sleeve", "sleeve_only": gap.land.part_name}.get(gap.status)
-    return f" (nominal: the {missing} was not measured)" if missing else ""
+def _unmeasured(gap: LandClearance) -> Sentence | str:
+    missing = {"spool_only": PART_WORDS["sleeve"], "sleeve_only": gap.land.part_name}.get(gap.status)
+    return Sentence(" (nominal: the {part} was not measured)", part=missing) if missing else ""
 
 
 def _place(readings: list[Reading], part: str) -> Place | None:

@@ -16,6 +16,8 @@ from atleak.intake.readings.sheet_tables import Table, continued, find_tables
 from atleak.intake.readings.values import Key
 from atleak.intake.readings.words import is_repeat_title
 from atleak.intake.sheets.sheet import Sheet
+from atleak.phrases import PART_WORDS
+from atleak.sentence import Sentence
 
 
 @dataclass(frozen=True)
@@ -92,25 +94,31 @@ def _about_sheets(
     file: str, read: Sequence[str | None], others: Sequence[str | None], wanted: str | None
 ) -> Iterable[Message]:
     if len(read) > 1:
-        text = f"read as one measurement from sheets {_quoted(read)}, which hold different planes or parts"
+        text = Sentence(
+            "read as one measurement from sheets {sheets}, which hold different planes or parts", sheets=_quoted(read)
+        )
         yield Message("info", "sheets_read", text, Place(file))
     if others and read and wanted is None:
-        text = f"read from sheet {_quoted(read)}; left aside: {_quoted(others)}"
+        text = Sentence("read from sheet {sheets}; left aside: {others}", sheets=_quoted(read), others=_quoted(others))
         yield Message("info", "sheet_chosen", text, Place(file, read[0]))
 
 
-def _quoted(names: Iterable[str | None]) -> str:
-    return ", ".join(repr(name) for name in names)
+def _quoted(names: Iterable[str | None]) -> tuple[str, ...]:
+    return tuple(map(repr, names))
 
 
 def _wanted(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file: str, wanted: str) -> Sheet:
     by_name = {sheet.name: sheet for sheet in sheets if sheet.name is not None}
     if wanted not in by_name:
-        raise unknown("the workbook has no such sheet", wanted, by_name, kind=ReadingsError, place=Place(file))
+        raise unknown(
+            Sentence("the workbook has no such sheet"), wanted, by_name, kind=ReadingsError, place=Place(file)
+        )
     if not any(table.readable for table in _unless_none(tables[wanted])):
         usable = [name for name in by_name if any(table.readable for table in tables[name])]
-        hint = f"; readings are in sheet {_quoted(usable)}" if usable else ""
-        raise ReadingsError(f"this sheet holds no readings{hint}", place=Place(file, wanted), expected=EXPECTED)
+        problem = Sentence("this sheet holds no readings")
+        if usable:
+            problem = Sentence("this sheet holds no readings; readings are in sheet {sheets}", sheets=_quoted(usable))
+        raise ReadingsError(problem, place=Place(file, wanted), expected=EXPECTED)
     return by_name[wanted]
 
 
@@ -118,28 +126,36 @@ def _unless_none(tables: list[Table]) -> list[Table]:
     """Return the tables of a sheet that was asked for; its name alone does not leave them aside."""
     if any(table.readable for table in tables):
         return tables
-    return [replace(table, aside="") if table.header.values else table for table in tables]
+    return [replace(table, aside=None) if table.header.values else table for table in tables]
 
 
 def _no_readings(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file: str) -> ReadingsError:
     if not any(any(any(str(cell).strip() for cell in row) for row in sheet.rows) for sheet in sheets):
-        return ReadingsError("the workbook is empty", place=Place(file), expected="a measuring sheet filled in")
+        return ReadingsError(
+            Sentence("the workbook is empty"), place=Place(file), expected=Sentence("a measuring sheet filled in")
+        )
     all_tables = [table for listed in tables.values() for table in listed]
     put_aside = [table for table in all_tables if table.aside and table.header.values and table.header.of("component")]
     if put_aside:
         table = put_aside[0]
         return ReadingsError(
-            f"the table in {table.where} is left aside ({table.aside}), and there is no other",
+            Sentence(
+                "the table in {where} is left aside ({why}), and there is no other", where=table.where, why=table.aside
+            ),
             place=Place(file, table.sheet.name, table.sheet.row_number(max(table.header.first, 0))),
-            expected="a title that says 'measured' where these are the readings",
+            expected=Sentence("a title that says 'measured' where these are the readings"),
         )
     headers = [(table.sheet, table.header) for table in all_tables]
     headers += [(sheet, header) for sheet in sheets if (header := best_header(sheet)) is not None]
     if not headers:
         names = [sheet.name for sheet in sheets if sheet.name is not None]
-        looked = f" in any of the sheets {_quoted(names)}" if len(names) > 1 else ""
+        problem = Sentence("no row of headings found: not a measuring sheet?")
+        if len(names) > 1:
+            problem = Sentence(
+                "no row of headings found in any of the sheets {sheets}: not a measuring sheet?", sheets=_quoted(names)
+            )
         return ReadingsError(
-            f"no row of headings found{looked}: not a measuring sheet?",
+            problem,
             place=Place(file, sheets[0].name if len(sheets) == 1 else None),
             expected=EXPECTED,
         )
@@ -149,15 +165,24 @@ def _no_readings(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]],
 def _incomplete(sheet: Sheet, header: Header) -> ReadingsError:
     missing = []
     if not header.of("component"):
-        missing.append("component")
+        missing.append(Sentence("component"))
     if not header.values:
-        missing.append("diameter, or coordinate x1 and coordinate x2")
+        missing.append(Sentence("diameter, or coordinate x1 and coordinate x2"))
+    problem = Sentence("this row holds headings and readings as well")
+    if missing:
+        what = missing[0]
+        if len(missing) > 1:
+            what = Sentence("{first} nor for {second}", first=missing[0], second=missing[1])
+        problem = Sentence("no heading for {what}", what=what)
     others = [column.name for column in header.of("specification")] if not header.values else []
-    not_now = f": what a diameter should be, or was, is no measurement ({_quoted(others)})" if others else ""
+    if others:
+        problem = Sentence(
+            "{problem}: what a diameter should be, or was, is no measurement ({headings})",
+            problem=problem,
+            headings=_quoted(others),
+        )
     return ReadingsError(
-        f"no heading for {' nor for '.join(missing)}{not_now}"
-        if missing
-        else "this row holds headings and readings as well",
+        problem,
         place=sheet.place(header.last),
         value=", ".join(repr(column.name) for column in header.columns),
         expected=EXPECTED,
@@ -202,10 +227,10 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
             first.setdefault(place, []).extend(entries)
     if asked:
         raise ReadingsError(
-            f"{len(asked)} sheets hold readings of the same planes",
+            Sentence("{count} sheets hold readings of the same planes", count=len(asked)),
             place=Place(file),
-            value=_quoted(asked),
-            expected="one: say which sheet, or delete the others",
+            value=", ".join(_quoted(asked)),
+            expected=Sentence("one: say which sheet, or delete the others"),
         )
     return problems
 
@@ -221,8 +246,14 @@ def _goes_on(before: Rows | None, rows: Rows) -> int | None:
 
 def _twice(rows: Rows, other: Rows, key: Key, place: Place) -> ReadingsError:
     return ReadingsError(
-        f"component {key.component}, {key.part}, plane {key.plane} stands in this table and in the one in "
-        f"{other.table.where} already: repeats, or two states?",
+        Sentence(
+            "component {component}, {part}, plane {plane} stands in this table and in the one in {where} already: "
+            "repeats, or two states?",
+            component=key.component,
+            part=PART_WORDS[key.part],
+            plane=key.plane,
+            where=other.table.where,
+        ),
         place=place,
-        expected="a column 'repeat' in both, or only the table that is meant",
+        expected=Sentence("a column 'repeat' in both, or only the table that is meant"),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
 from itertools import pairwise
 
 from atleak.errors import ReadingsError
@@ -13,8 +14,14 @@ from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import is_blank, part_of, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit
+from atleak.sentence import Sentence
 
 _UNIT_WORDS = vocabulary("unit")
+_VALUE_WORDS = {
+    "diameter": Sentence("diameter"),
+    "coordinate 1": Sentence("coordinate 1"),
+    "coordinate 2": Sentence("coordinate 2"),
+}
 
 
 @dataclass(frozen=True)
@@ -170,10 +177,17 @@ def _groups(
         if name in group:
             problems.append(
                 ReadingsError(
-                    f"two columns are read as the same {name}: {group[name].name!r} and {column.name!r}",
+                    Sentence(
+                        "two columns are read as the same {what}: {first!r} and {second!r}",
+                        what=_VALUE_WORDS.get(name, Sentence("coordinate")),
+                        first=group[name].name,
+                        second=column.name,
+                    ),
                     place=sheet.place(header.last, column.index, column.heading),
-                    expected="one state of the valve body: delete or hide the other column; or, if they are repeats, "
-                    "headings such as 'diameter 1 [mm]' and 'diameter 2 [mm]'",
+                    expected=Sentence(
+                        "one state of the valve body: delete or hide the other column; or, if they are repeats, "
+                        "headings such as 'diameter 1 [mm]' and 'diameter 2 [mm]'"
+                    ),
                 )
             )
         group.setdefault(name, column)
@@ -184,10 +198,10 @@ def _groups(
             column = next(iter(group.values()))
             problems.append(
                 ReadingsError(
-                    "one coordinate alone makes no diameter",
+                    Sentence("one coordinate alone makes no diameter"),
                     place=sheet.place(header.last, column.index, column.heading),
                     value=column.name,
-                    expected="both coordinates (x1 and x2), or the diameter",
+                    expected=Sentence("both coordinates (x1 and x2), or the diameter"),
                 )
             )
     return list(groups.values())
@@ -199,12 +213,18 @@ def _two_states(sheet: Sheet, header: Header, values: Sequence[Column]) -> Itera
         numbered = column.group[:2] == other.group[:2] and column.repeat != other.repeat
         if numbered and column.besides != other.besides:
             yield ReadingsError(
-                f"the columns {column.name!r} and {other.name!r} are told apart by more than the number of a repeat: "
-                "two states?",
+                Sentence(
+                    "the columns {first!r} and {second!r} are told apart by more than the number of a repeat: two "
+                    "states?",
+                    first=column.name,
+                    second=other.name,
+                ),
                 place=sheet.place(header.last, other.index, other.heading),
                 value=", ".join(sorted(column.besides ^ other.besides)),
-                expected="one state of the valve body: delete or hide the other column; or headings that differ in the "
-                "number of the repeat only",
+                expected=Sentence(
+                    "one state of the valve body: delete or hide the other column; or headings that differ in the "
+                    "number of the repeat only"
+                ),
             )
 
 
@@ -234,17 +254,18 @@ def _missing(table: Table, names: ControllerNames, columns: Columns) -> Iterator
     sheet, header = table.sheet, table.header
     missing = []
     if columns.component is None and table.component is None:
-        missing.append("the component's number")
+        missing.append(Sentence("the component's number"))
     if columns.part is None and table.part is None and not all(column.part for column in header.values):
-        missing.append("the part (spool or sleeve)")
+        missing.append(Sentence("the part (spool or sleeve)"))
     lands = names.controller.lands
     single = len(lands) == len(names.with_lands) or sum(land.component == table.component for land in lands) == 1
     if columns.plane is None and columns.land is None and not single:
-        missing.append("the measurement plane (or land)")
+        missing.append(Sentence("the measurement plane (or land)"))
     if missing:
+        what = reduce(lambda first, second: Sentence("{first} nor {second}", first=first, second=second), missing)
         yield ReadingsError(
-            f"no column holds {' nor '.join(missing)}",
+            Sentence("no column holds {what}", what=what),
             place=sheet.place(max(header.last, 0)),
             value=", ".join(column.name for column in header.columns),
-            expected="headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'",
+            expected=Sentence("headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'"),
         )

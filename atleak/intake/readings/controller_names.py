@@ -10,6 +10,7 @@ from atleak.catalogue.controller import Controller, Land
 from atleak.errors import ReadingsError, nearest_name
 from atleak.intake.readings.words import plain, plane_names, text_of
 from atleak.intake.sheets.sheet import Cell
+from atleak.sentence import Name, Sentence
 
 _LEADING = re.compile(
     r"^(?:no|nr|number|component|comp|valve|damper|item|pos|bauteil|ventil|element|#)[\s.:]*(?=\S)", re.I
@@ -84,17 +85,21 @@ class ControllerNames:
             return component
         text = text_of(cell)
         if component is not None:
-            name = self.controller.components[component]
             raise ReadingsError(
-                f"component {component} ({name}) of {self.controller.id} has no precision pair to measure",
+                Sentence(
+                    "component {component} ({name}) of {controller} has no precision pair to measure",
+                    component=component,
+                    name=Name(self.controller.components[component]),
+                    controller=self.controller.id,
+                ),
                 value=text,
-                expected=f"one of {_list(self.with_lands)}",
+                expected=Sentence("one of {names}", names=_list(self.with_lands)),
             )
         near = nearest_name(plain(text), [*map(plain, self.with_lands), *self._spellings])
         raise ReadingsError(
-            f"unknown component of controller {self.controller.id}",
+            Sentence("unknown component of controller {controller}", controller=self.controller.id),
             value=text,
-            expected=f"one of {_list(self.with_lands)}",
+            expected=Sentence("one of {names}", names=_list(self.with_lands)),
             nearest=self._spellings.get(near) if near else None,
         )
 
@@ -112,9 +117,9 @@ class ControllerNames:
                 return next(plane for plane in land.planes if plain(plane) == plain(name))
         planes = [plane for land in self.controller.lands_of(component) for plane in land.planes]
         raise ReadingsError(
-            f"component {component} has no such measurement plane",
+            Sentence("component {component} has no such measurement plane", component=component),
             value=text_of(cell),
-            expected=f"plane {_list(planes)}",
+            expected=Sentence("plane {names}", names=_list(planes)),
             nearest=nearest_name(text_of(cell), planes),
         )
 
@@ -131,11 +136,14 @@ class ControllerNames:
             if name in lands:
                 return lands[name]
         raise ReadingsError(
-            f"component {component} has no such land", value=text_of(cell), expected=f"land {_list(lands)}"
+            Sentence("component {component} has no such land", component=component),
+            value=text_of(cell),
+            expected=Sentence("land {names}", names=_list(lands)),
         )
 
 
-def _list(names: Iterable[str]) -> str:
-    listed = list(names)
-    more = f" … ({len(listed)} in all)" if len(listed) > _LISTED else ""
-    return ", ".join(listed[:_LISTED]) + more
+def _list(names: Iterable[str]) -> Sentence:
+    listed = tuple(names)
+    if len(listed) > _LISTED:
+        return Sentence("{names} … ({count} in all)", names=listed[:_LISTED], count=len(listed))
+    return Sentence("{names}", names=listed)

@@ -14,6 +14,7 @@ from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import Vocabulary, is_blank, letters, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit, unit
+from atleak.sentence import Sentence, all_of
 from atleak.written_numbers import (
     MEASURING_TEMPERATURE,
     PUMP_SIDE_CLEARANCE,
@@ -46,15 +47,20 @@ class _Quantity:
     kind: str  # of its units
     unit: Unit  # where none is written, and for people
     asked: AskedNumber
-    what: str  # it is, in a message
-    of: str  # what
-    unlikely: str  # what is said of one outside the limits
+    what: Sentence  # it is, in a message
+    of: Sentence  # what
+    unlikely: Sentence  # what is said of one outside the limits
     code: str  # of the message that several are stated
 
     @property
-    def example(self) -> str:
+    def example(self) -> Sentence:
         """Return what would have been read."""
-        return f"one {self.what}, such as {self.asked.example:g} {self.asked.unit}"
+        return Sentence(
+            "one {what}, such as {example:g} {unit}",
+            what=self.what,
+            example=self.asked.example,
+            unit=self.asked.unit,
+        )
 
 
 _TEMPERATURE = _Quantity(
@@ -63,9 +69,9 @@ _TEMPERATURE = _Quantity(
     "temperature",
     unit("°C", "temperature"),
     MEASURING_TEMPERATURE,
-    "temperature",
-    "of gauge and parts",
-    "at which anybody measures",
+    Sentence("temperature"),
+    Sentence("of gauge and parts"),
+    Sentence("at which anybody measures"),
     "measuring_temperature_unclear",
 )
 _SIDE, _TIP = (
@@ -75,12 +81,15 @@ _SIDE, _TIP = (
         "length",
         unit("µm", "length"),
         asked,
-        asked.name,
-        "of this pump",
-        "that a pump has",
+        what,
+        Sentence("of this pump"),
+        Sentence("that a pump has"),
         "pump_clearance_unclear",
     )
-    for words, asked in (("pump_side", PUMP_SIDE_CLEARANCE), ("pump_tip", PUMP_TIP_CLEARANCE))
+    for words, asked, what in (
+        ("pump_side", PUMP_SIDE_CLEARANCE, Sentence("pump side clearance")),
+        ("pump_tip", PUMP_TIP_CLEARANCE, Sentence("pump tip clearance")),
+    )
 )
 
 
@@ -167,8 +176,16 @@ def _read(heads: Sequence[tuple[Sheet, range]], quantity: _Quantity) -> _Read:
 
 
 def _several(values: Mapping[float, _Stated], quantity: _Quantity) -> Message:
-    named = " and ".join(f"{value:g} {quantity.asked.unit} ({each.place})" for value, each in values.items())
-    text = f"the head states several {quantity.what}s, {named}: none is taken. State the one {quantity.of}"
+    named = all_of(
+        Sentence("{value:g} {unit} ({place})", value=value, unit=quantity.asked.unit, place=each.place.sentence)
+        for value, each in values.items()
+    )
+    text = Sentence(
+        "the head states several {what}s, {named}: none is taken. State the one {of}",
+        what=quantity.what,
+        named=named,
+        of=quantity.of,
+    )
     return Message("warning", quantity.code, text, next(iter(values.values())).place)
 
 
@@ -235,7 +252,7 @@ def _number(stated: _Stated, quantity: _Quantity) -> float:
         with its place: no number, a unit of something else, or out of what there can be.
     """
     number, written = stated.value, stated.unit or quantity.unit
-    problem = f"no {quantity.what}"
+    problem = Sentence("no {what}", what=quantity.what)
     if isinstance(number, str):
         match = _VALUE.fullmatch(re.sub(r"\s*\([^()]*\)$", "", number.strip()))
         values = possible_values(match["number"]) if match else ()
@@ -248,13 +265,19 @@ def _number(stated: _Stated, quantity: _Quantity) -> float:
         raise ReadingsError(problem, place=stated.place, value=str(number), expected=quantity.example)
     value = round(float(quantity.unit.from_si(written.to_si(float(number)))), 9)
     if read_number(repr(value), quantity.asked).value is None:
-        low, high = quantity.asked.limits
-        within = f"from {low:g} to {high:g} {quantity.asked.unit}".replace("-", "−")
+        low, high = (f"{end:g}".replace("-", "−") for end in quantity.asked.limits)
         raise ReadingsError(
-            f"{problem} {quantity.unlikely}",
+            Sentence("no {what} {unlikely}", what=quantity.what, unlikely=quantity.unlikely),
             place=stated.place,
             value=stated.value,
-            expected=f"the {quantity.what} {quantity.of}, {within}",
+            expected=Sentence(
+                "the {what} {of}, from {low} to {high} {unit}",
+                what=quantity.what,
+                of=quantity.of,
+                low=low,
+                high=high,
+                unit=quantity.asked.unit,
+            ),
         )
     return value
 

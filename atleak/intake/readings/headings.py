@@ -23,6 +23,7 @@ from atleak.intake.readings.words import (
 )
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
+from atleak.sentence import Sentence
 
 Role = Literal[
     "component", "part", "plane", "land", "direction", "repeat", "unit", "diameter", "coordinate", "mean",
@@ -32,7 +33,7 @@ KEYS: tuple[Role, ...] = ("component", "part", "plane", "land", "direction", "re
 OF_LANDS: tuple[Role, ...] = ("contact length", "position", "fitted repair")  # of a land itself, beside its diameters
 _SAYS_NOTHING: tuple[Role, ...] = ("raw", "specification", "quantity", "remark", "gauge", *OF_LANDS)
 
-EXPECTED = (
+EXPECTED = Sentence(
     "one row of headings with at least: component (or 'No.'), part (spool or sleeve), plane (or land), and either "
     "diameter or coordinate x1 and coordinate x2; also read: direction, repeat, unit"
 )

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.repairs import Repair
-from atleak.errors import Message, Place, ReadingsError, unknown
+from atleak.errors import Message, Place, ReadingsError, one_of, unknown
 from atleak.intake.readings.columns import Columns, find_columns
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Column
@@ -23,14 +23,19 @@ from atleak.intake.readings.words import at, is_blank, number, text_of
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.own_lands import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
+from atleak.phrases import named
 from atleak.readings import NOMINAL_TOLERANCE
+from atleak.sentence import Name, Sentence
+from atleak.unit_systems import Quantity
+from atleak.workshop_units import MM as TO_MM
+from atleak.workshop_units import UM
 
 SHORTEST, LONGEST = 0.2e-3, 0.1  # [m] of contact lengths that anybody measures: choice of this project
 _DOUBTFUL = 2.0  # times the stated contact length, or its part: from here on a warning says so
 _REFUSED = 10.0  # times, or its part: another unit, or a lost decimal point
 _SAME = 1.0e-9  # [m]
 _SHOWN = 6
-_LENGTH = "a length such as 5.25"
+_LENGTH = Sentence("a length such as 5.25")
 
 
 @dataclass
@@ -91,9 +96,9 @@ class _Reader:
     def _is_empty(self, sheet: Sheet, row: int, column: Column) -> bool:
         fault = sheet.faults.get((row, column.index))
         if fault is not None and is_blank(sheet.cell(row, column.index)):
-            problem = "this cell's formula has no usable result"
+            problem, wanted = Sentence("this cell's formula has no usable result"), Sentence("its value")
             place = sheet.place(row, column.index, column.name)
-            self.values.problems.append(ReadingsError(problem, place=place, value=fault, expected="its value"))
+            self.values.problems.append(ReadingsError(problem, place=place, value=fault, expected=wanted))
         return is_blank(sheet.cell(row, column.index))
 
     def _read_cell(
@@ -111,31 +116,38 @@ class _Reader:
             return
         try:
             value, written = number(cell)
-        except ReadingsError as problem:
-            raise ReadingsError(problem.problem, place=place, value=problem.value, expected=_LENGTH) from problem
+        except ReadingsError as error:
+            raise ReadingsError(error.problem, place=place, value=error.value, expected=_LENGTH) from error
         of_row = find_unit(text_of(table.sheet.filled(row, columns.unit.index)), "length") if columns.unit else None
         metres = (written or given_unit or of_row or column.unit or columns.sheet_unit or MM).to_si(value)
         if column.role == "contact length":
             self._check_contact_length(land, metres, cell, place)
         elif not 0.0 <= metres <= 1.0:
-            raise ReadingsError("no position on a spool", value=cell, expected="0 or more, from the spool's left end")
+            problem = Sentence("no position on a spool")
+            raise ReadingsError(problem, value=cell, expected=Sentence("0 or more, from the spool's left end"))
         known = self.lengths.setdefault((column.role, land.key), (metres, place))
         if abs(known[0] - metres) > _SAME:
-            other = f"another {column.role} of component {land.component} land {land.land} stands in {known[1]} already"
-            raise ReadingsError(other, value=cell, expected="each once")
+            where = known[1].sentence
+            other = Sentence("another position of {land} stands in {where} already", land=named(land), where=where)
+            if column.role == "contact length":
+                other = Sentence(
+                    "another contact length of {land} stands in {where} already", land=named(land), where=where
+                )
+            raise ReadingsError(other, value=cell, expected=Sentence("each once"))
 
     def _component(self, table: Table, columns: Columns, row: int) -> str | None:
         """Return the component of a row; None where nothing names one, which a row of diameters reports itself."""
         if columns.component is None:
             if table.component is None and not table.header.values:
-                raise ReadingsError("nothing says which component this is of", expected="a column 'No.'")
+                problem = Sentence("nothing says which component this is of")
+                raise ReadingsError(problem, expected=Sentence("a column 'No.'"))
             return table.component
         cell = table.sheet.filled(row, columns.component.index)
         holds = any(not is_blank(table.sheet.cell(row, value.index)) for value in table.header.values)
         if holds and self.names.component(cell) is None:
             return None
         if is_blank(cell):
-            raise ReadingsError("the row names no component", expected="its number or name")
+            raise ReadingsError(Sentence("the row names no component"), expected=Sentence("its number or name"))
         return self.names.require_component(cell)
 
     def _land(self, columns: Columns, sheet: Sheet, row: int, component: str) -> Land | None:
@@ -145,8 +157,8 @@ class _Reader:
         if column is None or is_blank(cell):
             if len(lands) == 1:
                 return lands[0]
-            expected = f"one of {', '.join(str(land.land) for land in lands)}"
-            raise ReadingsError(f"nothing says which land of component {component} this is of", expected=expected)
+            problem = Sentence("nothing says which land of component {component} this is of", component=component)
+            raise ReadingsError(problem, expected=one_of(str(land.land) for land in lands))
         if column is columns.land:
             return self.names.land(component, cell)
         return self.controller.land_of_plane(component, self.names.plane(component, cell))
@@ -159,22 +171,32 @@ class _Reader:
         ReadingsError
             a length that nobody measures, one that the land's diameter is taken for, or one off by a factor of units.
         """
-        name, stated = f"component {land.component} land {land.land}", land.contact_length
+        name, stated = named(land), land.contact_length
         ratio = metres / stated
         near = any(
             abs(metres - size) <= NOMINAL_TOLERANCE for size in (land.nominal_diameter, land.nominal_sleeve_diameter)
         )
-        about = f"about {_mm(stated)} mm ({name}, as the valve body's file states)"
+        about = Sentence(
+            "about {length:.6g} {length.unit} ({land}, as the valve body's file states)", length=_mm(stated), land=name
+        )
         if near and not 1.0 / _DOUBTFUL < ratio < _DOUBTFUL:
-            problem = "this contact length has the size of the land's diameter: a reading in the wrong column?"
+            problem = Sentence(
+                "this contact length has the size of the land's diameter: a reading in the wrong column?"
+            )
             raise ReadingsError(problem, value=cell, expected=about)
         if not SHORTEST <= metres <= LONGEST or not 1.0 / _REFUSED < ratio < _REFUSED:
-            problem = f"the contact length is {ratio:.3g} times the stated one: another unit, or a decimal point lost?"
+            problem = Sentence(
+                "the contact length is {ratio:.3g} times the stated one: another unit, or a decimal point lost?",
+                ratio=ratio,
+            )
             raise ReadingsError(problem, value=cell, expected=about)
         if not 1.0 / _DOUBTFUL < ratio < _DOUBTFUL:
-            text = (
-                f"The contact length of {name} is {_mm(metres)} mm as measured and {_mm(stated)} mm in the valve "
-                "body's file: the measured one is computed with."
+            text = Sentence(
+                "The contact length of {land} is {measured:.6g} {measured.unit} as measured and {stated:.6g} "
+                "{stated.unit} in the valve body's file: the measured one is computed with.",
+                land=name,
+                measured=_mm(metres),
+                stated=_mm(stated),
             )
             self.values.messages.append(Message("warning", "contact_length_differs", text, place))
 
@@ -190,21 +212,37 @@ class _Reader:
         repair = options.get(wanted)
         if repair is None:
             if not options:
-                problem = f"the file of {self.controller.id} has no repairs of component {component}"
-                raise ReadingsError(problem, value=wanted, expected="an empty cell, or [[repairs]] in that file")
-            raise unknown(f"component {component} has no such repair", wanted, options, kind=ReadingsError)
+                problem = Sentence(
+                    "the file of {controller} has no repairs of component {component}",
+                    controller=self.controller.id,
+                    component=component,
+                )
+                expected = Sentence("an empty cell, or [[repairs]] in that file")
+                raise ReadingsError(problem, value=wanted, expected=expected)
+            problem = Sentence("component {component} has no such repair", component=component)
+            raise unknown(problem, wanted, options, kind=ReadingsError)
         column = columns.land or columns.plane
         if column is not None and not is_blank(sheet.filled(row, column.index)):
             land = self._land(columns, sheet, row, component)
             if land is not None and not repair.changes(land.key):
                 mended = [land.land for land in self.controller.lands_of(component) if repair.changes(land.key)]
-                problem = f"{wanted} does not change land {land.land} of component {component}"
-                raise ReadingsError(problem, value=wanted, expected=f"land {', '.join(map(str, mended))}")
+                problem = Sentence(
+                    "{repair} does not change land {land} of component {component}",
+                    repair=wanted,
+                    land=land.land,
+                    component=component,
+                )
+                raise ReadingsError(problem, value=wanted, expected=Sentence("land {names}", names=mended))
         for other in (options[known] for of, known in self.fitted if of == component and known != wanted):
             both = [land.land for land in self.controller.lands_of(component) if _both(repair, other, land)]
             if both:
-                problem = f"{other.id} stands in {self.fitted[component, other.id]} already, for land {both[0]} too"
-                raise ReadingsError(problem, value=wanted, expected="one repair of each land")
+                problem = Sentence(
+                    "{repair} stands in {where} already, for land {land} too",
+                    repair=other.id,
+                    where=self.fitted[component, other.id].sentence,
+                    land=both[0],
+                )
+                raise ReadingsError(problem, value=wanted, expected=Sentence("one repair of each land"))
         self.fitted.setdefault((component, wanted), place)
 
     def result(self) -> LandValues:
@@ -235,15 +273,23 @@ def _about_lengths(own: OwnLands, controller: Controller) -> Iterator[Message]:
     measured = [each for each in own.lengths if each.contact_length is not None]
     if not measured:
         return
-    shown = ", ".join(
-        f"{each.component}/{each.land} {_mm(each.contact_length or 0.0)} mm "
-        f"({_mm(controller.land(*each.key).contact_length)})"
+    shown = tuple(
+        Sentence(
+            "{land} {measured:.6g} {measured.unit} ({stated:.6g})",
+            land=f"{each.component}/{each.land}",
+            measured=_mm(each.contact_length or 0.0),
+            stated=_mm(controller.land(*each.key).contact_length),
+        )
         for each in measured[:_SHOWN]
     )
-    more = f" and {len(measured) - _SHOWN} more" if len(measured) > _SHOWN else ""
-    text = (
-        f"Contact lengths of {len(measured)} of {len(controller.lands)} lands are those measured on the sheet, in "
-        f"brackets those of the valve body's file: {shown}{more}."
+    more = len(measured) - _SHOWN
+    text = Sentence(
+        "Contact lengths of {count} of {lands} lands are those measured on the sheet, in brackets those of the valve "
+        "body's file: {shown}{more}.",
+        count=len(measured),
+        lands=len(controller.lands),
+        shown=shown,
+        more=Sentence(" and {count} more", count=more) if more > 0 else "",
     )
     yield Message("info", LENGTHS_MEASURED, text, measured[0].place)
 
@@ -253,15 +299,33 @@ def _about_repairs(own: OwnLands, controller: Controller) -> Iterator[Message]:
         repair = next(option for option in controller.repairs_of(each.component) if option.id == each.repair)
         lands = [land for land in controller.lands_of(each.component) if repair.changes(land.key)]
         after = [land.with_repair(repair) for land in lands]
-        sizes = ", ".join(
-            f"land {land.land} {_mm(land.nominal_diameter)} mm with a new clearance of "
-            + " to ".join(f"{end * 1e6:.4g}" for end in land.mounting_ends)
-            + " µm"
-            for land in after
+        text = Sentence(
+            "Component {component} has {repair} fitted, which counts as its new state: {sizes}.",
+            component=each.component,
+            repair=Name(repair.label),
+            sizes=tuple(map(_size, after)),
         )
-        text = f"Component {each.component} has {repair.label} fitted, which counts as its new state: {sizes}."
         yield Message("info", REPAIR_FITTED, text, each.place)
 
 
-def _mm(metres: float) -> str:
-    return f"{metres * 1e3:.6g}"
+def _size(land: Land) -> Sentence:
+    """Say the nominal diameter and the clearance that a land has after its repair."""
+    diameter, ends = _mm(land.nominal_diameter), [Quantity(end * UM, "clearance", 1) for end in land.mounting_ends]
+    if len(ends) == 1:
+        return Sentence(
+            "land {land} {diameter:.6g} {diameter.unit} with a new clearance of {clearance:.4g} {clearance.unit}",
+            land=land.land,
+            diameter=diameter,
+            clearance=ends[0],
+        )
+    return Sentence(
+        "land {land} {diameter:.6g} {diameter.unit} with a new clearance of {low:.4g} to {high:.4g} {high.unit}",
+        land=land.land,
+        diameter=diameter,
+        low=ends[0],
+        high=ends[1],
+    )
+
+
+def _mm(metres: float) -> Quantity:
+    return Quantity(metres * TO_MM, "length", 3)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from atleak.errors import ReadingsError
+from atleak.sentence import Sentence
 
 SHOWN = 10
 
@@ -25,11 +26,17 @@ class ReadingsRefused(ReadingsError):
             first.problem, place=first.place, value=first.value, expected=first.expected, nearest=first.nearest
         )
 
-    def __str__(self) -> str:
+    @property
+    def sentence(self) -> Sentence:
+        """Return the first ten problems, a line each."""
         if len(self.problems) == 1:
-            return super().__str__()
-        lines = [f"{len(self.problems)} problems in {self.place.file or 'the readings'}:"]
-        lines += [f"  {problem}" for problem in self.problems[:SHOWN]]
-        if len(self.problems) > SHOWN:
-            lines.append(f"  … and {len(self.problems) - SHOWN} more")
-        return "\n".join(lines)
+            return super().sentence
+        count, file = len(self.problems), self.place.file
+        said = Sentence("{count} problems in the readings:", count=count)
+        if file:
+            said = Sentence("{count} problems in {file}:", count=count, file=file)
+        for problem in self.problems[:SHOWN]:
+            said = Sentence("{problem}\n  {other}", problem=said, other=problem.sentence)
+        if count > SHOWN:
+            said = Sentence("{problem}\n  … and {count} more", problem=said, count=count - SHOWN)
+        return said

@@ -18,6 +18,7 @@ from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import MM as MILLIMETRE
 from atleak.intake.readings.values import MM, DiameterCell, Key, RawValue
 from atleak.intake.readings.words import (
+    A_DIAMETER,
     at,
     diameter,
     direction_of,
@@ -34,12 +35,13 @@ from atleak.intake.readings.words import (
 )
 from atleak.intake.sheets.sheet import Cell, column_letter
 from atleak.intake.units import Unit, find_unit, unit_names
+from atleak.phrases import PART_WORDS
+from atleak.sentence import Name, Sentence, all_of
 
-_EVERY_ROW = (
+_EVERY_ROW = Sentence(
     "the value in every row. Empty cells under a first one are understood only where a workbook has merged them"
 )
-_IN_TEXT = "the value in every row, or the workbook itself: a text file does not keep merged cells"
-_DIAMETER = "a diameter such as 9.939"
+_IN_TEXT = Sentence("the value in every row, or the workbook itself: a text file does not keep merged cells")
 
 
 @dataclass
@@ -111,8 +113,15 @@ class _Reader:
         self._report_overridden()
         self._report_hidden_columns()
         if left_out:
-            chosen = " and ".join(f"{heading} is {value!r}" for heading, value in self.where.items())
-            text = f"{left_out} row{'s' if left_out > 1 else ''} left aside: read were those where {chosen}"
+            chosen = all_of(
+                Sentence("{heading} is {value!r}", heading=heading, value=value)
+                for heading, value in self.where.items()
+            )
+            text = Sentence("{count} row left aside: read were those where {chosen}", count=left_out, chosen=chosen)
+            if left_out > 1:
+                text = Sentence(
+                    "{count} rows left aside: read were those where {chosen}", count=left_out, chosen=chosen
+                )
             self.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
         question = states.question(self.entries, self.breaks, self.table, self.columns)
         if question is not None:
@@ -161,9 +170,10 @@ class _Reader:
         for summary in [each for each in self.asides.summaries if self.asides.stands_alone(each, read)]:
             self.asides.summaries.remove(summary)
             self._read_row(summary.row)
-            text = (
-                f"row {self.sheet.row_number(summary.row)} is said to be a {summary.name}, and its single readings are "
-                "not there: read as one reading"
+            text = Sentence(
+                "row {row} is said to be a {what}, and its single readings are not there: read as one reading",
+                row=self.sheet.row_number(summary.row),
+                what=summary.name,
             )
             self.messages.append(Message("info", "summary_as_reading", text, self.sheet.place(summary.row)))
 
@@ -172,11 +182,15 @@ class _Reader:
         width = len(self.header.texts)
         if self.sheet.is_text and any(not is_blank(cell) for cell in self.sheet.rows[row][width:]):
             self._add_problem(
-                f"the row has {len(self.sheet.rows[row])} cells under {width} headings: a decimal comma in a file "
-                "whose columns are separated by commas?",
+                Sentence(
+                    "the row has {cells} cells under {headings} headings: a decimal comma in a file whose columns are "
+                    "separated by commas?",
+                    cells=len(self.sheet.rows[row]),
+                    headings=width,
+                ),
                 self.sheet.place(row),
                 value=", ".join(str(cell) for cell in self.sheet.rows[row]),
-                expected="semicolons or tabs between the columns, or decimal points",
+                expected=Sentence("semicolons or tabs between the columns, or decimal points"),
             )
 
     def _raw_values(self, row: int) -> Iterator[tuple[dict[str, Column], RawValue | None]]:
@@ -204,30 +218,30 @@ class _Reader:
         if fault is None or others:
             return False
         if fault.startswith("#"):
-            self._add_problem(
-                "this cell's formula gives an error", self._place(row, column), value=fault, expected=_DIAMETER
-            )
+            problem = Sentence("this cell's formula gives an error")
+            self._add_problem(problem, self._place(row, column), value=fault, expected=A_DIAMETER)
             return True
         coordinates = [other.index for name, other in group.items() if name.startswith("coordinate")]
         if any(re.search(rf"\b{column_letter(index)}{row + 1}\b", fault.replace("$", "")) for index in coordinates):
             return False  # a formula over coordinates that are not filled in yet
         self._add_problem(
-            "this cell's formula has no stored result",
+            Sentence("this cell's formula has no stored result"),
             self._place(row, column),
             value=fault,
-            expected=f"{_DIAMETER}: open the workbook in a spreadsheet program and save it again",
+            expected=Sentence("a diameter such as 9.939: open the workbook in a spreadsheet program and save it again"),
         )
         return True
 
     def _half_given(self, row: int, group: dict[str, Column], given: dict[str, Column]) -> bool:
         if "diameter" in given:
             return False
-        for name in ("coordinate 1", "coordinate 2"):
+        for number_of_it in (1, 2):
+            name = f"coordinate {number_of_it}"
             if name not in given:
                 self._add_problem(
-                    f"{name} is missing beside the other one",
+                    Sentence("coordinate {number} is missing beside the other one", number=number_of_it),
                     self._place(row, group.get(name) or next(iter(given.values()))),
-                    expected="both coordinates, or the diameter",
+                    expected=Sentence("both coordinates, or the diameter"),
                 )
                 return True
         return False
@@ -240,8 +254,8 @@ class _Reader:
             try:
                 read = diameter if name == "diameter" else number
                 numbers[name], written = read(self.sheet.cell(row, column.index))
-            except ReadingsError as problem:
-                self.problems.append(at(place, problem))
+            except ReadingsError as error:
+                self.problems.append(at(place, error))
                 return None
             units[name] = written or self._unit(row, column)
         unit = next(iter(units.values()))
@@ -253,7 +267,8 @@ class _Reader:
         if "coordinate 1" in numbers and "coordinate 2" in numbers:
             coordinates = (numbers["coordinate 1"], numbers["coordinate 2"])
             if coordinates[0] == coordinates[1]:
-                self._add_problem("both coordinates are equal: no diameter between them", place, value=coordinates[0])
+                problem = Sentence("both coordinates are equal: no diameter between them")
+                self._add_problem(problem, place, value=coordinates[0])
                 return None
         return RawValue(numbers.get("diameter"), coordinates, unit, place)
 
@@ -272,7 +287,7 @@ class _Reader:
             known = unit_names("length")
             self._add_problem_once(
                 ReadingsError(
-                    "unknown unit of length",
+                    Sentence("unknown unit of length"),
                     place=self._place(row, unit_column),
                     value=text_of(cell),
                     expected=one_of(known),
@@ -327,9 +342,15 @@ class _Reader:
         named = None if is_blank(cell) else self.names.component(cell)
         if named is not None and named != component:
             raise ReadingsError(
-                f"this is component {named}, in a row of component {component}",
+                Sentence(
+                    "this is component {named}, in a row of component {component}", named=named, component=component
+                ),
                 value=text_of(cell),
-                expected=f"{component} or {self.names.controller.components[component]}",
+                expected=Sentence(
+                    "{component} or {name}",
+                    component=component,
+                    name=Name(self.names.controller.components[component]),
+                ),
             )
 
     def _part(self, row: int) -> Part | None:
@@ -341,13 +362,14 @@ class _Reader:
         part = part_of(text_of(cell))
         if part is None:
             near = nearest_name(plain(text_of(cell)), part_words())
+            meant = part_of(near) if near else None
             self._add_problem_once(
                 ReadingsError(
-                    "unknown part",
+                    Sentence("unknown part"),
                     place=self._place(row, self.columns.part),
                     value=text_of(cell),
-                    expected="spool (or piston), or sleeve (or bore)",
-                    nearest=part_of(near) if near else None,
+                    expected=Sentence("spool (or piston), or sleeve (or bore)"),
+                    nearest=PART_WORDS[meant] if meant else None,
                 )
             )
         return part
@@ -378,9 +400,11 @@ class _Reader:
             plane = self.names.plane(component, cell)
             if plane not in land.planes:
                 raise ReadingsError(
-                    f"this plane of component {component} is not on land {land.land}",
+                    Sentence(
+                        "this plane of component {component} is not on land {land}", component=component, land=land.land
+                    ),
                     value=plane,
-                    expected=f"plane {', '.join(land.planes)}",
+                    expected=Sentence("plane {names}", names=land.planes),
                 )
             return plane
         except ReadingsError as problem:
@@ -398,10 +422,10 @@ class _Reader:
         if direction is None:
             self._add_problem_once(
                 ReadingsError(
-                    "unknown measuring direction",
+                    Sentence("unknown measuring direction"),
                     place=self._place(row, column),
                     value=text_of(cell),
-                    expected="an angle such as 0° or 90°, or x1-x2, y1-y2, I, II",
+                    expected=Sentence("an angle such as 0° or 90°, or x1-x2, y1-y2, I, II"),
                 )
             )
         return direction, direction is not None
@@ -420,10 +444,10 @@ class _Reader:
         if repeat is None:
             self._add_problem_once(
                 ReadingsError(
-                    "not the number of a repeat",
+                    Sentence("not the number of a repeat"),
                     place=self._place(row, column),
                     value=text_of(cell),
-                    expected="1, 2, 3 …",
+                    expected=Sentence("1, 2, 3 …"),
                 )
             )
             return None, True, False
@@ -434,35 +458,50 @@ class _Reader:
     def _report_blanks(self) -> None:
         for column, rows in self.blanks.items():
             numbers = [self.sheet.row_number(row) for row in rows]
-            more = f" and in {len(numbers) - 1} more: {_numbers(numbers[1:])}" if len(numbers) > 1 else ""
+            heading = " ".join(column.heading.split())
+            problem = Sentence("column {heading!r} is empty in a row that holds a reading", heading=heading)
+            if len(numbers) > 1:
+                problem = Sentence(
+                    "column {heading!r} is empty in a row that holds a reading and in {count} more: {rows}",
+                    heading=heading,
+                    count=len(numbers) - 1,
+                    rows=_numbers(numbers[1:]),
+                )
             self._add_problem(
-                f"column {' '.join(column.heading.split())!r} is empty in a row that holds a reading{more}",
+                problem,
                 self._place(next(iter(rows)), column),
                 expected=_IN_TEXT if self.sheet.is_text else _EVERY_ROW,
             )
 
     def _report_overridden(self) -> None:
         if self.given_unit is not None and self.overridden:
-            text = f"read in {self.given_unit.name} as told, although the heading says otherwise: "
-            text += ", ".join(sorted(self.overridden))
+            text = Sentence(
+                "read in {unit} as told, although the heading says otherwise: {headings}",
+                unit=self.given_unit.said,
+                headings=tuple(sorted(self.overridden)),
+            )
             self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))
 
     def _report_hidden_columns(self) -> None:
         for column in self.columns.hidden:
             self.cells.update((row, column.index) for row in self.table.rows)
         for columns, done in (
-            (self.columns.hidden, "left aside, because a visible column holds the same part"),
-            (self.columns.hidden_read, "read, because no visible column holds the same part"),
+            (self.columns.hidden, Sentence("left aside, because a visible column holds the same part")),
+            (self.columns.hidden_read, Sentence("read, because no visible column holds the same part")),
         ):
             if columns:
-                names = ", ".join(f"{self.header.text(column.index)!r}" for column in columns)
-                text = f"hidden column{'s' if len(columns) > 1 else ''} {names} {done}"
+                names = tuple(repr(self.header.text(column.index)) for column in columns)
+                text = Sentence("hidden column {names} {done}", names=names, done=done)
+                if len(columns) > 1:
+                    text = Sentence("hidden columns {names} {done}", names=names, done=done)
                 self.messages.append(Message("warning", "hidden_columns", text, self.sheet.place(self.header.last)))
 
     def _place(self, row: int, column: Column) -> Place:
         return self.sheet.place(row, column.index, column.name)
 
-    def _add_problem(self, problem: str, place: Place, *, value: object = None, expected: str | None = None) -> None:
+    def _add_problem(
+        self, problem: Sentence, place: Place, *, value: object = None, expected: Sentence | None = None
+    ) -> None:
         self.problems.append(ReadingsError(problem, place=place, value=value, expected=expected))
 
     def _add_problem_once(self, problem: ReadingsError) -> None:

@@ -25,6 +25,7 @@ from atleak.intake.readings.words import (
     vocabulary,
 )
 from atleak.intake.sheets.sheet import Sheet
+from atleak.sentence import Sentence, all_of
 
 _ASIDE = vocabulary("specification_title", "calibration")
 _READ = vocabulary("reading", "actual")
@@ -38,15 +39,15 @@ class Table:
 
     ``sheet`` holds its cells at the places of the whole sheet, and nothing of the tables beside and below.
     ``part`` and ``component`` are what the title or the sheet's name says, with ``said_by`` naming it. ``aside`` is why
-    a table holds no readings of this valve body, "" where it may.
+    a table holds no readings of this valve body, None where it may.
     """
 
     sheet: Sheet
     header: Header
     part: Part | None = None
     component: str | None = None
-    said_by: str = ""
-    aside: str = ""
+    said_by: Sentence | None = None
+    aside: Sentence | None = None
 
     @property
     def title(self) -> str:
@@ -86,13 +87,14 @@ class Table:
         return self.header.text(index)
 
     @property
-    def where(self) -> str:
+    def where(self) -> Sentence:
         """Return the rows from the headings to the last one, as a person counts them."""
         first = self.sheet.row_number(max(self.header.first, 0))
         rows = [row for row in self.block if any(not is_blank(cell) for cell in self.sheet.rows[row])]
         last = self.sheet.row_number(rows[-1]) if rows else first
-        sheet = "" if self.sheet.name is None else f"sheet {self.sheet.name!r}, "
-        return f"{sheet}rows {first} to {last}"
+        if self.sheet.name is None:
+            return Sentence("rows {first} to {last}", first=first, last=last)
+        return Sentence("sheet {name!r}, rows {first} to {last}", name=self.sheet.name, first=first, last=last)
 
     @property
     def has_part(self) -> bool:
@@ -263,15 +265,16 @@ def _titled(table: Table, names: ControllerNames) -> Table:
     """Return the table with what its title lines and its sheet's name say of it."""
     above = _title_rows(table.sheet, table.header.first, -1)
     texts = [" ".join(str(cell) for cell in table.sheet.rows[row] if not is_blank(cell)) for row in above]
-    lines = [(f"the title {text!r}", text) for text in texts]
+    lines = [(Sentence("the title {said!r}", said=text), text) for text in texts]
     if table.sheet.name is not None:
-        lines.append((f"the sheet's name {table.sheet.name!r}", table.sheet.name))
+        lines.append((Sentence("the sheet's name {said!r}", said=table.sheet.name), table.sheet.name))
     return replace(_said(table, lines, names), aside=_why_aside(table, [*texts[:1], table.sheet.name or ""]))
 
 
-def _said(table: Table, lines: Sequence[tuple[str, str]], names: ControllerNames) -> Table:
+def _said(table: Table, lines: Sequence[tuple[Sentence, str]], names: ControllerNames) -> Table:
     """Return the table with part and component from the nearest line that says one, where no column does."""
-    part, component, said_by = table.part, table.component, []
+    part, component = table.part, table.component
+    said_by: list[Sentence] = []
     if table.header.values and not table.has_part:
         for line, text in lines:
             if (named_part := part_in(text)) is not None:
@@ -285,20 +288,21 @@ def _said(table: Table, lines: Sequence[tuple[str, str]], names: ControllerNames
                 component = named
                 said_by.append(line)
                 break
-    return replace(table, part=part, component=component, said_by=" and ".join(dict.fromkeys(said_by)) or table.said_by)
+    sayers = all_of(dict.fromkeys(said_by)) if said_by else table.said_by
+    return replace(table, part=part, component=component, said_by=sayers)
 
 
-def _why_aside(table: Table, titles: Sequence[str]) -> str:
+def _why_aside(table: Table, titles: Sequence[str]) -> Sentence | None:
     header = table.header
     if not header.values and not header.of_lands:
-        return "no measured diameter by its headings"
+        return Sentence("no measured diameter by its headings")
     for title in titles:
         words = set(_WORD.findall(plain(title)))
         if words & _ASIDE and not words & _READ and not words & ERRORS:
-            return f"by its title {title!r} no readings"
+            return Sentence("by its title {title!r} no readings", title=title)
     if not header.of("component") and header.of("gauge"):
-        return "a check of the instrument"
-    return ""
+        return Sentence("a check of the instrument")
+    return None
 
 
 def _sections(table: Table, names: ControllerNames) -> Iterator[Table]:
@@ -311,14 +315,15 @@ def _sections(table: Table, names: ControllerNames) -> Iterator[Table]:
         if not _is_single(sheet, row):
             continue
         text = next(str(cell) for cell in sheet.rows[row] if not is_blank(cell))
-        next_said = _said(table, [(f"the line {text!r}", text)], names)
+        next_said = _said(table, [(Sentence("the line {said!r}", said=text), text)], names)
         if next_said.said_by == table.said_by:
             # an unknown line ends what the line before it says
-            next_said = replace(table, part=None, component=None, said_by="")
+            next_said = replace(table, part=None, component=None, said_by=None)
         else:
+            sayers = dict.fromkeys(each for each in (next_said.said_by, said.said_by) if each)
             next_said = replace(
                 next_said,
-                said_by=" and ".join(dict.fromkeys(text for text in (next_said.said_by, said.said_by) if text)),
+                said_by=all_of(sayers) if sayers else None,
                 part=next_said.part or said.part,
                 component=next_said.component or said.component,
             )

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.headings import Header
@@ -27,6 +28,10 @@ from atleak.intake.readings.words import (
 )
 from atleak.intake.sheets.sheet import Cell, Sheet, rows_named
 from atleak.intake.units import find_unit
+from atleak.phrases import PART_WORDS, angle
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+from atleak.workshop_units import UM
 
 _TIME = re.compile(r"[T ,]+\d{1,2}:\d{2}(:\d{2})?(\.\d+)?\s*([ap]m)?$", re.IGNORECASE)
 _LISTED = 4  # values of a column that are named
@@ -34,7 +39,7 @@ _FEWEST = 2  # rows that make a block
 _AS_ONE = 3e-6  # [m] within which rows that return pass for repeats without a warning: choice of this project
 _COUNTING = vocabulary("repeat", "reading", "number", "generic")
 
-StationKey = tuple[str, str, str, float | None, bool, int | None]
+StationKey = tuple[str, Part, str, float | None, bool, int | None]
 Splits = Mapping[StationKey, Mapping[str, list[int]]]  # values of a column, and in which rows each stands
 
 
@@ -57,16 +62,23 @@ def question(
     place = sheet.place(max(header.last, 0))
     for index, splits in _splitting(several, sheet, header, columns):
         heading = header.text(index)
-        named = f"column {heading!r}" if heading else "a column without heading"
+        named = Sentence("column {heading!r}", heading=heading) if heading else Sentence("a column without heading")
         values = _values(splits)
         station = next(iter(splits))
         rows = sorted(row for same_value in splits[station].values() for row in same_value)
         return ReadingsError(
-            f"{named} tells states apart that would be averaged as repeats: {_name(station)} stands in "
-            f"{rows_named(sheet, rows)}{_also(len(splits))}",
+            Sentence(
+                "{column} tells states apart that would be averaged as repeats: {station} stands in {rows}{also}",
+                column=named,
+                station=_name(station),
+                rows=rows_named(sheet, rows),
+                also=_also(len(splits)),
+            ),
             place=sheet.place(max(header.last, 0), index, heading),
             value=", ".join(values[:_LISTED]) + (" …" if len(values) > _LISTED else ""),
-            expected=_which_rows(heading, values[0]) + "; or, if they are repeats, a column 'Repeat' with 1, 2 …",
+            expected=Sentence(
+                "{which}; or, if they are repeats, a column 'Repeat' with 1, 2 …", which=_which_rows(heading, values[0])
+            ),
         )
     return _blocks(entries, breaks, sheet, place)
 
@@ -84,23 +96,29 @@ def _station(entry: DiameterCell) -> StationKey:
     return key.component, key.part, key.plane, key.direction, key.unworn, key.repeat
 
 
-def _name(station: StationKey) -> str:
+def _name(station: StationKey) -> Sentence:
     component, part, plane, direction, unworn, repeat = station
-    angle = "" if direction is None else f", {direction:g}°"
-    end = ", unworn end" if unworn else ""
-    return f"component {component}, {part}, plane {plane}{angle}{end}" + (
-        "" if repeat is None else f", repeat {repeat},"
+    return Sentence(
+        "component {component}, {part}, plane {plane}{direction}{end}{repeat}",
+        component=component,
+        part=PART_WORDS[part],
+        plane=plane,
+        direction=angle(direction),
+        end=Sentence(", unworn end") if unworn else "",
+        repeat="" if repeat is None else Sentence(", repeat {repeat},", repeat=repeat),
     )
 
 
-def _also(stations: int) -> str:
-    return f", and so do {stations - 1} more" if stations > 2 else ", and so does 1 more" if stations == 2 else ""
+def _also(stations: int) -> Sentence | str:
+    if stations > 2:
+        return Sentence(", and so do {count} more", count=stations - 1)
+    return Sentence(", and so does 1 more") if stations == 2 else ""
 
 
-def _which_rows(heading: str, value: str) -> str:
+def _which_rows(heading: str, value: str) -> Sentence:
     if not heading:
-        return "a heading over that column, and which of its rows to read, as in --where Inspection=May"
-    return f"which rows to read, as in --where {_quoted(f'{heading}={value}')}"
+        return Sentence("a heading over that column, and which of its rows to read, as in --where Inspection=May")
+    return Sentence("which rows to read, as in --where {chosen}", chosen=_quoted(f"{heading}={value}"))
 
 
 def _quoted(text: str) -> str:
@@ -200,14 +218,20 @@ def _blocks(
                 before = [each for each in before if each != station]
             else:
                 return ReadingsError(
-                    f"{_name(station)} stands in row {sheet.row_number(earlier)} and returns in row "
-                    f"{sheet.row_number(row)}, under "
-                    + (f"{title!r}" if title else "headings of its own")
-                    + ": two states would be averaged as repeats",
+                    Sentence(
+                        "{station} stands in row {earlier} and returns in row {row}, under {title}: two states would "
+                        "be averaged as repeats",
+                        station=_name(station),
+                        earlier=sheet.row_number(earlier),
+                        row=sheet.row_number(row),
+                        title=repr(title) if title else Sentence("headings of its own"),
+                    ),
                     place=sheet.place(row),
                     value=title or None,
-                    expected="one state of the valve body: delete the other rows or hide them; or, if they are "
-                    "repeats, a column 'Repeat' with 1, 2 …",
+                    expected=Sentence(
+                        "one state of the valve body: delete the other rows or hide them; or, if they are repeats, a "
+                        "column 'Repeat' with 1, 2 …"
+                    ),
                 )
         last[station] = row
     return None
@@ -229,12 +253,16 @@ def messages(
     several = {station: list(each) for station, each in rows.items() if len(each) > 1}
     for index, splits in _splitting(several, sheet, header, columns):
         if set(letters(header.text(index))) & STATES:
-            values = ", ".join(_values(splits)[:_LISTED])
             yield Message(
                 "warning",
                 "repeats_of_several_states",
-                f"column {columns.repeat.heading!r} calls them repeats, so rows are averaged that column "
-                f"{header.text(index)!r} tells apart ({values})",
+                Sentence(
+                    "column {heading!r} calls them repeats, so rows are averaged that column {other!r} tells apart "
+                    "({values})",
+                    heading=columns.repeat.heading,
+                    other=header.text(index),
+                    values=_values(splits)[:_LISTED],
+                ),
                 sheet.place(max(header.last, 0), index, header.text(index)),
             )
             return
@@ -263,8 +291,11 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Mes
             yield Message(
                 "warning",
                 "block_repeated",
-                f"{rows_named(sheet, again)} hold the same readings in the same order as {rows_named(sheet, first)}: "
-                "pasted twice? They count as repeats",
+                Sentence(
+                    "{again} hold the same readings in the same order as {first}: pasted twice? They count as repeats",
+                    again=rows_named(sheet, again),
+                    first=rows_named(sheet, first),
+                ),
                 sheet.place(again[0]),
             )
             return
@@ -286,14 +317,20 @@ def _returning(entries: Sequence[DiameterCell], sheet: Sheet, controller: Contro
         for entry in entries:
             stations[_station(entry)].append(entry)
         largest = max(_spread(stations[each], each, controller) for each in {station for *_, station in back})
-        differ = f", up to {largest * 1e6:.0f} µm apart" if largest > _AS_ONE else ""
+        differ = Sentence(", up to {apart} {apart.unit} apart", apart=Quantity(largest * UM, "clearance"))
         apart = any(all(is_blank(cell) for cell in sheet.rows[between]) for between in range(earlier, row))
         yield Message(
             "warning" if apart or largest > _AS_ONE else "info",
             "rows_as_repeats",
-            f"{_name(station)} stands in row {sheet.row_number(earlier)} and again in row {sheet.row_number(row)}"
-            f"{_also(len({each[2] for each in back}))}{', behind an empty row' if apart else ''}{differ}: "
-            "counted as repeats",
+            Sentence(
+                "{station} stands in row {earlier} and again in row {row}{also}{behind}{differ}: counted as repeats",
+                station=_name(station),
+                earlier=sheet.row_number(earlier),
+                row=sheet.row_number(row),
+                also=_also(len({each[2] for each in back})),
+                behind=Sentence(", behind an empty row") if apart else "",
+                differ=differ if largest > _AS_ONE else "",
+            ),
             sheet.place(row),
         )
 
@@ -315,8 +352,12 @@ def _remarks(several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: 
                 yield Message(
                     "warning",
                     "remarks_differ",
-                    f"{_name(station)} stands in {rows_named(sheet, rows)}, counted as repeats, though remarks tell "
-                    f"them apart: {', '.join(repr(text[:60]) for text in texts[:_LISTED])}",
+                    Sentence(
+                        "{station} stands in {rows}, counted as repeats, though remarks tell them apart: {remarks}",
+                        station=_name(station),
+                        rows=rows_named(sheet, rows),
+                        remarks=tuple(repr(text[:60]) for text in texts[:_LISTED]),
+                    ),
                     sheet.place(rows[0], column.index, column.name),
                 )
 
@@ -349,13 +390,20 @@ def require_known(tables: Sequence[Table], where: Mapping[str, str]) -> None:
         if not headed:
             texts = [text for table in tables for each in table.header.texts if (text := " ".join(each.split()))]
             place = tables[0].sheet.place(max(tables[0].header.last, 0))
-            raise unknown(f"no column is headed {heading!r}", heading, texts, kind=ReadingsError, place=place)
+            raise unknown(
+                Sentence("no column is headed {heading!r}", heading=heading),
+                heading,
+                texts,
+                kind=ReadingsError,
+                place=place,
+            )
         cells = [table.sheet.filled(row, index) for table, index in headed for row in table.rows]
         if not any(_matches(cell, wanted) for cell in cells):
             known = [_day(cell) for cell in cells if not is_blank(cell)]
             table, index = headed[0]
             place = table.sheet.place(max(table.header.last, 0), index, table.heading(index))
-            raise unknown(f"no row has {wanted!r} there", wanted, known, kind=ReadingsError, place=place)
+            problem = Sentence("no row has {wanted!r} there", wanted=wanted)
+            raise unknown(problem, wanted, known, kind=ReadingsError, place=place)
 
 
 def _headed(table: Table, heading: str) -> int | None:

@@ -9,6 +9,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 from atleak.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
@@ -20,14 +21,16 @@ from atleak.intake.readings.words import is_blank, letters, number_of, part_of, 
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import NOMINAL_HEADING, REPEAT_TOLERANCE
+from atleak.sentence import Sentence, any_of
+from atleak.wording import languages, wording
 
-_WHY: dict[Role, str] = {
-    "specification": "what the diameter should be or was, not what was measured",
-    "mean": "means of readings",
-    "raw": "raw readings beside corrected ones",
-    "remark": "remarks",
-    "quantity": "another quantity by its heading",
-    "gauge": "the diameter of a gauge or standard",
+_WHY: dict[Role, Sentence] = {
+    "specification": Sentence("what the diameter should be or was, not what was measured"),
+    "mean": Sentence("means of readings"),
+    "raw": Sentence("raw readings beside corrected ones"),
+    "remark": Sentence("remarks"),
+    "quantity": Sentence("another quantity by its heading"),
+    "gauge": Sentence("the diameter of a gauge or standard"),
 }
 _SAYS_SIZE = vocabulary(
     *("diameter", "actual", "reading", "specification", "specification_title", "mean", "raw", "calibration", "gauge")
@@ -97,7 +100,12 @@ class Account:
         sizes = [at for at in cells if self._is_size(table.sheet, *at, headed=table, whole=at[1] in of_sizes)]
         self._done[table.sheet.name].update(cells)
         if sizes:
-            text = f"the table in {table.where} is left aside, {table.aside}: {self._shown(table.sheet, sizes)}"
+            text = Sentence(
+                "the table in {where} is left aside, {why}: {shown}",
+                where=table.where,
+                why=table.aside or "",
+                shown=self._shown(table.sheet, sizes),
+            )
             self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.header.first, 0))))
 
     def holds_sizes(self, table: Table) -> bool:
@@ -114,7 +122,7 @@ class Account:
         sizes = [at for at in cells if self._is_size(sheet, *at)]
         self._done[sheet.name].update(cells)
         if sizes:
-            text = f"sheet {sheet.name!r} is left aside: {self._shown(sheet, sizes)}"
+            text = Sentence("sheet {name!r} is left aside: {shown}", name=sheet.name, shown=self._shown(sheet, sizes))
             self.messages.append(Message("info", "sheet_aside", text, Place(sheet.file, sheet.name)))
 
     def take(self, cells: Iterable[tuple[str | None, int, int]]) -> None:
@@ -167,7 +175,7 @@ class Account:
 
     def _is_of_controller(self, rows: Rows, index: int) -> bool:
         """Return whether this is the form's own column of nominal diameters, unchanged since it was written."""
-        if rows.table.heading(index) != " ".join(NOMINAL_HEADING.split()):
+        if rows.table.heading(index).partition(" [")[0] not in _nominal_headings():
             return False
         units = _units(rows.table, index) or self._units
         return all(
@@ -241,8 +249,12 @@ class Account:
         sheet = table.sheet
         self._done[sheet.name].update((row, index) for row in table.rows)
         if sizes:
-            why = f" ({_WHY[role]})" if role else ""
-            text = f"column {_name(table, index)} is left aside{why}: {self._shown(sheet, sizes)}"
+            text = Sentence(
+                "column {name} is left aside{why}: {shown}",
+                name=_name(table, index),
+                why=Sentence(" ({why})", why=_WHY[role]) if role else "",
+                shown=self._shown(sheet, sizes),
+            )
             level: MessageLevel = "warning" if role in (None, "remark") else "info"
             self.messages.append(Message(level, "column_aside", text, _heading_place(table, index)))
 
@@ -313,17 +325,28 @@ class Account:
         rows = sorted({sheet.row_number(row) for row, _ in cells})
         table = self._table_at(sheet, *cells[0]) if kind == "column" else None
         if table is not None:
-            where = f"column {_name(table, index)}"
+            where = Sentence("column {name}", name=_name(table, index))
+        elif len(rows) == 1:
+            where = Sentence("row {number}", number=rows[0])
         else:
-            where = f"row {rows[0]}" if len(rows) == 1 else f"rows {rows[0]} to {rows[-1]}"
-        text = f"{where}: not read, though of the size of a diameter: {self._shown(sheet, cells)}"
+            where = Sentence("rows {first} to {last}", first=rows[0], last=rows[-1])
+        text = Sentence(
+            "{where}: not read, though of the size of a diameter: {shown}",
+            where=where,
+            shown=self._shown(sheet, cells),
+        )
         prose = all(isinstance(sheet.cell(*at), str) and number_of(sheet.cell(*at)) is None for at in cells)
         return Message("info" if prose else "warning", "not_read", text, sheet.place(cells[0][0], cells[0][1]))
 
-    def _shown(self, sheet: Sheet, cells: Sequence[tuple[int, int]]) -> str:
-        shown = [f"{text_of(sheet.cell(*at))} (row {sheet.row_number(at[0])})" for at in cells[:_SHOWN]]
-        more = f" and {len(cells) - _SHOWN} more" if len(cells) > _SHOWN else ""
-        return ", ".join(shown) + more
+    def _shown(self, sheet: Sheet, cells: Sequence[tuple[int, int]]) -> Sentence:
+        shown = tuple(
+            Sentence("{cell} (row {row})", cell=text_of(sheet.cell(*at)), row=sheet.row_number(at[0]))
+            for at in cells[:_SHOWN]
+        )
+        more = len(cells) - _SHOWN
+        return Sentence(
+            "{shown}{more}", shown=shown, more=Sentence(" and {count} more", count=more) if more > 0 else ""
+        )
 
 
 def _role(table: Table, index: int) -> Role | None:
@@ -360,9 +383,11 @@ def _in_another_unit(table: Table, index: int) -> bool:
     return re.search(r"\[[^\]\d]+\]", heading) is not None and split_unit(heading)[1] is None
 
 
-def _name(table: Table, index: int) -> str:
+def _name(table: Table, index: int) -> Sentence:
     text = table.heading(index)
-    return repr(text) if text else f"{table.sheet.place(0, index).column} (without a heading)"
+    if text:
+        return Sentence("{heading!r}", heading=text)
+    return Sentence("{column} (without a heading)", column=table.sheet.place(0, index).column)
 
 
 def _heading_place(table: Table, index: int) -> Place:
@@ -379,32 +404,52 @@ def _lacks_value(rows: Rows, row: int) -> bool:
 
 def _slip(table: Table, row: int, index: int) -> ReadingsError:
     return ReadingsError(
-        "this number has the size of a diameter and stands in a column that is not read, while the row's diameter is "
-        "empty: slipped into the wrong column?",
+        Sentence(
+            "this number has the size of a diameter and stands in a column that is not read, while the row's diameter "
+            "is empty: slipped into the wrong column?"
+        ),
         place=table.sheet.place(row, index, table.heading(index)),
         value=table.sheet.cell(row, index),
-        expected="the diameter under " + " or ".join(repr(column.name) for column in table.header.values),
+        expected=Sentence(
+            "the diameter under {headings}", headings=any_of(repr(column.name) for column in table.header.values)
+        ),
     )
 
 
 def _which(table: Table, rivals: Sequence[int]) -> ReadingsError:
-    names = [_name(table, index) for index in rivals]
-    read = [repr(column.name) for column in table.header.values]
-    word = "column" if len(names) == 1 else "columns"
-    verb = "holds" if len(names) == 1 else "hold"
+    names = tuple(_name(table, index) for index in rivals)
+    read = tuple(repr(column.name) for column in table.header.values)
+    problem = Sentence(
+        "column {names} holds numbers of the size of the diameters as {read} does: which is the measurement?",
+        names=names,
+        read=read,
+    )
+    if len(names) > 1:
+        problem = Sentence(
+            "columns {names} hold numbers of the size of the diameters as {read} does: which is the measurement?",
+            names=names,
+            read=read,
+        )
     return ReadingsError(
-        f"{word} {', '.join(names)} {verb} numbers of the size of the diameters as {', '.join(read)} does: "
-        "which is the measurement?",
+        problem,
         place=_heading_place(table, rivals[0]),
-        expected="headings that say so: 'measured [mm]', or 'nominal', 'mean', 'remark' over what is not the "
-        "measurement; 'diameter 1', 'diameter 2' over repeats",
+        expected=Sentence(
+            "headings that say so: 'measured [mm]', or 'nominal', 'mean', 'remark' over what is not the measurement; "
+            "'diameter 1', 'diameter 2' over repeats"
+        ),
     )
 
 
 def _without_headings(sheet: Sheet, row: int, column: int) -> ReadingsError:
     return ReadingsError(
-        "this row looks like a reading, and stands under no headings",
+        Sentence("this row looks like a reading, and stands under no headings"),
         place=sheet.place(row, column),
         value=sheet.cell(row, column),
-        expected="the row in the table, in the same columns, or headings above it",
+        expected=Sentence("the row in the table, in the same columns, or headings above it"),
     )
+
+
+@cache
+def _nominal_headings() -> frozenset[str]:
+    """Return the heading of the form's own column of nominal diameters in every language, without its unit."""
+    return frozenset(" ".join(wording(each).sentence(NOMINAL_HEADING).split()) for each in languages())

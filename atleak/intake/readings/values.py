@@ -11,7 +11,9 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.units import Unit, find_unit, unit_names
+from atleak.phrases import PART_WORDS, angle
 from atleak.readings import Reading
+from atleak.sentence import Sentence
 
 COORDINATES_AGREE = 2e-6  # [m] between a diameter and the distance of its coordinates, both rounded to 0.001 mm
 MM = 1e-3
@@ -105,10 +107,10 @@ def _agrees(raw: RawValue, unit: Unit, problems: list[ReadingsError]) -> bool:
         return True
     problems.append(
         ReadingsError(
-            f"the diameter and the distance of its coordinates ({distance:.6g}) disagree",
+            Sentence("the diameter and the distance of its coordinates ({distance:.6g}) disagree", distance=distance),
             place=raw.place,
             value=raw.diameter,
-            expected="a diameter equal to |x1 − x2|, or one of the two left empty",
+            expected=Sentence("a diameter equal to |x1 − x2|, or one of the two left empty"),
         )
     )
     return False
@@ -131,13 +133,19 @@ def _reading(key: Key, raw: RawValue, unit: Unit) -> Reading:
 
 
 def _twice(reading: Reading, raw: RawValue, repeat: int, earlier: Reading) -> ReadingsError:
-    angle = "" if reading.direction is None else f", {reading.direction:g}°"
     return ReadingsError(
-        f"repeat {repeat} of component {reading.component}, {reading.part}, plane {reading.plane}{angle} stands in "
-        f"row {earlier.place.row} already",
+        Sentence(
+            "repeat {repeat} of component {component}, {part}, plane {plane}{direction} stands in row {row} already",
+            repeat=repeat,
+            component=reading.component,
+            part=PART_WORDS[reading.part],
+            plane=reading.plane,
+            direction=angle(reading.direction),
+            row=earlier.place.row,
+        ),
         place=raw.place,
         value=raw.size,
-        expected="each repeat once",
+        expected=Sentence("each repeat once"),
     )
 
 
@@ -154,15 +162,21 @@ def _assumed_unit(
     for name in unit_names("length"):
         unit = find_unit(name, "length")
         if unit is not None and 0.8 < middle * unit.factor / MM < 1.25:
-            text = f"the sheet names no unit: {name} assumed, in which the diameters come near the nominal ones"
+            text = Sentence(
+                "the sheet names no unit: {unit} assumed, in which the diameters come near the nominal ones",
+                unit=unit.said,
+            )
             result.messages.append(Message("warning", "unit_assumed", text, headings))
             return unit
     result.problems.append(
         ReadingsError(
-            f"the sheet names no unit, and in none are the diameters near the nominal ones (the numbers are "
-            f"{middle:.3g} times the nominal diameters in mm)",
+            Sentence(
+                "the sheet names no unit, and in none are the diameters near the nominal ones (the numbers are "
+                "{times:.3g} times the nominal diameters in mm)",
+                times=middle,
+            ),
             place=headings,
-            expected="a unit in the heading, such as 'Diameter [mm]'",
+            expected=Sentence("a unit in the heading, such as 'Diameter [mm]'"),
         )
     )
     return None

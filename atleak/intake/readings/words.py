@@ -15,10 +15,12 @@ from atleak.catalogue.instruments import Part
 from atleak.errors import Place, ReadingsError
 from atleak.intake.sheets.sheet import Cell
 from atleak.intake.units import Unit, find_unit
+from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
 
 _SPACES = re.compile(r"\s+")
 _NUMBER_AND_UNIT = re.compile(r"(.*\d[.,]?)\s*([^\d.,\s+\-]\D*)", re.DOTALL)
+NO_NUMBER, A_DIAMETER = Sentence("not a number"), Sentence("a diameter such as 9.939")
 _SINGLE_LETTERS = 2  # words up to this length keep their case: d is the spool, D the sleeve
 
 
@@ -123,20 +125,20 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
     'mm'
     """
     if isinstance(cell, bool):
-        raise ReadingsError("not a number", value=cell, expected="a diameter such as 9.939")
+        raise ReadingsError(NO_NUMBER, value=cell, expected=A_DIAMETER)
     if isinstance(cell, int | float):
         return float(cell), None
     if isinstance(cell, datetime.date | datetime.time | datetime.timedelta):
         raise ReadingsError(
-            "the spreadsheet program has turned this number into a date or time",
+            Sentence("the spreadsheet program has turned this number into a date or time"),
             value=str(cell),
-            expected="a diameter such as 9.939: format the cell as number or text and type it again",
+            expected=Sentence("a diameter such as 9.939: format the cell as number or text and type it again"),
         )
     text, unit = _split_unit(str(cell).strip())
     value = decimal_number(text)
     if value is not None:
         return value, unit
-    raise ReadingsError("not a number", value=str(cell), expected="a diameter such as 9.939 or 9,939")
+    raise ReadingsError(NO_NUMBER, value=str(cell), expected=Sentence("a diameter such as 9.939 or 9,939"))
 
 
 def diameter(cell: Cell) -> tuple[float, Unit | None]:
@@ -149,7 +151,7 @@ def diameter(cell: Cell) -> tuple[float, Unit | None]:
     """
     value, unit = number(cell)
     if value <= 0.0:
-        raise ReadingsError("a diameter must be positive", value=value, expected="a diameter such as 9.939")
+        raise ReadingsError(Sentence("a diameter must be positive"), value=value, expected=A_DIAMETER)
     return value, unit
 
 

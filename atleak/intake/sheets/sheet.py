@@ -8,6 +8,7 @@ from typing import Any
 
 from atleak.errors import Place
 from atleak.intake.workbook_marks import Marks
+from atleak.sentence import Sentence
 
 _RUNS_SHOWN = 12
 Cell = Any  # str, float, int, bool, date or time; "" where empty
@@ -28,7 +29,7 @@ class Sheet:
     faults: Mapping[tuple[int, int], str] = field(default_factory=dict)
     lines: Sequence[int] | None = None
     hidden: bool = False
-    note: str = ""  # how a text file was read
+    note: Sentence | None = None  # how a text file was read
     marks: Marks = Marks()  # noqa: RUF009  frozen, so safe to share; rows, columns and cells hidden or crossed out
 
     @property
@@ -65,7 +66,7 @@ class Sheet:
         return Place(self.file, self.name, None if row is None else self.row_number(row), where)
 
 
-def rows_named(sheet: Sheet, rows: Sequence[int]) -> str:
+def rows_named(sheet: Sheet, rows: Sequence[int]) -> Sentence:
     """Name rows as a spreadsheet or an editor numbers them: "row 4", "rows 2–5, 9"."""
     runs: list[list[int]] = []
     for number in sorted({sheet.row_number(row) for row in rows}):
@@ -74,8 +75,10 @@ def rows_named(sheet: Sheet, rows: Sequence[int]) -> str:
         else:
             runs.append([number])
     shown = ", ".join(f"{run[0]}" if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs[:_RUNS_SHOWN])
-    more = " …" if len(runs) > _RUNS_SHOWN else ""
-    return f"row{'s' if len(runs) > 1 or len(runs[0]) > 1 else ''} {shown}{more}"
+    numbers = shown + (" …" if len(runs) > _RUNS_SHOWN else "")
+    if len(runs) > 1 or len(runs[0]) > 1:
+        return Sentence("rows {numbers}", numbers=numbers)
+    return Sentence("row {numbers}", numbers=numbers)
 
 
 def column_letter(column: int) -> str:

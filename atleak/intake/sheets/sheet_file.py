@@ -9,24 +9,26 @@ from pathlib import Path
 
 from atleak.errors import Place, ReadingsError
 from atleak.intake.sheets.sheet import Sheet
+from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 
-WANTED = "a measuring sheet as .xlsx workbook or .csv text"
+WANTED = Sentence("a measuring sheet as .xlsx workbook or .csv text")
 
 _FOREIGN = (  # first bytes → what it is
-    (b"\x89PNG", "a PNG picture"),
-    (b"\xff\xd8\xff", "a JPEG picture"),
-    (b"GIF8", "a GIF picture"),
-    (b"BM", "a bitmap picture"),
-    (b"II*\0", "a TIFF picture"),
-    (b"MM\0*", "a TIFF picture"),
-    (b"%PDF", "a PDF document"),
-    (b"{\\rtf", "an RTF document"),
-    (b"\x1f\x8b", "a gzip archive"),
-    (b"7z\xbc\xaf", "a 7-Zip archive"),
-    (b"Rar!", "a RAR archive"),
-    (b"MDF     ", "an MDF measurement file, so perhaps the road-test log"),
+    (b"\x89PNG", Sentence("a PNG picture")),
+    (b"\xff\xd8\xff", Sentence("a JPEG picture")),
+    (b"GIF8", Sentence("a GIF picture")),
+    (b"BM", Sentence("a bitmap picture")),
+    (b"II*\0", Sentence("a TIFF picture")),
+    (b"MM\0*", Sentence("a TIFF picture")),
+    (b"%PDF", Sentence("a PDF document")),
+    (b"{\\rtf", Sentence("an RTF document")),
+    (b"\x1f\x8b", Sentence("a gzip archive")),
+    (b"7z\xbc\xaf", Sentence("a 7-Zip archive")),
+    (b"Rar!", Sentence("a RAR archive")),
+    (b"MDF     ", Sentence("an MDF measurement file, so perhaps the road-test log")),
 )
-_DELIMITERS = (";", "\t", ",", "|")
+_DELIMITERS = {";": Sentence("semicolon"), "\t": Sentence("tab"), ",": Sentence("comma"), "|": Sentence("bar")}
 _LOOKED_AT = 400  # lines that are read to choose encoding and delimiter
 
 
@@ -44,8 +46,10 @@ def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str
     try:
         return path.read_bytes(), name or path.name
     except OSError as error:
-        reason = "no such file" if isinstance(error, FileNotFoundError) else f"cannot be read ({error.strerror})"
-        raise ReadingsError(reason, place=Place(str(path)), expected=WANTED) from None
+        problem = Sentence("cannot be read ({reason})", reason=reason_of(error))
+        if isinstance(error, FileNotFoundError):
+            problem = Sentence("no such file")
+        raise ReadingsError(problem, place=Place(str(path)), expected=WANTED) from None
 
 
 def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float]) -> list[Sheet]:
@@ -58,20 +62,21 @@ def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float]) -> list
     """
     place = Place(file)
     if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
-        raise ReadingsError("the file is empty", place=place, expected=WANTED)
+        raise ReadingsError(Sentence("the file is empty"), place=place, expected=WANTED)
     if data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
         from atleak.intake.sheets.workbook import read_workbook  # calamine only where it is needed
 
         return read_workbook(data, file)
     for magic, kind in _FOREIGN:
         if data.startswith(magic) and (magic != b"BM" or b"\0" in data[:64]):
-            raise ReadingsError(f"this is {kind}, whatever its name says", place=place, expected=WANTED)
+            problem = Sentence("this is {kind}, whatever its name says", kind=kind)
+            raise ReadingsError(problem, place=place, expected=WANTED)
     head = data[:2000].lstrip(b"\xef\xbb\xbf \t\r\n").lower()
     if head.startswith((b"<html", b"<!doctype html", b"<table", b"<?xml", b"<meta", b"<head")):
         raise ReadingsError(
-            "this is a web page or XML file, whatever its name says",
+            Sentence("this is a web page or XML file, whatever its name says"),
             place=place,
-            expected="the same table opened in a spreadsheet program and saved as .xlsx",
+            expected=Sentence("the same table opened in a spreadsheet program and saved as .xlsx"),
         )
     return [_read_text(data, file, score)]
 
@@ -81,13 +86,15 @@ def _read_text(data: bytes, file: str, score: Callable[[Sheet], float]) -> Sheet
     for encoding, text in _decoded(data, file):
         start = "".join(text.splitlines(keepends=True)[:_LOOKED_AT])
         for delimiter in _delimiters(start):
-            likeness = score(_sheet(start, file, delimiter, ""))
+            likeness = score(_sheet(start, file, delimiter))
             if best is None or likeness > best[0]:
                 best = (likeness, encoding, delimiter, text)
     assert best is not None  # at least one encoding decodes
     _, encoding, delimiter, text = best
-    spelled = {"\t": "tab", ";": "semicolon", ",": "comma", "|": "bar"}[delimiter]
-    return _sheet(text, file, delimiter, f"read as {encoding}, columns separated by {spelled}")
+    note = Sentence(
+        "read as {encoding}, columns separated by {delimiter}", encoding=encoding, delimiter=_DELIMITERS[delimiter]
+    )
+    return _sheet(text, file, delimiter, note)
 
 
 def _decoded(data: bytes, file: str) -> Iterator[tuple[str, str]]:
@@ -118,7 +125,7 @@ def _decoded(data: bytes, file: str) -> Iterator[tuple[str, str]]:
 
 
 def _not_text(file: str) -> ReadingsError:
-    return ReadingsError("this is neither a workbook nor text", place=Place(file), expected=WANTED)
+    return ReadingsError(Sentence("this is neither a workbook nor text"), place=Place(file), expected=WANTED)
 
 
 def _delimiters(text: str) -> tuple[str, ...]:
@@ -128,7 +135,7 @@ def _delimiters(text: str) -> tuple[str, ...]:
     return tuple(delimiter for delimiter in _DELIMITERS if delimiter in text) or (",",)
 
 
-def _sheet(text: str, file: str, delimiter: str, note: str) -> Sheet:
+def _sheet(text: str, file: str, delimiter: str, note: Sentence | None = None) -> Sheet:
     rows: list[list[str]] = []
     lines: list[int] = []
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
@@ -140,7 +147,6 @@ def _sheet(text: str, file: str, delimiter: str, note: str) -> Sheet:
                 lines.append(before + 1)
             before = reader.line_num
     except csv.Error as error:
-        raise ReadingsError(
-            f"this text is no table ({error})", place=Place(file, row=before + 1), expected=WANTED
-        ) from None
+        problem = Sentence("this text is no table ({reason})", reason=str(error))
+        raise ReadingsError(problem, place=Place(file, row=before + 1), expected=WANTED) from None
     return Sheet(file=file, name=None, rows=rows, lines=lines, note=note)

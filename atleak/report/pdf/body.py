@@ -8,7 +8,7 @@ from typing import Any
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
-from atleak.errors import unknown
+from atleak.errors import Message, unknown
 from atleak.job.record import RepairDecision
 from atleak.report.estimate_words import open_words
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
@@ -18,6 +18,7 @@ from atleak.report.pdf.gauges import GaugeSection
 from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.pdf.road import RoadTestSection
+from atleak.sentence import Sentence
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.road_series import RoadSeries
@@ -69,7 +70,7 @@ def chosen_sections(sections: Iterable[str] | None, *, without_sheet: bool = Fal
     wanted = list(sections)
     for name in wanted:
         if name not in SECTIONS:
-            raise unknown("no such section", name, SECTIONS)
+            raise unknown(Sentence("no such section"), name, SECTIONS)
     return tuple(name for name in SECTIONS if name in wanted)
 
 
@@ -413,16 +414,20 @@ class Body:
         yield {"kind": "list", "items": items or [say("texts.none_assumed")]}
 
     def _messages(self, charts: dict[str, str]) -> Iterable[Block]:
-        if self.diagnosis.messages and self.say("texts.messages_language"):
-            yield text(self.say("texts.messages_language"), small=True)
         items = [
-            f"{message.text} ({message.place})" if message.place and str(message.place) else message.text
+            self._said(message)
             for level in ("warning", "info")
             for message in self.diagnosis.messages
             if message.level == level and message.code not in _SAID_ELSEWHERE
         ]
         if items:
-            yield {"kind": "list", "items": items, "lang": "en"}
+            yield {"kind": "list", "items": items}
+
+    def _said(self, message: Message) -> str:
+        """Return a message, with its place where it has one."""
+        said = self.say.sentence(message.text)
+        place = self.say.sentence(message.place.sentence) if message.place else ""
+        return f"{said} ({place})" if place else said
 
     def _method(self, charts: dict[str, str]) -> Iterable[Block]:
         say, profile, diagnosis = self.say, self.diagnosis.profile, self.diagnosis

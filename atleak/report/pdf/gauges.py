@@ -46,9 +46,7 @@ class GaugeSection:
         columns = [
             PrintedColumn(say("printed.verdict"), lambda each: judged(each, say)),
             PrintedColumn(say("printed.selector_range"), lambda each: each.cell.range, side="c"),
-            PrintedColumn(
-                say("printed.engine_state"), lambda each: say.get("engine_states", each.cell.engine), width=3
-            ),
+            PrintedColumn(say("printed.engine_state"), lambda each: say.sentence(each.cell.engine.label), width=3),
         ]
         if any(each.cell.tap != LINE for each in check.readings):
             columns.append(

@@ -199,4 +199,5 @@ class PrintedNames:
         if rule.kind.is_share and rule.condition is not None:
             return self.say("rules.share_at", condition=self.condition(rule.condition))
         at = "" if rule.condition is None else self.condition(rule.condition)
-        return joined((self.say(f"rules.{rule.kind}"), rule.circuit.name if rule.circuit else "", at, rule.where))
+        circuit, where = rule.circuit.name if rule.circuit else "", self.say.sentence(rule.where)
+        return joined((self.say(f"rules.{rule.kind}"), circuit, at, where))

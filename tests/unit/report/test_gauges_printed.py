@@ -13,6 +13,7 @@ import pytest
 
 from atleak.diagnosis import Diagnosis
 from atleak.job.case import Case, SourceFile
+from atleak.pressure_table import Engine
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.gauges_sheet import SHEET
@@ -48,7 +49,7 @@ def test_the_pdf_lists_every_reading_and_what_the_table_hints_at(gauged: Diagnos
     assert say("sections.gauges") in text
     for reading in ("900", "690", "480"):
         assert reading in text
-    for word in (say.level("watch"), say.get("engine_states", "fast_idle").split()[0], "gauges.csv"):
+    for word in (say.level("watch"), say.sentence(Engine.FAST_IDLE.label).split()[0], "gauges.csv"):
         assert word in text
     for kind in ("low_at_slow_idle", "below_line"):
         start = say.texts["patterns"][kind].split("{")[0].strip() or "forward clutch"
@@ -110,7 +111,7 @@ def test_the_workbooks_verdict_counts_what_gauges_showed(sample_readings: Path, 
     assert openpyxl.load_workbook(io.BytesIO(content), data_only=True)["Summary"]["B2"].value == verdict
     assert f",{1 + RANKED.index(diagnosis.pressures.verdict)})" in summary["B2"].value
     if drive == 200.0:
-        assert "Gauge at the line, D, slow idle: 200 kPa where 412 kPa are the least" in summary["B3"].value
+        assert "Gauge at the line, D, slow idle: 200 kPa where 412 kPa are the least" in summary["B4"].value
 
 
 def test_gauges_that_are_within_say_so(sample_readings: Path) -> None:

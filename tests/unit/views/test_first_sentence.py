@@ -43,7 +43,7 @@ def test_what_was_not_measured_is_named_and_nothing_is_green(new_unit: Callable[
     part = new_unit(accumulator=False)
     assert shown_verdict(part) == Verdict.NOT_MEASURED
     said = first_sentence(part, EN)
-    assert "1 of 5 lands were not measured and count as new (accumulator/1)" in said
+    assert "1 of 5 lands were not measured and count as new (accumulator piston/1)" in said
     assert "green" not in said
     assert "as far as it was measured" in said
 
@@ -56,7 +56,7 @@ def test_a_land_in_doubt_is_named_and_nothing_is_green(new_unit: Callable[..., D
 
     doubtful = new_unit(slip)
     assert shown_verdict(doubtful) == Verdict.NOT_MEASURED
-    assert "1 in doubt, to be measured again (accumulator/1)" in first_sentence(doubtful, EN)
+    assert "1 in doubt, to be measured again (accumulator piston/1)" in first_sentence(doubtful, EN)
     assert "green" not in first_sentence(doubtful, EN)
 
 
@@ -67,6 +67,17 @@ def test_nothing_measured_is_neither_good_nor_bad(minimal: Controller, hipol: Fl
     assert said.startswith("nothing was measured")
     assert "a new unit leaks " in said
     assert "green" not in said
+
+
+def test_a_sheet_of_which_nothing_counts_is_not_called_unmeasured(
+    minimal: Controller, hipol: Fluid, limits: Limits, new_unit: Callable[..., Diagnosis]
+) -> None:
+    sheet = new_unit().readings
+    assert sheet is not None
+    left_out = diagnose(minimal, hipol, limits, readings=replace(sheet, readings=()))
+    said = first_sentence(left_out, EN)
+    assert said.startswith("none of the readings in the job counts: all of them are doubtful and left out")
+    assert shown_verdict(left_out) == Verdict.NOT_MEASURED
 
 
 @pytest.mark.parametrize("language", languages())
