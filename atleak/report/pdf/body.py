@@ -150,11 +150,7 @@ class Body:
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """Name what to measure again where the readings leave open on which side of a limit a land lies."""
         say, names = self.say, self.names
-        items = [
-            f"{names.land_name(land)}: {names.advice(land)}"
-            for land in self.diagnosis.flagged
-            if land.decision in _CONDITIONAL
-        ]
+        items = names.advice_by_group(land for land in self.diagnosis.flagged if land.decision in _CONDITIONAL)
         if items:
             yield {"kind": "list", "items": items}
         within = [land for land in self.diagnosis.lands if land.verdict == Verdict.OK and land.decision in _CONDITIONAL]
