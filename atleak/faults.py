@@ -2,40 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from atleak.errors import AnyInputError, InputError, Place, nearest_name, one_of
+from atleak.sentence import Sentence
 
 Model = TypeVar("Model", bound=BaseModel)
 
 
-class WrongTogether(ValueError):
-    """Keys of a table that do not go together: what is expected, and the steps from the table to the one to change."""
+class NotAccepted(ValueError):
+    """A value, or the cell of a workbook, that is not what is asked for there: raised with what is wanted instead."""
 
-    def __init__(self, expected: str, *steps: str | int) -> None:
+    def __init__(self, wanted: Sentence) -> None:
+        self.wanted = wanted
+        super().__init__(wanted)
+
+
+class WrongTogether(NotAccepted):
+    """Keys of a table that do not go together: what is wanted, and the steps from the table to the one to change."""
+
+    def __init__(self, wanted: Sentence, *steps: str | int) -> None:
         self.steps = steps
-        super().__init__(expected)
+        super().__init__(wanted)
 
 
 _SHOWN = 80  # characters of a value
 _NAMED_BY = ("id", "name", "component")  # keys of a table that name it, the first that it has
-_WANTED = {
-    "string_type": "text in quotes",
-    "string_too_short": "text that is not empty",
-    "string_pattern_mismatch": "small letters, digits and _",
-    "float_type": "a number, without quotes",
-    "int_type": "a whole number, without quotes",
-    "int_from_float": "a whole number",
-    "bool_type": "true or false",
-    "list_type": "a list in square brackets",
-    "dict_type": "a table",
-    "model_type": "a table",
-    "finite_number": "a number that is not infinite",
-    "too_short": "a list of at least {min_length}",
+_WANTED: Mapping[str, Sentence] = {
+    "string_type": Sentence("text in quotes"),
+    "string_too_short": Sentence("text that is not empty"),
+    "string_pattern_mismatch": Sentence("small letters, digits and _"),
+    "float_type": Sentence("a number, without quotes"),
+    "int_type": Sentence("a whole number, without quotes"),
+    "int_from_float": Sentence("a whole number"),
+    "bool_type": Sentence("true or false"),
+    "list_type": Sentence("a list in square brackets"),
+    "dict_type": Sentence("a table"),
+    "model_type": Sentence("a table"),
+    "finite_number": Sentence("a number that is not infinite"),
+}
+_WANTED_OF: Mapping[str, Callable[[Mapping[str, Any]], Sentence]] = {  # from what pydantic says beside the kind
+    "too_short": lambda of: Sentence("a list of at least {count}", count=of["min_length"]),
+    "greater_than": lambda of: Sentence("greater than {bound:.15g}", bound=of["gt"]),
+    "greater_than_equal": lambda of: Sentence("greater than or equal to {bound:.15g}", bound=of["ge"]),
+    "less_than": lambda of: Sentence("less than {bound:.15g}", bound=of["lt"]),
+    "less_than_equal": lambda of: Sentence("less than or equal to {bound:.15g}", bound=of["le"]),
+    "literal_error": lambda of: _alternatives(of["expected"]),
+    "enum": lambda of: _alternatives(of["expected"]),
 }
 
 
@@ -74,7 +91,7 @@ def together(faults: Sequence[AnyInputError]) -> AnyInputError:
     """Return the first of some faults, with the others listed below it."""
     first, *others = faults
     first.others = tuple(others)
-    first.args = (str(first),)
+    first.args = (first.sentence,)
     return first
 
 
@@ -114,28 +131,38 @@ def _in_words(fault: Any, file: str, data: Any, model: type[BaseModel], kind: ty
         cause = fault["ctx"]["error"]
         steps = (*location, *(cause.steps if isinstance(cause, WrongTogether) else ()))
         place = replace(place_of_table(location, data, file), steps=steps)
-        return kind("the keys of this table do not go together", place=place, expected=_expected(fault))
+        return kind(Sentence("the keys of this table do not go together"), place=place, expected=_expected(fault))
     place = place_of(location, data, file)
     if fault["type"] == "missing":
-        return kind("required key is missing", place=place)
+        return kind(Sentence("required key is missing"), place=place)
     if fault["type"] == "extra_forbidden":
         known = _keys_at(model, location[:-1])
         shown = None if isinstance(value, dict | list) else _shortened(value)
         nearest = nearest_name(str(location[-1]), known)
-        return kind("unknown key", place=place, value=shown, expected=one_of(known), nearest=nearest)
-    return kind("value not accepted", place=place, value=_shortened(value), expected=_expected(fault))
+        return kind(Sentence("unknown key"), place=place, value=shown, expected=one_of(known), nearest=nearest)
+    return kind(Sentence("value not accepted"), place=place, value=_shortened(value), expected=_expected(fault))
 
 
 def _shortened(value: Any) -> Any:
     return value if len(str(value)) <= _SHOWN else str(value)[:_SHOWN] + " …"
 
 
-def _expected(fault: Any) -> str:
+def _expected(fault: Any) -> Sentence:
     """What a fault's key wants, in words of people rather than of pydantic."""
-    wanted = _WANTED.get(fault["type"])
-    if wanted is not None:
-        return wanted.format(**fault.get("ctx", {}))
-    return fault["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    kind, of = fault["type"], fault.get("ctx", {})
+    if kind in _WANTED:
+        return _WANTED[kind]
+    if kind in _WANTED_OF:
+        return _WANTED_OF[kind](of)
+    if isinstance(of.get("error"), NotAccepted):
+        return of["error"].wanted
+    return Sentence("{reason}", reason=fault["msg"].removeprefix("Value error, ").removeprefix("Input should be "))
+
+
+def _alternatives(listed: str) -> Sentence:
+    """Say what pydantic lists as ``'a', 'b' or 'c'``."""
+    first, _, last = listed.rpartition(" or ")
+    return Sentence("{first} or {second}", first=first, second=last) if first else Sentence("{only}", only=last)
 
 
 def _table_name(location: Sequence[Any], data: Any) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import Controller, Land
 from atleak.errors import Place, ReadingsError, unknown
+from atleak.sentence import Sentence
 
 LENGTHS_MEASURED, REPAIR_FITTED = "contact_length_measured", "repair_fitted"  # codes of the messages that say so
 
@@ -57,7 +58,11 @@ class OwnLands:
             options = {repair.id: repair for repair in controller.repairs_of(each.component)}
             repair = options.get(each.repair)
             if repair is None:
-                problem = f"{controller.id} has no such repair of component {each.component}"
+                problem = Sentence(
+                    "{controller} has no such repair of component {component}",
+                    controller=controller.id,
+                    component=each.component,
+                )
                 raise unknown(problem, each.repair, options, kind=ReadingsError, place=each.place)
             for land in controller.lands_of(each.component):
                 if repair.changes(land.key):

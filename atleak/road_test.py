@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from atleak.errors import Message
+from atleak.sentence import Sentence
 
 ChannelKind = Literal["measured", "commanded", "unknown"]
 ChannelSource = Literal["logged", "derived", "constant"]
@@ -32,26 +33,93 @@ class Quantity:
     workshop_unit: str
     low: float = -np.inf
     high: float = np.inf
-    label: str = ""
+    label: Sentence = Sentence("")  # noqa: RUF009  frozen, so safe to share
+    said: Sentence = Sentence("")  # noqa: RUF009  its name as messages have it
 
 
 QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
     {
         quantity.name: quantity
         for quantity in (
-            Quantity("time", "time", "s", label="time"),
-            Quantity("engine_speed", "rotational_speed", "rpm", 0.0, 15000 / 60, "engine speed"),
-            Quantity("atf_temperature", "temperature", "°C", -50.0, 200.0, "ATF temperature"),
-            Quantity("main_pressure", "pressure", "kPa", -101.4e3, 10e6, "main (line) pressure"),
-            Quantity("commanded_pressure", "pressure", "kPa", -101.4e3, 10e6, "commanded main pressure"),
-            Quantity("converter_pressure", "pressure", "kPa", -101.4e3, 5e6, "converter pressure"),
-            Quantity("gear", None, "", -3.0, 12.0, "gear"),
-            Quantity("vehicle_speed", "speed", "km/h", -1.0, 450 / 3.6, "vehicle speed"),
-            Quantity("turbine_speed", "rotational_speed", "rpm", -1.0, 15000 / 60, "turbine (input) speed"),
-            Quantity("output_speed", "rotational_speed", "rpm", -20.0, 15000 / 60, "output speed"),
-            Quantity("selector", None, "", label="selector position"),
-            Quantity("lock_up", None, "", label="converter lock-up"),
-            Quantity("coolant_temperature", "temperature", "°C", -50.0, 200.0, "engine coolant temperature"),
+            Quantity("time", "time", "s", label=Sentence("time"), said=Sentence("time")),
+            Quantity(
+                "engine_speed",
+                "rotational_speed",
+                "rpm",
+                0.0,
+                15000 / 60,
+                Sentence("engine speed"),
+                Sentence("engine_speed"),
+            ),
+            Quantity(
+                "atf_temperature",
+                "temperature",
+                "°C",
+                -50.0,
+                200.0,
+                Sentence("ATF temperature"),
+                Sentence("atf_temperature"),
+            ),
+            Quantity(
+                "main_pressure",
+                "pressure",
+                "kPa",
+                -101.4e3,
+                10e6,
+                Sentence("main (line) pressure"),
+                Sentence("main_pressure"),
+            ),
+            Quantity(
+                "commanded_pressure",
+                "pressure",
+                "kPa",
+                -101.4e3,
+                10e6,
+                Sentence("commanded main pressure"),
+                Sentence("commanded_pressure"),
+            ),
+            Quantity(
+                "converter_pressure",
+                "pressure",
+                "kPa",
+                -101.4e3,
+                5e6,
+                Sentence("converter pressure"),
+                Sentence("converter_pressure"),
+            ),
+            Quantity("gear", None, "", -3.0, 12.0, Sentence("gear"), Sentence("gear")),
+            Quantity(
+                "vehicle_speed", "speed", "km/h", -1.0, 450 / 3.6, Sentence("vehicle speed"), Sentence("vehicle_speed")
+            ),
+            Quantity(
+                "turbine_speed",
+                "rotational_speed",
+                "rpm",
+                -1.0,
+                15000 / 60,
+                Sentence("turbine (input) speed"),
+                Sentence("turbine_speed"),
+            ),
+            Quantity(
+                "output_speed",
+                "rotational_speed",
+                "rpm",
+                -20.0,
+                15000 / 60,
+                Sentence("output speed"),
+                Sentence("output_speed"),
+            ),
+            Quantity("selector", None, "", label=Sentence("selector position"), said=Sentence("selector")),
+            Quantity("lock_up", None, "", label=Sentence("converter lock-up"), said=Sentence("lock_up")),
+            Quantity(
+                "coolant_temperature",
+                "temperature",
+                "°C",
+                -50.0,
+                200.0,
+                Sentence("engine coolant temperature"),
+                Sentence("coolant_temperature"),
+            ),
         )
     }
 )
@@ -149,7 +217,7 @@ class RoadTest:
     encoding: str | None = None
     delimiter: str | None = None
     decimal: str | None = None
-    refused: Mapping[str, str] = field(default_factory=dict)
+    refused: Mapping[str, Sentence] = field(default_factory=dict)
     date: dt.date | None = None  # of the first sample, where the log states it beyond doubt
     _held: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
 

@@ -70,13 +70,22 @@ def some(names: Sequence[str], most: int) -> Sentence:
     return Sentence("{names}", names=tuple(names))
 
 
-class _Listed(tuple[Any, ...]):
-    """Several values, written with commas between."""
+class _Listed:
+    """Several values, written with commas between; ``{values!r}`` quotes them as Python does."""
 
-    __slots__ = ()
+    __slots__ = ("values",)
+
+    def __init__(self, values: Sequence[Any]) -> None:
+        self.values = values
+
+    def __repr__(self) -> str:
+        return repr(self.values)
+
+    def __str__(self) -> str:
+        return format(self, "")
 
     def __format__(self, specification: str) -> str:
-        return ", ".join(format(each, specification) for each in self)
+        return ", ".join(format(each, specification) for each in self.values)
 
 
 def filled(template: str, values: Mapping[str, Any]) -> str:

@@ -63,6 +63,15 @@ _COUNTS_AS = {
 BANDS: tuple[Band, ...] = tuple(Band)
 
 
+def level_named(word: str) -> Verdict | Band | str:
+    """Return the verdict or band of this name, as a result that was kept states it; a word that is none as it is.
+
+    >>> level_named("red"), level_named("green_again")
+    (<Band.RED: 'red'>, 'green_again')
+    """
+    return next((level for level in (*VERDICTS, *BANDS) if level == word), word)
+
+
 def worst(verdicts: Iterable[Verdict]) -> Verdict:
     """The worst of some verdicts; ``ok`` of none.
 

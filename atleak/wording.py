@@ -271,6 +271,8 @@ class _Spoken:
             return say.sentence(value)
         if isinstance(value, Name):
             return isolated(say.name(value))
+        if isinstance(value, Verdict | Band):
+            return say.level(value)
         if isinstance(value, Quantity):
             return self._quantity(value, specification)
         if isinstance(value, float | int):
@@ -282,7 +284,7 @@ class _Spoken:
     def _quantity(self, quantity: Quantity, specification: str) -> str:
         value, kind, digits = quantity
         if specification.endswith("g"):
-            return self.say.plain_spelled(value, kind)
+            return self.say.plain_spelled(float(format(value, specification)), kind)
         places = _FIXED.fullmatch(specification)
         return self.say.spelled(value, kind, int(places[1]) if places else digits)
 
@@ -291,19 +293,30 @@ class _Spoken:
         return written.translate(str.maketrans({",": _NARROW, ".": decimal, "-": "−"}))
 
 
-class _SpokenList(tuple[_Spoken, ...]):
+class _SpokenList:
     """Several values as a sentence writes them: semicolons between numbers that have a decimal comma."""
 
-    __slots__ = ()
+    __slots__ = ("values",)
+
+    def __init__(self, values: tuple[Any, ...] | list[Any], say: Wording) -> None:
+        self.values = type(values)(_Spoken(each, say) for each in values)
+
+    def __repr__(self) -> str:
+        return repr(self.values)
+
+    def __str__(self) -> str:
+        return format(self, "")
 
     def __format__(self, specification: str) -> str:
-        numbers = any(isinstance(each.value, Quantity | float) and each.say.texts["decimal"] == "," for each in self)
-        return ("; " if numbers else ", ").join(format(each, specification) for each in self)
+        comma = any(
+            isinstance(each.value, Quantity | float) and each.say.texts["decimal"] == "," for each in self.values
+        )
+        return ("; " if comma else ", ").join(format(each, specification) for each in self.values)
 
 
 def _spoken(value: Any, say: Wording) -> Any:
     if type(value) in (tuple, list):
-        return _SpokenList(_Spoken(each, say) for each in value)
+        return _SpokenList(value, say)
     return _Spoken(value, say)
 
 

@@ -12,7 +12,8 @@ import unicodedata
 from dataclasses import dataclass, replace
 
 from atleak.catalogue import usual
-from atleak.wording import Wording, wording
+from atleak.sentence import Sentence
+from atleak.wording import Wording
 
 _SIGNS = str.maketrans(
     {
@@ -36,7 +37,7 @@ class AskedNumber:
     ``kind`` is the kind of quantity, where a reader may have it in another unit.
     """
 
-    name: str
+    name: Sentence
     unit: str
     example: float = 1.5
     limits: tuple[float, float] = (-math.inf, math.inf)
@@ -44,8 +45,8 @@ class AskedNumber:
     kind: str | None = None
 
     def to(self, say: Wording) -> AskedNumber:
-        """Return what is asked for in the reader's words and unit."""
-        named = replace(self, name=say.get("asked", self.name), unit=say.get("units", self.unit))
+        """Return what is asked for in the reader's unit."""
+        named = replace(self, unit=say.get("units", self.unit))
         if self.kind is None:
             return named
         example, *ends = (say.convert(value, self.kind) for value in (self.example, *self.limits, *self.usual))
@@ -60,25 +61,36 @@ class AskedNumber:
 
 @dataclass(frozen=True)
 class WrittenNumber:
-    """The number read from an entry: its value where it is accepted, and any doubt about it, in sentences."""
+    """The number read from an entry: its value where it is accepted, and the reason of any doubt about it."""
 
     value: float | None
-    doubt: str = ""
+    reason: Sentence = Sentence("")  # noqa: RUF009  frozen, so safe to share
+
+    @property
+    def doubt(self) -> Sentence:
+        """Return the doubt as a sentence of its own; nothing where there is none."""
+        return Sentence("{reason}.", reason=self.reason) if self.reason else self.reason
 
 
-TEMPERATURE = AskedNumber("temperature", "°C", 95.5, (-60.0, 200.0), usual.TEMPERATURE.ends, "temperature")
-MEASURING_TEMPERATURE = AskedNumber("measuring temperature", "°C", 21.5, (-20.0, 60.0), (10.0, 35.0), "temperature")
-PUMP_SIDE_CLEARANCE = AskedNumber(
-    "pump side clearance", "µm", 45.5, (1.0, 2_000.0), usual.SIDE_CLEARANCE.ends, "clearance"
+TEMPERATURE = AskedNumber(Sentence("temperature"), "°C", 95.5, (-60.0, 200.0), usual.TEMPERATURE.ends, "temperature")
+MEASURING_TEMPERATURE = AskedNumber(
+    Sentence("measuring temperature"), "°C", 21.5, (-20.0, 60.0), (10.0, 35.0), "temperature"
 )
-PUMP_TIP_CLEARANCE = AskedNumber("pump tip clearance", "µm", 150.5, (1.0, 2e3), usual.TIP_CLEARANCE.ends, "clearance")
-ENGINE_SPEED = AskedNumber("engine speed", "rpm", 850.5, (1.0, 15_000.0), usual.ENGINE_SPEED.ends, "engine_speed")
-MILEAGE = AskedNumber("mileage", "km", 106315.0, (0.0, 9_999_999.0), (1_000.0, 1_000_000.0), "distance")
-PRICE = AskedNumber("price", "", 61.5, (0.0, 1e8), (0.0, 1e6))
-HOURS = AskedNumber("time", "h", 1.5, (0.0, 1_000.0), (0.0, 60.0))
-LABOUR_RATE = AskedNumber("labour rate", "per hour", 95.0, (0.0, 1e7), (0.0, 1e5))
-TAX = AskedNumber("tax", "%", 23.0, (0.0, 100.0), (0.0, 30.0))
-SHIFT = AskedNumber("shift", "s", 1.5, (-1e7, 1e7), (-86_400.0, 86_400.0))
+PUMP_SIDE_CLEARANCE = AskedNumber(
+    Sentence("pump side clearance"), "µm", 45.5, (1.0, 2_000.0), usual.SIDE_CLEARANCE.ends, "clearance"
+)
+PUMP_TIP_CLEARANCE = AskedNumber(
+    Sentence("pump tip clearance"), "µm", 150.5, (1.0, 2e3), usual.TIP_CLEARANCE.ends, "clearance"
+)
+ENGINE_SPEED = AskedNumber(
+    Sentence("engine speed"), "rpm", 850.5, (1.0, 15_000.0), usual.ENGINE_SPEED.ends, "engine_speed"
+)
+MILEAGE = AskedNumber(Sentence("mileage"), "km", 106315.0, (0.0, 9_999_999.0), (1_000.0, 1_000_000.0), "distance")
+PRICE = AskedNumber(Sentence("price"), "", 61.5, (0.0, 1e8), (0.0, 1e6))
+HOURS = AskedNumber(Sentence("time"), "h", 1.5, (0.0, 1_000.0), (0.0, 60.0))
+LABOUR_RATE = AskedNumber(Sentence("labour rate"), "per hour", 95.0, (0.0, 1e7), (0.0, 1e5))
+TAX = AskedNumber(Sentence("tax"), "%", 23.0, (0.0, 100.0), (0.0, 30.0))
+SHIFT = AskedNumber(Sentence("shift"), "s", 1.5, (-1e7, 1e7), (-86_400.0, 86_400.0))
 
 
 def possible_values(text: str) -> tuple[float, ...]:
@@ -111,47 +123,58 @@ def decimal_number(text: str) -> float | None:
     return next(iter(possible_values(text)), None)
 
 
-def read_number(text: str, asked: AskedNumber, say: Wording | None = None) -> WrittenNumber:
+def read_number(text: str, asked: AskedNumber) -> WrittenNumber:
     """Read an entry as the number that was asked for, in its unit; the unit itself may stand behind it.
 
-    Doubts are said in the words of ``say``, English unless given.
-
     >>> read_number("850,5", ENGINE_SPEED)
-    WrittenNumber(value=850.5, doubt='')
+    WrittenNumber(value=850.5, reason='')
     >>> read_number("123.456", MILEAGE).doubt
     "'123.456' can be read in two ways: write 123456 for 123456 km, or 123.4560 for 123.456 km."
     >>> read_number("8505", ENGINE_SPEED).doubt
     '8505 rpm is taken, but unusual: most engine speeds are from 400 to 7000 rpm.'
     """
-    say = say or wording("en")
     bare = text.strip().removesuffix(asked.unit).strip()
     values = possible_values(bare)
     if not values:
-        unit = say("written.in_unit", unit=asked.unit) if asked.unit else ""
-        example = written(asked.example, asked, say)
-        doubt = say("written.no_number", text=repr(text.strip()), name=asked.name, unit=unit, example=example)
-        return WrittenNumber(None, doubt)
+        return WrittenNumber(None, _no_number(text.strip(), asked))
     possible = [value for value in values if _within(value, asked.limits)]
     if not possible:
-        within = _range(asked.limits, asked, say)
-        return WrittenNumber(None, say("written.outside", value=_with_unit(bare, asked), name=asked.name, range=within))
-    if len(possible) > 1:
-        fraction, whole = (written(value, asked, say) for value in possible)
-        meant = [_with_unit(_plain_text(value, say), asked) for value in possible]
-        doubt = say(
-            "written.two_ways",
-            text=repr(bare),
-            whole=whole,
-            whole_meant=meant[1],
-            fraction=fraction,
-            fraction_meant=meant[0],
+        reason = Sentence(
+            "{value} is not taken: the {name} must be {range}",
+            value=_with_unit(bare, asked),
+            name=asked.name,
+            range=_range(asked.limits, asked),
         )
-        return WrittenNumber(None, doubt)
+        return WrittenNumber(None, reason)
+    if len(possible) > 1:
+        reason = Sentence(
+            "{text!r} can be read in two ways: write {whole} for {whole_meant}, or {fraction} for {fraction_meant}",
+            text=bare,
+            whole=_Spelled(possible[1], written(possible[1], asked)),
+            whole_meant=_with_unit(_spelled(possible[1]), asked),
+            fraction=_Spelled(possible[0], written(possible[0], asked)),
+            fraction_meant=_with_unit(_spelled(possible[0]), asked),
+        )
+        return WrittenNumber(None, reason)
     (value,) = possible
     if _within(value, asked.usual):
         return WrittenNumber(value)
-    taken, usual = _with_unit(_plain_text(value, say), asked), _range(asked.usual, asked, say)
-    return WrittenNumber(value, say("written.unusual", value=taken, name=asked.name, range=usual))
+    reason = Sentence(
+        "{value} is taken, but unusual: most {name}s are {range}",
+        value=_with_unit(_spelled(value), asked),
+        name=asked.name,
+        range=_range(asked.usual, asked),
+    )
+    return WrittenNumber(value, reason)
+
+
+def _no_number(text: str, asked: AskedNumber) -> Sentence:
+    example = _Spelled(asked.example, written(asked.example, asked))
+    values = {"text": text, "name": asked.name, "example": example}
+    if asked.unit:
+        unit = asked.unit
+        return Sentence("{text!r} is not a number: write the {name} in {unit}, such as {example}", unit=unit, **values)
+    return Sentence("{text!r} is not a number: write the {name}, such as {example}", **values)
 
 
 def written(value: float, asked: AskedNumber, say: Wording | None = None) -> str:
@@ -172,17 +195,37 @@ def _within(value: float, ends: tuple[float, float]) -> bool:
     return ends[0] <= value <= ends[1]
 
 
-def _range(ends: tuple[float, float], asked: AskedNumber, say: Wording) -> str:
-    low, high = (_plain_text(end, say, 7) for end in ends)
-    return _with_unit(say("written.range", low=low, high=high), asked)
+class _Spelled(float):
+    """A number that is written with just these signs; another language has its own decimal sign in it."""
+
+    text: str
+
+    def __new__(cls, value: float, text: str) -> _Spelled:
+        spelled = super().__new__(cls, value)
+        spelled.text = text
+        return spelled
+
+    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]
+        return float(self), self.text
+
+    def __format__(self, specification: str) -> str:
+        return self.text
 
 
-def _plain_text(value: float, say: Wording, digits: int = 15) -> str:
-    return f"{value:.{digits}g}".replace(".", say.texts["decimal"])
+def _spelled(value: float, digits: int = 15) -> _Spelled:
+    return _Spelled(value, f"{value:.{digits}g}".replace("-", "−"))
 
 
-def _with_unit(text: str, asked: AskedNumber) -> str:
-    return f"{text} {asked.unit}".strip().replace("-", "−")
+def _range(ends: tuple[float, float], asked: AskedNumber) -> Sentence:
+    low, high = (_spelled(end, 7) for end in ends)
+    if asked.unit:
+        return Sentence("from {low} to {high} {unit}", low=low, high=high, unit=asked.unit)
+    return Sentence("from {low} to {high}", low=low, high=high)
+
+
+def _with_unit(value: _Spelled | str, asked: AskedNumber) -> Sentence:
+    said = value.replace("-", "−") if isinstance(value, str) else value
+    return Sentence("{value} {unit}", value=said, unit=asked.unit) if asked.unit else Sentence("{value}", value=said)
 
 
 def _plain_sign(sign: str) -> str:

@@ -6,11 +6,12 @@ from functools import partial
 import streamlit as st
 
 from atleak.job.file import write_job_file
+from atleak.job.issued import issued_record
 from atleak.paper import PAPERS
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.xlsx import write_workbook
-from atleak.views.diagnosis_record import diagnosis_record, to_json
+from atleak.views.diagnosis_record import to_json
 from pages.shared import conditions, files, panel, reader
 from pages.shared.cases import case_with_columns
 from pages.shared.state import job
@@ -41,7 +42,7 @@ printed = partial(write_pdf, diagnosis, record, language=language, paper=paper, 
 downloads: dict[str, tuple[str, Callable[[], str | bytes]]] = {
     "pdf": ("pdf", printed),
     "workbook": ("xlsx", lambda: write_workbook(diagnosis, record, paper=paper)),
-    "json": ("json", lambda: to_json(diagnosis_record(diagnosis))),
+    "json": ("json", lambda: to_json(issued_record(diagnosis, record))),
     "record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True)),
     "job_file": ("zip", lambda: write_job_file(diagnosis, record, case_with_columns(case))),
 }

@@ -23,6 +23,7 @@ from atleak.catalogue.circuits import (
 )
 from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.section_pressures import DRAINS, SECTIONS
+from atleak.sentence import Sentence
 
 
 def read_circuits(tables: Sequence[CircuitTable], reading: Reading) -> tuple[Circuit, ...]:
@@ -36,10 +37,10 @@ def read_circuits(tables: Sequence[CircuitTable], reading: Reading) -> tuple[Cir
         where = ("circuits", number)
         with reading.gathering():
             if table.id in {*SECTIONS, *DRAINS} or table.id.isdigit():
-                problem = "an id that already names something else"
-                raise reading.fault((*where, "id"), problem, value=table.id, expected="another id")
+                problem, expected = Sentence("an id that already names something else"), Sentence("another id")
+                raise reading.fault((*where, "id"), problem, value=table.id, expected=expected)
             if any(table.id == before.id for before in tables[:number]):
-                raise reading.fault((*where, "id"), "circuit given twice", value=table.id)
+                raise reading.fault((*where, "id"), Sentence("circuit given twice"), value=table.id)
             circuits.append(_circuit(table, reading, where))
     _refuse_circles(circuits, tables, reading)
     return tuple(circuits)
@@ -51,7 +52,8 @@ def _circuit(table: CircuitTable, reading: Reading, where: Steps) -> Circuit:
     for number, feed in enumerate(table.feeds):
         at = (*where, "feeds", number, "from")
         if feed.source == table.id:
-            raise reading.fault(at, "a circuit that feeds itself", value=table.id, expected="another section")
+            problem, expected = Sentence("a circuit that feeds itself"), Sentence("another section")
+            raise reading.fault(at, problem, value=table.id, expected=expected)
         feeds.append(Feed(reading.section(feed.source, at), feed.diameter_mm * 1e-3, feed.discharge_coefficient))
     set_pressure = reading.set_pressure(table.set_kpa, (*where, "set_kpa"), gears)
     return Circuit(table.id, table.name, gears, tuple(feeds), set_pressure, table.source)
@@ -66,8 +68,8 @@ def _refuse_circles(circuits: Sequence[Circuit], tables: Sequence[CircuitTable],
     }
     fed = {circuit.id: {feed.source for feed in circuit.feeds} for circuit in circuits}
     for key, leads, problem in (
-        ("set_kpa", follows, "a set pressure that follows itself"),
-        ("feeds", fed, "circuits that feed one another in a circle"),
+        ("set_kpa", follows, Sentence("a set pressure that follows itself")),
+        ("feeds", fed, Sentence("circuits that feed one another in a circle")),
     ):
         for number, table in enumerate(tables):
             before: set[str] = set()
@@ -78,7 +80,8 @@ def _refuse_circles(circuits: Sequence[Circuit], tables: Sequence[CircuitTable],
             if table.id in before:
                 value = ", ".join(sorted(leads[table.id]))
                 at = ("circuits", number, key)
-                reading.faults.append(reading.fault(at, problem, value=value, expected="another circuit"))
+                expected = Sentence("another circuit")
+                reading.faults.append(reading.fault(at, problem, value=value, expected=expected))
                 break  # the others of the circle would say the same
 
 
@@ -88,9 +91,9 @@ def read_line(table: LineTable, reading: Reading) -> SetPressure | None:
     with reading.gathering():
         stated = reading.set_pressure(table.set_kpa, at, reading.gears)
         if stated is not None and stated.following is not None and stated.following.section in SECTIONS:
-            problem = "the line's set pressure follows a section that it supplies"
-            value = stated.following.section
-            raise reading.fault(at, problem, value=value, expected="the id of a circuit")
+            problem = Sentence("the line's set pressure follows a section that it supplies")
+            value, expected = stated.following.section, Sentence("the id of a circuit")
+            raise reading.fault(at, problem, value=value, expected=expected)
         return stated
     return None
 
@@ -104,7 +107,7 @@ def read_leaks(tables: Sequence[LeakTable], reading: Reading) -> tuple[Leak, ...
     for number, table in enumerate(tables):
         where = ("leaks", number)
         with reading.gathering():
-            _refuse_second(table.id, tables[:number], reading, where, "leak")
+            _refuse_second(table.id, tables[:number], reading, where, Sentence("leak given twice"))
             leaks.append(_leak(table, reading, where))
     return tuple(leaks)
 
@@ -138,7 +141,7 @@ def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[C
     for number, table in enumerate(tables):
         where, stated = ("consumers", number), table.flow_dm3_min
         with reading.gathering():
-            _refuse_second(table.id, tables[:number], reading, where, "consumer")
+            _refuse_second(table.id, tables[:number], reading, where, Sentence("consumer given twice"))
             flow = (
                 reading.by_point(stated, (*where, "flow_dm3_min"), 1.0 / 60e3)
                 if isinstance(stated, dict)
@@ -149,9 +152,9 @@ def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[C
     return tuple(consumers)
 
 
-def _refuse_second(name: str, before: Iterable[Any], reading: Reading, where: Steps, what: str) -> None:
+def _refuse_second(name: str, before: Iterable[Any], reading: Reading, where: Steps, problem: Sentence) -> None:
     if any(name == each.id for each in before):
-        raise reading.fault((*where, "id"), f"{what} given twice", value=name)
+        raise reading.fault((*where, "id"), problem, value=name)
 
 
 def read_standing(tables: Sequence[PermissiblePressureTable], reading: Reading) -> tuple[StandingPressure, ...]:
@@ -169,8 +172,10 @@ def read_standing(tables: Sequence[PermissiblePressureTable], reading: Reading) 
             ranges = frozenset(table.ranges or ())
             for other in standing:
                 if other.state == table.state:
-                    _refuse_twice("gear", key, gears & other.gears, table.state, where, reading)
-                    _refuse_twice("range", "ranges", ranges & other.ranges, table.state, where, reading)
+                    twice = Sentence("gear given twice for the state {state}", state=table.state)
+                    _refuse_twice(twice, key, gears & other.gears, where, reading)
+                    twice = Sentence("range given twice for the state {state}", state=table.state)
+                    _refuse_twice(twice, "ranges", ranges & other.ranges, where, reading)
             low, high = (None if kpa is None else kpa * 1e3 for kpa in (table.low_kpa, table.high_kpa))
             standing.append(StandingPressure(gears, ranges, table.state, low, high, table.source))
     return tuple(standing)
@@ -185,7 +190,7 @@ def permissible_in_gear(standing: Iterable[StandingPressure]) -> tuple[Permissib
     )
 
 
-def _refuse_twice(what: str, key: str, both: Iterable[int | str], state: str, where: Steps, reading: Reading) -> None:
+def _refuse_twice(problem: Sentence, key: str, both: Iterable[int | str], where: Steps, reading: Reading) -> None:
     """Refuse a gear or range whose permissible pressures another table states for the same state."""
     for value in sorted(both, key=str):
-        raise reading.fault((*where, key), f"{what} given twice for the state {state}", value=value)
+        raise reading.fault((*where, key), problem, value=value)

@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PlainValidator, field_validator, model_validator
 
 from atleak.catalogue.entries import Finite, Identifier, NonEmptyText, NonNegative, Positive, StatedEvidence, Strict
+from atleak.faults import NotAccepted
+from atleak.sentence import Sentence
 
 State = Literal["idle", "stall", "driving"]
 StandingState = Literal["idle", "fast_idle", "stall", "driving"]  # fast idle: of gauge readings alone
@@ -39,7 +41,9 @@ class CurrentTable(Strict):
 
     @model_validator(mode="after")
     def _rising(self) -> CurrentTable:
-        _check_curve("current_ma", "currents", self.current_ma, self.kpa)
+        if len(self.current_ma) != len(self.kpa):
+            raise NotAccepted(Sentence("as many pressures as currents ({count})", count=len(self.current_ma)))
+        _check_rising("current_ma", self.current_ma)
         return self
 
 
@@ -51,16 +55,15 @@ class DutyTable(Strict):
 
     @model_validator(mode="after")
     def _rising(self) -> DutyTable:
-        _check_curve("duty_percent", "duties", self.duty_percent, self.kpa)
+        if len(self.duty_percent) != len(self.kpa):
+            raise NotAccepted(Sentence("as many pressures as duties ({count})", count=len(self.duty_percent)))
+        _check_rising("duty_percent", self.duty_percent)
         return self
 
 
-def _check_curve(key: str, name: str, values: list[float], kpa: list[float]) -> None:
-    """Check that each of some rising values has its pressure."""
-    if len(values) != len(kpa):
-        raise ValueError(f"as many pressures as {name} ({len(values)})")
+def _check_rising(key: str, values: list[float]) -> None:
     if any(high <= low for low, high in pairwise(values)):
-        raise ValueError(f"{key} rising")
+        raise NotAccepted(Sentence("{key} rising", key=key))
 
 
 class ByGearTable(Strict):
@@ -73,7 +76,7 @@ class ByGearTable(Strict):
             try:
                 int(name)
             except ValueError:
-                raise ValueError(f"gears as whole numbers, not {name!r}") from None
+                raise NotAccepted(Sentence("gears as whole numbers, not {name!r}", name=name)) from None
         return gears
 
 
@@ -82,7 +85,7 @@ SetTable = float | FollowingTable | CurrentTable | DutyTable | ByGearTable | dic
 
 def _kpa(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= 10_000.0:
-        raise ValueError("a pressure in kPa from 0 to 10000")
+        raise NotAccepted(Sentence("a pressure in kPa from 0 to 10000"))
     return float(value)
 
 
@@ -98,7 +101,7 @@ def _set_table(value: object) -> SetTable:
         if isinstance(value.get("gear"), dict):
             return ByGearTable.model_validate(value)
         if not value:
-            raise ValueError("a pressure for every operating point")
+            raise NotAccepted(Sentence("a pressure for every operating point"))
         return {str(name): _kpa(pressure) for name, pressure in value.items()}
     return _kpa(value)
 
@@ -119,7 +122,7 @@ class CircuitTable(Strict):
     @model_validator(mode="after")
     def _supplied(self) -> CircuitTable:
         if not self.feeds and self.set_kpa is None:
-            raise ValueError("feeds or set_kpa, from which its pressure comes")
+            raise NotAccepted(Sentence("feeds or set_kpa, from which its pressure comes"))
         return self
 
 
@@ -146,7 +149,7 @@ class LeakTable(Strict):
     @model_validator(mode="after")
     def _complete(self) -> LeakTable:
         if self.law == "laminar" and self.at_viscosity_mm2_s is None:
-            raise ValueError("at_viscosity_mm2_s, at which a laminar leak was measured")
+            raise NotAccepted(Sentence("at_viscosity_mm2_s, at which a laminar leak was measured"))
         return self
 
 
@@ -155,7 +158,7 @@ def _flows(value: object) -> float | dict[str, float]:
     each = list(value.values()) if isinstance(value, dict) else [value]
     for flow in each:
         if isinstance(flow, bool) or not isinstance(flow, int | float) or not 0.0 <= flow <= 1000.0:
-            raise ValueError("dm³/min, a number from 0 to 1000, or one for every operating point")
+            raise NotAccepted(Sentence("dm³/min, a number from 0 to 1000, or one for every operating point"))
     if isinstance(value, dict):
         return {str(name): float(flow) for name, flow in value.items()}
     return float(each[0])  # type: ignore[arg-type]  # checked above
@@ -183,11 +186,11 @@ class PermissiblePressureTable(Strict):
     @model_validator(mode="after")
     def _complete(self) -> PermissiblePressureTable:
         if self.gear is not None and self.gears is not None:
-            raise ValueError("either gear or gears")
+            raise NotAccepted(Sentence("either gear or gears"))
         if self.gear is None and self.gears is None and self.ranges is None:
-            raise ValueError("gear, gears or ranges")
+            raise NotAccepted(Sentence("gear, gears or ranges"))
         if self.low_kpa is None and self.high_kpa is None:
-            raise ValueError("low_kpa, high_kpa or both")
+            raise NotAccepted(Sentence("low_kpa, high_kpa or both"))
         if self.low_kpa is not None and self.high_kpa is not None and self.high_kpa <= self.low_kpa:
-            raise ValueError(f"high_kpa above low_kpa ({self.low_kpa:g})")
+            raise NotAccepted(Sentence("high_kpa above low_kpa ({low:g})", low=self.low_kpa))
         return self

@@ -15,6 +15,7 @@ import numpy as np
 from atleak.catalogue.circuit_tables import SelectorRange, StandingState, State
 from atleak.catalogue.section_pressures import Pressure
 from atleak.errors import unknown
+from atleak.sentence import Sentence
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import OperatingPoint
@@ -158,5 +159,6 @@ class StandingPressure:
 def _at_point(stated: Mapping[str, float], point: OperatingPoint) -> float:
     """Return what is stated for an operating point, or for the one of the file whose values hold there."""
     if point.like not in stated:
-        raise unknown("the valve body's file states nothing for this operating point", point.like, stated)
+        problem = Sentence("the valve body's file states nothing for this operating point")
+        raise unknown(problem, point.like, stated)
     return stated[point.like]

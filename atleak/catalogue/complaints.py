@@ -9,6 +9,7 @@ from pydantic import Field
 
 from atleak.catalogue.entries import Identifier, NonEmptyText, Strict
 from atleak.errors import InputError, unknown
+from atleak.sentence import Name, Sentence
 
 LandKey = tuple[str, int]
 
@@ -59,9 +60,10 @@ def find_complaint(complaints: Sequence[Complaint], wanted: str | None, controll
     if wanted in known:
         return known[wanted]
     if not known:
-        expected = "no complaint, or a controller's file with a table [[complaints]]"
-        raise InputError(f"{controller} maps no complaint to its operating points", value=wanted, expected=expected)
-    raise unknown(f"{controller} maps no such complaint", wanted, known)
+        expected = Sentence("no complaint, or a controller's file with a table [[complaints]]")
+        problem = Sentence("{controller} maps no complaint to its operating points", controller=Name(controller))
+        raise InputError(problem, value=wanted, expected=expected)
+    raise unknown(Sentence("{controller} maps no such complaint", controller=Name(controller)), wanted, known)
 
 
 def written_land(key: LandKey) -> str:

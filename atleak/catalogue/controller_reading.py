@@ -42,6 +42,7 @@ from atleak.catalogue.repairs import Repair, RepairTable, repair_of
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
 from atleak.errors import CatalogueError, DomainError
 from atleak.faults import in_words, together
+from atleak.sentence import Sentence
 
 
 def load_controller(id_or_path: str | Path) -> Controller:
@@ -117,7 +118,7 @@ def _read(
     )
     twice = sorted({gear for gear in entry.gears if entry.gears.count(gear) > 1})
     if twice:
-        reading.faults.append(reading.fault(("gears",), "gear given twice", value=twice[0]))
+        reading.faults.append(reading.fault(("gears",), Sentence("gear given twice"), value=twice[0]))
     _check_default_materials(entry, reading)
     lands = tuple(_lands(entry, reading))
     known = [(component.id, table.land) for component in entry.components for table in component.lands]
@@ -164,8 +165,8 @@ def _check_line(controller: Controller, reading: Reading) -> None:
     points = (replace(point, gear=gear) for point in controller.operating_points for gear in controller.gears)
     for point in points:
         if not controller.with_line(point).main_pressure > 0.0:
-            problem = f"the line is set to no pressure in gear {point.gear}"
-            expected = f"more than 0 kPa at {point.name}"
+            problem = Sentence("the line is set to no pressure in gear {gear}", gear=point.gear)
+            expected = Sentence("more than 0 kPa at {point}", point=point.name)
             reading.faults.append(reading.fault(("line", "set_kpa"), problem, value="0 kPa", expected=expected))
             return
 
@@ -176,11 +177,12 @@ def _relations(entry: ControllerFile, gaps: Iterable[Gap], reading: Reading) -> 
         try:
             relations[name] = read_relation(table)
         except DomainError as error:  # diameters or lengths that cannot be those of one valve
-            reading.faults.append(reading.fault_of_table(("pressures", name), str(error)))
+            reading.faults.append(reading.fault_of_table(("pressures", name), error.sentence))
     used = {pressure.section for gap in gaps for pressure in (gap.high, gap.low)}
     for section in ("p_s", "p_m"):
         if section in used and section not in entry.pressures:
-            problem, expected = f"a gap uses {section}, which no relation gives", f"a table [pressures.{section}]"
+            problem = Sentence("a gap uses {section}, which no relation gives", section=section)
+            expected = Sentence("a table [pressures.{section}]", section=section)
             reading.faults.append(reading.fault(("pressures", section), problem, expected=expected))
         # a controller whose gaps use neither pressure still answers what each would be
         relations.setdefault(section, PressureRelation("line", 0.0, 0.0, None))
@@ -191,7 +193,8 @@ def _check_default_materials(entry: ControllerFile, reading: Reading) -> None:
     for key in ("body", "spool"):
         name = getattr(entry.defaults, key)
         if name is not None and name not in entry.materials:
-            reading.faults.append(reading.unknown(("defaults", key), "unknown material", name, entry.materials))
+            problem = Sentence("unknown material")
+            reading.faults.append(reading.unknown(("defaults", key), problem, name, entry.materials))
 
 
 def _lands(entry: ControllerFile, reading: Reading) -> list[Land]:
@@ -199,38 +202,40 @@ def _lands(entry: ControllerFile, reading: Reading) -> list[Land]:
     for number, component in enumerate(entry.components):
         where = ("components", number)
         if any(component.id == before.id for before in entry.components[:number]):
-            reading.faults.append(reading.fault((*where, "id"), "component given twice", value=component.id))
+            problem = Sentence("component given twice")
+            reading.faults.append(reading.fault((*where, "id"), problem, value=component.id))
             continue
         planes: set[str] = set()
         for index, table in enumerate(component.lands):
             at = (*where, "lands", index)
             with reading.gathering():
                 if any(table.land == before.land for before in component.lands[:index]):
-                    raise reading.fault((*at, "land"), "land given twice", value=table.land)
+                    raise reading.fault((*at, "land"), Sentence("land given twice"), value=table.land)
                 land = _land(entry, component, table, at, reading)
                 lands.append(land)
                 for plane in land.planes:
                     if plane in planes:
-                        raise reading.fault((*at, "planes"), "plane given to two lands", value=plane)
+                        raise reading.fault((*at, "planes"), Sentence("plane given to two lands"), value=plane)
                     planes.add(plane)
     if not any(component.lands for component in entry.components):
-        expected = "at least one land"
-        reading.faults.append(reading.fault(("components", 0, "lands"), "no component has a land", expected=expected))
+        problem, expected = Sentence("no component has a land"), Sentence("at least one land")
+        reading.faults.append(reading.fault(("components", 0, "lands"), problem, expected=expected))
     return lands
 
 
 def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, where: Steps, reading: Reading) -> Land:
     length = table.contact_length_mm or entry.defaults.contact_length_mm
     if length is None:
-        problem = f"land {table.land} has no contact length"
-        expected = "contact_length_mm here or in [defaults]"
+        problem = Sentence("land {land} has no contact length", land=table.land)
+        expected = Sentence("contact_length_mm here or in [defaults]")
         raise reading.fault((*where, "contact_length_mm"), problem, expected=expected)
     materials: list[tuple[str, float]] = []
     for key in ("body", "spool"):
         own = getattr(table, key)
         name = own or getattr(entry.defaults, key)
         if name is None or (own and name not in entry.materials):
-            problem = f"land {table.land}: " + ("no material" if name is None else "unknown material")
+            reason = Sentence("no material") if name is None else Sentence("unknown material")
+            problem = Sentence("land {land}: {reason}", land=table.land, reason=reason)
             raise reading.unknown((*where, key), problem, name, entry.materials)
         # an unknown material of [defaults] is named there, once for all lands
         materials.append((name, entry.materials[name].expansion_per_k if name in entry.materials else 0.0))
@@ -260,6 +265,9 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
     )
 
 
+_NO_LAND = Sentence("no such land in this controller")
+_NO_POINT = Sentence("no such operating point in this controller")
+_POINT_TWICE = Sentence("operating point given twice")
 _OVERSIZE = 2.0e-3  # [m] by which a repair changes a nominal diameter at most: choice of this project
 _ASSUMED = Evidence.REPRESENTATIVE
 _NO_PUMP = Pump(1.0, 1.0, None, ())  # of a file whose own is refused
@@ -276,22 +284,26 @@ def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Re
     defaults, given = entry.defaults, table.mounting_clearance_um
     given = defaults.mounting_clearance_um if given is None else given
     if given is None:
-        problem = f"land {table.land} has no mounting clearance"
-        expected = "mounting_clearance_um here or in [defaults]: a number, or a range such as [6.4, 20.0]"
+        problem = Sentence("land {land} has no mounting clearance", land=table.land)
+        expected = Sentence("mounting_clearance_um here or in [defaults]: a number, or a range such as [6.4, 20.0]")
         raise reading.fault((*where, "mounting_clearance_um"), problem, expected=expected)
     tolerance, at = table.mounting_tolerance_um, (*where, "mounting_tolerance_um")
     used = table.mounting_clearance_of_used_unit
     used = defaults.mounting_clearance_of_used_unit if used is None else used
     if isinstance(given, list):
         if tolerance is not None:
-            problem = f"land {table.land} has a tolerance beside a range of mounting clearances"
-            expected = "a tolerance beside a single value, or a range without one"
+            problem = Sentence("land {land} has a tolerance beside a range of mounting clearances", land=table.land)
+            expected = Sentence("a tolerance beside a single value, or a range without one")
             raise reading.fault(at, problem, value=tolerance, expected=expected)
         return _Mounting((given[0] * 1e-6, given[1] * 1e-6), None, NewOrigin.USED_UNIT if used else NewOrigin.RANGE)
     tolerance = defaults.mounting_tolerance_um if tolerance is None else tolerance
     if tolerance is not None and tolerance >= given:
-        problem = f"land {table.land} has a tolerance that its mounting clearance of {given:g} µm does not exceed"
-        expected = "a tolerance that leaves every new pair open, or a range of mounting clearances"
+        problem = Sentence(
+            "land {land} has a tolerance that its mounting clearance of {given:g} µm does not exceed",
+            land=table.land,
+            given=given,
+        )
+        expected = Sentence("a tolerance that leaves every new pair open, or a range of mounting clearances")
         raise reading.fault(at, problem, value=tolerance, expected=expected)
     origin = NewOrigin.PAIR if tolerance is None else NewOrigin.TYPE
     return _Mounting(
@@ -313,8 +325,8 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], known: Sequence[LandKe
             for other in gaps:
                 both = gap.gears & other.gears
                 if both and (gap.key, gap.high, gap.low) == (other.key, other.high, other.low):
-                    at = ("gaps", number, "gears")
-                    raise reading.fault(at, "the same gap was given before", value=min(both))
+                    at, problem = ("gaps", number, "gears"), Sentence("the same gap was given before")
+                    raise reading.fault(at, problem, value=min(both))
             gaps.append(gap)
     return gaps
 
@@ -325,7 +337,8 @@ def _gap(table: GapTable, known: Sequence[LandKey], where: Steps, reading: Readi
     high, low = reading.ends(table.high, table.low, where, "gap")
     section = high.section or ""  # never empty: see `Reading.ends`
     if table.section is not None and section != table.section:
-        problem, expected = "not the section that the gap leaks from", f"the one named in from = {table.high!r}"
+        problem = Sentence("not the section that the gap leaks from")
+        expected = Sentence("the one named in from = {high!r}", high=table.high)
         raise reading.fault((*where, "section"), problem, value=table.section, expected=expected)
     return Gap(
         component=table.component,
@@ -343,12 +356,12 @@ def _check_land(
     component: str, lands: Iterable[int], key: str, known: Sequence[LandKey], where: Steps, reading: Reading
 ) -> None:
     """Refuse a land that the controller does not have."""
-    mine = [str(land) for name, land in known if name == component]
+    mine = [land for name, land in known if name == component]
     for land in lands:
         if (component, land) not in known:
-            expected = f"lands {', '.join(mine)}" if mine else "the id of a component with lands"
+            expected = Sentence("lands {lands}", lands=mine) if mine else Sentence("the id of a component with lands")
             at, value = ((*where, key), land) if mine else ((*where, "component"), component)
-            problem = "no such land in this controller"
+            problem = _NO_LAND
             raise reading.fault(at, problem, value=value, expected=expected, refers_to="lands")
 
 
@@ -360,7 +373,7 @@ def _repairs(
         where = ("repairs", number)
         with reading.gathering():
             if any(table.id == before.id for before in tables[:number]):
-                raise reading.fault((*where, "id"), "repair given twice", value=table.id)
+                raise reading.fault((*where, "id"), Sentence("repair given twice"), value=table.id)
             mine = [land for component, land in known if component == table.component]
             _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
             _check_diameter(table, lands, where, reading)
@@ -376,8 +389,9 @@ def _check_diameter(table: RepairTable, lands: Sequence[Land], where: Steps, rea
     for land in lands:
         mine = land.component == table.component and (table.lands is None or land.land in table.lands)
         if mine and abs(diameter * 1e-3 - land.nominal_diameter) > _OVERSIZE:
-            problem = f"land {land.land} is {land.nominal_diameter * 1e3:g} mm: no oversize of it"
-            expected = "lands = [..] with the lands that get this diameter, and another repair for the rest"
+            nominal = land.nominal_diameter * 1e3
+            problem = Sentence("land {land} is {nominal:g} mm: no oversize of it", land=land.land, nominal=nominal)
+            expected = Sentence("lands = [..] with the lands that get this diameter, and another repair for the rest")
             raise reading.fault((*where, "nominal_diameter_mm"), problem, value=diameter, expected=expected)
 
 
@@ -389,10 +403,12 @@ def _operating_points(entry: ControllerFile, reading: Reading) -> list[Operating
             if table.gear not in entry.gears:
                 raise reading.unknown_gear((*where, "gear"), table.gear)
             if table.name == STATED:
-                problem = "name of the condition that a job states, which no controller may give to a point of its own"
-                raise reading.fault((*where, "name"), problem, value=table.name, expected="another name")
+                problem = Sentence(
+                    "name of the condition that a job states, which no controller may give to a point of its own"
+                )
+                raise reading.fault((*where, "name"), problem, value=table.name, expected=Sentence("another name"))
             if any(table.name == before.name for before in entry.operating_points[:number]):
-                raise reading.fault((*where, "name"), "operating point given twice", value=table.name)
+                raise reading.fault((*where, "name"), _POINT_TWICE, value=table.name)
             points.append(
                 OperatingPoint(
                     name=table.name,
@@ -420,10 +436,11 @@ def _complaints(
         where = ("complaints", number)
         with reading.gathering():
             if table.id in made:
-                raise reading.fault((*where, "id"), "complaint given twice", value=table.id)
-            at, what = (*where, "conditions"), "operating point"
-            _each_known_once(table.conditions, reading.points, at, what, "operating_points", reading)
-            _each_known_once(table.lands or (), names, (*where, "lands"), "land", "lands", reading)
+                raise reading.fault((*where, "id"), Sentence("complaint given twice"), value=table.id)
+            at, problems = (*where, "conditions"), (_NO_POINT, _POINT_TWICE)
+            _each_known_once(table.conditions, reading.points, at, problems, "operating_points", reading)
+            at, problems = (*where, "lands"), (_NO_LAND, Sentence("land given twice"))
+            _each_known_once(table.lands or (), names, at, problems, "lands", reading)
             made[table.id] = Complaint(
                 id=table.id,
                 label=table.label,
@@ -435,11 +452,16 @@ def _complaints(
 
 
 def _each_known_once(
-    given: Sequence[str], known: Collection[str], steps: Steps, what: str, refers_to: str, reading: Reading
+    given: Sequence[str],
+    known: Collection[str],
+    steps: Steps,
+    problems: tuple[Sentence, Sentence],  # of an unknown name, of one given twice
+    refers_to: str,
+    reading: Reading,
 ) -> None:
+    unknown, twice = problems
     for name in given:
         if name not in known:
-            problem = f"no such {what} in this controller"
-            raise reading.unknown(steps, problem, name, known, refers_to=refers_to)
+            raise reading.unknown(steps, unknown, name, known, refers_to=refers_to)
         if given.count(name) > 1:
-            raise reading.fault(steps, f"{what} given twice", value=name)
+            raise reading.fault(steps, twice, value=name)

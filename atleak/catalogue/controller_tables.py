@@ -34,6 +34,7 @@ from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.mounting import MountingClearance
 from atleak.catalogue.pump_tables import PumpTable
 from atleak.catalogue.repairs import RepairTable
+from atleak.faults import NotAccepted
 from atleak.sentence import Sentence
 
 ContactLength = Annotated[float, Field(gt=0, lt=200)]
@@ -95,7 +96,7 @@ class LandTable(Strict):
     @model_validator(mode="after")
     def _known_once(self) -> LandTable:
         if both := [name for name in self.measured if name in self.published]:
-            raise ValueError(f"{both[0]} either published or measured, not both")
+            raise NotAccepted(Sentence("{key} either published or measured, not both", key=both[0]))
         return self
 
 
@@ -167,20 +168,20 @@ class RelationTable(Strict):
 
         Raises
         ------
-        ValueError
-            if the table lacks a value of the valve; the message names it.
+        NotAccepted
+            if the table lacks a value of the valve; it names them.
         """
         one, two, three, rod = self.diameter_1_mm, self.diameter_2_mm, self.diameter_3_mm, self.rod_diameter_mm
         if one is None or two is None or three is None or rod is None or self.spring is None:
             wanted = ("diameter_1_mm", "diameter_2_mm", "diameter_3_mm", "rod_diameter_mm", "spring")
-            missing = [key for key in wanted if getattr(self, key) is None]
-            raise ValueError(f"a spool balance with {', '.join(missing)} too")
+            missing = tuple(key for key in wanted if getattr(self, key) is None)
+            raise NotAccepted(Sentence("a spool balance with {keys} too", keys=missing))
         return BalanceValve(one, two, three, rod, self.spring)
 
     @model_validator(mode="after")
     def _complete(self) -> RelationTable:
         if self.relation == "line" and self.ratio is None:
-            raise ValueError("a line with its ratio")
+            raise NotAccepted(Sentence("a line with its ratio"))
         if self.relation == "spool_balance":
             _ = self.valve
         return self
@@ -210,7 +211,8 @@ class DefaultsTable(Strict):
     @model_validator(mode="after")
     def _one_way_of_knowing(self) -> DefaultsTable:
         if isinstance(self.mounting_clearance_um, list) and self.mounting_tolerance_um is not None:
-            raise ValueError("mounting_tolerance_um beside a single mounting_clearance_um, not beside a range")
+            wanted = Sentence("mounting_tolerance_um beside a single mounting_clearance_um, not beside a range")
+            raise NotAccepted(wanted)
         return self
 
     body: NonEmptyText | None = None

@@ -26,6 +26,7 @@ from atleak.catalogue.usual import (
 from atleak.equations.fluid import astm_d341, astm_d341_coefficients
 from atleak.errors import Message
 from atleak.faults import place_of
+from atleak.sentence import Sentence
 
 Steps = tuple[str | int, ...]
 _CLEARANCE = "mounting_clearance_um"
@@ -50,14 +51,14 @@ def doubts_of(
     displacement
         of a controller's pump [m³/rev] where its dimensions give it, else None.
     """
-    found: list[tuple[Steps, str]] = []
+    found: list[tuple[Steps, Sentence]] = []
     for pattern, usual in USUAL[kind].items():
         found += _unusual(data, pattern, usual)
     if kind == "controllers":
         found += _of_clearances(data)
-        if displacement is not None and "displacement_mm3" not in _table(data, "pump"):
-            text = DISPLACEMENT.doubt(displacement * 1e9)
-            found += [(("pump", "kind"), f"By the dimensions of the pump, {text}")] if text else []
+        follows = None if "displacement_mm3" in _table(data, "pump") else displacement
+        if follows is not None and (doubt := DISPLACEMENT.doubt(follows * 1e9)):
+            found.append((("pump", "kind"), Sentence("By the dimensions of the pump, {doubt}", doubt=doubt)))
     if kind == "limits":
         found += _of_origins(data)
     if kind == "fluids":
@@ -67,7 +68,7 @@ def doubts_of(
     )
 
 
-def _unusual(data: Mapping[str, Any], pattern: Pattern, usual: Usual) -> Iterator[tuple[Steps, str]]:
+def _unusual(data: Mapping[str, Any], pattern: Pattern, usual: Usual) -> Iterator[tuple[Steps, Sentence]]:
     for steps, value in _at(data, pattern, ()):
         ends = value if isinstance(value, list) else [value]
         for end in ends:
@@ -91,7 +92,7 @@ def _at(table: Any, pattern: Pattern, before: Steps) -> Iterator[tuple[Steps, An
         yield from _at(value, tuple(rest), (*before, name))
 
 
-def _of_clearances(data: Mapping[str, Any]) -> Iterator[tuple[Steps, str]]:
+def _of_clearances(data: Mapping[str, Any]) -> Iterator[tuple[Steps, Sentence]]:
     """Ask whether mounting clearances are diametral, where their median is over what new valves have.
 
     Up to `WIDEST_NEW` only where nobody says that they were measured (on a used unit too) or published.
@@ -118,9 +119,16 @@ def _of_clearances(data: Mapping[str, Any]) -> Iterator[tuple[Steps, str]]:
         low, high = NEW_CLEARANCE.low, NEW_CLEARANCE.high
         yield (
             first,
-            f"The median of all mounting clearances is {middle:.4g} µm; new valves have {low:g} to {high:g} µm radial, "
-            f"which is {2 * low:.3g} to {2 * high:.3g} µm of bore minus spool (published, Sonnax). Half of bore minus "
-            "spool is asked for: are these the whole of it?",
+            Sentence(
+                "The median of all mounting clearances is {middle:.4g} µm; new valves have {low:g} to {high:g} µm "
+                "radial, which is {twice_low:.3g} to {twice_high:.3g} µm of bore minus spool (published, Sonnax). "
+                "Half of bore minus spool is asked for: are these the whole of it?",
+                middle=middle,
+                low=low,
+                high=high,
+                twice_low=2 * low,
+                twice_high=2 * high,
+            ),
         )
 
 
@@ -130,7 +138,7 @@ def _listed(table: Mapping[str, Any]) -> list[Any]:
     return [name for each in lists if isinstance(each, list) for name in each]
 
 
-def _of_origins(data: Mapping[str, Any]) -> Iterator[tuple[Steps, str]]:
+def _of_origins(data: Mapping[str, Any]) -> Iterator[tuple[Steps, Sentence]]:
     """Doubt limits that are called a choice of this project, or published, and that no shipped file calls so.
 
     A copy of a shipped set keeps saying whose its limits are, whatever they were changed to.
@@ -143,8 +151,11 @@ def _of_origins(data: Mapping[str, Any]) -> Iterator[tuple[Steps, str]]:
         if alike and all(_numbers(each) != _numbers(table) for each in alike):
             yield (
                 (name, "origin"),
-                f"'{table['origin']}', but these numbers are not those that this source is given for in a shipped set: "
-                "were they set by the workshop?",
+                Sentence(
+                    "'{origin}', but these numbers are not those that this source is given for in a shipped set: "
+                    "were they set by the workshop?",
+                    origin=table["origin"],
+                ),
             )
 
 
@@ -162,7 +173,7 @@ def _shipped_limits() -> tuple[dict[str, Any], ...]:
     return tuple(read_tables("limits", name)[0] for name in shipped_files("limits"))
 
 
-def _of_viscosities(data: Mapping[str, Any]) -> Iterator[tuple[Steps, str]]:
+def _of_viscosities(data: Mapping[str, Any]) -> Iterator[tuple[Steps, Sentence]]:
     """Doubt viscosities that no transmission fluid has at their temperature."""
     key = "kinematic_viscosity_mm2_s"
     for name in ("viscosity", "table"):
@@ -174,7 +185,8 @@ def _of_viscosities(data: Mapping[str, Any]) -> Iterator[tuple[Steps, str]]:
             if not _COLD <= at <= _HOT:
                 continue
             low, high = (_two_digits(_viscosity(ends, at)) for ends in (THINNEST, THICKEST))
-            usual = Usual(f"a transmission fluid at {at:g} °C", "mm²/s", low, high, {"m²/s": 1e6, "µm²/s": 1e-6})
+            fluid = Sentence("a transmission fluid at {temperature:g} °C", temperature=at)
+            usual = Usual(fluid, "mm²/s", low, high, {"m²/s": 1e6, "µm²/s": 1e-6})
             if text := usual.doubt(value):
                 yield (*steps, key), text
 

@@ -11,7 +11,7 @@ import hashlib
 import re
 import tomllib
 import unicodedata
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -21,15 +21,23 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstr
 
 from atleak.catalogue.evidence import Evidence
 from atleak.errors import CatalogueError, OutputError, Place, unknown
-from atleak.faults import validated
+from atleak.faults import NotAccepted, validated
+from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.home import home, made
+from atleak.system.reasons import reason_of, toml_reason
 
 _HERE = Path(__file__).parent
 KINDS = ("controllers", "fluids", "limits", "instruments")
 """The catalogue's folders, of what ships and of the user's own."""
 _REMOVED = "removed"  # folder of what was taken out of the own catalogue
-_TOML_LINE = 300  # characters of a parser's message worth showing
+_TOML_TEXT = Sentence("TOML text in UTF-8")
+NO_ENTRY = {
+    "controllers": Sentence("no such entry among the controllers"),
+    "fluids": Sentence("no such entry among the fluids"),
+    "limits": Sentence("no such entry among the limits"),
+    "instruments": Sentence("no such entry among the instruments"),
+}
 
 NonEmptyText = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 Identifier = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_]*$")]
@@ -45,7 +53,7 @@ def _evidence(value: Any) -> Evidence | None:
     try:
         return Evidence(value)
     except ValueError:
-        raise ValueError(f"one of {', '.join(Evidence)}") from None
+        raise NotAccepted(Sentence("one of {names}", names=tuple(map(str, Evidence)))) from None
 
 
 StatedEvidence = Annotated[Evidence | None, BeforeValidator(_evidence)]
@@ -56,7 +64,7 @@ def _day(value: Any) -> str:
     try:
         return date.fromisoformat(str(value)).isoformat()
     except ValueError:
-        raise ValueError('a day such as "2026-01-31"') from None
+        raise NotAccepted(Sentence('a day such as "2026-01-31"')) from None
 
 
 class Strict(BaseModel):
@@ -104,6 +112,42 @@ class Listed(Generic[Loaded]):
 
     entries: dict[str, Loaded]
     faults: tuple[CatalogueError, ...]
+
+
+@dataclass(frozen=True)
+class Shelf(Generic[EntryModel, Loaded]):
+    """The entries of one kind: how a file is checked, and what is made of it."""
+
+    kind: str  # one of `KINDS`
+    model: type[EntryModel]
+    make: Callable[[EntryModel, Mapping[str, Any], Origin], Loaded]
+
+    def load(self, id_or_path: str | Path) -> Loaded:
+        """Load a shipped entry or one of the user's own by id, or a file by path.
+
+        Raises
+        ------
+        CatalogueError
+            if the file is missing or wrong; the message names file, table, key and value.
+        """
+        return self._made(*read_tables(self.kind, id_or_path))
+
+    def checked(self, data: Mapping[str, Any], file: str = "this description") -> Loaded:
+        """Return the entry that tables describe which came another way than from a TOML file.
+
+        Raises
+        ------
+        CatalogueError
+            as `load`; ``place.steps`` of every fault leads to it through the tables.
+        """
+        return self._made(data, Origin(Path(file), ""))
+
+    def usable(self) -> list[Loaded]:
+        """Return every entry that can be used, shipped or own."""
+        return list(listed(self.kind, self.load).entries.values())
+
+    def _made(self, data: Mapping[str, Any], origin: Origin) -> Loaded:
+        return self.make(validated(self.model, data, origin.file, kind=CatalogueError), data, origin)
 
 
 def shipped_files(kind: str) -> dict[str, Path]:
@@ -159,10 +203,12 @@ def write_own(kind: str, name: str, text: str, *, over: str = "") -> Path:
     path = own_folder(kind) / f"{name}.toml"
     place = Place(file=path.name)
     if name in shipped_files(kind):
-        raise OutputError("has the id of an entry that ships with atleak", place=place, expected="an id of its own")
+        problem, expected = Sentence("has the id of an entry that ships with atleak"), Sentence("an id of its own")
+        raise OutputError(problem, place=place, expected=expected)
     if path.exists() and hashlib.sha256(path.read_bytes()).hexdigest() != over:
-        problem = "is in your catalogue already" if not over else "was changed by someone else since"
-        raise OutputError(problem, place=place, expected="another id, or a decision to replace it")
+        there, changed = Sentence("is in your catalogue already"), Sentence("was changed by someone else since")
+        expected = Sentence("another id, or a decision to replace it")
+        raise OutputError(changed if over else there, place=place, expected=expected)
     made(path.parent)
     replace_file(path, text.encode("utf-8"))
     return path
@@ -195,7 +241,8 @@ def restore_own(kind: str, name: str) -> None:
     """
     path = own_folder(kind) / f"{name}.toml"
     if path.exists():
-        raise OutputError("is in your catalogue already", place=Place(file=path.name), expected="another id")
+        problem, expected = Sentence("is in your catalogue already"), Sentence("another id")
+        raise OutputError(problem, place=Place(file=path.name), expected=expected)
     _move(own_folder(kind) / _REMOVED / f"{name}.toml", path)
 
 
@@ -203,7 +250,8 @@ def _move(path: Path, to: Path) -> None:
     try:
         path.replace(to)
     except OSError as error:
-        raise OutputError(f"cannot be moved: {error.strerror}", place=Place(file=path.name)) from error
+        problem = Sentence("cannot be moved: {reason}", reason=reason_of(error))
+        raise OutputError(problem, place=Place(file=path.name)) from error
 
 
 def listed(kind: str, load: Callable[[str], Loaded]) -> Listed[Loaded]:
@@ -236,10 +284,10 @@ def listed(kind: str, load: Callable[[str], Loaded]) -> Listed[Loaded]:
 def _same_id(path: Path) -> CatalogueError:
     """Return the fault of an own file with a shipped entry's id: no result would say which of the two it means."""
     return CatalogueError(
-        "has the id of an entry that ships with atleak and is left aside",
+        Sentence("has the id of an entry that ships with atleak and is left aside"),
         place=Place(file=path.name, key="id"),
         value=path.stem,
-        expected="an id of its own, and a file named as it",
+        expected=Sentence("an id of its own, and a file named as it"),
     )
 
 
@@ -270,24 +318,22 @@ def read_tables(kind: str, id_or_path: str | Path) -> tuple[dict[str, Any], Orig
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise CatalogueError(
-            f"cannot be read: {error.strerror}", place=Place(file=str(path)), expected="a TOML file"
-        ) from error
+        problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
+        raise CatalogueError(problem, place=Place(file=str(path)), expected=Sentence("a TOML file")) from error
     if content.startswith(b"PK"):  # as every .xlsx does, and no text that is TOML
-        made = f"atleak controller from-workbook {path.name} -o {path.stem}.toml"
-        expected = f"the file that '{made}' makes" if kind == "controllers" else "TOML text in UTF-8"
-        raise CatalogueError("is a workbook", place=Place(file=path.name), expected=expected)
+        command = f"atleak controller from-workbook {path.name} -o {path.stem}.toml"
+        expected = _TOML_TEXT
+        if kind == "controllers":
+            expected = Sentence("the file that '{command}' makes", command=command)
+        raise CatalogueError(Sentence("is a workbook"), place=Place(file=path.name), expected=expected)
     try:
         data = tomllib.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:  # also a number of 5000 digits, or tables nested a thousand deep
-        raise CatalogueError(
-            f"is not valid TOML: {str(error)[:_TOML_LINE]}",
-            place=Place(file=path.name),
-            expected="TOML text in UTF-8",
-        ) from error
+        problem = Sentence("is not valid TOML: {reason}", reason=toml_reason(error))
+        raise CatalogueError(problem, place=Place(file=path.name), expected=_TOML_TEXT) from error
     if own and data.get("id", path.stem) != path.stem:
-        problem = "a file of the own catalogue is named as its id"
-        expected = f"{path.stem}, or another name of the file"
+        problem = Sentence("a file of the own catalogue is named as its id")
+        expected = Sentence("{id}, or another name of the file", id=path.stem)
         raise CatalogueError(problem, place=Place(file=path.name, key="id"), value=data["id"], expected=expected)
     return data, Origin(path, hashlib.sha256(content).hexdigest(), own)
 
@@ -304,5 +350,6 @@ def _resolve(kind: str, id_or_path: str | Path) -> Path:
     except OSError:  # the name is longer than the file system allows
         folder = False
     looks_like_path = path.suffix.lower() == ".toml" or len(path.parts) > 1
-    problem = "is a folder" if folder else "no such file" if looks_like_path else f"no such entry among the {kind}"
-    raise unknown(problem, str(id_or_path), known, kind=CatalogueError, otherwise="the path of a TOML file")
+    problem = Sentence("is a folder") if folder else Sentence("no such file") if looks_like_path else NO_ENTRY[kind]
+    otherwise = Sentence("the path of a TOML file")
+    raise unknown(problem, str(id_or_path), known, kind=CatalogueError, otherwise=otherwise)

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import numpy as np
@@ -14,19 +13,21 @@ from pydantic import Field, field_validator
 
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import (
+    NO_ENTRY,
     Entry,
     Finite,
     Origin,
+    Shelf,
     Strict,
-    listed,
     read_entry,
-    read_tables,
     shipped_files,
 )
 from atleak.equations import fluid as fluid_equations
 from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
 from atleak.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
-from atleak.faults import place_of, validated
+from atleak.faults import NotAccepted, place_of
+from atleak.sentence import Name, Sentence
+from atleak.unit_systems import Quantity
 from atleak.workshop_units import PERCENT
 
 ViscosityModel = Literal["d341", "tabulated", "regression"]
@@ -78,11 +79,8 @@ class Fluid:
         if state == self.state:
             return self
         if state == "fresh":
-            raise InputError(
-                f"the data of {self.name} describe a used fluid",
-                value=state,
-                expected="used, or the file of the fresh fluid",
-            )
+            problem = Sentence("the data of {fluid} describe a used fluid", fluid=Name(self.name))
+            raise InputError(problem, value=state, expected=Sentence("used, or the file of the fresh fluid"))
         if self.used is not None:
             return load_fluid(self.used)
         low, high = USED_VISCOSITY
@@ -93,7 +91,7 @@ class Fluid:
             points=tuple((at, nu * middle) for at, nu in self.points),
             table=tuple((at, nu * middle, rho) for at, nu, rho in self.table),
             study_regression=False,  # it was fitted to a fresh fluid
-            representative=(*self.representative, "viscosity and density of the used fluid"),
+            representative=(*self.representative, Sentence("viscosity and density of the used fluid")),
             viscosity_half_width=0.5 * (high - low) / middle,
         )
 
@@ -145,45 +143,81 @@ class Fluid:
         low, high = self.span(model)
         if low <= temperature <= high:
             return
+        at, lowest, highest = (Quantity(each, "temperature") for each in (temperature, low, high))
         if model == "d341" and temperature < low:
-            why = "its pour point" if self.pour_point is not None else "where D341 holds (no pour point is stated)"
-            raise DomainError(f"{self.name}: {temperature:g} °C is below {why}, {low:g} °C")
+            limit = Sentence("where D341 holds (no pour point is stated)")
+            raise DomainError(
+                Sentence(
+                    "{fluid}: {at:g} {at.unit} is below {limit}, {lowest:g} {lowest.unit}",
+                    fluid=Name(self.name),
+                    at=at,
+                    limit=limit if self.pour_point is None else Sentence("its pour point"),
+                    lowest=lowest,
+                )
+            )
         raise DomainError(
-            f"{self.name}: {temperature:g} °C is outside the fluid's data ({model}), {low:g} to {high:g} °C"
+            Sentence(
+                "{fluid}: {at:g} {at.unit} is outside the fluid's data ({model}), "
+                "{lowest:g} to {highest:g} {highest.unit}",
+                fluid=Name(self.name),
+                at=at,
+                model=model,
+                lowest=lowest,
+                highest=highest,
+            )
         )
 
     def messages(self, lowest: float, highest: float, model: ViscosityModel = "d341") -> list[Message]:
         """Return what a reader must know of results between two temperatures [°C]."""
         messages = []
         if model == "d341" and not fluid_equations.astm_d341_reliable(lowest):
-            below = f"Below {ASTM_D341_RELIABLE_FROM:g} °C"
-            text = f"{below} ASTM D341 under-predicts the viscosity of real ATF 1.2 to 3.4 times."
+            text = Sentence(
+                "Below {lowest:g} {lowest.unit} ASTM D341 under-predicts the viscosity of real ATF 1.2 to 3.4 times.",
+                lowest=Quantity(ASTM_D341_RELIABLE_FROM, "temperature"),
+            )
             messages.append(Message("warning", "viscosity_cold", text))
         if model == "regression" and not self.study_regression:
-            fluid = f"{self.name}, {self.state}" if self.estimated else self.name
-            text = f"The study's viscosity regression describes fresh HIPOL ATF IID, not {fluid}."
+            fluid: Sentence | Name = Name(self.name)
+            if self.estimated:
+                fluid = Sentence("{fluid}, used", fluid=Name(self.name))
+            text = Sentence("The study's viscosity regression describes fresh HIPOL ATF IID, not {fluid}.", fluid=fluid)
             messages.append(Message("warning", "viscosity_of_another_fluid", text))
         if model == "tabulated" and not self.table:
-            text = (
-                f"{self.name} has no table of viscosities: straight lines of log ν join its data-sheet points, which "
-                "between 40 and 100 °C can lie some 10 % above ASTM D341."
+            text = Sentence(
+                "{fluid} has no table of viscosities: straight lines of log ν join its data-sheet points, which "
+                "between {low:g} and {high:g} {high.unit} can lie some 10 % above ASTM D341.",
+                fluid=Name(self.name),
+                low=Quantity(40.0, "temperature"),
+                high=Quantity(100.0, "temperature"),
             )
             messages.append(Message("warning", "viscosity_between_few_points", text))
         if self.estimated:
             low, high = USED_THINNER
-            text = (
-                f"{self.name}: there are no data of the used fluid. Its viscosity is taken {low} to {high} % below the "
-                "fresh one's (representative: choice of this project), its density as that of the fresh one."
+            text = Sentence(
+                "{fluid}: there are no data of the used fluid. Its viscosity is taken {low} to {high} % below the "
+                "fresh one's (representative: choice of this project), its density as that of the fresh one.",
+                fluid=Name(self.name),
+                low=low,
+                high=high,
             )
             messages.append(Message("warning", "fluid_used_estimated", text))
         if self.representative:
-            text = f"{self.name}: representative, not from the data sheet: {', '.join(self.representative)}."
+            text = Sentence(
+                "{fluid}: representative, not from the data sheet: {names}.",
+                fluid=Name(self.name),
+                names=tuple(text if isinstance(text, Sentence) else Name(text) for text in self.representative),
+            )
             messages.append(Message("info", "fluid_representative", text))
         if self.note:
-            messages.append(Message("info", "fluid_note", f"{self.name}: {self.note}"))
+            text = Sentence("{fluid}: {note}", fluid=Name(self.name), note=Name(self.note))
+            messages.append(Message("info", "fluid_note", text))
         span = self.points[0][0], self.points[-1][0]
         if model == "d341" and highest > span[1] + 20.0:
-            text = f"{highest:g} °C is well above the data sheet's last point ({span[1]:g} °C)."
+            text = Sentence(
+                "{highest:g} {highest.unit} is well above the data sheet's last point ({last:g} {last.unit}).",
+                highest=Quantity(highest, "temperature"),
+                last=Quantity(span[1], "temperature"),
+            )
             messages.append(Message("warning", "viscosity_extrapolated", text))
         return messages
 
@@ -230,37 +264,17 @@ class Fluid:
 def fresh_assumed(fluid: Fluid) -> Message:
     """Return the message that nobody said in which state a fluid is."""
     low, high = USED_THINNER
-    text = (
-        f"{fluid.name} is taken as fresh: nobody said whether it is fresh or used. Used fluid is some {low} to {high} "
-        "% thinner, and every gap leaks the more."
+    text = Sentence(
+        "{fluid} is taken as fresh: nobody said whether it is fresh or used. Used fluid is some {low} to {high} "
+        "% thinner, and every gap leaks the more.",
+        fluid=Name(fluid.name),
+        low=low,
+        high=high,
     )
     return Message("info", "fluid_state_assumed", text)
 
 
-def load_fluid(id_or_path: str | Path) -> Fluid:
-    """Load a shipped fluid by id, or a workshop's own by path.
-
-    Raises
-    ------
-    CatalogueError
-        if the file is missing or wrong; the message names file, table, key and value.
-    """
-    return _fluid(*read_tables("fluids", id_or_path))
-
-
-def checked_fluid(data: Mapping[str, Any], file: str = "this description") -> Fluid:
-    """Return the fluid that tables describe which came another way than from a TOML file.
-
-    Raises
-    ------
-    CatalogueError
-        as `load_fluid`; ``place.steps`` of every fault leads to it through the tables.
-    """
-    return _fluid(data, Origin(Path(file), ""))
-
-
-def _fluid(data: Mapping[str, Any], origin: Origin) -> Fluid:
-    entry = validated(FluidFile, data, origin.file, kind=CatalogueError)
+def _fluid(entry: FluidFile, data: Mapping[str, Any], origin: Origin) -> Fluid:
     points = _falling("viscosity", entry.viscosity, data, origin)
     rows = _falling("table", entry.table, data, origin)
     return Fluid(
@@ -280,24 +294,21 @@ def _fluid(data: Mapping[str, Any], origin: Origin) -> Fluid:
     )
 
 
-def fluids() -> list[Fluid]:
-    """Return every fluid that can be used, shipped or own."""
-    return list(listed("fluids", load_fluid).entries.values())
-
-
 def _used_entry(entry: FluidFile, origin: Origin) -> str | None:
     """Check that the entry with a fluid's used data describes a used fluid, and ships: a job file holds one fluid."""
     if entry.used is None:
         return None
     place = Place(file=origin.file, key="used", steps=("used",))
     if entry.state == "used":
-        raise CatalogueError("a used fluid has no used state of its own", place=place, value=entry.used)
+        problem = Sentence("a used fluid has no used state of its own")
+        raise CatalogueError(problem, place=place, value=entry.used)
     shipped = shipped_files("fluids")
     if entry.used not in shipped:
-        raise unknown("no such entry among the fluids", entry.used, shipped, kind=CatalogueError, place=place)
+        raise unknown(NO_ENTRY["fluids"], entry.used, shipped, kind=CatalogueError, place=place)
     if read_entry("fluids", entry.used, FluidFile)[0].state != "used":
-        problem = "names an entry that does not describe a used fluid"
-        raise CatalogueError(problem, place=place, value=entry.used, expected='an entry with state = "used"')
+        problem = Sentence("names an entry that does not describe a used fluid")
+        expected = Sentence('an entry with state = "used"')
+        raise CatalogueError(problem, place=place, value=entry.used, expected=expected)
     return entry.used
 
 
@@ -307,13 +318,15 @@ def _falling(name: str, rows: list[ViscosityRow], data: Mapping[str, Any], origi
     for (_, low), (number, high) in pairwise(ordered):
         if low.temperature_c == high.temperature_c:
             place = place_of((name, number, "temperature_c"), data, origin.file)
-            raise CatalogueError("temperature given twice", place=place, value=low.temperature_c)
+            raise CatalogueError(Sentence("temperature given twice"), place=place, value=low.temperature_c)
         if high.kinematic_viscosity_mm2_s >= low.kinematic_viscosity_mm2_s:
             raise CatalogueError(
-                f"viscosity must fall from {low.temperature_c:g} to {high.temperature_c:g} °C",
+                Sentence(
+                    "viscosity must fall from {low:g} to {high:g} °C", low=low.temperature_c, high=high.temperature_c
+                ),
                 place=place_of((name, number, "kinematic_viscosity_mm2_s"), data, origin.file),
                 value=high.kinematic_viscosity_mm2_s,
-                expected=f"less than {low.kinematic_viscosity_mm2_s:g} mm²/s",
+                expected=Sentence("less than {other:g} mm²/s", other=low.kinematic_viscosity_mm2_s),
             )
     return [row for _, row in ordered]
 
@@ -367,5 +380,9 @@ class FluidFile(Entry):
     @classmethod
     def _two_rows(cls, rows: list[PropertyTable]) -> list[PropertyTable]:
         if len(rows) == 1:
-            raise ValueError("at least two temperatures, or no table")
+            raise NotAccepted(Sentence("at least two temperatures, or no table"))
         return rows
+
+
+_SHELF = Shelf("fluids", FluidFile, _fluid)
+load_fluid, checked_fluid, fluids = _SHELF.load, _SHELF.checked, _SHELF.usable

@@ -10,9 +10,9 @@ from typing import Any, Literal
 from pydantic import Field
 
 from atleak.catalogue.doubts import doubts_of
-from atleak.catalogue.entries import Entry, NonNegative, Origin, Positive, listed, read_tables
-from atleak.errors import CatalogueError, InputError, Message
-from atleak.faults import validated
+from atleak.catalogue.entries import Entry, NonNegative, Origin, Positive, Shelf
+from atleak.errors import InputError, Message, one_of
+from atleak.sentence import Name, Sentence
 
 Part = Literal["spool", "sleeve"]
 DEFAULT_SPOOL_INSTRUMENT = "workshop_microscope"  # as in the source study
@@ -81,11 +81,14 @@ class Instruments:
         for part in parts:
             instrument = self.of(part)
             if part not in instrument.measures:
-                able = ", ".join(other.id for other in instruments() if part in other.measures)
+                able = one_of(other.id for other in instruments() if part in other.measures)
+                own = Sentence("a file of the workshop's own")
                 raise InputError(
-                    f"{instrument.name} does not measure a {part}",
+                    Sentence("{instrument} does not measure a spool", instrument=Name(instrument.name))
+                    if part == "spool"
+                    else Sentence("{instrument} does not measure a sleeve", instrument=Name(instrument.name)),
                     value=instrument.id,
-                    expected=f"one of {able}, or a file of the workshop's own",
+                    expected=Sentence("{first}, or {second}", first=able, second=own),
                 )
         return self
 
@@ -95,30 +98,7 @@ class Instruments:
         return self.spool == self.sleeve and self.spool.alike_inside_and_outside
 
 
-def load_instrument(id_or_path: str | Path) -> Instrument:
-    """Load a shipped instrument by id, or a workshop's own by path.
-
-    Raises
-    ------
-    CatalogueError
-        if the file is missing or wrong; the message names file, table, key and value.
-    """
-    return _instrument(*read_tables("instruments", id_or_path))
-
-
-def checked_instrument(data: Mapping[str, Any], file: str = "this description") -> Instrument:
-    """Return the instrument that tables describe which came another way than from a TOML file.
-
-    Raises
-    ------
-    CatalogueError
-        as `load_instrument`; ``place.steps`` of every fault leads to it through the tables.
-    """
-    return _instrument(data, Origin(Path(file), ""))
-
-
-def _instrument(data: Mapping[str, Any], origin: Origin) -> Instrument:
-    entry = validated(InstrumentFile, data, origin.file, kind=CatalogueError)
+def _instrument(entry: InstrumentFile, data: Mapping[str, Any], origin: Origin) -> Instrument:
     return Instrument(
         **entry.heading(),
         measures=tuple(entry.measures),
@@ -132,11 +112,6 @@ def _instrument(data: Mapping[str, Any], origin: Origin) -> Instrument:
         expansion=entry.expansion_per_k,
         doubts=doubts_of("instruments", data, origin.file),
     )
-
-
-def instruments() -> list[Instrument]:
-    """Return every instrument that can be used, shipped or own."""
-    return list(listed("instruments", load_instrument).entries.values())
 
 
 def load_instruments(
@@ -167,3 +142,7 @@ class InstrumentFile(Entry):
     representative: list[
         Literal["resolution_um", "calibration_um", "common_part", "repeatability_um", "expansion_per_k"]
     ] = []
+
+
+_SHELF = Shelf("instruments", InstrumentFile, _instrument)
+load_instrument, checked_instrument, instruments = _SHELF.load, _SHELF.checked, _SHELF.usable

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,12 +19,12 @@ from atleak.catalogue.entries import (
     NonNegative,
     Origin,
     Positive,
+    Shelf,
     Strict,
-    listed,
-    read_tables,
 )
-from atleak.errors import CatalogueError, Message
-from atleak.faults import WrongTogether, validated
+from atleak.errors import Message
+from atleak.faults import NotAccepted, WrongTogether
+from atleak.sentence import Sentence
 from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.workshop_units import KPA, PERCENT, UM
 
@@ -258,30 +257,7 @@ class Limits:
         return MappingProxyType({kind: steps for kind, steps in stated.items() if steps is not None})
 
 
-def load_limits(id_or_path: str | Path) -> Limits:
-    """Load a shipped limit set by id, or a workshop's own by path.
-
-    Raises
-    ------
-    CatalogueError
-        if the file is missing or wrong; the message names file, table, key and value.
-    """
-    return _limits(*read_tables("limits", id_or_path))
-
-
-def checked_limits(data: Mapping[str, Any], file: str = "this description") -> Limits:
-    """Return the limit set that tables describe which came another way than from a TOML file.
-
-    Raises
-    ------
-    CatalogueError
-        as `load_limits`; ``place.steps`` of every fault leads to it through the tables.
-    """
-    return _limits(data, Origin(Path(file), ""))
-
-
-def _limits(data: Mapping[str, Any], origin: Origin) -> Limits:
-    entry = validated(LimitsFile, data, origin.file, kind=CatalogueError)
+def _limits(entry: LimitsFile, data: Mapping[str, Any], origin: Origin) -> Limits:
     return Limits(
         **entry.heading(),
         wear=_steps(entry.wear_percent, 1e-2),
@@ -299,11 +275,6 @@ def _limits(data: Mapping[str, Any], origin: Origin) -> Limits:
 
 def _steps(table: LevelTable | None, unit: float) -> Steps | None:
     return None if table is None else table.steps(unit)
-
-
-def limit_sets() -> list[Limits]:
-    """Return every limit set that can be used, shipped or own."""
-    return list(listed("limits", load_limits).entries.values())
 
 
 class LevelLimit(Strict):
@@ -325,9 +296,9 @@ def _a_number_or_a_table(value: object) -> object:
     if value is None or isinstance(value, dict | LevelLimit):
         return value
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError("a number greater than 0, or a table such as { percent = 10.0 }")
+        raise NotAccepted(Sentence("a number greater than 0, or a table such as { percent = 10.0 }"))
     if not value >= 0.0:
-        raise ValueError("a number greater than 0")
+        raise NotAccepted(Sentence("a number greater than 0"))
     return {"percent": float(value)}
 
 
@@ -361,19 +332,23 @@ class LevelTable(Strict):
     def _rising(self) -> LevelTable:
         stated = self.stated()
         if not stated:
-            raise ValueError("at least one limit")
+            raise NotAccepted(Sentence("at least one limit"))
         for (low_name, low_level), (high_name, high_level) in pairwise(
             (name, each.growth) for name, each in stated.items() if each.growth is not None
         ):
             if any(high < low for low, high in zip(low_level, high_level, strict=True)):
-                raise WrongTogether(f"growth and added points of {high_name} not below those of {low_name}", high_name)
+                wanted = Sentence(
+                    "growth and added points of {high} not below those of {low}", high=high_name, low=low_name
+                )
+                raise WrongTogether(wanted, high_name)
         limits = {name: each.percent for name, each in stated.items() if each.percent is not None}
         for (low_name, low), (high_name, high) in pairwise(limits.items()):
             if high <= low:
-                raise WrongTogether(f"{high_name} above {low_name} ({low:g})", high_name)
+                wanted = Sentence("{high} above {low} ({limit:g})", high=high_name, low=low_name, limit=low)
+                raise WrongTogether(wanted, high_name)
         for name, each in stated.items():
             if each.added_points and each.growth is None:
-                raise WrongTogether(f"{name}: growth_percent beside added_points", name)
+                raise WrongTogether(Sentence("{level}: growth_percent beside added_points", level=name), name)
         return self
 
 
@@ -405,7 +380,8 @@ class ReserveTable(Strict):
     def _falling(self) -> ReserveTable:
         if not self.amber > self.red > self.critical:
             wrong = "red" if self.red >= self.amber else "critical"
-            raise WrongTogether("amber above red above critical: a reserve is worse the smaller it is", wrong)
+            wanted = Sentence("amber above red above critical: a reserve is worse the smaller it is")
+            raise WrongTogether(wanted, wrong)
         return self
 
     def steps(self) -> Steps:
@@ -429,7 +405,8 @@ class LimitsFile(Entry):
     @model_validator(mode="after")
     def _judges_lands(self) -> LimitsFile:
         if self.wear_percent is None and self.clearance_um is None and self.pair_share_percent is None:
-            raise ValueError("at least one rule for a land: wear_percent, clearance_um or pair_share_percent")
+            wanted = Sentence("at least one rule for a land: wear_percent, clearance_um or pair_share_percent")
+            raise NotAccepted(wanted)
         return self
 
     @model_validator(mode="after")
@@ -438,12 +415,19 @@ class LimitsFile(Entry):
             table = getattr(self, name)
             for level, each in table.stated().items() if isinstance(table, LevelTable) else ():
                 where = f"{name}.{level}"
+                wanted = None
                 if each.at_least_um is not None and name != "wear_percent":
-                    raise WrongTogether(f"at_least_um in wear_percent only, not in {where}", name, level)
-                if each.growth is not None and "share" not in name:
-                    raise WrongTogether(f"growth_percent of a share only, not in {where}", name, level)
-                if each.percent == 0.0 and name != "below_permissible_percent":
-                    raise WrongTogether(f"a number greater than 0 in {where}", name, level)
-                if each.percent is None and (each.growth is None or name == "wear_percent"):
-                    raise WrongTogether(f"a limit in {where}: a number, or growth_percent of a share", name, level)
+                    wanted = Sentence("at_least_um in wear_percent only, not in {where}", where=where)
+                elif each.growth is not None and "share" not in name:
+                    wanted = Sentence("growth_percent of a share only, not in {where}", where=where)
+                elif each.percent == 0.0 and name != "below_permissible_percent":
+                    wanted = Sentence("a number greater than 0 in {where}", where=where)
+                elif each.percent is None and (each.growth is None or name == "wear_percent"):
+                    wanted = Sentence("a limit in {where}: a number, or growth_percent of a share", where=where)
+                if wanted is not None:
+                    raise WrongTogether(wanted, name, level)
         return self
+
+
+_SHELF = Shelf("limits", LimitsFile, _limits)
+load_limits, checked_limits, limit_sets = _SHELF.load, _SHELF.checked, _SHELF.usable

@@ -10,13 +10,14 @@ from atleak.catalogue.pump import Pump, PumpClearances, PumpGaps, TipGaps
 from atleak.catalogue.pump_tables import PumpKind, PumpTable
 from atleak.catalogue.reading import Reading
 from atleak.equations import pump as equations
-from atleak.errors import DomainError
+from atleak.errors import DomainError, one_of
+from atleak.sentence import Sentence
 
 
 class _Kind(NamedTuple):
     """What the displacement and the slip of one kind of pump follow from, as keys of the table."""
 
-    name: str
+    name: Sentence
     displacement: Callable[..., float]
     sizes: tuple[str, ...]  # the arguments of that function, in its order
     faces: tuple[tuple[str, str], ...]  # of every rotor: where the sealing land of its faces begins and ends
@@ -40,7 +41,7 @@ _RING = ("ring_outer_diameter_mm", "ring_root_diameter_mm")
 _KINDS: Mapping[PumpKind, _Kind] = MappingProxyType(
     {
         "external_gear": _Kind(
-            "gear pump",
+            Sentence("gear pump"),
             equations.gear_pair_displacement,
             ("tip_diameter_mm", "centre_distance_mm", "width_mm", "teeth"),
             (_GEAR, _GEAR),
@@ -48,7 +49,7 @@ _KINDS: Mapping[PumpKind, _Kind] = MappingProxyType(
             "sealing_tips",
         ),
         "crescent": _Kind(
-            "crescent pump",
+            Sentence("crescent pump"),
             equations.crescent_displacement,
             ("tip_diameter_mm", "ring_tip_diameter_mm", "centre_distance_mm", "width_mm", "teeth", "ring_teeth"),
             (_GEAR, _RING),
@@ -56,7 +57,7 @@ _KINDS: Mapping[PumpKind, _Kind] = MappingProxyType(
             "sealing_tips",
         ),
         "gerotor": _Kind(
-            "gerotor",
+            Sentence("gerotor"),
             equations.gerotor_displacement,
             ("tip_diameter_mm", "root_diameter_mm", "width_mm", "teeth"),
             (_GEAR, _RING),
@@ -65,7 +66,7 @@ _KINDS: Mapping[PumpKind, _Kind] = MappingProxyType(
             ("tip_diameter_mm",),
         ),
         "vane": _Kind(
-            "vane pump",
+            Sentence("vane pump"),
             equations.vane_displacement,
             ("cam_ring_diameter_mm", "eccentricity_mm", "width_mm", "vanes"),
             (("rotor_diameter_mm", "shaft_diameter_mm"),),
@@ -93,7 +94,7 @@ def read_pump(table: PumpTable, reading: Reading) -> Pump | None:
         if displacement is not None and table.kind is not None:
             gaps = _gaps(_KINDS[table.kind], sizes, displacement)
     except DomainError as error:  # dimensions that cannot be those of one pump
-        reading.faults.append(reading.fault_of_table(("pump",), str(error)))
+        reading.faults.append(reading.fault_of_table(("pump",), error.sentence))
     if displacement is None:
         return None
     pump = Pump(
@@ -141,12 +142,13 @@ def _check_kind(table: PumpTable, reading: Reading) -> None:
     others = [key for key in _DIMENSIONS if getattr(table, key) is not None and key not in own]
     if table.kind is None:
         if others:
-            problem, expected = f"no kind of pump, of which {others[0]} is a dimension", f"one of {', '.join(_KINDS)}"
+            problem = Sentence("no kind of pump, of which {key} is a dimension", key=others[0])
+            expected = one_of(_KINDS)
             reading.faults.append(reading.fault(("pump", "kind"), problem, expected=expected))
         return
     for key in others:
-        problem = f"no dimension of a {_KINDS[table.kind].name}"
-        expected = f"of {', '.join(name for name in _DIMENSIONS if name in own)}"
+        problem = Sentence("no dimension of a {pump}", pump=_KINDS[table.kind].name)
+        expected = Sentence("of {names}", names=[name for name in _DIMENSIONS if name in own])
         reading.faults.append(reading.fault(("pump", key), problem, value=getattr(table, key), expected=expected))
 
 
@@ -154,8 +156,9 @@ def _check_faces(kind: PumpKind | None, sizes: dict[str, Any], reading: Reading)
     """Refuse a sealing land that ends where it begins, and go on without the diameter where it does."""
     for outer, inner in () if kind is None else dict.fromkeys(_KINDS[kind].faces):
         if sizes.get(outer, 1.0) <= sizes.get(inner, 0.0):
-            at, value, expected = ("pump", inner), sizes.pop(inner) * 1e3, f"less than {outer}"
-            problem = "the sealing land of the faces would end where it begins"
+            at, value = ("pump", inner), sizes.pop(inner) * 1e3
+            problem = Sentence("the sealing land of the faces would end where it begins")
+            expected = Sentence("less than {key}", key=outer)
             reading.faults.append(reading.fault(at, problem, value=value, expected=expected))
 
 
@@ -164,11 +167,12 @@ def _check_clearances(table: PumpTable, reading: Reading) -> None:
         new, most = getattr(table, f"{name}_um"), getattr(table, f"{name}_limit_um")
         at = ("pump", f"{name}_limit_um")
         if new is not None and most is not None and most < new:
-            problem, expected = "a limit under the clearance of a new pump", f"at least {new:g} µm"
+            problem = Sentence("a limit under the clearance of a new pump")
+            expected = Sentence("at least {new:g} µm", new=new)
             reading.faults.append(reading.fault(at, problem, value=most, expected=expected))
         if name == "tip_clearance" and table.kind == "vane" and (new or most):
-            at, problem = ("pump", f"{name}_um") if new is not None else at, "a tip clearance of a vane pump"
-            expected = "none: its vanes lie against the ring"
+            at, problem = ("pump", f"{name}_um") if new is not None else at, Sentence("a tip clearance of a vane pump")
+            expected = Sentence("none: its vanes lie against the ring")
             reading.faults.append(reading.fault(at, problem, value=new or most, expected=expected))
 
 
@@ -181,8 +185,9 @@ def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: Reading) 
         twice = [key for key in _DIMENSIONS if key in of_size and getattr(table, key) is not None]
         if not twice:
             return table.displacement_mm3 * 1e-9
-        problem = f"the displacement is stated, and {', '.join(twice)} too, from which it would follow"
-        reading.faults.append(reading.fault_of_table(("pump",), problem, expected=f"{_ways(kind)}, not both"))
+        problem = Sentence("the displacement is stated, and {keys} too, from which it would follow", keys=twice)
+        expected = Sentence("{ways}, not both", ways=_ways(kind))
+        reading.faults.append(reading.fault_of_table(("pump",), problem, expected=expected))
         return None
     formula, keys = (kind.displacement, kind.sizes) if kind else (equations.displacement, _BY_MODULE)
     if table.kind in _WITH_MODULE and (table.module_mm is not None or table.tooth_height_mm is not None):
@@ -191,21 +196,26 @@ def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: Reading) 
     if not missing:
         return float(formula(*(sizes[key] for key in keys)))
     if len(missing) == len(keys):
-        problem = "nothing says what the pump displaces"
+        problem = Sentence("nothing says what the pump displaces")
         reading.faults.append(reading.fault_of_table(("pump",), problem, expected=_ways(kind)))
     else:
         for key in missing:
-            problem = f"missing beside {', '.join(known for known in keys if known in sizes)}"
+            problem = Sentence("missing beside {keys}", keys=[known for known in keys if known in sizes])
             reading.faults.append(reading.fault(("pump", key), problem, expected=_ways(kind)))
     return None
 
 
-def _ways(kind: _Kind | None) -> str:
+def _ways(kind: _Kind | None) -> Sentence:
     """Say how a displacement can be stated."""
     if kind is None:
-        by_module = f"{', '.join(_BY_MODULE[:-1])} and {_BY_MODULE[-1]}"
-        return f"either displacement_mm3 or the dimensions of one kind: all of {by_module}, or with kind those of it"
-    return f"either displacement_mm3 or the dimensions of a {kind.name}: all of {', '.join(kind.sizes)}"
+        return Sentence(
+            "either displacement_mm3 or the dimensions of one kind: all of {keys} and {last}, or with kind those of it",
+            keys=_BY_MODULE[:-1],
+            last=_BY_MODULE[-1],
+        )
+    return Sentence(
+        "either displacement_mm3 or the dimensions of a {pump}: all of {keys}", pump=kind.name, keys=kind.sizes
+    )
 
 
 def _gaps(kind: _Kind, sizes: Mapping[str, Any], displacement: float) -> PumpGaps:

@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from atleak.catalogue.entries import NonEmptyText, Positive, Strict
+from atleak.faults import NotAccepted
+from atleak.sentence import Sentence
 
 PumpKind = Literal["external_gear", "crescent", "gerotor", "vane"]
 
@@ -113,5 +115,5 @@ class PumpTable(Strict):
     def _known(cls, names: list[str]) -> list[str]:
         for name in names:
             if name not in cls.model_fields:
-                raise ValueError(f"keys of this table, not {name!r}")
+                raise NotAccepted(Sentence("keys of this table, not {name!r}", name=name))
         return names

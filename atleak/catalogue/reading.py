@@ -7,13 +7,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Literal
 
 from atleak.catalogue.circuit_tables import ByGearTable, CurrentTable, DutyTable, FollowingTable, SetTable
 from atleak.catalogue.circuits import Following, SetPressure
 from atleak.catalogue.section_pressures import Pressure
 from atleak.errors import CatalogueError, nearest_name, one_of
-from atleak.faults import place_of, place_of_table
+from atleak.faults import NotAccepted, place_of, place_of_table
+from atleak.sentence import Sentence
 
 Steps = tuple[str | int, ...]  # to a place in the file's tables: see `Place`
 
@@ -42,10 +43,10 @@ class Reading:
     def fault(
         self,
         steps: Steps,
-        problem: str,
+        problem: Sentence,
         *,
         value: object = None,
-        expected: str | None = None,
+        expected: Sentence | None = None,
         refers_to: str | None = None,
     ) -> CatalogueError:
         """Return a fault of the key that the steps lead to; where it refers to nothing, to an entry of which list."""
@@ -54,12 +55,12 @@ class Reading:
         fault.refers_to = refers_to
         return fault
 
-    def fault_of_table(self, steps: Steps, problem: str, *, expected: str | None = None) -> CatalogueError:
+    def fault_of_table(self, steps: Steps, problem: Sentence, *, expected: Sentence | None = None) -> CatalogueError:
         """Return a fault of the whole table that the steps lead to."""
         return CatalogueError(problem, place=place_of_table(steps, self.data, self.path.name), expected=expected)
 
     def unknown(
-        self, steps: Steps, problem: str, value: object, known: Collection[str], *, refers_to: str | None = None
+        self, steps: Steps, problem: Sentence, value: object, known: Collection[str], *, refers_to: str | None = None
     ) -> CatalogueError:
         """Return the fault of a name that is none of the known ones; it lists them and gives the nearest."""
         place = place_of(steps, self.data, self.path.name)
@@ -70,33 +71,34 @@ class Reading:
 
     def unknown_gear(self, steps: Steps, gear: int) -> CatalogueError:
         """Return the fault of a gear that the controller does not have."""
-        return self.fault(steps, "unknown gear", value=gear, expected=gears_listed(self.gears), refers_to="gears")
+        expected = gears_listed(self.gears)
+        return self.fault(steps, Sentence("unknown gear"), value=gear, expected=expected, refers_to="gears")
 
     def pressure(self, text: str, steps: Steps) -> Pressure:
         """Read a pressure of one of the sections."""
         try:
             pressure = Pressure.parse(text)
-        except ValueError as error:
-            raise self.fault(steps, "not a pressure", value=text, expected=str(error)) from None
+        except NotAccepted as error:
+            raise self.fault(steps, Sentence("not a pressure"), value=text, expected=error.wanted) from None
         if pressure.section is not None:
             self.section(pressure.section, steps)
         return pressure
 
-    def ends(self, high: str, low: str, table: Steps, what: str) -> tuple[Pressure, Pressure]:
+    def ends(self, high: str, low: str, table: Steps, what: Literal["gap", "leak"]) -> tuple[Pressure, Pressure]:
         """Read the two pressures between which a gap or leak lies, the first that of a section or circuit."""
         begin, end = self.pressure(high, (*table, "from")), self.pressure(low, (*table, "to"))
         if begin.section is None:
-            problem, expected = f"a {what} that leaks from no section", "a section such as p_g, or the id of a circuit"
-            raise self.fault((*table, "from"), problem, value=high, expected=expected)
+            expected = Sentence("a section such as p_g, or the id of a circuit")
+            raise self.fault((*table, "from"), _FROM_NOTHING[what], value=high, expected=expected)
         if begin == end:
-            problem, expected = f"a {what} that ends where it begins", "another pressure"
-            raise self.fault((*table, "to"), problem, value=low, expected=expected)
+            raise self.fault((*table, "to"), _TO_ITSELF[what], value=low, expected=Sentence("another pressure"))
         return begin, end
 
     def section(self, name: str, steps: Steps) -> str:
         """Check the name of a section."""
         if name not in self.sections:
-            raise self.unknown(steps, "no such section or circuit", name, self.sections, refers_to="circuits")
+            problem = Sentence("no such section or circuit")
+            raise self.unknown(steps, problem, name, self.sections, refers_to="circuits")
         return name
 
     def gears_of(self, stated: Sequence[int] | None, steps: Steps) -> frozenset[int]:
@@ -110,11 +112,12 @@ class Reading:
         """Check that every operating point, and nothing else, has its number."""
         for name in stated:
             if name not in self.points:
-                raise self.unknown(steps, "no such operating point", name, self.points, refers_to="operating_points")
-        missing = [name for name in self.points if name not in stated]
+                problem = Sentence("no such operating point")
+                raise self.unknown(steps, problem, name, self.points, refers_to="operating_points")
+        missing = tuple(name for name in self.points if name not in stated)
         if missing:
-            expected = f"a number for {', '.join(missing)} too"
-            raise self.fault(steps, "not all operating points are stated", expected=expected)
+            expected = Sentence("a number for {points} too", points=missing)
+            raise self.fault(steps, Sentence("not all operating points are stated"), expected=expected)
         return MappingProxyType({name: number * unit for name, number in stated.items()})
 
     def set_pressure(self, stated: SetTable | None, steps: Steps, gears: Iterable[int]) -> SetPressure | None:
@@ -126,30 +129,45 @@ class Reading:
             return SetPressure(following=Following(section, stated.ratio, stated.offset_kpa * 1e3))
         if isinstance(stated, CurrentTable):
             if not self.with_current:
-                raise self._without_signal(steps, "a solenoid's current", "solenoid_current_ma")
+                problem = Sentence(
+                    "the set pressure follows a solenoid's current, which an operating point does not state"
+                )
+                raise self._without_signal(steps, problem, "solenoid_current_ma")
             return SetPressure(currents=(_scaled(stated.current_ma, 1e-3), _scaled(stated.kpa, 1e3)))
         if isinstance(stated, DutyTable):
             if not self.with_duty:
-                raise self._without_signal(steps, "the duty of the lock-up solenoid", "lockup_duty_percent")
+                problem = Sentence(
+                    "the set pressure follows the duty of the lock-up solenoid, which an operating point does not state"
+                )
+                raise self._without_signal(steps, problem, "lockup_duty_percent")
             return SetPressure(duties=(_scaled(stated.duty_percent, 1e-2), _scaled(stated.kpa, 1e3)))
         if isinstance(stated, ByGearTable):
             by_gear = {int(gear): kpa * 1e3 for gear, kpa in stated.gear.items()}
             self.gears_of(list(by_gear), steps)
-            missing = sorted(set(gears) - set(by_gear))
-            if missing:
-                expected = f"a pressure for gears {', '.join(map(str, missing))} too"
-                raise self.fault(steps, "not all gears are stated", expected=expected)
+            if missing := sorted(set(gears) - set(by_gear)):
+                expected = Sentence("a pressure for gears {gears} too", gears=missing)
+                raise self.fault(steps, Sentence("not all gears are stated"), expected=expected)
             return SetPressure(gears=MappingProxyType(by_gear))
         if isinstance(stated, dict):
             return SetPressure(points=self.by_point(stated, steps, 1e3))
         return SetPressure(number=stated * 1e3)
 
-    def _without_signal(self, steps: Steps, signal: str, key: str) -> CatalogueError:
-        problem = f"the set pressure follows {signal}, which an operating point does not state"
-        return self.fault(steps, problem, expected=f"{key} in every table [[operating_points]]")
+    def _without_signal(self, steps: Steps, problem: Sentence, key: str) -> CatalogueError:
+        expected = Sentence("{key} in every table [[operating_points]]", key=key)
+        return self.fault(steps, problem, expected=expected)
 
 
-def gears_listed(gears: Iterable[int]) -> str | None:
+_FROM_NOTHING = {
+    "gap": Sentence("a gap that leaks from no section"),
+    "leak": Sentence("a leak that leaks from no section"),
+}
+_TO_ITSELF = {
+    "gap": Sentence("a gap that ends where it begins"),
+    "leak": Sentence("a leak that ends where it begins"),
+}
+
+
+def gears_listed(gears: Iterable[int]) -> Sentence | None:
     """List the gears that would have been right, as files write them and as people do.
 
     >>> gears_listed([-1, 0, 1, 2])

@@ -13,6 +13,8 @@ from atleak.catalogue.entries import Identifier, NonEmptyText, NonNegative, Posi
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.mounting import MountingClearance
 from atleak.errors import InputError, unknown
+from atleak.faults import NotAccepted
+from atleak.sentence import Name, Sentence
 
 RepairKind = Literal["clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "other"]
 REPAIR_KINDS: tuple[RepairKind, ...] = get_args(RepairKind)
@@ -48,10 +50,11 @@ class RepairTable(Strict):
     @model_validator(mode="after")
     def _complete(self) -> RepairTable:
         if self.price is not None and self.currency is None:
-            raise ValueError("the currency of the price")
+            raise NotAccepted(Sentence("the currency of the price"))
         new, tolerance = self.mounting_clearance_um, self.mounting_tolerance_um
         if tolerance is not None and not (isinstance(new, float) and tolerance < new):
-            raise ValueError("mounting_tolerance_um beside a single mounting_clearance_um, and less than that")
+            wanted = Sentence("mounting_tolerance_um beside a single mounting_clearance_um, and less than that")
+            raise NotAccepted(wanted)
         return self
 
 
@@ -140,12 +143,19 @@ def find_repairs(repairs: Sequence[Repair], wanted: Iterable[str], controller: s
     chosen: list[Repair] = []
     for name in dict.fromkeys(wanted):
         if name not in known:
-            otherwise = "" if known else "no repair: the file has no table [[repairs]]"
-            raise unknown(f"{controller} names no such repair", name, known, otherwise=otherwise)
+            otherwise = None if known else Sentence("no repair: the file has no table [[repairs]]")
+            problem = Sentence("{controller} names no such repair", controller=Name(controller))
+            raise unknown(problem, name, known, otherwise=otherwise)
         for other in chosen:
             both = sorted(known[name].lands & other.lands) if other.component == known[name].component else []
             if both:
-                problem = f"{name} and {other.id} both repair component {other.component} land {both[0]}"
-                raise InputError(problem, expected="one repair of each land")
+                problem = Sentence(
+                    "{repair} and {other} both repair component {component} land {land}",
+                    repair=name,
+                    other=other.id,
+                    component=other.component,
+                    land=both[0],
+                )
+                raise InputError(problem, expected=Sentence("one repair of each land"))
         chosen.append(known[name])
     return tuple(chosen)

@@ -9,6 +9,8 @@ from typing import Any, Literal
 
 from atleak.catalogue.controller_tables import RelationTable
 from atleak.equations import pressure as pressure_equations
+from atleak.faults import NotAccepted
+from atleak.sentence import Sentence
 
 SECTIONS = ("p_g", "p_s", "p_m", "p_k")
 DRAINS = ("0", "drain")
@@ -38,10 +40,10 @@ class Pressure:
             return cls(0.0, None, float(absolute["number"]) * 1e3)
         match = _PRESSURE.match(text)
         if match is None:
-            raise ValueError("'p_g', '0.1*p_g' (also p_s, p_m, p_k or a circuit), '35 kPa', '0' or 'drain'")
+            raise NotAccepted(Sentence("'p_g', '0.1*p_g' (also p_s, p_m, p_k or a circuit), '35 kPa', '0' or 'drain'"))
         factor = float(match["factor"] or 1.0)
         if not 0.0 < factor <= 1.0:
-            raise ValueError("a share of a pressure, more than 0 and at most 1")
+            raise NotAccepted(Sentence("a share of a pressure, more than 0 and at most 1"))
         return cls(factor, match["section"])
 
     @property

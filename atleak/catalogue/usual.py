@@ -6,10 +6,11 @@ slips: a decimal sign, another unit, bore minus spool where half of it is asked 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from atleak.sentence import Sentence
 from atleak.verdicts import BANDS
 
 EACH = "*"  # any entry of a list, or any name
@@ -20,7 +21,7 @@ Pattern = tuple[str, ...]
 class Usual:
     """What a number of a file usually is, in the unit of the file."""
 
-    name: str  # in a sentence: "the displacement of one revolution"
+    name: Sentence  # in a sentence: "the displacement of one revolution"
     unit: str
     low: float
     high: float
@@ -31,7 +32,7 @@ class Usual:
         """Return the lowest and the highest usual value."""
         return self.low, self.high
 
-    def doubt(self, value: float) -> str:
+    def doubt(self, value: float) -> Sentence:
         """Return what to ask about a value; "" where it is a usual one.
 
         >>> DISPLACEMENT.doubt(18000.0)
@@ -40,93 +41,114 @@ class Usual:
         '18 mm³ is unusual for the displacement of one revolution: most are from 3000 to 80000 mm³. Was it in cm³?'
         """
         if self.low <= value <= self.high:
-            return ""
+            return Sentence("")
         meant = [unit for unit, size in self.others.items() if self.low <= value * size <= self.high]
-        question = f" Was it in {' or '.join(meant)}?" if meant else ""
-        unit = f" {self.unit}" if self.unit else ""
-        value_range = f"from {self.low:.15g} to {self.high:.15g}{unit}"
-        return f"{value:.6g}{unit} is unusual for {self.name}: most are {value_range}.{question}"
+        return Sentence(
+            "{value:.6g}{unit} is unusual for {quantity}: most are from {low:.15g} to {high:.15g}{unit}.{question}",
+            value=value,
+            unit=f" {self.unit}" if self.unit else "",
+            quantity=self.name,
+            low=self.low,
+            high=self.high,
+            question=Sentence(" Was it in {units}?", units=either(meant)) if meant else Sentence(""),
+        )
+
+
+def either(names: Sequence[str]) -> Sentence:
+    """Write names as alternatives.
+
+    >>> either(["mm", "inch"]), either(["mm"])
+    ('mm or inch', 'mm')
+    """
+    *others, last = names
+    if not others:
+        return Sentence("{only}", only=last)
+    return Sentence("{first} or {second}", first=either(others), second=last)
 
 
 _OF_MM = {"µm": 1e-3, "inch": 25.4}
 _OF_UM = {"mm": 1e3, "inch": 25.4e3}
 _OF_KPA = {"bar": 1e2, "MPa": 1e3, "psi": 6.894757, "Pa": 1e-3}
 
-DISPLACEMENT = Usual("the displacement of one revolution", "mm³", 3e3, 8e4, {"cm³": 1e3, "inch³": 16387.064})
-LAND_DIAMETER = Usual("the diameter of a land", "mm", 3.0, 80.0, _OF_MM)
-CONTACT_LENGTH = Usual("a contact length", "mm", 0.8, 40.0, _OF_MM)
-ORIFICE = Usual("the diameter of an orifice", "mm", 0.2, 12.0, _OF_MM)
-CLEARANCE = Usual("a radial clearance when new", "µm", 2.0, 100.0, _OF_UM)
-NEW_CLEARANCE = Usual("the median radial clearance of new lands", "µm", 6.4, 20.0)
+DISPLACEMENT = Usual(Sentence("the displacement of one revolution"), "mm³", 3e3, 8e4, {"cm³": 1e3, "inch³": 16387.064})
+LAND_DIAMETER = Usual(Sentence("the diameter of a land"), "mm", 3.0, 80.0, _OF_MM)
+CONTACT_LENGTH = Usual(Sentence("a contact length"), "mm", 0.8, 40.0, _OF_MM)
+ORIFICE = Usual(Sentence("the diameter of an orifice"), "mm", 0.2, 12.0, _OF_MM)
+CLEARANCE = Usual(Sentence("a radial clearance when new"), "µm", 2.0, 100.0, _OF_UM)
+NEW_CLEARANCE = Usual(Sentence("the median radial clearance of new lands"), "µm", 6.4, 20.0)
 """Sonnax, valve body inspection: new valves have a diametral clearance of 0.0127 to 0.040 mm."""
 WIDEST_NEW = 40.0  # [µm] median over which even a measured one is doubted: the source study's unit, used, has 28.5
 
-TEMPERATURE = Usual("a fluid temperature", "°C", -30.0, 150.0)
-ENGINE_SPEED = Usual("an engine speed", "rpm", 400.0, 7000.0, {"1/s": 60.0})
-SIDE_CLEARANCE = Usual("the side clearance of a pump", "µm", 10.0, 300.0, _OF_UM)
-TIP_CLEARANCE = Usual("the tip clearance of a pump", "µm", 20.0, 1000.0, _OF_UM)
+TEMPERATURE = Usual(Sentence("a fluid temperature"), "°C", -30.0, 150.0)
+ENGINE_SPEED = Usual(Sentence("an engine speed"), "rpm", 400.0, 7000.0, {"1/s": 60.0})
+SIDE_CLEARANCE = Usual(Sentence("the side clearance of a pump"), "µm", 10.0, 300.0, _OF_UM)
+TIP_CLEARANCE = Usual(Sentence("the tip clearance of a pump"), "µm", 20.0, 1000.0, _OF_UM)
 
 _LAND: Mapping[str, Usual] = {
     "nominal_diameter_mm": LAND_DIAMETER,
     "contact_length_mm": CONTACT_LENGTH,
     "mounting_clearance_um": CLEARANCE,
-    "mounting_tolerance_um": Usual("the tolerance of a mounting clearance", "µm", 0.2, 40.0, _OF_UM),
-    "clearance_limit_um": Usual("the limit of a radial clearance", "µm", 5.0, 300.0, _OF_UM),
+    "mounting_tolerance_um": Usual(Sentence("the tolerance of a mounting clearance"), "µm", 0.2, 40.0, _OF_UM),
+    "clearance_limit_um": Usual(Sentence("the limit of a radial clearance"), "µm", 5.0, 300.0, _OF_UM),
 }
 _POINT: Mapping[str, Usual] = {
     "temperature_c": TEMPERATURE,
     "engine_rpm": ENGINE_SPEED,
-    "p_g_kpa": Usual("a main pressure", "kPa", 100.0, 3500.0, _OF_KPA),
-    "p_k_kpa": Usual("a converter pressure", "kPa", 0.0, 1500.0, _OF_KPA),
+    "p_g_kpa": Usual(Sentence("a main pressure"), "kPa", 100.0, 3500.0, _OF_KPA),
+    "p_k_kpa": Usual(Sentence("a converter pressure"), "kPa", 0.0, 1500.0, _OF_KPA),
 }
 _OF_CONTROLLERS: Mapping[Pattern, Usual] = {
     ("pump", "displacement_mm3"): DISPLACEMENT,
-    ("pump", "volumetric_efficiency"): Usual("a volumetric efficiency", "", 0.6, 1.0, {"%": 0.01}),
+    ("pump", "volumetric_efficiency"): Usual(Sentence("a volumetric efficiency"), "", 0.6, 1.0, {"%": 0.01}),
     ("pump", "side_clearance_um"): SIDE_CLEARANCE,
     ("pump", "tip_clearance_um"): TIP_CLEARANCE,
-    ("materials", EACH, "expansion_per_k"): Usual("a linear expansion", "1/K", 5e-6, 35e-6, {"10⁻⁶/K": 1e-6}),
+    ("materials", EACH, "expansion_per_k"): Usual(Sentence("a linear expansion"), "1/K", 5e-6, 35e-6, {"10⁻⁶/K": 1e-6}),
     **{("defaults", key): usual for key, usual in _LAND.items()},
     **{("components", EACH, "lands", EACH, key): usual for key, usual in _LAND.items()},
     **{("repairs", EACH, key): usual for key, usual in _LAND.items()},
     **{("operating_points", EACH, key): usual for key, usual in _POINT.items()},
     ("circuits", EACH, "feeds", EACH, "diameter_mm"): ORIFICE,
-    ("circuits", EACH, "set_kpa"): Usual("the set pressure of a circuit", "kPa", 10.0, 3500.0, _OF_KPA),
+    ("circuits", EACH, "set_kpa"): Usual(Sentence("the set pressure of a circuit"), "kPa", 10.0, 3500.0, _OF_KPA),
     ("leaks", EACH, "diameter_mm"): ORIFICE,
 }
 
-_PERCENT = {"parts of one": 1e2}
+_PERCENT: Mapping[str, float] = {Sentence("parts of one"): 1e2}
 _LIMITS: Mapping[str, Usual] = {
-    "wear_percent": Usual("a limit of wear", "%", 2.0, 300.0, _PERCENT),
-    "clearance_um": Usual("a limit of the radial clearance", "µm", 5.0, 300.0, _OF_UM),
-    "pair_share_percent": Usual("a limit of one pair's share of the pump", "%", 0.2, 50.0, _PERCENT),
-    "total_share_percent": Usual("a limit of the unit's share of the pump", "%", 1.0, 100.0, _PERCENT),
-    "circuit_loss_kpa": Usual("a limit of the pressure that a circuit loses", "kPa", 10.0, 600.0, _OF_KPA),
-    "below_permissible_percent": Usual("a limit below the permissible pressure", "%", 0.0, 60.0),
-    "commanded_pressure_kpa": Usual("a limit of the distance from commanded pressure", "kPa", 10.0, 600.0, _OF_KPA),
+    "wear_percent": Usual(Sentence("a limit of wear"), "%", 2.0, 300.0, _PERCENT),
+    "clearance_um": Usual(Sentence("a limit of the radial clearance"), "µm", 5.0, 300.0, _OF_UM),
+    "pair_share_percent": Usual(Sentence("a limit of one pair's share of the pump"), "%", 0.2, 50.0, _PERCENT),
+    "total_share_percent": Usual(Sentence("a limit of the unit's share of the pump"), "%", 1.0, 100.0, _PERCENT),
+    "circuit_loss_kpa": Usual(Sentence("a limit of the pressure that a circuit loses"), "kPa", 10.0, 600.0, _OF_KPA),
+    "below_permissible_percent": Usual(Sentence("a limit below the permissible pressure"), "%", 0.0, 60.0),
+    "commanded_pressure_kpa": Usual(
+        Sentence("a limit of the distance from commanded pressure"), "kPa", 10.0, 600.0, _OF_KPA
+    ),
 }
-_RESERVE = Usual("a limit of the pump's reserve", "", 0.5, 4.0, {"%": 0.01})
+_RESERVE = Usual(Sentence("a limit of the pump's reserve"), "", 0.5, 4.0, {"%": 0.01})
 _OF_LIMITS: Mapping[Pattern, Usual] = {
     **{(table, EACH): usual for table, usual in _LIMITS.items()},
     **{(table, EACH, "percent"): usual for table, usual in _LIMITS.items()},
     **{("reserve", each.value): _RESERVE for each in BANDS if each.verdict.flagged},
-    ("reserve", "fall_percent"): Usual("a fall of the reserve", "%", 1.0, 60.0, _PERCENT),
-    (EACH, EACH, "growth_percent"): Usual("growth over a new one", "%", 2.0, 500.0, _PERCENT),
-    (EACH, EACH, "added_points"): Usual("points of the pump's flow added by wear", "%", 0.0, 40.0),
-    (EACH, EACH, "at_least_um"): Usual("a least growth of the clearance", "µm", 0.5, 60.0, _OF_UM),
+    ("reserve", "fall_percent"): Usual(Sentence("a fall of the reserve"), "%", 1.0, 60.0, _PERCENT),
+    (EACH, EACH, "growth_percent"): Usual(Sentence("growth over a new one"), "%", 2.0, 500.0, _PERCENT),
+    (EACH, EACH, "added_points"): Usual(Sentence("points of the pump's flow added by wear"), "%", 0.0, 40.0),
+    (EACH, EACH, "at_least_um"): Usual(Sentence("a least growth of the clearance"), "µm", 0.5, 60.0, _OF_UM),
 }
 
 _OF_INSTRUMENTS: Mapping[Pattern, Usual] = {
-    ("resolution_um",): Usual("the resolution of a gauge for diameters", "µm", 0.01, 20.0, _OF_UM),
-    ("calibration_um",): Usual("the standard uncertainty of a gauge for diameters", "µm", 0.05, 20.0, _OF_UM),
-    ("repeatability_um",): Usual("the standard deviation of one reading", "µm", 0.02, 20.0, _OF_UM),
-    ("expansion_per_k",): Usual("the expansion of a scale or of masters", "1/K", 0.0, 30e-6, {"10⁻⁶/K": 1e-6}),
+    ("resolution_um",): Usual(Sentence("the resolution of a gauge for diameters"), "µm", 0.01, 20.0, _OF_UM),
+    ("calibration_um",): Usual(Sentence("the standard uncertainty of a gauge for diameters"), "µm", 0.05, 20.0, _OF_UM),
+    ("repeatability_um",): Usual(Sentence("the standard deviation of one reading"), "µm", 0.02, 20.0, _OF_UM),
+    ("expansion_per_k",): Usual(
+        Sentence("the expansion of a scale or of masters"), "1/K", 0.0, 30e-6, {"10⁻⁶/K": 1e-6}
+    ),
 }
 
 _OF_FLUIDS: Mapping[Pattern, Usual] = {
-    ("density", "density_g_cm3"): Usual("the density of a transmission fluid", "g/cm³", 0.75, 0.95),
-    ("density", "density_slope_g_cm3_k"): Usual("the slope of a density", "g/(cm³·K)", -1.2e-3, -3e-4),
-    ("table", EACH, "density_g_cm3"): Usual("the density of a transmission fluid", "g/cm³", 0.68, 0.95),
-    ("pour_point_c",): Usual("the pour point of a transmission fluid", "°C", -75.0, -10.0),
+    ("density", "density_g_cm3"): Usual(Sentence("the density of a transmission fluid"), "g/cm³", 0.75, 0.95),
+    ("density", "density_slope_g_cm3_k"): Usual(Sentence("the slope of a density"), "g/(cm³·K)", -1.2e-3, -3e-4),
+    ("table", EACH, "density_g_cm3"): Usual(Sentence("the density of a transmission fluid"), "g/cm³", 0.68, 0.95),
+    ("pour_point_c",): Usual(Sentence("the pour point of a transmission fluid"), "°C", -75.0, -10.0),
 }
 THINNEST, THICKEST = ((10.0, 2.7), (80.0, 14.0))
 """Kinematic viscosities [mm²/s] at 40 and 100 °C between which those of transmission fluids lie, fresh or used."""

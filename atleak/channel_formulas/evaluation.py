@@ -10,8 +10,10 @@ import numpy as np
 
 from atleak.channel_formulas.parsing import Call, Name, Negative, Node, Number, Operation, fault, parse
 from atleak.engine.extremes import clock_of, running_median
-from atleak.errors import nearest_name
+from atleak.errors import nearest_name, one_of
+from atleak.intake.units import KINDS
 from atleak.road_test import QUANTITIES, RoadTest, Segment, hold
+from atleak.sentence import Sentence
 
 Dimension = tuple[tuple[str, int], ...]  # kinds of quantity with their powers, by name; of a plain number none
 NAMES: Mapping[str, str] = MappingProxyType(
@@ -27,6 +29,9 @@ NAMES: Mapping[str, str] = MappingProxyType(
     }
 )
 """Short names of channels; a channel's own name serves as well."""
+_KIND_NAMES: Mapping[str, Sentence] = MappingProxyType(
+    {**KINDS, "temperature_difference": Sentence("temperature difference")}
+)
 _ABSOLUTE: Dimension = (("temperature", 1),)
 _DIFFERENCE: Dimension = (("temperature_difference", 1),)
 _TIME: Dimension = (("time", 1),)
@@ -96,25 +101,32 @@ def evaluate(
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         result = evaluator.value_of(tree)
     if result.time is None:
-        raise fault(1, "nothing here changes over the log", f"a channel, such as {', '.join(evaluator.names[:6])}")
+        expected = Sentence("a channel, such as {names}", names=tuple(evaluator.names[:6]))
+        raise fault(1, Sentence("nothing here changes over the log"), expected)
     empty = ~np.isfinite(result.values)
     values = np.where(empty, np.nan, result.values)
     return FormulaChannel(name, formula, result.time, values, result.dimension, evaluator.undefined)
 
 
-def kind_in_words(dimension: Dimension) -> str:
+def kind_in_words(dimension: Dimension) -> Sentence:
     """Return what a dimension is called: ``pressure``, ``pressure per time``, ``plain number``.
 
     >>> kind_in_words((("pressure", 1), ("time", -1))), kind_in_words(())
     ('pressure per time', 'plain number')
     """
 
-    def named(power: int) -> list[str]:
-        return [kind.replace("_", " ") for kind, each in dimension for _ in range(each * power)]
+    def named(power: int) -> list[Sentence]:
+        return [_KIND_NAMES[kind] for kind, each in dimension for _ in range(each * power)]
 
     above, below = named(1), named(-1)
-    text = " times ".join(above) or ("1" if below else "plain number")
-    return " per ".join([text, *below])
+    if not above:
+        above = [Sentence("1") if below else Sentence("plain number")]
+    text = above[0]
+    for each in above[1:]:
+        text = Sentence("{one} times {other}", one=text, other=each)
+    for each in below:
+        text = Sentence("{one} per {other}", one=text, other=each)
+    return text
 
 
 class _Evaluator:
@@ -135,7 +147,8 @@ class _Evaluator:
             case Negative():
                 operand = self.value_of(node.operand)
                 if operand.dimension == _ABSOLUTE:
-                    raise fault(node.at, "a temperature in °C cannot change its sign", "a difference of temperatures")
+                    problem = Sentence("a temperature in °C cannot change its sign")
+                    raise fault(node.at, problem, Sentence("a difference of temperatures"))
                 return replace(operand, values=-operand.values)
             case Operation():
                 return self._joined(node, self.value_of(node.left), self.value_of(node.right))
@@ -150,18 +163,20 @@ class _Evaluator:
         quantity = NAMES.get(node.name) or by_case.get(node.name.casefold(), node.name.casefold())
         if quantity not in QUANTITIES or quantity == "time":
             nearest = nearest_name(node.name, self.names)
-            raise fault(node.at, f"there is no channel {node.name!r}", self._offered(), nearest)
+            problem = Sentence("there is no channel {name!r}", name=node.name)
+            raise fault(node.at, problem, self._offered(), nearest)
         channel = self.test.channel(quantity)
         if channel is None or not channel.samples:
-            raise fault(node.at, f"this log has no {QUANTITIES[quantity].label}", self._offered())
+            problem = Sentence("this log has no {quantity}", quantity=QUANTITIES[quantity].label)
+            raise fault(node.at, problem, self._offered())
         kind = QUANTITIES[quantity].unit_kind
         dimension = ((kind, 1),) if kind is not None else _PLAIN
         if channel.source == "constant":
             return _Series(np.full(len(self.test.time), channel.values[0]), self.test.time, dimension)
         return _Series(channel.good, channel.time, dimension)
 
-    def _offered(self) -> str:
-        return f"one of {', '.join(self.names)}" if self.names else "a log with channels"
+    def _offered(self) -> Sentence:
+        return one_of(self.names) or Sentence("a log with channels")
 
     def _joined(self, node: Operation, left: _Series, right: _Series) -> _Series:
         dimension = _sum(node, left, right) if node.sign in "+-" else _product(node, left, right)
@@ -195,7 +210,8 @@ class _Evaluator:
     def _called(self, node: Call) -> _Series:
         series = self.value_of(node.arguments[0])
         if series.time is None:
-            raise fault(node.arguments[0].at, f"{node.function} needs what changes over the log", "a channel")
+            problem = Sentence("{function} needs what changes over the log", function=node.function)
+            raise fault(node.arguments[0].at, problem, Sentence("a channel"))
         if node.function == "derivative":
             return self._derivative(series)
         window = self._window(node)
@@ -206,8 +222,12 @@ class _Evaluator:
             step = float(np.median(np.diff(series.time))) if len(series.time) > 1 else 0.0
             raise fault(
                 node.arguments[1].at,
-                f"{window:g} s hold too few samples of this channel, one of which comes every {step:.3g} s",
-                f"a longer time, such as {10.0 * step:.2g}",
+                Sentence(
+                    "{window:g} s hold too few samples of this channel, one of which comes every {step:.3g} s",
+                    window=window,
+                    step=step,
+                ),
+                Sentence("a longer time, such as {time:.2g}", time=10.0 * step),
             )
         return replace(series, values=np.where(known, smooth, np.nan))
 
@@ -215,11 +235,14 @@ class _Evaluator:
         asked = node.arguments[1]
         window = self.value_of(asked)
         if window.time is not None or window.dimension not in (_PLAIN, _TIME):
-            raise fault(asked.at, f"{node.function} needs a time that is the same throughout", "seconds, such as 0.5")
+            problem = Sentence("{function} needs a time that is the same throughout", function=node.function)
+            raise fault(asked.at, problem, Sentence("seconds, such as {time}", time=0.5))
         seconds = float(window.values)
         if not 0.0 < seconds <= _LONGEST_WINDOW:
             raise fault(
-                asked.at, f"{seconds:g} s cannot be filtered over", f"more than 0 and at most {_LONGEST_WINDOW:g} s"
+                asked.at,
+                Sentence("{seconds:g} s cannot be filtered over", seconds=seconds),
+                Sentence("more than 0 and at most {longest:g} s", longest=_LONGEST_WINDOW),
             )
         return seconds
 
@@ -267,7 +290,8 @@ def _sum(node: Operation, left: _Series, right: _Series) -> Dimension:
     if one == other == _ABSOLUTE:
         if node.sign == "-":
             return _DIFFERENCE
-        raise fault(node.at, "two temperatures in °C cannot be added", "their difference, or a temperature + 10 K")
+        problem = Sentence("two temperatures in °C cannot be added")
+        raise fault(node.at, problem, Sentence("their difference, or a temperature + 10 K"))
     if one == _ABSOLUTE and other == _DIFFERENCE:
         return _ABSOLUTE
     if one == _DIFFERENCE and other == _ABSOLUTE and node.sign == "+":
@@ -276,22 +300,21 @@ def _sum(node: Operation, left: _Series, right: _Series) -> Dimension:
         return one
     first, second = kind_in_words(one), kind_in_words(other)
     if node.sign == "-":
-        first, second = second, first
-        problem = f"a {first} cannot be taken from a {second}"
+        problem = Sentence("a {second} cannot be taken from a {first}", second=second, first=first)
     else:
-        problem = f"a {second} cannot be added to a {first}"
-    plain = _PLAIN in (one, other) and (left.time is None or right.time is None)
-    raise fault(node.at, problem, "a number with its unit, such as 100 kPa" if plain else "two of one kind")
+        problem = Sentence("a {second} cannot be added to a {first}", second=second, first=first)
+    expected = Sentence("two of one kind")
+    if _PLAIN in (one, other) and (left.time is None or right.time is None):
+        expected = Sentence("a number with its unit, such as 100 kPa")
+    raise fault(node.at, problem, expected)
 
 
 def _product(node: Operation, left: _Series, right: _Series) -> Dimension:
     if _ABSOLUTE in (left.dimension, right.dimension):
-        word = "multiplied" if node.sign == "*" else "divided"
-        raise fault(
-            node.at,
-            f"a temperature in °C cannot be {word}: it does not begin at zero",
-            "a difference, such as T − 20 °C",
-        )
+        problem = Sentence("a temperature in °C cannot be divided: it does not begin at zero")
+        if node.sign == "*":
+            problem = Sentence("a temperature in °C cannot be multiplied: it does not begin at zero")
+        raise fault(node.at, problem, Sentence("a difference, such as T − 20 °C"))
     return _powers(left.dimension, right.dimension, 1 if node.sign == "*" else -1)
 
 

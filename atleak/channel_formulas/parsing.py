@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from atleak.errors import FormulaError, nearest_name, one_of
 from atleak.intake.units import Unit, find_unit, unit_names
+from atleak.sentence import Sentence
 
 LONGEST = 300  # characters of a formula
 DEEPEST = 40  # parentheses, signs and functions within each other
@@ -15,7 +16,8 @@ FUNCTIONS = {"filtered": 2, "mean": 2, "derivative": 1}  # number of their argum
 _KINDS = ("pressure", "rotational_speed", "speed", "temperature", "time", "ratio")  # whose units a number may bear
 _SIGNS = {"−": "-", "–": "-", "×": "*", "·": "*", "⋅": "*", "÷": "/", "∕": "/"}
 _TOKEN = re.compile(r"(?P<number>\d+(?:[.,]\d+)?|[.]\d+)|(?P<name>[^\W\d]\w*)|(?P<sign>[-−–+*×·⋅/÷∕();,])")
-_WHAT = "a channel, a number, a function or '('"
+_WHAT = Sentence("a channel, a number, a function or '('")
+_OPERATORS = Sentence("+, −, ×, ÷ or ')'")
 
 
 @dataclass(frozen=True)
@@ -73,9 +75,10 @@ class _Token:
     at: int  # place of the first character, from 1 on
 
 
-def fault(at: int, problem: str, expected: str | None = None, nearest: str | None = None) -> FormulaError:
+def fault(at: int, problem: Sentence, expected: Sentence | None = None, nearest: str | None = None) -> FormulaError:
     """Make the error for a formula, naming the character."""
-    return FormulaError(f"at character {at}: {problem}", expected=expected, nearest=nearest)
+    said = Sentence("at character {place}: {problem}", place=at, problem=problem)
+    return FormulaError(said, expected=expected, nearest=nearest)
 
 
 def parse(text: str) -> Node:
@@ -95,11 +98,12 @@ def parse(text: str) -> Node:
     1.5
     """
     if len(text) > LONGEST:
-        raise fault(LONGEST + 1, f"the formula is too long: it has {len(text)} characters", f"at most {LONGEST}")
+        problem = Sentence("the formula is too long: it has {count} characters", count=len(text))
+        raise fault(LONGEST + 1, problem, Sentence("at most {count}", count=LONGEST))
     reader = _Reader(_tokens(text))
     tree = reader.sum()
     if reader.now.kind != "end":
-        raise fault(reader.now.at, f"{reader.now.text!r} does not belong here", "+, −, ×, ÷ or the end of the formula")
+        raise fault(reader.now.at, _astray(reader.now.text), Sentence("+, −, ×, ÷ or the end of the formula"))
     return tree
 
 
@@ -116,7 +120,7 @@ def _tokens(text: str) -> list[_Token]:
             continue
         match = _TOKEN.match(text, place)
         if match is None:
-            raise fault(place + 1, f"{text[place]!r} means nothing in a formula", _WHAT)
+            raise fault(place + 1, Sentence("{found!r} means nothing in a formula", found=text[place]), _WHAT)
         token = match[0]
         tokens.append(_Token(str(match.lastgroup), _SIGNS.get(token, token), place + 1))
         place = match.end()
@@ -169,7 +173,8 @@ class _Reader:
     def signed(self) -> Node:
         self.depth += 1
         if self.depth > DEEPEST:
-            raise fault(self.now.at, "too many parentheses and signs within each other", f"at most {DEEPEST}")
+            problem = Sentence("too many parentheses and signs within each other")
+            raise fault(self.now.at, problem, Sentence("at most {count}", count=DEEPEST))
         if self.now.text in ("+", "-"):
             sign = self.take()
             node = self.signed()
@@ -187,9 +192,9 @@ class _Reader:
             return self._call(token) if self.now.text == "(" else Name(token.at, token.text)
         if token.text == "(":
             node = self.sum()
-            self._close(token, "+, −, ×, ÷ or ')'")
+            self._close(token, _OPERATORS)
             return node
-        where = "the formula ends here" if token.kind == "end" else f"{token.text!r} does not belong here"
+        where = Sentence("the formula ends here") if token.kind == "end" else _astray(token.text)
         raise fault(token.at, where, _WHAT)
 
     def _number(self, token: _Token) -> Number:
@@ -204,20 +209,31 @@ class _Reader:
         function = name.text.casefold()
         if function not in FUNCTIONS:
             nearest = nearest_name(name.text, FUNCTIONS)
-            raise fault(name.at, f"there is no function {name.text!r}", one_of(FUNCTIONS), nearest)
+            problem = Sentence("there is no function {name!r}", name=name.text)
+            raise fault(name.at, problem, one_of(FUNCTIONS), nearest)
         opened, wanted = self.take(), FUNCTIONS[function]
         arguments = [self.sum()]
         while self.now.text in (",", ";"):
             self.take()
             arguments.append(self.sum())
-        self._close(opened, "+, −, ×, ÷ or ')'" if len(arguments) >= wanted else "',' and a time in seconds")
+        self._close(opened, _OPERATORS if len(arguments) >= wanted else Sentence("',' and a time in seconds"))
         if len(arguments) != wanted:
-            shape = {1: f"{function}(channel)", 2: f"{function}(channel, seconds)"}[wanted]
-            raise fault(name.at, f"{function} has {len(arguments)} argument(s)", shape)
+            shape = Sentence("{function}(channel, seconds)", function=function)
+            if wanted == 1:
+                shape = Sentence("{function}(channel)", function=function)
+            problem = Sentence("{function} has {count} argument(s)", function=function, count=len(arguments))
+            raise fault(name.at, problem, shape)
         return Call(name.at, function, tuple(arguments))
 
-    def _close(self, opened: _Token, expected: str) -> None:
+    def _close(self, opened: _Token, expected: Sentence) -> None:
         if self.now.text != ")":
-            ends = "the formula ends" if self.now.kind == "end" else f"{self.now.text!r} does not belong here"
-            raise fault(self.now.at, f"{ends}, and the '(' at character {opened.at} is still open", expected)
+            ends = Sentence("the formula ends") if self.now.kind == "end" else _astray(self.now.text)
+            problem = Sentence(
+                "{problem}, and the '(' at character {place} is still open", problem=ends, place=opened.at
+            )
+            raise fault(self.now.at, problem, expected)
         self.take()
+
+
+def _astray(found: str) -> Sentence:
+    return Sentence("{found!r} does not belong here", found=found)

@@ -10,7 +10,8 @@ import argparse
 import errno
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 
 from atleak.cli import (
     app,
@@ -22,16 +23,28 @@ from atleak.cli import (
     import_log,
     jobs,
     report,
+    schema,
     template,
     variants,
 )
-from atleak.cli.shared import without_colours
+from atleak.cli.parser import Parser, add_shown, groups_of, parsed
 from atleak.errors import AtleakError
-from atleak.system.printable import printable_streams
+from atleak.system.printable import only_what_is_asked_for, printable_streams
 from atleak.version import __version__
 
 _BROKEN_PIPE = 141  # the status by which a shell reports a program whose reader went away
 _INTERRUPTED = 130
+_NO_COLOUR = "NO_COLOR"  # the variable by which programs agree to print without colours
+_MORE = """\
+examples:
+  atleak diagnose sheet.xlsx --pdf report.pdf
+  atleak diagnose sheet.xlsx --road-test log.csv --json - --fail-on replace
+  atleak import-log log.csv
+  atleak template -o sheet.xlsx
+  atleak app
+
+atleak COMMAND --help says more of each command. Exit status: 0 done, 1 only with
+--fail-on and a pair or a total at or past it, 2 bad input or usage."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -42,9 +55,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     try:
-        options = _parser().parse_args(arguments)
-        status: int = options.run(options)
-        sys.stdout.flush()  # a reader that went away is noticed here, not when the interpreter ends
+        options = parsed(_parser(), arguments)
+        with _as_shown(options):
+            status: int = options.run(options)
+            sys.stdout.flush()  # a reader that went away is noticed here, not when the interpreter ends
         return status
     except SystemExit:  # argparse has printed its message already
         raise
@@ -67,13 +81,33 @@ def _run(arguments: Sequence[str] | None) -> int:
         return 2
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="atleak", description="Internal leakage of automatic-transmission valve bodies."
+@contextmanager
+def _as_shown(options: argparse.Namespace) -> Iterator[None]:
+    """Print as the options of every command ask for."""
+    earlier = os.environ.get(_NO_COLOUR)
+    with ExitStack() as stack:
+        if getattr(options, "quiet", False):
+            stack.enter_context(only_what_is_asked_for())
+        if getattr(options, "no_color", False):
+            os.environ[_NO_COLOUR] = "1"
+        try:
+            yield
+        finally:
+            if earlier is None:
+                os.environ.pop(_NO_COLOUR, None)
+            else:
+                os.environ[_NO_COLOUR] = earlier
+
+
+def _parser() -> Parser:
+    parser = Parser(
+        prog="atleak",
+        description="Internal leakage of automatic-transmission valve bodies.",
+        epilog=_MORE,
     )
-    without_colours(parser)
-    parser.add_argument("--version", action="version", version=f"atleak {__version__}")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    parser.add_argument("--version", action="version", version=f"atleak {__version__}", help="print it and end")
+    add_shown(parser)
+    commands = groups_of(parser, "COMMAND")
     for group in (
         diagnose,
         jobs,
@@ -85,6 +119,7 @@ def _parser() -> argparse.ArgumentParser:
         controller,
         gauge_study,
         catalogue,
+        schema,
         app,
     ):  # as --help lists them
         group.add_parser(commands)

@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
-from atleak.cli.shared import add_command
+from atleak.cli.parser import add_command
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 from atleak.system.shipped import shipped
 
 PORT = 8501  # streamlit's own
@@ -27,9 +28,13 @@ _PORTS = range(1, 65536)
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "app", run, "the dashboard in a browser")
-    parser.add_argument("--port", metavar="N", type=port_number)
-    parser.add_argument("--address", metavar="A", default=_HERE)
+    parser = add_command(
+        commands, "app", run, "the dashboard in a browser", examples=("app", "app --port 8600"), quiet=False
+    )
+    help = f"at which it answers: the first free one from {PORT} on unless given"
+    parser.add_argument("--port", metavar="N", type=port_number, help=help)
+    help = f"of this machine at which it answers: {_HERE}, which no other machine reaches, unless given"
+    parser.add_argument("--address", metavar="A", default=_HERE, help=help)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -61,7 +66,8 @@ def _is_up(port: int) -> bool:
 
 def _start(address: str, port: int | None, *options: str) -> int:
     if find_spec("streamlit") is None:
-        raise InputError("the dashboard needs streamlit", expected="python -m pip install streamlit")
+        expected = Sentence("{command}", command="python -m pip install streamlit")
+        raise InputError(Sentence("the dashboard needs streamlit"), expected=expected)
     _check_free(address, port)
     app = shipped("app.py")
     command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.address", address, *options]
@@ -94,15 +100,16 @@ def _check_free(address: str, port: int | None) -> None:
         if error.errno == errno.EADDRNOTAVAIL:
             raise _no_address(address) from error
         if error.errno == errno.EADDRINUSE:
-            expected = "another --port; is the dashboard running already?"
-            raise InputError("--port is in use by another program", value=port, expected=expected) from error
-        problem = f"--port cannot be served: {error.strerror}"
-        raise InputError(problem, value=port, expected="another --port, from 1024 up") from error
+            problem = Sentence("--port is in use by another program")
+            expected = Sentence("another --port; is the dashboard running already?")
+            raise InputError(problem, value=port, expected=expected) from error
+        problem = Sentence("--port cannot be served: {reason}", reason=error.strerror)
+        raise InputError(problem, value=port, expected=Sentence("another --port, from 1024 up")) from error
 
 
 def _no_address(address: str) -> InputError:
-    expected = "127.0.0.1 for this machine alone, 0.0.0.0 for every machine of its network"
-    return InputError("--address is no address of this machine", value=address, expected=expected)
+    expected = Sentence("127.0.0.1 for this machine alone, 0.0.0.0 for every machine of its network")
+    return InputError(Sentence("--address is no address of this machine"), value=address, expected=expected)
 
 
 def _serve(command: list[str], folder: Path) -> int:

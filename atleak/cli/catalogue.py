@@ -9,7 +9,9 @@ import argparse
 import sys
 from typing import TYPE_CHECKING, Any
 
-from atleak.cli.shared import add_command, add_force, add_json, check_targets, say_written, without_colours, write_json
+from atleak.cli.parser import add_command, add_group
+from atleak.cli.shared import add_force, add_json, check_targets, say_written, write_json
+from atleak.system.printable import asked_for
 from atleak.version import __version__
 
 if TYPE_CHECKING:
@@ -24,13 +26,12 @@ def add_parser(commands: Any) -> None:
         ("limits", _limits),
         ("instruments", _instruments),
     ):
-        parser = add_command(commands, name, run, f"the {name} of the catalogue, shipped and own")
+        about = f"the {name} of the catalogue, shipped and own"
+        parser = add_command(commands, name, run, about, examples=(name, f"{name} --json -"))
         add_json(parser)
         add_force(parser)
-    own = commands.add_parser("catalogue", help="your own catalogue", description="Your own catalogue.")
-    without_colours(own)
-    parts = own.add_subparsers(dest="part", required=True, metavar="COMMAND")
-    add_command(parts, "path", _path, "make the folder of your own catalogue and say where it is")
+    own = add_group(commands, "catalogue", "your own catalogue", examples=("catalogue path",))
+    add_command(own, "path", _path, "make the folder of your own catalogue and say where it is", quiet=False)
 
 
 def _path(options: argparse.Namespace) -> int:
@@ -39,7 +40,7 @@ def _path(options: argparse.Namespace) -> int:
 
     for kind in KINDS:
         made(own_folder(kind))
-    print(own_folder())
+    print(own_folder(), file=asked_for(sys.stdout))
     return 0
 
 

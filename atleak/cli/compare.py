@@ -6,28 +6,36 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from atleak.cli.parser import add_command
 from atleak.cli.shared import (
-    add_command,
     add_force,
     add_json,
     add_print,
     check_targets,
+    print_options,
     say_written,
     write,
     write_json,
 )
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 
 
 def add_parser(commands: Any) -> None:
     """Add the command, among all commands or among those of the job book."""
-    parser = add_command(commands, "compare", run, "two jobs of one unit side by side, before and after")
+    parser = add_command(
+        commands,
+        "compare",
+        run,
+        "two jobs of one unit side by side, before and after",
+        examples=("compare before.zip after.zip --pdf page.pdf", "compare 2026-0417 2026-0533"),
+    )
     parser.add_argument(
         "before", metavar="A", help="the earlier job: a job file (zip), or its id or number in the job book"
     )
     parser.add_argument("after", metavar="B", help="the later job, likewise")
     add_json(parser)
-    parser.add_argument("--pdf", metavar="FILE", help="a page for the customer")
+    parser.add_argument("--pdf", metavar="FILE.pdf", help="a page for the customer")
     add_print(parser)
     add_force(parser)
 
@@ -37,23 +45,17 @@ def run(options: argparse.Namespace) -> int:
     from atleak.jobs.compared import compare_jobs, compared_record, job_of
 
     if options.pdf == "-":
-        problem = "a PDF cannot be written to standard output"
-        raise InputError(problem, value="--pdf -", expected="a file name")
+        problem = Sentence("a PDF cannot be written to standard output")
+        raise InputError(problem, value="--pdf -", expected=Sentence("a file name"))
     inputs = [name for name in (options.before, options.after) if Path(name).is_file()]
     check_targets(options, inputs, [("record", options.json), ("PDF", options.pdf)])
+    printed = print_options(options, [] if options.pdf is None else ["pdf"])
     compared = compare_jobs(job_of(options.before), job_of(options.after))
     written = []
     if options.pdf is not None:
         from atleak.report.pdf.comparison import write_comparison_pdf
 
-        content = write_comparison_pdf(
-            compared.comparison,
-            compared.before.job,
-            compared.after.job,
-            language=options.language,
-            units=options.units,
-            paper=options.paper,
-        )
+        content = write_comparison_pdf(compared.comparison, compared.before.job, compared.after.job, **printed)
         written += write(options.pdf, content)
     if options.json is not None:  # written last: standard output stays empty when another file fails
         written += write_json(options.json, compared_record(compared))

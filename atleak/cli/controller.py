@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.cli.learn import add_learn
-from atleak.cli.shared import add_command, add_force, check_targets, say_written, without_colours, write, write_text
+from atleak.cli.parser import add_command, add_group
+from atleak.cli.shared import add_force, check_targets, say_written, write, write_text
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
@@ -21,20 +23,35 @@ _LOST = "comments and the order of keys in a TOML file are not kept on the way t
 def add_parser(commands: Any) -> None:
     """Add the commands."""
     about = "describe a valve body: in a workbook, and as the TOML file that every command takes"
-    parser = commands.add_parser("controller", help=about, description=about[0].upper() + about[1:] + ".")
-    without_colours(parser)
-    group = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    group = add_group(
+        commands,
+        "controller",
+        about,
+        examples=(
+            "controller template -o my_unit.xlsx --units inch --clearance diametral",
+            "controller check my_unit.xlsx",
+            "controller from-workbook my_unit.xlsx -o my_unit.toml",
+            "controller learn new_unit.xlsx --controller my_unit.toml -o my_unit_learned.toml",
+        ),
+    )
     _add_template(group)
     _add_from_workbook(group)
     _add_to_workbook(group)
     add_learn(group)
-    check = add_command(group, "check", _check, "whether a valve body is described well: lists all faults at once")
+    about = "whether a valve body is described well: lists all faults at once"
+    check = add_command(group, "check", _check, about, examples=("controller check my_unit.xlsx",))
     check.add_argument("file", metavar="FILE", help="workbook, TOML file, or id of a shipped one")
 
 
 def _add_template(group: Any) -> None:
-    template = add_command(group, "template", _template, "a workbook to fill in")
-    template.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+    template = add_command(
+        group,
+        "template",
+        _template,
+        "a workbook to fill in",
+        examples=("controller template -o my_unit.xlsx", "controller template --from four_speed_2023 -o mine.xlsx"),
+    )
+    template.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the workbook")
     template.add_argument(
         "--from",
         dest="start",
@@ -46,16 +63,28 @@ def _add_template(group: Any) -> None:
 
 
 def _add_from_workbook(group: Any) -> None:
-    parser = add_command(group, "from-workbook", _from_workbook, "a filled workbook as TOML file")
-    parser.add_argument("workbook", metavar="FILE.xlsx")
-    parser.add_argument("-o", "--output", metavar="FILE.toml|-", required=True)
+    parser = add_command(
+        group,
+        "from-workbook",
+        _from_workbook,
+        "a filled workbook as TOML file",
+        examples=("controller from-workbook my_unit.xlsx -o my_unit.toml",),
+    )
+    parser.add_argument("workbook", metavar="FILE.xlsx", help="as template or to-workbook writes it, filled in")
+    parser.add_argument("-o", "--output", metavar="FILE.toml|-", required=True, help="what --controller takes")
     add_force(parser)
 
 
 def _add_to_workbook(group: Any) -> None:
-    parser = add_command(group, "to-workbook", _to_workbook, "a valve body as workbook, to change it there")
-    parser.add_argument("controller", metavar="ID|FILE")
-    parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+    parser = add_command(
+        group,
+        "to-workbook",
+        _to_workbook,
+        "a valve body as workbook, to change it there",
+        examples=("controller to-workbook four_speed_2023 -o mine.xlsx",),
+    )
+    parser.add_argument("controller", metavar="ID|FILE", help="the valve body")
+    parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the workbook")
     _add_units(parser)
     add_force(parser)
 
@@ -73,7 +102,7 @@ def _add_units(parser: argparse.ArgumentParser) -> None:
 def _template(options: argparse.Namespace) -> int:
     from atleak.catalogue.entries import Entry
 
-    _check_name(options.output, ".xlsx", "the workbook to fill in")
+    _check_name(options.output, ".xlsx", Sentence("the workbook to fill in is a .xlsx file"))
     data = None
     if options.start is not None:
         tables = _described(options.start)[0]
@@ -82,7 +111,7 @@ def _template(options: argparse.Namespace) -> int:
 
 
 def _to_workbook(options: argparse.Namespace) -> int:
-    _check_name(options.output, ".xlsx", "the workbook")
+    _check_name(options.output, ".xlsx", Sentence("the workbook is a .xlsx file"))
     status = _write_workbook(options, options.controller, _described(options.controller)[0])
     print(f"atleak: {_LOST}", file=sys.stderr)
     return status
@@ -102,7 +131,7 @@ def _from_workbook(options: argparse.Namespace) -> int:
     from atleak.catalogue.catalogue_toml import written_toml
 
     if options.output != "-":
-        _check_name(options.output, ".toml", "the description")
+        _check_name(options.output, ".toml", Sentence("the description is a .toml file"))
     check_targets(options, [options.workbook], [("TOML file", options.output)])
     tables, controller = _from_sheets(options.workbook)
     say_written(write_text(options.output, written_toml(tables)))
@@ -163,6 +192,6 @@ def _from_sheets(path: str) -> tuple[dict[str, Any], Controller]:
     return described.data, described.controller
 
 
-def _check_name(name: str, suffix: str, what: str) -> None:
+def _check_name(name: str, suffix: str, problem: Sentence) -> None:
     if Path(name).suffix.lower() != suffix:
-        raise InputError(f"{what} is a {suffix} file", value=name, expected=f"a name{suffix}")
+        raise InputError(problem, value=name, expected=Sentence("a name{suffix}", suffix=suffix))

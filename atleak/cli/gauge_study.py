@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from atleak.cli.parser import add_command
 from atleak.cli.shared import (
-    add_command,
     add_force,
     add_json,
     check_targets,
@@ -14,12 +14,19 @@ from atleak.cli.shared import (
     write_json,
 )
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
 
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "gauge-study", run, "repeatability and reproducibility of a gauge, by ANOVA")
+    parser = add_command(
+        commands,
+        "gauge-study",
+        run,
+        "repeatability and reproducibility of a gauge, by ANOVA",
+        examples=("gauge-study study.xlsx", "gauge-study study.csv --unit µm --tolerance 0.02 --json study.json"),
+    )
     parser.add_argument("file", metavar="FILE", help="repeated readings of several parts by several people: xlsx, csv")
     parser.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
     parser.add_argument(
@@ -56,5 +63,6 @@ def run(options: argparse.Namespace) -> int:
 def _number(text: str, option: str) -> float:
     number = decimal_number(text)
     if number is None:
-        raise InputError(f"{option} is not a number", value=text, expected="a number such as 0.02")
+        problem = Sentence("{option} is not a number", option=option)
+        raise InputError(problem, value=text, expected=Sentence("a number such as {example}", example="0.02"))
     return number

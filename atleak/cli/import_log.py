@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from atleak.cli.parser import add_command
 from atleak.cli.shared import (
     add_columns,
-    add_command,
     add_force,
     add_json,
     check_targets,
@@ -19,11 +19,21 @@ from atleak.cli.shared import (
     write_text,
 )
 from atleak.errors import InputError, OutputError, Place
+from atleak.sentence import Sentence
 
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "import-log", run, "what is understood of a road-test log")
+    parser = add_command(
+        commands,
+        "import-log",
+        run,
+        "what is understood of a road-test log",
+        examples=(
+            "import-log log.csv",
+            "import-log log.csv --map main_pressure=PL --unit main_pressure=bar --csv tidy.csv",
+        ),
+    )
     parser.add_argument("road_test", metavar="LOG", help="text, xlsx or mf4, as the logger wrote it")
     add_columns(parser)
     add_json(parser)
@@ -49,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
         written += write_json(options.json, record)
     if understood.road_test is None:
         raise understood.problem or InputError(
-            "the log's columns cannot be identified", place=Place(file=understood.file)
+            Sentence("the log's columns cannot be identified"), place=Place(file=understood.file)
         )
     if options.csv is not None:
         written += write_text(options.csv, tidy_csv(understood.road_test))

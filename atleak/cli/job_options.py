@@ -6,8 +6,10 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
+from atleak.cli.parser import Options
 from atleak.cli.shared import add_columns, add_controller, length_of, number, number_of, pair
 from atleak.errors import InputError, unknown
+from atleak.sentence import Sentence
 from atleak.written_numbers import (
     ENGINE_SPEED,
     MEASURING_TEMPERATURE,
@@ -26,17 +28,26 @@ _POSITION = "eccentricity"  # an option of the profile that people also look for
 
 def add_job_options(parser: argparse.ArgumentParser) -> None:
     """Add the files and choices of a job, which `chosen_job` makes a job of."""
-    parser.add_argument(
+    _add_measured(parser.add_argument_group("what was measured"))
+    _add_road_test(parser.add_argument_group("the road test"))
+    _add_unit(parser.add_argument_group("the unit and its job"))
+    _add_condition(parser.add_argument_group("the stated condition, in place of the valve body's first"))
+    _add_computing(parser.add_argument_group("how it is computed and judged"))
+    parser.set_defaults(refuse=parser.error)
+
+
+def _add_measured(group: Options) -> None:
+    group.add_argument(
         "readings",
         metavar="READINGS",
         nargs="?",
         help="measuring sheet: xlsx, xls, ods or csv; without one the road test is judged by itself",
     )
-    parser.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
-    parser.add_argument(
+    group.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
+    group.add_argument(
         "--sheet-unit", metavar="UNIT", help="of the diameters, where the sheet does not say: mm, µm, inch"
     )
-    parser.add_argument(
+    group.add_argument(
         "--where",
         metavar="HEADING=VALUE",
         type=pair,
@@ -44,58 +55,68 @@ def add_job_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="the rows of the sheet to read, where it holds several inspections or vehicles: Inspection=May",
     )
-    parser.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
-    parser.add_argument(
-        "--pressures",
-        metavar="FILE",
-        help="gauge readings of the standing vehicle: xlsx or csv; the measuring sheet's own tab unless given",
-    )
-    add_columns(parser)
-    add_controller(parser)
-    parser.add_argument("--fluid", metavar="ID|FILE")
-    parser.add_argument(
-        "--fluid-state",
-        metavar="fresh|used",
-        type=_fluid_state,
-        help="of the fluid in the transmission; taken as fresh unless given",
-    )
-    parser.add_argument("--limits", metavar="ID|FILE")
-    parser.add_argument("--profile", metavar="NAME", type=_profile, help="of the engine: workshop unless given")
-    parser.add_argument(
-        "--set",
-        metavar="OPTION=VALUE",
-        type=pair,
-        action="append",
-        default=[],
-        help="one option of the profile",
-    )
-    parser.add_argument("--temperature", metavar="C", type=number_of(TEMPERATURE), help="of the stated condition [°C]")
-    parser.add_argument("--rpm", metavar="N", type=number_of(ENGINE_SPEED), help="engine speed of the stated condition")
-    parser.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
-    parser.add_argument(
+    group.add_argument(
         "--measuring-temperature",
         metavar="C",
         type=number_of(MEASURING_TEMPERATURE),
         help="of gauge and parts when they were measured [°C]; as the job record or the sheet says unless given",
     )
+    group.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
+    group.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
     for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
-        parser.add_argument(
+        group.add_argument(
             f"--pump-{side}-clearance",
             metavar="UM",
             type=length_of(asked),
             help=f"{side} clearance of this job's pump [µm, or with its unit: 0.0033in]; as the job record or the "
             "sheet's head says unless given",
         )
-    parser.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
-    parser.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
-    parser.add_argument(
+    group.add_argument(
+        "--pressures",
+        metavar="FILE",
+        help="gauge readings of the standing vehicle: xlsx or csv; the measuring sheet's own tab unless given",
+    )
+
+
+def _add_road_test(group: Options) -> None:
+    group.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
+    add_columns(group)
+
+
+def _add_unit(group: Options) -> None:
+    add_controller(group)
+    group.add_argument("--fluid", metavar="ID|FILE", help="ATF in the transmission; `atleak fluids` lists those known")
+    group.add_argument(
+        "--fluid-state",
+        metavar="fresh|used",
+        type=_fluid_state,
+        help="of the fluid in the transmission; taken as fresh unless given",
+    )
+    group.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
+    group.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
+    group.add_argument("--job", metavar="RECORD", help="what the workshop wrote down (TOML or JSON)")
+    group.add_argument(
         "--repair",
         metavar="ID",
         action="append",
         default=[],
         help="plan with this repair of the valve body's file; of other lands the cheapest is planned",
     )
-    parser.add_argument(
+
+
+def _add_condition(group: Options) -> None:
+    group.add_argument("--temperature", metavar="C", type=number_of(TEMPERATURE), help="of the fluid [°C]")
+    group.add_argument("--rpm", metavar="N", type=number_of(ENGINE_SPEED), help="engine speed")
+    group.add_argument("--gear", metavar="N", type=int, help="gear that is engaged")
+
+
+def _add_computing(group: Options) -> None:
+    group.add_argument("--limits", metavar="ID|FILE", help="limits to judge by; `atleak limits` lists those known")
+    group.add_argument("--profile", metavar="NAME", type=_profile, help="of the engine: workshop unless given")
+    group.add_argument(
+        "--set", metavar="OPTION=VALUE", type=pair, action="append", default=[], help="one option of the profile"
+    )
+    group.add_argument(
         "--assume",
         metavar="NAME=VALUE",
         type=pair,
@@ -103,18 +124,14 @@ def add_job_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="one assumed uncertainty; or eccentricity=unknown, an option of the profile",
     )
-    parser.add_argument("--guard", metavar="K", type=number, help="guard band of every limit in standard uncertainties")
-    parser.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
-    parser.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
-    parser.add_argument("--job", metavar="RECORD", help="what the workshop wrote down (TOML or JSON)")
-    parser.set_defaults(refuse=parser.error)
+    group.add_argument("--guard", metavar="K", type=number, help="guard band of every limit in standard uncertainties")
 
 
 def _profile(text: str) -> str:
     from atleak.engine.profile import PROFILES
 
     if text not in PROFILES:
-        raise argparse.ArgumentTypeError(str(unknown("no such profile", text, PROFILES)))
+        raise argparse.ArgumentTypeError(str(unknown(Sentence("no such profile"), text, PROFILES)))
     return text
 
 
@@ -122,7 +139,7 @@ def _fluid_state(text: str) -> str:
     from atleak.catalogue.fluid import FluidState
 
     if text not in get_args(FluidState):
-        raise argparse.ArgumentTypeError(str(unknown("no such state of a fluid", text, get_args(FluidState))))
+        raise argparse.ArgumentTypeError(str(unknown(Sentence("no such state of a fluid"), text, get_args(FluidState))))
     return text
 
 
@@ -205,5 +222,6 @@ def _profile_options(options: argparse.Namespace) -> tuple[tuple[str, str], ...]
     """Return the options of the profile, among them where the spools are assumed to lie."""
     assumed = [pair for pair in options.assume if pair[0] == _POSITION]
     if assumed and _POSITION in dict(options.set):
-        raise InputError("the eccentricity is set twice", value=assumed[-1][1], expected="--set or --assume, not both")
+        expected = Sentence("--set or --assume, not both")
+        raise InputError(Sentence("the eccentricity is set twice"), value=assumed[-1][1], expected=expected)
     return (*options.set, *assumed)

@@ -11,16 +11,16 @@ from atleak.cli import compare
 from atleak.cli.app import PORT, open_page, port_number
 from atleak.cli.job_options import add_job_options, as_read, chosen_job
 from atleak.cli.jobs_upkeep import add_upkeep
+from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import (
-    add_command,
     add_force,
     add_job_id,
     add_json,
     check_targets,
     say_written,
-    without_colours,
     write_json,
 )
+from atleak.system.printable import asked_for
 from atleak.verdicts import Verdict
 from atleak.version import __version__
 
@@ -34,18 +34,37 @@ _ID = 8  # characters of an id in it
 def add_parser(commands: Any) -> None:
     """Add the commands."""
     about = "the job book: every job that was worked on"
-    parser = commands.add_parser("jobs", help=about, description=about[0].upper() + about[1:] + ".")
-    without_colours(parser)
-    group = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
-    add = add_command(group, "add", _add, "diagnose a job and put it into the book; prints its id")
+    group = add_group(
+        commands,
+        "jobs",
+        about,
+        examples=(
+            "jobs add sheet.xlsx --job job.toml",
+            "jobs list --text WVW --verdict replace",
+            "jobs show 2026-0417",
+            "jobs export --all -o backup",
+            "jobs erase --customer 10023",
+        ),
+    )
+    add = add_command(
+        group,
+        "add",
+        _add,
+        "diagnose a job and put it into the book; prints its id",
+        usage="atleak jobs add [READINGS] [--road-test LOG] [--pressures FILE] [options]",
+        examples=("jobs add sheet.xlsx --road-test log.csv --job job.toml",),
+        quiet=False,
+    )
     add_job_options(add)
     _add_list(group)
-    show = add_command(group, "show", _show, "a job of the book, diagnosed anew")
+    show = add_command(
+        group, "show", _show, "a job of the book, diagnosed anew", examples=("jobs show 2026-0417 --json job.json",)
+    )
     add_job_id(show)
     add_json(show)
     add_force(show)
     opened = add_command(
-        group, "open", _open, "a job of the book in the dashboard, which is started where it is not up"
+        group, "open", _open, "a job of the book in the dashboard, which is started where it is not up", quiet=False
     )
     add_job_id(opened)
     opened.add_argument(
@@ -60,7 +79,8 @@ def add_parser(commands: Any) -> None:
 
 
 def _add_list(group: Any) -> None:
-    parser = add_command(group, "list", _list, "the jobs of the book, the last changed one first")
+    examples = ("jobs list --text WVW", "jobs list --from 2026-04-01 --verdict replace --json -")
+    parser = add_command(group, "list", _list, "the jobs of the book, the last changed one first", examples=examples)
     parser.add_argument(
         "--text",
         default="",
@@ -70,7 +90,7 @@ def _add_list(group: Any) -> None:
         parser.add_argument(f"--{name}", default="", help="likewise, of this alone")
     for name in ("from", "to"):
         parser.add_argument(f"--{name}", metavar="DATE", type=_date, help=f"{name} this date of the job on: 2026-04-17")
-    parser.add_argument("--verdict", choices=[each.value for each in Verdict], default="")
+    parser.add_argument("--verdict", choices=[each.value for each in Verdict], default="", help="of the unit")
     parser.add_argument("--controller", metavar="ID", default="", help="of the valve body")
     parser.add_argument("--archived", action="store_true", help="the archived jobs in place of the others")
     parser.add_argument("--limit", metavar="N", type=int, default=_LIMIT, help=f"rows at most: {_LIMIT} unless given")
@@ -96,7 +116,7 @@ def _add(options: argparse.Namespace) -> int:
 
     case, job = chosen_job(options)
     parts = job_parts(case.diagnose(), job, as_read(case))
-    print(open_book().save(parts).id)
+    print(open_book().save(parts).id, file=asked_for(sys.stdout))
     return 0
 
 
@@ -160,16 +180,16 @@ def _print_rows(rows: list[JobRow], count: int) -> None:
 
 
 def _show(options: argparse.Namespace) -> int:
+    from atleak.job.issued import issued_record
     from atleak.jobs.book import open_book
     from atleak.jobs.judged_anew import judged_otherwise
     from atleak.jobs.named import named_job
-    from atleak.views.diagnosis_record import diagnosis_record
 
     check_targets(options, [], [("record", options.json)])
     book = open_book()
     stored = book.load(named_job(book, options.job))
     diagnosis = stored.file.diagnose()
-    record = diagnosis_record(diagnosis)
+    record = issued_record(diagnosis, stored.file.job)
     if stored.archived_at is not None:
         print(f"atleak: this job was archived on {stored.archived_at:%Y-%m-%d}", file=sys.stderr)
     otherwise = judged_otherwise(stored.file.result, record)
@@ -178,7 +198,8 @@ def _show(options: argparse.Namespace) -> int:
         for each in otherwise:
             print(f"  {each}", file=sys.stderr)
     if options.json is not None:
-        said = {"job": stored.file.job.record(), "id": stored.id, "stored_verdict": stored.file.result.get("verdict")}
+        record["job"] |= stored.file.job.record()  # all that was written down
+        said = {"id": stored.id, "stored_verdict": stored.file.result.get("verdict")}
         say_written(write_json(options.json, {**record, **said}))
     if options.json != "-":
         from atleak.report.terminal import print_diagnosis

@@ -8,8 +8,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atleak.cli.shared import add_command, add_force, add_job_id, check_targets, say_written
+from atleak.cli.parser import add_command
+from atleak.cli.shared import add_force, add_job_id, check_targets, say_written
 from atleak.errors import AtleakError, InputError, Place
+from atleak.sentence import Sentence
 
 if TYPE_CHECKING:
     from atleak.jobs.book import Book
@@ -21,7 +23,7 @@ def add_upkeep(group: Any) -> None:
     export = add_command(group, "export", _export, "jobs as job files, with tables for other programs")
     add_job_id(export, "*")
     export.add_argument("--all", action="store_true", help="every job of the book, archived ones too")
-    export.add_argument("-o", "--output", metavar="FOLDER", required=True)
+    export.add_argument("-o", "--output", metavar="FOLDER", required=True, help="where they go")
     add_force(export)
     taken = add_command(group, "import", _import, "take job files into the book; a job that is there is recognised")
     taken.add_argument("files", metavar="FILE|FOLDER", nargs="+", help="job files, or folders of them")
@@ -31,16 +33,16 @@ def add_upkeep(group: Any) -> None:
     part = add_command(group, "part", _part, "undo a merge")
     part.add_argument("unit", metavar="UNIT", type=int, help="number of the unit that was merged into another one")
     add_command(group, "duplicates", _duplicates, "which units may be one")
-    erase = add_command(group, "erase", _erase, "remove a customer's personal data from the book for good")
+    erase = add_command(group, "erase", _erase, "remove a customer's personal data from the book for good", quiet=False)
     add_job_id(erase, "*")
     erase.add_argument("--customer", metavar="NAME|NUMBER", help="every job of this customer")
     erase.add_argument("--delete", action="store_true", help="delete jobs whole that this version cannot open or judge")
     erase.add_argument("--yes", action="store_true", help="do not ask")
     backup = add_command(group, "backup", _backup, "a copy of the whole book, also while it is in use")
-    backup.add_argument("file", metavar="FILE")
+    backup.add_argument("file", metavar="FILE", help="the copy")
     add_force(backup)
     restore = add_command(group, "restore", _restore, "bring a backup back")
-    restore.add_argument("file", metavar="FILE")
+    restore.add_argument("file", metavar="FILE", help="as backup wrote it")
     restore.add_argument("--force", action="store_true", help="in the place of a book that holds jobs")
     restore.add_argument("--damaged", action="store_true", help="take what is left of damaged jobs of the backup too")
     add_command(group, "verify", _verify, "whether every job opens and its stored result is whole")
@@ -76,7 +78,7 @@ def _ids(book: Book, options: argparse.Namespace) -> list[str]:
     from atleak.jobs.search import Query
 
     if options.all == bool(options.jobs):
-        raise InputError("it is not said which jobs", expected="their ids, or --all")
+        raise InputError(Sentence("it is not said which jobs"), expected=Sentence("their ids, or --all"))
     if not options.all:
         return list(dict.fromkeys(named_job(book, name) for name in options.jobs))
     return [row.id for row in book.rows(Query(archived=None, limit=None))]
@@ -100,7 +102,8 @@ def _import(options: argparse.Namespace) -> int:
         if taken.stored_verdict is not None:
             print(f"atleak: {path.name}: judged otherwise when it was written: {taken.stored_verdict}", file=sys.stderr)
     if empty:
-        raise InputError("no job file is there", value=", ".join(options.files), expected="job files (zip)")
+        expected = Sentence("job files (zip)")
+        raise InputError(Sentence("no job file is there"), value=", ".join(options.files), expected=expected)
     return 2 if failed else 0
 
 
@@ -157,16 +160,17 @@ def _erase(options: argparse.Namespace) -> int:
     from atleak.wording import wording
 
     if (options.customer is None) == (not options.jobs):
-        raise InputError("it is not said which jobs", expected="--customer NAME|NUMBER, or ids of jobs")
+        expected = Sentence("--customer NAME|NUMBER, or ids of jobs")
+        raise InputError(Sentence("it is not said which jobs"), expected=expected)
     book = open_book()
     if options.customer is None:
         ids = [named_job(book, name) for name in options.jobs]
     else:
         ids = [row.id for row in jobs_of_customer(book, options.customer)]
         if not ids:
-            expected = "the whole name or number, as `atleak jobs list` shows it"
-            place = Place(file=book.name)
-            raise InputError("no job is of this customer", place=place, value=options.customer, expected=expected)
+            problem = Sentence("no job is of this customer")
+            expected = Sentence("the whole name or number, as `atleak jobs list` shows it")
+            raise InputError(problem, place=Place(file=book.name), value=options.customer, expected=expected)
     rows = [row for row in book.rows(Query(archived=None, limit=None)) if row.id in ids]
     for row in rows:
         print(f"{row.id}  {row.in_words}")
@@ -188,7 +192,7 @@ def _erase(options: argparse.Namespace) -> int:
 
 def _agreed(count: int) -> bool:
     if not sys.stdin.isatty():
-        raise InputError("nothing was erased: nobody can be asked here", expected="--yes")
+        raise InputError(Sentence("nothing was erased: nobody can be asked here"), expected=Sentence("--yes"))
     answer = input(f"Erase {count} job{'s' * (count != 1)}? Write yes: ")
     if answer.strip().lower() == "yes":
         return True
@@ -205,7 +209,8 @@ def _backup(options: argparse.Namespace) -> int:
 
     path = Path(options.file)
     if path.exists() and not options.force:
-        raise InputError("is there already", place=Place(file=str(path)), expected="another name, or --force")
+        expected = Sentence("another name, or --force")
+        raise InputError(Sentence("is there already"), place=Place(file=str(path)), expected=expected)
     count = backup(open_book(), path)
     say_written([f"{path}, {count} job{'s' * (count != 1)}"])
     return 0

@@ -7,8 +7,8 @@ import datetime as dt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from atleak.cli.parser import add_command
 from atleak.cli.shared import (
-    add_command,
     add_force,
     add_json,
     check_targets,
@@ -19,6 +19,7 @@ from atleak.cli.shared import (
     write_text,
 )
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 from atleak.written_numbers import MEASURING_TEMPERATURE
 
 if TYPE_CHECKING:
@@ -28,7 +29,17 @@ if TYPE_CHECKING:
 
 def add_learn(group: Any) -> None:
     """Add the command to those about the description of a valve body."""
-    parser = add_command(group, "learn", run, "mounting clearances from measuring sheets of new or known-good units")
+    parser = add_command(
+        group,
+        "learn",
+        run,
+        "mounting clearances from measuring sheets of new or known-good units",
+        usage="atleak controller learn [SHEET ...] --controller ID|FILE [options]",
+        examples=(
+            "controller learn new_1.xlsx new_2.xlsx --controller my_unit.toml -o my_unit_learned.toml",
+            "controller learn --from-book --controller four_speed_2023",
+        ),
+    )
     parser.add_argument(
         "sheets",
         metavar="SHEET",
@@ -77,9 +88,11 @@ def run(options: argparse.Namespace) -> int:
     from atleak.views.learned_rows import learned_record
 
     if options.output not in (None, "-") and Path(options.output).suffix.lower() != ".toml":
-        raise InputError("the description is a .toml file", value=options.output, expected="a name.toml")
+        expected = Sentence("a name{suffix}", suffix=".toml")
+        raise InputError(Sentence("the description is a .toml file"), value=options.output, expected=expected)
     if options.output == options.json == "-":
-        raise InputError("only one of -o and --json can be written to standard output", expected="a file for the other")
+        problem = Sentence("only one of -o and --json can be written to standard output")
+        raise InputError(problem, expected=Sentence("a file for the other"))
     check_targets(
         options,
         [options.controller, *options.sheets],
@@ -116,7 +129,8 @@ def _of_book(options: argparse.Namespace, controller: str) -> tuple[NewSheet, ..
     """Return the sheets of the job book that are asked for; of a valve body that was copied those of the original."""
     if not options.from_book:
         if not options.sheets:
-            raise InputError("no measuring sheet is given", expected="one for each unit, or --from-book")
+            expected = Sentence("one for each unit, or --from-book")
+            raise InputError(Sentence("no measuring sheet is given"), expected=expected)
         return ()
     from atleak.jobs.book import open_book
     from atleak.jobs.new_sheets import new_sheets

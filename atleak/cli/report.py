@@ -7,14 +7,23 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from atleak.cli.shared import add_command, add_force, add_print, check_targets, say_written
+from atleak.cli.parser import add_command
+from atleak.cli.shared import add_force, add_print, check_targets, print_options, say_written
 
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "report", run, "the reports of job files")
+    parser = add_command(
+        commands,
+        "report",
+        run,
+        "the reports of job files",
+        examples=("report jobs/2026-0417.zip -o reports", "report *.zip -o reports --formats pdf,xlsx --language pl"),
+    )
     parser.add_argument("jobs", metavar="JOB.zip", nargs="+", help="as diagnose --job-file writes them")
-    parser.add_argument("-o", "--output", metavar="FOLDER", required=True)
+    parser.add_argument(
+        "-o", "--output", metavar="FOLDER", required=True, help="where they go, named as their job files"
+    )
     parser.add_argument(
         "--formats", metavar="LIST", type=_formats, default=["pdf"], help="pdf, xlsx, json, or several with commas"
     )
@@ -29,18 +38,17 @@ def run(options: argparse.Namespace) -> int:
     from atleak.report.batch import KINDS, report_paths, write_reports
     from atleak.report.terminal import TerminalConsole
 
+    printed = print_options(options, options.formats, "--formats {}")
     sources = [Path(name) for name in options.jobs]
     planned = report_paths(sources, Path(options.output), options.formats)
     check_targets(options, options.jobs, ((KINDS[form], str(path)) for of in planned for form, path in of.items()))
-    with Progress(console=TerminalConsole(sys.stderr), transient=True) as bar:
+    with Progress(console=TerminalConsole(sys.stderr), transient=True, disable=getattr(options, "quiet", False)) as bar:
         task = bar.add_task("reports", total=len(sources))
         reported = write_reports(
             sources,
             Path(options.output),
             formats=options.formats,
-            language=options.language,
-            units=options.units,
-            paper=options.paper,
+            **printed,
             progress=lambda done, total, last: bar.update(task, completed=done, total=total),
         )
     for outcome in reported:

@@ -5,14 +5,18 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atleak.errors import unknown
+from atleak.cli.parser import Options
+from atleak.errors import InputError, Place, unknown
 from atleak.paper import DEFAULT_PAPER, PAPERS
+from atleak.sentence import Sentence
 from atleak.system.files import replace_file
-from atleak.system.printable import unguarded
+from atleak.system.marks import Kind
+from atleak.system.printable import asked_for, unguarded
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages
 from atleak.written_numbers import AskedNumber, decimal_number, read_number
@@ -20,56 +24,81 @@ from atleak.written_numbers import AskedNumber, decimal_number, read_number
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
     from atleak.road_test import RoadTest
-    from atleak.system.marks import Kind
-
-
-def add_command(commands: Any, name: str, run: Callable[..., int], about: str) -> argparse.ArgumentParser:
-    """Add the parser of a command, which ``run`` carries out."""
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name, help=about, description=about[0].upper() + about[1:] + "."
-    )
-    parser.set_defaults(run=run)
-    without_colours(parser)
-    return parser
-
-
-def without_colours(parser: argparse.ArgumentParser) -> None:
-    """Make help and messages plain: from Python 3.14 on argparse colours them, which no guarded stream shows."""
-    parser.color = False  # type: ignore[attr-defined,unused-ignore]
 
 
 # --- options ------------------------------------------------------------------------------------------------------
 
 
-def add_controller(parser: argparse.ArgumentParser) -> None:
+def add_controller(parser: Options) -> None:
     """Add ``--controller``, which `chosen_controller` loads."""
-    parser.add_argument("--controller", metavar="ID|FILE", help="the study's four-speed controller unless given")
+    help = "valve body: the study's four-speed one unless given; `atleak controllers` lists those known"
+    parser.add_argument("--controller", metavar="ID|FILE", help=help)
 
 
-def add_job_id(parser: argparse.ArgumentParser, count: str | None = None) -> None:
+def add_job_id(parser: Options, count: str | None = None) -> None:
     """Add the argument that names a job of the book, or several, which `atleak.jobs.named.named_job` finds."""
     help = "id of a job, its first characters, or the job's number"
     parser.add_argument("job" if count is None else "jobs", metavar="ID", nargs=count, help=help)
 
 
-def add_force(parser: argparse.ArgumentParser) -> None:
+def add_force(parser: Options) -> None:
     """Add ``--force``, which `check_targets` asks for."""
     parser.add_argument("--force", action="store_true", help="write over files that atleak did not make, too")
 
 
-def add_json(parser: argparse.ArgumentParser) -> None:
+def add_json(parser: Options) -> None:
     """Add ``--json``, which `write_json` serves."""
-    parser.add_argument("--json", metavar="FILE|-")
+    help = "everything as JSON, to a file or (-) to standard output, alone; `atleak schema` describes it"
+    parser.add_argument("--json", metavar="FILE|-", help=help)
 
 
-def add_print(parser: argparse.ArgumentParser) -> None:
-    """Add the options of printing: language, units and paper."""
-    parser.add_argument("--language", choices=languages(), default="en", help="of the PDF")
-    parser.add_argument("--units", choices=tuple(SYSTEMS), default="metric", help="of the PDF")
-    parser.add_argument("--paper", choices=list(PAPERS), default=DEFAULT_PAPER, help="of the PDF and the workbook")
+@dataclass(frozen=True)
+class _Print:
+    """An option of printing, and the formats in which it does anything."""
+
+    choices: tuple[str, ...]
+    unless_given: str
+    help: str
+    formats: tuple[str, ...] = ("pdf",)
 
 
-def add_columns(parser: argparse.ArgumentParser) -> None:
+_PRINT = {
+    "language": _Print(languages(), "en", "of the PDF: en unless given"),
+    "units": _Print(tuple(SYSTEMS), "metric", "of the PDF: metric unless given"),
+    "paper": _Print(
+        tuple(PAPERS), DEFAULT_PAPER, f"of the PDF and the workbook: {DEFAULT_PAPER} unless given", ("pdf", "xlsx")
+    ),
+}
+
+
+def add_print(parser: Options) -> None:
+    """Add the options of printing, which `print_options` gathers."""
+    for name, option in _PRINT.items():
+        parser.add_argument(f"--{name}", choices=option.choices, help=option.help)
+
+
+def print_options(options: argparse.Namespace, formats: Collection[str], asked: str = "--{}") -> dict[str, str]:
+    """Return language, units and paper; one that is given for nothing is doubted aloud.
+
+    Parameters
+    ----------
+    formats
+        what is written: ``pdf``, ``xlsx``.
+    asked
+        how one asks for a format.
+    """
+    for name, option in _PRINT.items():
+        if getattr(options, name) is not None and not set(formats) & set(option.formats):
+            doubt_option(f"--{name}", [asked.format(each) for each in option.formats])
+    return {name: getattr(options, name) or option.unless_given for name, option in _PRINT.items()}
+
+
+def doubt_option(option: str, others: Iterable[str]) -> None:
+    """Say that an option does nothing without one of some others."""
+    print(f"atleak: {option} does nothing without {' or '.join(others)}", file=sys.stderr)
+
+
+def add_columns(parser: Options) -> None:
     """Add the options about a log's columns, which `log_choices` gathers."""
     for name, what in (("map", "COLUMN"), ("unit", "UNIT")):
         parser.add_argument(
@@ -150,7 +179,7 @@ def constant(text: str) -> tuple[str, float]:
 
     name, value = pair(text)
     if name not in QUANTITIES:
-        raise argparse.ArgumentTypeError(str(unknown("no such quantity of a log", name, QUANTITIES)))
+        raise argparse.ArgumentTypeError(str(unknown(Sentence("no such quantity of a log"), name, QUANTITIES)))
     known = QUANTITIES[name]
     stated = number_of(AskedNumber(known.label, known.workshop_unit))(value)
     return name, unit(known.workshop_unit, known.unit_kind).to_si(stated) if known.unit_kind else stated
@@ -189,7 +218,36 @@ def check_targets(
     """Refuse, before anything is computed, to write over a file that must not be replaced."""
     from atleak.system import marks
 
+    targets = list(targets)
     marks.check_targets(inputs, targets, force=options.force)
+    for kind, target in targets:
+        _check_ending(kind, target)
+
+
+_ENDINGS: dict[Kind, tuple[str, ...]] = {
+    "record": (".json",),
+    "report workbook": (".xlsx",),
+    "measuring sheet": (".xlsx",),
+    "controller workbook": (".xlsx",),
+    "PDF": (".pdf",),
+    "job file": (".zip",),
+    "table": (".csv", ".parquet"),
+    "TOML file": (".toml",),
+}
+_ENDINGS_OF_OTHERS = {
+    *(ending for endings in _ENDINGS.values() for ending in endings),
+    *(".doc", ".docx", ".odt", ".rtf", ".xls", ".xlsm", ".xlsb", ".ods", ".ppt", ".pptx", ".htm", ".html", ".xml"),
+    *(".png", ".jpg", ".jpeg", ".webp", ".svg", ".mf4", ".gz", ".7z", ".exe"),
+}
+
+
+def _check_ending(kind: Kind, target: str | None) -> None:
+    """Refuse a file whose name says that it is of another kind; a name that says nothing is taken."""
+    ending = Path(target or "").suffix.lower()
+    if ending in _ENDINGS_OF_OTHERS and ending not in _ENDINGS[kind]:
+        problem = Sentence("the ending of its name is that of another kind of file")
+        expected = Sentence("a name{suffix}", suffix=_ENDINGS[kind][0])
+        raise InputError(problem, place=Place(file=target), expected=expected)
 
 
 def write(target: str, content: bytes) -> list[str]:
@@ -204,7 +262,8 @@ def write_text(target: str, text: str) -> list[str]:
     What is read by a program is written as it is; a terminal gets no control character.
     """
     if target == "-":
-        output = sys.stdout if sys.stdout.isatty() else unguarded(sys.stdout)
+        asked = asked_for(sys.stdout)
+        output = asked if asked.isatty() else unguarded(asked)
         output.write(text)
         return []
     return write(target, text.encode("utf-8", errors="backslashreplace"))

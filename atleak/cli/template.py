@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from atleak.cli.parser import add_command
 from atleak.cli.shared import (
-    add_command,
     add_controller,
     add_force,
     check_targets,
@@ -16,13 +16,15 @@ from atleak.cli.shared import (
     write,
 )
 from atleak.errors import InputError
+from atleak.sentence import Sentence
 
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "template", run, "a measuring sheet to fill in")
+    examples = ("template -o sheet.xlsx", "template --controller five_speed_2005 -o sheet.xlsx")
+    parser = add_command(commands, "template", run, "a measuring sheet to fill in", examples=examples)
     add_controller(parser)
-    parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+    parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the sheet")
     add_force(parser)
 
 
@@ -31,7 +33,8 @@ def run(options: argparse.Namespace) -> int:
     from atleak.report.measuring_sheet import write_template
 
     if Path(options.output).suffix.lower() != ".xlsx":
-        raise InputError("the measuring sheet is an Excel workbook", value=options.output, expected="a name.xlsx")
+        problem = Sentence("the measuring sheet is an Excel workbook")
+        raise InputError(problem, value=options.output, expected=Sentence("a name{suffix}", suffix=".xlsx"))
     check_targets(options, [options.controller], [("measuring sheet", options.output)])
     say_written(write(options.output, write_template(chosen_controller(options))))
     return 0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from atleak.cli.parser import add_command
 from atleak.cli.shared import (
     add_columns,
-    add_command,
     add_controller,
     add_force,
     add_json,
@@ -21,7 +21,8 @@ from atleak.cli.shared import (
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "variants", run, "W1 to W8 of the source study, as printed and as computed")
+    about = "W1 to W8 of the source study, as printed and as computed"
+    parser = add_command(commands, "variants", run, about, examples=("variants", "variants --json variants.json"))
     add_controller(parser)
     parser.add_argument("--road-test", metavar="LOG", help="your own log instead of the shipped test")
     add_columns(parser)

@@ -12,13 +12,15 @@ from atleak.controller_sheets.kinds import (
     REVERSE,
     Cell,
     Kind,
-    NotAccepted,
     as_text,
     gear_shown,
     gears_written,
 )
 from atleak.controller_sheets.shapes import Column, Sheet, Values, by_id, owner_of, point_of
 from atleak.controller_sheets.units import Units
+from atleak.errors import one_of
+from atleak.faults import NotAccepted
+from atleak.sentence import Sentence
 
 LINE = "p_g"  # stands for the line where a circuit is named
 ALWAYS, BY_POINT, BY_GEAR, BY_CURRENT, BY_DUTY, FOLLOWING = SET_BY = (
@@ -77,20 +79,22 @@ class SetPressures(Sheet):
         way = rows[0].values.get(by)
         if way is None:
             if by not in rows[0].cells:
-                into.fault(rows[0], by, "what is it set by?", f"one of {', '.join(SET_BY)}")
+                into.fault(rows[0], by, Sentence("what is it set by?"), one_of(SET_BY))
             return None
         if any(by in row.cells and by not in row.values for row in rows):
             return None
         further = [row for row in rows[1:] if row.values.get(by) != way or way in {ALWAYS, FOLLOWING}]
         for row in further:
-            expected = "one row" if way in {ALWAYS, FOLLOWING} else f"{way} in every row of this circuit"
-            into.fault(row, by, "does not go with the rows before it", expected)
+            everywhere = Sentence("{way} in every row of this circuit", way=way)
+            expected = Sentence("one row") if way in {ALWAYS, FOLLOWING} else everywhere
+            into.fault(row, by, Sentence("does not go with the rows before it"), expected)
         asked = {ALWAYS: (), BY_POINT: (which,), BY_GEAR: (which,), FOLLOWING: (which, ratio)}.get(way, (level,))
         asked = (*asked, *(() if way == FOLLOWING else (pressure,)))
         lacking = [(row, heading) for row in rows for heading in asked if heading not in row.values]
         for row, heading in lacking:
             if heading not in row.cells:
-                into.fault(row, heading, "missing where it is set by " + way, f"a value under {heading}")
+                problem = Sentence("missing where it is set by {way}", way=way)
+                into.fault(row, heading, problem, Sentence("a value under {heading}", heading=heading))
         if further or lacking:
             return None
         if way == ALWAYS:
@@ -112,7 +116,7 @@ class SetPressures(Sheet):
                 if name is None:
                     continue
                 if name in named:
-                    into.fault(row, which, "given twice", "each once")
+                    into.fault(row, which, Sentence("given twice"), Sentence("each once"))
                 named[name] = row.values[pressure]
                 into.mark((*at, *(("gear",) if way == BY_GEAR else ()), name), row.at(which))
         if len(into.faults) > known:
@@ -123,7 +127,7 @@ class SetPressures(Sheet):
         try:
             return [str(gear) for gear in gears_written(row.values[heading])]
         except NotAccepted as error:
-            into.fault(row, heading, "not a gear", str(error))
+            into.fault(row, heading, Sentence("not a gear"), error.wanted)
             return []
 
 
@@ -154,7 +158,7 @@ class Mark(Kind):
         text = as_text(cell).casefold()
         if text in _MARKED | _UNMARKED:
             return text in _MARKED
-        raise NotAccepted("x where the circuit is applied, else nothing")
+        raise NotAccepted(Sentence("x where the circuit is applied, else nothing"))
 
     def cell(self, value: Any, units: Units) -> str:
         return "x" if value else ""
@@ -189,7 +193,7 @@ class ApplyChart(Sheet):
                 continue
             place, table = circuits[name]
             if "gears" in table:
-                into.fault(row, heading, "given twice", "one row for each circuit")
+                into.fault(row, heading, Sentence("given twice"), Sentence("one row for each circuit"))
                 continue
             marked = [gear for gear, is_applied in row.values.items() if gear != heading and is_applied]
             gears: list[int] = []
@@ -203,7 +207,12 @@ class ApplyChart(Sheet):
                 table["gears"] = gears
             elif set(row.cells) == {heading}:
                 into.notes.append(
-                    f"sheet {self.name!r}, row {row.spot.row}: {name} has no mark and is taken as applied in every gear"
+                    Sentence(
+                        "sheet {sheet!r}, row {row}: {circuit} has no mark and is taken as applied in every gear",
+                        sheet=self.name,
+                        row=row.spot.row,
+                        circuit=name,
+                    )
                 )
 
 

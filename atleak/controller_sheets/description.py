@@ -8,6 +8,7 @@ from difflib import SequenceMatcher
 from typing import Any
 
 from atleak.errors import nearest_name, one_of
+from atleak.sentence import Sentence
 
 _SURELY = 0.85  # how alike two names are of which one is a slip of the pen
 
@@ -29,9 +30,9 @@ class Fault:
     """What is wrong with a cell, row or sheet."""
 
     spot: Spot
-    problem: str
+    problem: Sentence
     value: Any = None
-    expected: str | None = None
+    expected: Sentence | None = None
     nearest: str | None = None
 
 
@@ -55,7 +56,7 @@ class Description:
 
     data: dict[str, Any] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)  # what was taken for granted, in sentences
+    notes: list[Sentence] = field(default_factory=list)  # what was taken for granted, in sentences
     spots: dict[Steps, Spot] = field(default_factory=dict)
     unread: set[Steps] = field(default_factory=set)  # values left out because their cell has a fault already
 
@@ -86,12 +87,12 @@ class Description:
         listed: list[dict[str, Any]] = self.data.setdefault(key, [])
         return listed
 
-    def fault(self, row: Row, heading: str | None, problem: str, expected: str | None = None) -> None:
+    def fault(self, row: Row, heading: str | None, problem: Sentence, expected: Sentence | None = None) -> None:
         """Report a cell."""
         cell = row.cells.get(heading) if heading else None
         self.faults.append(Fault(row.at(heading), problem, cell, expected))
 
-    def unknown(self, row: Row, heading: str, problem: str, known: Sequence[str]) -> str | None:
+    def unknown(self, row: Row, heading: str, problem: Sentence, known: Sequence[str]) -> str | None:
         """Report a name that is none of those known; return the one that was surely meant, if any."""
         cell = row.cells.get(heading)
         nearest = None if cell is None else nearest_name(str(cell), known)

@@ -12,6 +12,8 @@ from decimal import Decimal
 from typing import Any
 
 from atleak.controller_sheets.units import NUMBER, Measure, Units, cell_number, file_number
+from atleak.faults import NotAccepted
+from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
 
 REVERSE, NEUTRAL = -1, 0
@@ -29,10 +31,6 @@ _YES, _NO = {"yes", "y", "true", "x", "1"}, {"no", "n", "false", "0"}
 Cell = Any  # str, float, int, bool, date
 
 
-class NotAccepted(ValueError):
-    """A cell that does not hold what its column asks for; the message says what that is."""
-
-
 @dataclass(frozen=True)
 class Kind:
     """What the cells of a column hold: text, unless a subclass says otherwise."""
@@ -47,7 +45,7 @@ class Kind:
         Raises
         ------
         NotAccepted
-            with what was expected.
+            with what is wanted.
         """
         return as_text(cell)
 
@@ -67,7 +65,7 @@ class Day(Kind):
         try:
             return datetime.date.fromisoformat(text[:10] if text[10:].strip("T 0:") == "" else text).isoformat()
         except ValueError:
-            raise NotAccepted("a day such as 2026-01-31") from None
+            raise NotAccepted(Sentence("a day such as 2026-01-31")) from None
 
 
 @dataclass(frozen=True)
@@ -78,7 +76,7 @@ class YesNo(Kind):
         text = as_text(cell).casefold()
         if text in _YES | _NO:
             return text in _YES
-        raise NotAccepted("yes or no")
+        raise NotAccepted(Sentence("yes or no"))
 
     def cell(self, value: Any, units: Units) -> str:
         return "yes" if value else "no"
@@ -101,7 +99,7 @@ class Choice(Kind):
         for option in self.options:
             if _alike(text) == _alike(option):
                 return str(option)
-        raise NotAccepted(f"one of {', '.join(self.shown)}")
+        raise NotAccepted(Sentence("one of {names}", names=self.shown))
 
     def cell(self, value: Any, units: Units) -> str:
         return str(value) if self.symbols else str(value).replace("_", " ")
@@ -131,10 +129,10 @@ class Number(Kind):
             raise NotAccepted(self.wanted(units))
         return Decimal(repr(number))
 
-    def wanted(self, units: Units) -> str:
-        """Say what is expected: ``a number in µm, diametral``."""
+    def wanted(self, units: Units) -> Sentence:
+        """Say what is wanted: ``a number in µm, diametral``."""
         label = self.label(units)
-        return f"a number in {label}" if label else "a number"
+        return Sentence("a number in {unit}", unit=label) if label else Sentence("a number")
 
     def cell(self, value: Any, units: Units) -> str | float:
         return cell_number(value, self.measure, units)
@@ -150,7 +148,7 @@ class Whole(Kind):
         return self.unit
 
     def value(self, cell: Cell, units: Units) -> int:
-        return _whole(cell, "a whole number")
+        return _whole(cell, Sentence("a whole number"))
 
     def cell(self, value: Any, units: Units) -> float:
         return int(value)
@@ -163,7 +161,7 @@ class Gear(Kind):
     def value(self, cell: Cell, units: Units) -> int:
         gears = gears_written(cell)
         if len(gears) != 1:
-            raise NotAccepted("one gear: R, N or a number")
+            raise NotAccepted(Sentence("one gear: R, N or a number"))
         return gears[0]
 
     def cell(self, value: Any, units: Units) -> str | float:
@@ -199,7 +197,7 @@ class Names(Kind):
             names = [word for name in names for word in name.split()]
             known = {option.casefold(): option for option in self.options}
             if not all(name.casefold() in known for name in names):
-                raise NotAccepted(f"of {', '.join(self.options)}, with blanks or commas between")
+                raise NotAccepted(Sentence("of {names}, with blanks or commas between", names=self.options))
             return [known[name.casefold()] for name in names]
         return names
 
@@ -214,7 +212,7 @@ class Wholes(Kind):
     """Several whole numbers, with blanks or commas between."""
 
     def value(self, cell: Cell, units: Units) -> list[int]:
-        wanted = "whole numbers with blanks between, such as 1 2 3"
+        wanted = Sentence("whole numbers with blanks between, such as 1 2 3")
         if isinstance(cell, str):
             return [_whole(part, wanted) for part in _SEPARATED.split(cell.strip()) if part]
         return [_whole(cell, wanted)]
@@ -234,7 +232,7 @@ def gears_written(cell: Cell) -> list[int]:
     >>> gears_written("P R N 1-3, 5"), gears_written(4.0)
     ([0, -1, 1, 2, 3, 5], [4])
     """
-    wanted = "gears such as R N 1 2 3, with blanks between, or 1-3"
+    wanted = Sentence("gears such as R N 1 2 3, with blanks between, or 1-3")
     if not isinstance(cell, str):
         return [_whole(cell, wanted)]
     gears: list[int] = []
@@ -274,7 +272,7 @@ def as_text(cell: Cell) -> str:
     return str(cell).strip()
 
 
-def _whole(cell: Cell, wanted: str) -> int:
+def _whole(cell: Cell, wanted: Sentence) -> int:
     if isinstance(cell, str):
         cell = decimal_number(cell.replace("−", "-"))
     if isinstance(cell, int | float) and not isinstance(cell, bool) and float(cell).is_integer():

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from atleak.catalogue.usual import either
 from atleak.controller_sheets.description import Fault, Row, Spot
-from atleak.controller_sheets.kinds import NotAccepted, Number, as_text
+from atleak.controller_sheets.kinds import Number, as_text
 from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Units
 from atleak.errors import InputError
+from atleak.faults import NotAccepted
+from atleak.sentence import Sentence, in_a_row
 
 _LENGTHS = {"mm": 1e-3, "µm": 1e-6, "inch": 0.0254}
 
 
-def doubts(sheet: Sheet, rows: Iterable[Row], units: Units) -> Iterator[tuple[Spot, str]]:
+def doubts(sheet: Sheet, rows: Iterable[Row], units: Units) -> Iterator[tuple[Spot, Sentence]]:
     """Yield the cells whose numbers are accepted and yet look like those of another unit, each with what to ask.
 
     An inch sheet with a spool of 7.2, say: 183 mm is none of a valve body, 7.2 mm is.
@@ -25,7 +28,13 @@ def doubts(sheet: Sheet, rows: Iterable[Row], units: Units) -> Iterator[tuple[Sp
                 continue
             if question := _other_unit(column, row, units):
                 stands = f"{as_text(row.cells[column.heading])} {kind.label(units)}"
-                yield row.at(column.heading), f"{stands} is unusual{_converted(column, row, units)}: {question}"
+                text = Sentence(
+                    "{stands} is unusual{converted}: {question}",
+                    stands=stands,
+                    converted=_converted(column, row, units),
+                    question=question,
+                )
+                yield row.at(column.heading), text
 
 
 def fault_of_cell(error: InputError, column: Column, row: Row, units: Units) -> Fault:
@@ -35,36 +44,39 @@ def fault_of_cell(error: InputError, column: Column, row: Row, units: Units) -> 
         if error.value is not None:  # of a value that nobody typed
             return Fault(spot, error.problem, error.value, error.expected, error.nearest)
         expected = column.kind.wanted(units) if isinstance(column.kind, Number) else None
-        return Fault(spot, "this cell must be filled in", expected=expected)
+        return Fault(spot, Sentence("this cell must be filled in"), expected=expected)
+    expected, question = error.expected, _other_unit(column, row, units)
+    if expected and question:
+        expected = in_a_row((expected, question))
     return Fault(
         spot,
-        error.problem + _converted(column, row, units),
+        Sentence("{problem}{converted}", problem=error.problem, converted=_converted(column, row, units)),
         row.cells[column.heading],
-        "; ".join(filter(None, (error.expected, _other_unit(column, row, units)))) or None,
+        expected or question or None,
         error.nearest,
     )
 
 
-def _converted(column: Column, row: Row, units: Units) -> str:
+def _converted(column: Column, row: Row, units: Units) -> Sentence:
     """Say what a number is in the unit of the file, where that is another one, since limits are stated in it."""
     value, kind = row.values.get(column.heading), column.kind
     if not isinstance(kind, Number) or not isinstance(value, float) or kind.value(1.0, units) == 1.0:
-        return ""
-    return f" (it is {value:.6g} {kind.label(Units())})"
+        return Sentence("")
+    return Sentence(" (it is {value:.6g} {unit})", value=value, unit=kind.label(Units()))
 
 
-def _other_unit(column: Column, row: Row, units: Units) -> str:
+def _other_unit(column: Column, row: Row, units: Units) -> Sentence:
     """Ask for the unit in which a length would be a usual one, where it is none as it stands."""
     kind, cell = column.kind, row.cells[column.heading]
     if not isinstance(kind, Number) or kind.measure.usual == (0.0, 0.0) or column.heading not in row.values:
-        return ""
+        return Sentence("")
     low, high = kind.measure.usual
     if low <= row.values[column.heading] <= high:
-        return ""
+        return Sentence("")
     try:
         number = float(kind.written(cell, units))
     except NotAccepted:  # a unit stands in the cell already
-        return ""
+        return Sentence("")
     sides = 2.0 if kind.measure.of_clearance and units.clearance == "diametral" else 1.0
     names = [name for name, si in _LENGTHS.items() if low <= number * si / float(kind.measure.si) / sides <= high]
-    return f"was it in {' or '.join(names)}?" if names else ""
+    return Sentence("was it in {units}?", units=either(names)) if names else Sentence("")

@@ -12,6 +12,7 @@ from typing import Any
 
 from atleak.controller_sheets.description import Description, Fault, Row, Spot, Steps
 from atleak.controller_sheets.kinds import EVERY, Gears, Kind
+from atleak.sentence import Sentence
 
 Values = dict[str, Any]
 DEFAULTS, REPRESENTATIVE = "defaults", "representative_values"  # of the head: what holds for lands that state nothing
@@ -155,7 +156,8 @@ class Sheet:
             if value is None:
                 continue
             if column.end and column.of(table, end=0) is None:
-                into.fault(row, column.heading, "the upper end of a range without its lower one", "both, or neither")
+                problem = Sentence("the upper end of a range without its lower one")
+                into.fault(row, column.heading, problem, Sentence("both, or neither"))
                 continue
             column.put(table, value)
         return table
@@ -215,11 +217,11 @@ class NamedTables(Sheet):
             name = row.values.get(heading)
             if name is None:
                 if heading not in row.cells:
-                    into.fault(row, heading, "this row has no name", "a name, or an empty row")
+                    into.fault(row, heading, Sentence("this row has no name"), Sentence("a name, or an empty row"))
                 continue
             tables = into.table(self.at)
             if name in tables:
-                into.fault(row, heading, "given twice", "each name once")
+                into.fault(row, heading, Sentence("given twice"), Sentence("each name once"))
                 continue
             tables[name] = self._read(row, (*self.at, name), into)
 
@@ -259,17 +261,24 @@ class Parts(Sheet):
             return
         for name in _LISTS[:2]:
             if column.how_known in into.data.get(DEFAULTS, {}).get(name, ()):
-                problem = f"the head says that this is {name} in all lands"
+                problem = Sentence("the head says that this is {evidence} in all lands", evidence=name)
+                expected = Sentence("{evidence}, or a head that leaves it open", evidence=name)
                 for row in rows:
-                    into.fault(row, column.heading, problem, f"{name}, or a head that leaves it open")
+                    into.fault(row, column.heading, problem, expected)
                 return
         keys = [each.how_known for each in self.columns if each.how_known in {*everywhere, column.how_known} - {""}]
         into.data[REPRESENTATIVE] = keys
         silent = sum(column.of(table) is None for _, table in tables)
         if silent:
+            one = Sentence("{count} empty cell is taken as representative, as others say so", count=silent)
+            several = Sentence("{count} empty cells are taken as representative, as others say so", count=silent)
             into.notes.append(
-                f"sheet {self.name!r}, column {column.heading}: {silent} empty "
-                f"{'cell is' if silent == 1 else 'cells are'} taken as representative, as others say so"
+                Sentence(
+                    "sheet {sheet!r}, column {column}: {note}",
+                    sheet=self.name,
+                    column=column.heading,
+                    note=one if silent == 1 else several,
+                )
             )
 
 
@@ -298,20 +307,21 @@ class ValuesByPoint(Sheet):
             where = point_of(row, point, into) if point in row.cells else None
             stated = table.get(self._key)
             if number not in row.cells:
-                into.fault(row, number, "no number", "a number, or an empty row")
+                into.fault(row, number, Sentence("no number"), Sentence("a number, or an empty row"))
             if number not in row.values or (where is None and point in row.cells):
                 into.unread.add(at)
             elif where is None and stated is None:
                 table[self._key] = row.values[number]
             elif where is None or not isinstance(table.setdefault(self._key, {}), dict) or where in table[self._key]:
-                expected = "one number for all operating points, or one for each of them"
-                into.fault(row, point, f"a further number of {name}", expected)
+                expected = Sentence("one number for all operating points, or one for each of them")
+                into.fault(row, point, Sentence("a further number of {name}", name=name), expected)
             else:
                 into.mark((*at, where), row.at(number))
                 table[self._key][where] = row.values[number]
         for name, (place, table) in owners.items():
             if self._key not in table and (*self.at, place, self._key) not in into.unread:
-                into.faults.append(Fault(Spot(self.name), f"no row says it of {name}", expected="a row for it"))
+                problem = Sentence("no row says it of {name}", name=name)
+                into.faults.append(Fault(Spot(self.name), problem, expected=Sentence("a row for it")))
                 into.unread.add((*self.at, place, self._key))
 
     @property
@@ -337,9 +347,10 @@ def owner_of(row: Row, heading: str, owners: Mapping[str, Any], into: Descriptio
     if name in owners:
         return str(name)
     if heading in row.values:
-        return into.unknown(row, heading, "no such id here", list(owners))
+        return into.unknown(row, heading, Sentence("no such id here"), list(owners))
     if heading not in row.cells:
-        into.fault(row, heading, "this row does not say to what it belongs", "an id, or an empty row")
+        problem = Sentence("this row does not say to what it belongs")
+        into.fault(row, heading, problem, Sentence("an id, or an empty row"))
     return None
 
 
@@ -349,5 +360,5 @@ def point_of(row: Row, heading: str, into: Description) -> str | None:
     points = [str(table["name"]) for table in into.data.get("operating_points", ()) if "name" in table]
     if name is None or name in points:
         return name
-    into.unknown(row, heading, "no such operating point", points)
+    into.unknown(row, heading, Sentence("no such operating point"), points)
     return None

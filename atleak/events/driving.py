@@ -7,6 +7,7 @@ import pandas as pd
 
 from atleak.events.event import Event, Thresholds, runs, segments, standing_samples
 from atleak.road_test import ChannelSource, RoadTest
+from atleak.sentence import Sentence
 
 
 def hot_idle(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
@@ -57,7 +58,7 @@ def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Even
     limits = limits or Thresholds()
     engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
     source: ChannelSource = "logged"
-    note = ""
+    note = Sentence("")
     if engine is not None and turbine is not None:
         mask = (np.abs(engine - turbine) < limits.slip) & (engine > limits.idle_high)
     else:
@@ -65,7 +66,7 @@ def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Even
         if channel is None or not np.isfinite(channel).any() or not np.nanmax(channel) > 0:
             return []
         mask = channel >= 0.5 * np.nanmax(channel)
-        note = "commanded: no turbine speed shows whether it held"
+        note = Sentence("commanded: no turbine speed shows whether it held")
     time = road_test.time
     return [
         Event("lock_up", float(time[low]), float(time[high]), source=source, note=note)

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from atleak.road_test import ChannelSource, RoadTest
+from atleak.sentence import Sentence
 
 EventKind = Literal[
     "minimum_acceleration", "gear_shift", "hot_idle", "stall", "lock_up", "steady_driving", "engine_start"
@@ -81,7 +82,7 @@ class Event:
     from_gear: int | None = None
     to_gear: int | None = None
     source: ChannelSource = "logged"
-    note: str = ""
+    note: Sentence = Sentence("")  # noqa: RUF009  frozen, so safe to share
     test: AccelerationTest | None = None  # of a minimum-acceleration test: how it was driven
 
     @property

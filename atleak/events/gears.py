@@ -71,9 +71,8 @@ def _by_ratio(
     if stop <= start:
         return event
     lag = float(time[high] - stop)
-    return replace(
-        event, start=float(start), stop=float(stop), note=f"the logged gear lags by {lag:.2f} s" if lag > 0 else ""
-    )
+    note = Sentence("the logged gear lags by {lag:.2f} s", lag=lag) if lag > 0 else Sentence("")
+    return replace(event, start=float(start), stop=float(stop), note=note)
 
 
 def _ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", "engine_speed")) -> np.ndarray | None:

@@ -15,6 +15,9 @@ import numpy as np
 
 from atleak.errors import InputError, Message
 from atleak.gauge_study.readings import StudyReadings
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+from atleak.workshop_units import UM
 
 ALPHA = 0.05  # significance at which the interaction is kept: as in the table of AIAG's example
 SPREAD = 6.0  # standard deviations that make the width of a spread: 99.73 % of a normal distribution
@@ -131,9 +134,11 @@ def analysed(readings: StudyReadings, *, tolerance: float | None = None, alpha: 
         a tolerance that is not above 0, or an alpha that is not between 0 and 1.
     """
     if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0.0):
-        raise InputError("the tolerance is no width", value=tolerance, expected="a number greater than 0")
+        expected = Sentence("a number greater than 0")
+        raise InputError(Sentence("the tolerance is no width"), value=tolerance, expected=expected)
     if not 0.0 < alpha < 1.0:
-        raise InputError("the level of significance is none", value=alpha, expected="a number between 0 and 1")
+        expected = Sentence("a number between 0 and 1")
+        raise InputError(Sentence("the level of significance is none"), value=alpha, expected=expected)
     table = _table(readings.values)
     part, operator, interaction, repeatability, _ = table
     assert interaction.probability is not None
@@ -208,7 +213,13 @@ def _by_chance(ratio: float, upper: int, lower: int) -> float:
     return float(fdtrc(upper, lower, ratio))
 
 
-_WORDS = {"interaction": "interaction of parts and operators", "operator": "operators", "part": "parts"}
+_SET_TO_ZERO = {
+    "interaction": Sentence(
+        "The estimated variance of the interaction of parts and operators came out negative and is set to zero."
+    ),
+    "operator": Sentence("The estimated variance of the operators came out negative and is set to zero."),
+    "part": Sentence("The estimated variance of the parts came out negative and is set to zero."),
+}
 
 
 def _messages(study: GaugeStudy, negative: Sequence[str]) -> list[Message]:
@@ -216,38 +227,45 @@ def _messages(study: GaugeStudy, negative: Sequence[str]) -> list[Message]:
     messages = []
     chance = study.row("interaction").probability
     if study.pooled:
-        text = (
-            f"The interaction of parts and operators is not significant (p = {chance:.3g}, not below "
-            f"{study.alpha:g}): it is pooled with repeatability."
+        text = Sentence(
+            "The interaction of parts and operators is not significant (p = {chance:.3g}, not below {alpha:g}): it is "
+            "pooled with repeatability.",
+            chance=chance,
+            alpha=study.alpha,
         )
         messages.append(Message("info", "interaction_pooled", text))
     else:
-        text = (
-            f"The interaction of parts and operators is significant (p = {chance:.3g}, below {study.alpha:g}): some "
-            "people read some parts otherwise than others do, and it counts as reproducibility."
+        text = Sentence(
+            "The interaction of parts and operators is significant (p = {chance:.3g}, below {alpha:g}): some people "
+            "read some parts otherwise than others do, and it counts as reproducibility.",
+            chance=chance,
+            alpha=study.alpha,
         )
         messages.append(Message("warning", "interaction_kept", text))
     for name in negative:
-        text = f"The estimated variance of the {_WORDS[name]} came out negative and is set to zero."
-        messages.append(Message("info", "variance_set_to_zero", text))
+        messages.append(Message("info", "variance_set_to_zero", _SET_TO_ZERO[name]))
     categories = study.categories
     if categories is not None and categories < FEWEST_CATEGORIES:
-        text = (
-            f"The gauge tells {categories} groups of these parts apart; AIAG asks for {FEWEST_CATEGORIES}. Parts that "
-            "differ less than those on which it will be used make this number small, too."
+        text = Sentence(
+            "The gauge tells {count} groups of these parts apart; AIAG asks for {fewest}. Parts that differ less than "
+            "those on which it will be used make this number small, too.",
+            count=categories,
+            fewest=FEWEST_CATEGORIES,
         )
         messages.append(Message("warning", "few_categories", text))
     step, spread = study.readings.step, SPREAD * study.of("total").deviation
     if step is None:
-        text = "All readings are the same: nothing can be said of gauge, people and parts."
+        text = Sentence("All readings are the same: nothing can be said of gauge, people and parts.")
         messages.append(Message("warning", "nothing_varies", text))
     elif not study.of("repeatability").variance:
-        text = "Every repeat is the same: repeatability hides below the resolution of the gauge."
+        text = Sentence("Every repeat is the same: repeatability hides below the resolution of the gauge.")
         messages.append(Message("warning", "repeats_alike", text))
     elif step > spread / 10.0:
-        text = (
-            f"The readings step by {step * 1e6:.3g} µm, more than a tenth of their spread of {spread * 1e6:.3g} µm: "
-            "the gauge is too coarse for these parts."
+        text = Sentence(
+            "The readings step by {step:.3g} {step.unit}, more than a tenth of their spread of {spread:.3g} "
+            "{spread.unit}: the gauge is too coarse for these parts.",
+            step=Quantity(step * UM, "clearance"),
+            spread=Quantity(spread * UM, "clearance"),
         )
         messages.append(Message("warning", "coarse_steps", text))
     return messages

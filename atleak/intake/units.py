@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -230,3 +231,14 @@ def unit_names(kind: str) -> list[str]:
 def kinds_of(name: str) -> list[str]:
     """Return every kind that has a unit of that name: ``"m"`` is a length only, ``"min"`` a time."""
     return [kind for kind in _TABLE if find_unit(name, kind)]
+
+
+KINDS: Mapping[str, Sentence] = {  # as sentences name them
+    "length": Sentence("length"),
+    "pressure": Sentence("pressure"),
+    "temperature": Sentence("temperature"),
+    "rotational_speed": Sentence("rotational speed"),
+    "speed": Sentence("speed"),
+    "time": Sentence("time"),
+    "ratio": Sentence("ratio"),
+}

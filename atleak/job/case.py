@@ -40,6 +40,7 @@ from atleak.intake.road_test import NOT_LOGGED, Understood, default_path, recall
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.road_test import RoadTest
+from atleak.sentence import Sentence
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR, LandSources
 from atleak.uncertainty.sources import sources_of_sheet
 
@@ -88,7 +89,8 @@ class SourceFile:
         try:
             return Path(self.path or self.name).read_bytes()
         except OSError as error:
-            raise InputError(f"cannot be read: {error.strerror}", place=Place(file=self.name)) from error
+            problem = Sentence("cannot be read: {reason}", reason=error.strerror)
+            raise InputError(problem, place=Place(file=self.name)) from error
 
     @cached_property
     def sha256(self) -> str:
@@ -338,11 +340,13 @@ def _road_test(log: Understood) -> RoadTest:
     """
     test, place = log.road_test, Place(file=log.file)
     if test is None:
-        raise log.problem or InputError("the log's columns cannot be identified", place=place)
+        raise log.problem or InputError(Sentence("the log's columns cannot be identified"), place=place)
     asked = any(question.quantity == "main_pressure" for question in log.ambiguous)
     if asked and test.channel("commanded_pressure") is None:
-        problem = f"the log's column of main pressure is not usable: {test.refused['main_pressure']}"
-        raise RoadTestError(problem, place=place, expected="the column of main pressure, and its unit, to be named")
+        reason = test.refused["main_pressure"]
+        problem = Sentence("the log's column of main pressure is not usable: {reason}", reason=reason)
+        expected = Sentence("the column of main pressure, and its unit, to be named")
+        raise RoadTestError(problem, place=place, expected=expected)
     return test
 
 
@@ -351,7 +355,12 @@ def _one_table(own: PressureTable | None, readings: Readings | None) -> Pressure
     of_tab = None if readings is None else readings.pressures
     if own is None or of_tab is None:
         return own or of_tab
-    text = f"the gauge readings in sheet {of_tab.sheet!r} of {of_tab.file} are left aside: those of {own.file} are used"
+    text = Sentence(
+        "the gauge readings in sheet {sheet!r} of {file} are left aside: those of {own} are used",
+        sheet=of_tab.sheet,
+        file=of_tab.file,
+        own=own.file,
+    )
     place = Place(of_tab.file, of_tab.sheet)
     return replace(own, messages=(*own.messages, Message("warning", "pressure_tab_aside", text, place)))
 

@@ -10,6 +10,7 @@ from atleak.errors import InputError, Place, unknown
 from atleak.job.record import Job, RepairDecision
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import LandKey
+from atleak.sentence import Sentence
 
 
 def check_decisions(job: Job, controller: Controller, file: str = "job record") -> None:
@@ -30,22 +31,27 @@ def decision_faults(job: Job, controller: Controller, file: str = "job record") 
     for number, decision in enumerate(job.repair_decisions, start=1):
         place = Place(file=file, table=f"repair_decisions {number}")
         if decision.component and decision.component not in controller.components:
-            problem = f"{controller.name} has no such component"
+            problem = Sentence("{controller} has no such component", controller=controller.name)
             yield unknown(problem, decision.component, controller.components, place=place)
             continue
         lands = [land.key[1] for land in controller.lands_of(decision.component)] if decision.component else []
         if decision.land is not None and decision.land not in lands:
-            which = f"component {decision.component}" if decision.component else "a decision without a component"
-            expected = (
-                f"one of its lands: {', '.join(map(str, lands))}" if lands else "the component that it belongs to"
-            )
-            yield InputError(f"{which} has no such land", place=place, value=decision.land, expected=expected)
+            problem = Sentence("a decision without a component has no such land")
+            if decision.component:
+                problem = Sentence("component {component} has no such land", component=decision.component)
+            expected = Sentence("the component that it belongs to")
+            if lands:
+                expected = Sentence("one of its lands: {lands}", lands=lands)
+            yield InputError(problem, place=place, value=decision.land, expected=expected)
         repairs = {repair.id: repair for repair in controller.repairs}
         if decision.repair and decision.repair not in repairs:
-            yield unknown(f"{controller.name} names no such repair", decision.repair, repairs, place=place)
+            problem = Sentence("{controller} names no such repair", controller=controller.name)
+            yield unknown(problem, decision.repair, repairs, place=place)
         elif decision.repair and decision.component not in ("", repairs[decision.repair].component):
-            problem = f"repair {decision.repair} is none of component {decision.component}"
-            yield InputError(problem, place=place, expected=f"component {repairs[decision.repair].component}")
+            of = {"repair": decision.repair, "component": decision.component}
+            problem = Sentence("repair {repair} is none of component {component}", **of)
+            expected = Sentence("component {component}", component=repairs[decision.repair].component)
+            yield InputError(problem, place=place, expected=expected)
 
 
 def covered(decision: RepairDecision, controller: Controller) -> frozenset[LandKey]:

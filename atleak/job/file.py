@@ -16,6 +16,7 @@ from atleak.faults import validated
 from atleak.job.case import OWN_FILES, SLOTS, Case
 from atleak.job.parts import JobFile, entry_of, job_parts, json_of
 from atleak.job.record import Job, picture_name
+from atleak.sentence import Sentence
 from atleak.system.marks import NO_SOUND_ZIP, PACKINGS
 
 SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
@@ -41,11 +42,11 @@ def load_job(path: str | Path) -> Job:
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise InputError(
-            f"cannot be read: {error.strerror}", place=Place(file=str(path)), expected="a job record in TOML or JSON"
-        ) from error
+        problem = Sentence("cannot be read: {reason}", reason=error.strerror)
+        expected = Sentence("a job record in TOML or JSON")
+        raise InputError(problem, place=Place(file=str(path)), expected=expected) from error
     if len(content) > _RECORD_LIMIT:
-        raise InputError("too large for a job record", place=Place(file=path.name))
+        raise InputError(Sentence("too large for a job record"), place=Place(file=path.name))
     job = parse_job(content, path.name)
     return job.with_pictures({name: _picture_beside(path, name) for name in job.picture_names})
 
@@ -62,8 +63,9 @@ def parse_job(content: bytes, name: str) -> Job:
         text = content.decode("utf-8-sig")
         data = json.loads(text) if Path(name).suffix.lower() == ".json" else tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        problem = f"is not valid: {str(error)[:200]}"
-        raise InputError(problem, place=Place(file=name), expected="a job record in TOML or JSON, UTF-8") from error
+        problem = Sentence("is not valid: {reason}", reason=str(error)[:200])
+        expected = Sentence("a job record in TOML or JSON, UTF-8")
+        raise InputError(problem, place=Place(file=name), expected=expected) from error
     return validated(Job, data, name)
 
 
@@ -72,15 +74,15 @@ def _picture_beside(record: Path, name: str) -> bytes:
     path = (folder / name).resolve()
     place = Place(file=record.name, key=name)
     if not path.is_relative_to(folder):
-        raise InputError("picture outside the job's folder", place=place)
+        raise InputError(Sentence("picture outside the job's folder"), place=place)
     try:
         if path.stat().st_size > _PICTURE_LIMIT:
-            raise InputError("picture too large", place=place, expected=f"at most {_PICTURE_LIMIT >> 20} MB")
+            expected = Sentence("at most {size} MB", size=_PICTURE_LIMIT >> 20)
+            raise InputError(Sentence("picture too large"), place=place, expected=expected)
         return path.read_bytes()
     except OSError as error:
-        raise InputError(
-            f"picture cannot be read: {error.strerror}", place=place, expected="a file beside the job record"
-        ) from error
+        problem = Sentence("picture cannot be read: {reason}", reason=error.strerror)
+        raise InputError(problem, place=place, expected=Sentence("a file beside the job record")) from error
 
 
 # --- the job with all its files
@@ -133,22 +135,22 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
     try:
         content = source if isinstance(source, bytes) else Path(source).read_bytes()
     except (OSError, ValueError) as error:
-        problem = f"cannot be read: {getattr(error, 'strerror', error)}"
-        raise InputError(problem, place=place, expected="a job file (zip)") from error
+        problem = Sentence("cannot be read: {reason}", reason=getattr(error, "strerror", error))
+        raise InputError(problem, place=place, expected=Sentence("a job file (zip)")) from error
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as bundle:
             entries = dict(_entries(bundle, name, size_limit))
     except NO_SOUND_ZIP as error:
-        raise InputError(
-            f"is no sound zip: {str(error)[:100]}", place=place, expected="a job file of atleak"
-        ) from error
+        problem = Sentence("is no sound zip: {reason}", reason=str(error)[:100])
+        raise InputError(problem, place=place, expected=Sentence("a job file of atleak")) from error
     return _job_file(entries, name)
 
 
 def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
     if "job.json" not in entries:
-        raise InputError("holds no job.json", place=Place(file=name), expected="a job file of atleak")
-    result = json_of(entries.get("result.json", b"{}"), f"{name}: result.json")
+        problem = Sentence("holds no job.json")
+        raise InputError(problem, place=Place(file=name), expected=Sentence("a job file of atleak"))
+    result = json_of(entries.get("result.json", b"{}"), Sentence("{name}: {file}", name=name, file="result.json"))
     named = {entry_of(slot): slot for slot in (*OWN_FILES, *SLOTS)}
     sources = {named[entry]: content for entry, content in entries.items() if entry in named}
     pictures = {
@@ -171,23 +173,25 @@ def _entries(bundle: zipfile.ZipFile, name: str, size_limit: int) -> Iterator[tu
     infos = bundle.infolist()
     place = Place(file=name)
     if len(infos) > _ENTRIES:
-        raise InputError("holds too many files", place=place, value=len(infos), expected=f"at most {_ENTRIES}")
+        expected = Sentence("at most {count}", count=_ENTRIES)
+        raise InputError(Sentence("holds too many files"), place=place, value=len(infos), expected=expected)
     names = [info.filename for info in infos]
     if len(set(names)) != len(names):
-        raise InputError("holds a file twice", place=place, value=max(names, key=names.count))
+        raise InputError(Sentence("holds a file twice"), place=place, value=max(names, key=names.count))
     total = sum(info.file_size for info in infos)
     if total > size_limit:
-        expected = f"at most {size_limit} bytes unpacked"
-        raise InputError("too large", place=place, value=total, expected=expected)
+        expected = Sentence("at most {size} bytes unpacked", size=size_limit)
+        raise InputError(Sentence("too large"), place=place, value=total, expected=expected)
     for info in infos:
         if info.filename.endswith("/"):
             continue  # left by programs that zip folders
         if info.flag_bits & 0x1:
-            raise InputError("is encrypted", place=place, value=info.filename)
+            raise InputError(Sentence("is encrypted"), place=place, value=info.filename)
         if info.compress_type not in PACKINGS:
-            raise InputError("is packed in a way that no job is", place=place, value=info.filename, expected="deflate")
+            problem = Sentence("is packed in a way that no job is")
+            raise InputError(problem, place=place, value=info.filename, expected=Sentence("deflate"))
         if not _known_entry(info.filename):
-            raise InputError("holds a file that no job has", place=place, value=info.filename)
+            raise InputError(Sentence("holds a file that no job has"), place=place, value=info.filename)
         yield info.filename, bundle.read(info)
 
 

@@ -26,6 +26,7 @@ from atleak.job.record import (
     PumpTipMicrometres,
     without_surrogates,
 )
+from atleak.sentence import Sentence
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
@@ -44,7 +45,7 @@ class _Strict(BaseModel):
 def _known_slot(name: str) -> str:
     """Check that a name is one of the files that a job can hold."""
     if name not in (*OWN_FILES, *SLOTS):
-        raise ValueError(f"one of {', '.join((*OWN_FILES, *SLOTS))}")
+        raise ValueError(Sentence("one of {names}", names=(*OWN_FILES, *SLOTS)))
     return name
 
 
@@ -202,9 +203,9 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
     entries = _catalogue_files(diagnosis, case)
     gauges = diagnosis.pressures.table if diagnosis.pressures else None
     of_tab = gauges if case.pressures is None else None
-    sheet = _source(case.readings, diagnosis.readings or of_tab, "the measuring sheet")
-    table = _source(case.pressures, None if gauges is of_tab else gauges, "the table of gauge readings")
-    log = _source(case.road_test, diagnosis.log.road_test if diagnosis.log else None, "the road-test log")
+    sheet = _source(case.readings, diagnosis.readings or of_tab, _SHEET)
+    table = _source(case.pressures, None if gauges is of_tab else gauges, _GAUGES)
+    log = _source(case.road_test, diagnosis.log.road_test if diagnosis.log else None, _LOG)
     own = dict(zip(OWN_FILES, (sheet, log, table), strict=True))
     uncertainty = diagnosis.uncertainty
     choices = Choices(
@@ -248,7 +249,7 @@ class JobFile:
         try:
             return self.case.diagnose()
         except InputError as error:
-            error.rename_file(lambda file: f"{self.name}: {file}" if file else self.name)
+            error.rename_file(lambda file: _within(self.name, file) if file else self.name)
             raise
 
     @classmethod
@@ -281,21 +282,28 @@ class JobFile:
         InputError
             another format, choices that no job has, a file that is missing.
         """
-        data = json_of(choices, f"{name}: job.json")
+        data = json_of(choices, _within(name, "job.json"))
         made = data.get("format") if isinstance(data, dict) else None
         if made != FORMAT:
-            place = Place(file=name)
-            raise InputError("job file of another format", place=place, value=made, expected=f"format {FORMAT}")
-        stated = validated(Choices, data, f"{name}: job.json")
+            problem = Sentence("job file of another format")
+            expected = Sentence("format {format}", format=FORMAT)
+            raise InputError(problem, place=Place(file=name), value=made, expected=expected)
+        stated = validated(Choices, data, _within(name, "job.json"))
         files = {}
         for slot, called in stated.files.items():
             if slot not in sources:
-                raise InputError(f"holds no {entry_of(slot)}, which its record names", place=Place(file=name))
+                problem = Sentence("holds no {file}, which its record names", file=entry_of(slot))
+                raise InputError(problem, place=Place(file=name))
             files[slot] = SourceFile(called, sources[slot])
         missing = [name for name, slot in SLOTS.items() if slot.required and name not in files]
         if missing:
-            raise InputError(f"names no {missing[0]}", place=Place(file=name), expected="a complete job file")
+            problem = Sentence("names no {part}", part=missing[0])
+            raise InputError(problem, place=Place(file=name), expected=Sentence("a complete job file"))
         return cls(stated.record.with_pictures(pictures), stated.case(files), result, name)
+
+
+def _within(name: str, file: str) -> Sentence:
+    return Sentence("{name}: {file}", name=name, file=file)
 
 
 def entry_of(slot: str) -> str:
@@ -312,11 +320,12 @@ def json_of(content: bytes, name: str) -> Any:
         naming what is too large or no JSON.
     """
     if len(content) > _RECORD_LIMIT:
-        raise InputError("too large", place=Place(file=name))
+        raise InputError(Sentence("too large"), place=Place(file=name))
     try:
         return _encodable(json.loads(content.decode("utf-8-sig")))
     except (ValueError, RecursionError) as error:
-        raise InputError(f"is not valid JSON: {str(error)[:200]}", place=Place(file=name)) from error
+        problem = Sentence("is not valid JSON: {reason}", reason=str(error)[:200])
+        raise InputError(problem, place=Place(file=name)) from error
 
 
 def _encodable(value: Any) -> Any:
@@ -329,6 +338,16 @@ def _encodable(value: Any) -> Any:
 
 
 # --- the files that a result rests on
+
+_SHEET, _GAUGES = Sentence("the measuring sheet"), Sentence("the table of gauge readings")
+_LOG = Sentence("the road-test log")
+_FILES = {
+    "controller": Sentence("the file of the controller"),
+    "fluid": Sentence("the file of the fluid"),
+    "limits": Sentence("the file of the limits"),
+    "spool_instrument": Sentence("the file of the spool instrument"),
+    "sleeve_instrument": Sentence("the file of the sleeve instrument"),
+}
 
 
 def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
@@ -347,8 +366,8 @@ def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
         own = isinstance(choice, SourceFile) and not (shipped and choice.sha256 != origin.sha256)
         source = SourceFile(origin.file, choice.content if own else _bytes_loaded(name, origin))
         if source.sha256 != origin.sha256:
-            what = f"the file of the {name.replace('_', ' ')}"
-            raise InputError(f"{what} has changed since it was loaded", value=origin.file)
+            problem = Sentence("{what} has changed since it was loaded", what=_FILES[name])
+            raise InputError(problem, value=origin.file)
         files[name] = source
     return files
 
@@ -357,17 +376,19 @@ def _bytes_loaded(name: str, origin: Origin) -> bytes:
     try:
         return origin.path.read_bytes()
     except OSError as error:
-        what = f"the file of the {name.replace('_', ' ')}"
-        raise InputError(f"{what} is no longer there", value=origin.file) from error
+        problem = Sentence("{what} is no longer there", what=_FILES[name])
+        raise InputError(problem, value=origin.file) from error
 
 
-def _source(source: SourceFile | None, used: Any, called: str) -> SourceFile | None:
+def _source(source: SourceFile | None, used: Any, called: Sentence) -> SourceFile | None:
     if used is None:
         return None
     if source is None:
-        raise InputError(f"{called} is missing", value=used.file, expected="the bytes the diagnosis was read from")
+        expected = Sentence("the bytes the diagnosis was read from")
+        raise InputError(Sentence("{what} is missing", what=called), value=used.file, expected=expected)
     if source.sha256 != used.sha256:
-        raise InputError(f"{called} is not the one the diagnosis was read from", value=used.file)
+        problem = Sentence("{what} is not the one the diagnosis was read from", what=called)
+        raise InputError(problem, value=used.file)
     if source.data is not None and source.name == used.file:
         return source  # its digest is known
     return SourceFile(used.file, source.content)

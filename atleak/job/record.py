@@ -19,6 +19,7 @@ from pydantic import AfterValidator, AllowInfNan, BaseModel, BeforeValidator, Co
 
 from atleak.catalogue.pump import PumpClearances
 from atleak.repair import Goal
+from atleak.sentence import Sentence
 from atleak.written_numbers import (
     HOURS,
     LABOUR_RATE,
@@ -63,7 +64,7 @@ def _number(asked: AskedNumber, value: Any) -> Any:
         return value
     number = read_number(value, asked)
     if number.value is None:
-        raise ValueError(number.doubt.removesuffix("."))
+        raise ValueError(Sentence("{doubt}", doubt=number.doubt.removesuffix(".")))
     return number.value
 
 
@@ -89,9 +90,9 @@ def picture_name(name: str) -> str:
     """
     path = PurePosixPath(name.replace("\\", "/"))
     if not name or path.is_absolute() or ".." in path.parts or ":" in name:
-        raise ValueError("a file beside the job's own, named without '..' or a drive")
+        raise ValueError(Sentence("a file beside the job's own, named without '..' or a drive"))
     if path.suffix.lower() not in PICTURE_SUFFIXES:
-        raise ValueError(f"a picture: {', '.join(PICTURE_SUFFIXES)}")
+        raise ValueError(Sentence("a picture: {suffixes}", suffixes=PICTURE_SUFFIXES))
     return str(path)
 
 
@@ -268,6 +269,19 @@ class Job(Record):
     def pump_clearances(self) -> PumpClearances:
         """Return what was measured of this job's pump."""
         return PumpClearances.of_um(self.pump_side_clearance_um, self.pump_tip_clearance_um)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """Return what tells this job from others, and who measured; None for what nobody wrote down."""
+        return {
+            "number": self.number or None,
+            "date": self.date.isoformat() if self.date else None,
+            "vin": self.vehicle.vin or None,
+            "plate": self.vehicle.registration or None,
+            "serial": self.transmission.serial or None,
+            "mileage_km": self.vehicle.mileage_km,
+            "measured_by": self.technician or None,
+        }
 
     def mileage_or(self, computed: float | None) -> float | None:
         """Return the mileage with which the result was computed [km], or else the one that the record states."""

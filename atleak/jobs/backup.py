@@ -19,6 +19,7 @@ from atleak.jobs.book import Book
 from atleak.jobs.opening import in_words, opened_engine, writing
 from atleak.jobs.tables import about, jobs, metadata, units
 from atleak.jobs.verify import Fault, verify
+from atleak.sentence import Sentence
 from atleak.system.files import replacing
 
 __all__ = ["Fault", "backup", "restore", "verify"]
@@ -26,6 +27,7 @@ __all__ = ["Fault", "backup", "restore", "verify"]
 _COPIED = [table for table in metadata.sorted_tables if table is not about]  # what refers to others behind them
 _ROWS = 2000  # at a time
 _ROWS_WITH_FILES = 20
+_A_BACKUP = Sentence("a file that `atleak jobs backup` has written")
 
 
 def backup(book: Book, path: str | Path) -> int:
@@ -50,7 +52,8 @@ def backup(book: Book, path: str | Path) -> int:
     """
     target = Path(path)
     _refuse_the_book_itself(book, target)
-    with in_words(str(target), f"no backup of {book.name} can be made"), replacing(target) as beside:
+    problem = Sentence("no backup of {book} can be made", book=book.name)
+    with in_words(str(target), problem), replacing(target) as beside:
         if book.engine.dialect.name == "sqlite":
             connection = book.engine.raw_connection()
             try:
@@ -93,11 +96,11 @@ def restore(path: str | Path, book: Book, *, force: bool = False, damaged: bool 
     _refuse_the_book_itself(book, source)
     with _opened(source) as held:
         if not damaged and (faults := verify(held)):
-            others = [BookError(str(fault)) for fault in faults]
+            others = [BookError(fault.sentence) for fault in faults]
             raise BookError(
-                "jobs of the backup are damaged, and nothing was restored",
+                Sentence("jobs of the backup are damaged, and nothing was restored"),
                 place=Place(file=str(source)),
-                expected="another backup, or --damaged to take this one with what is left of them",
+                expected=Sentence("another backup, or --damaged to take this one with what is left of them"),
                 others=others,
             )
         with held.reading() as rows, book.writing() as connection:
@@ -105,9 +108,11 @@ def restore(path: str | Path, book: Book, *, force: bool = False, damaged: bool 
             there = _count(connection)
             if there and not force:
                 raise BookError(
-                    f"the job book holds {there} job{'s' * (there != 1)}, and nothing was restored",
+                    Sentence("the job book holds {count} job, and nothing was restored", count=there)
+                    if there == 1
+                    else Sentence("the job book holds {count} jobs, and nothing was restored", count=there),
                     place=Place(file=book.name),
-                    expected="an empty book, or --force to put the backup in its place",
+                    expected=Sentence("an empty book, or --force to put the backup in its place"),
                 )
             for table in reversed(_COPIED):
                 connection.execute(table.delete())
@@ -120,7 +125,8 @@ def _refuse_the_book_itself(book: Book, path: Path) -> None:
     of_book = book.engine.url.database if book.engine.dialect.name == "sqlite" else None
     with contextlib.suppress(OSError):
         if of_book is not None and path.samefile(of_book):
-            raise BookError("is the job book itself", place=Place(file=str(path)), expected="another file")
+            problem = Sentence("is the job book itself")
+            raise BookError(problem, place=Place(file=str(path)), expected=Sentence("another file"))
 
 
 def _count(connection: sa.Connection) -> int:
@@ -135,10 +141,10 @@ def _opened(path: Path) -> Iterator[Book]:
     """Open a copy of a backup as a book, which brings one of an earlier version up to date."""
     place = Place(file=str(path))
     if not path.is_file():
-        raise BookError("is not there", place=place, expected="a file that `atleak jobs backup` has written")
+        raise BookError(Sentence("is not there"), place=place, expected=_A_BACKUP)
     with (
         tempfile.TemporaryDirectory(prefix="atleak-restore-", ignore_cleanup_errors=True) as folder,
-        in_words(str(path), "the backup cannot be restored"),
+        in_words(str(path), Sentence("the backup cannot be restored")),
     ):
         copy = Path(folder) / "book.sqlite"
         with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as connection:
@@ -166,11 +172,11 @@ def _check(connection: sqlite3.Connection, path: Path) -> None:
     place = Place(file=str(path))
     held = {name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     if not {"alembic_version", "jobs"} <= held:
-        problem, expected = "is no backup of a job book", "a file that `atleak jobs backup` has written"
-        raise BookError(problem, place=place, expected=expected)
+        raise BookError(Sentence("is no backup of a job book"), place=place, expected=_A_BACKUP)
     said = [text for (text,) in connection.execute("PRAGMA integrity_check(3)")]
     if said != ["ok"]:
-        raise BookError(f"the file is damaged: {said[0]}", place=place, expected="another backup")
+        problem = Sentence("the file is damaged: {reason}", reason=said[0])
+        raise BookError(problem, place=place, expected=Sentence("another backup"))
 
 
 # --- rows

@@ -32,6 +32,7 @@ from atleak.jobs.tables import (
     search_words,
 )
 from atleak.jobs.units import left_behind, unit_of, visit_for, without_jobs_away
+from atleak.sentence import Sentence
 from atleak.version import __version__
 
 PICTURE = "picture"  # the slot of a picture
@@ -69,10 +70,10 @@ class JobRow:
     sample: bool
 
     @property
-    def in_words(self) -> str:
+    def in_words(self) -> Sentence:
         """Return whose job it is, in words."""
-        parts = (self.number, self.customer, self.date, self.plate, self.vin, self.serial)
-        return ", ".join(str(part) for part in parts if part) or f"job {self.id}, which names nobody"
+        parts = [part for part in (self.number, self.customer, self.date, self.plate, self.vin, self.serial) if part]
+        return Sentence("{parts}", parts=parts) if parts else Sentence("job {id}, which names nobody", id=self.id)
 
 
 @dataclass(frozen=True)
@@ -195,9 +196,7 @@ class Book:
         now = dt.datetime.now(dt.UTC)
         earlier = None if id is None else self._row(connection, id, lock=True)
         if earlier is not None and earlier.version != version:
-            who = f" by {earlier.technician}" if earlier.technician else ""
-            at = f"{earlier.changed_at:%Y-%m-%d %H:%M} UTC"
-            raise ChangedElsewhere(f"this job was saved elsewhere{who} at {at}, after it was opened here")
+            raise ChangedElsewhere(_saved_elsewhere(earlier))
         saved = Saved(id or secrets.token_hex(8), 1 if earlier is None else earlier.version + 1)
         contents = {source.sha256: source.content for source in parts.sources.values()}
         pictures = {name: hashlib.sha256(content).hexdigest() for name, content in parts.pictures.items()}
@@ -278,7 +277,8 @@ class Book:
         ).one_or_none()
         called = _called(row)
         if result is None:
-            raise BookError(f"the stored result of {called} is missing", place=Place(file=self.name))
+            problem = Sentence("the stored result of {job} is missing", job=called)
+            raise BookError(problem, place=Place(file=self.name))
         contents = {(each.slot, each.name): self._whole(each, called) for each in kept}
         return HeldJob(
             self.unpacked(row.choices, called),
@@ -341,13 +341,14 @@ class Book:
         row = connection.execute(wanted.with_for_update() if lock else wanted).one_or_none()
         if row is None:
             missing = ChangedElsewhere if lock else BookError  # what is to be saved was opened once: it is gone since
-            raise missing("the job book has no such job", place=Place(file=self.name), value=id)
+            raise missing(Sentence("the job book has no such job"), place=Place(file=self.name), value=id)
         return row
 
     def _whole(self, row: Any, called: str) -> bytes:
         content = self.unpacked(row.content, called)
         if hashlib.sha256(content).hexdigest() != row.sha256:
-            raise BookError(f"{row.name} of {called} was damaged in the database", place=Place(file=self.name))
+            problem = Sentence("{file} of {job} was damaged in the database", file=row.name, job=called)
+            raise BookError(problem, place=Place(file=self.name))
         return content
 
     def unpacked(self, content: bytes, called: str) -> bytes:
@@ -361,7 +362,8 @@ class Book:
         try:
             return zlib.decompress(content)
         except zlib.error as error:
-            raise BookError(f"{called} was damaged in the database", place=Place(file=self.name)) from error
+            problem = Sentence("{what} was damaged in the database", what=called)
+            raise BookError(problem, place=Place(file=self.name)) from error
 
 
 def packed(content: bytes) -> bytes:
@@ -376,8 +378,16 @@ def _crossed(error: BookError) -> bool:
     return waited or isinstance(cause, exc.IntegrityError)
 
 
-def _called(row: Any) -> str:
-    return f"job {row.number or row.id}"
+def _saved_elsewhere(row: Any) -> Sentence:
+    at = f"{row.changed_at:%Y-%m-%d %H:%M} UTC"
+    if not row.technician:
+        return Sentence("this job was saved elsewhere at {at}, after it was opened here", at=at)
+    who = row.technician
+    return Sentence("this job was saved elsewhere by {who} at {at}, after it was opened here", who=who, at=at)
+
+
+def _called(row: Any) -> Sentence:
+    return Sentence("job {name}", name=row.number or row.id)
 
 
 def _keep_files(connection: sa.Connection, contents: Mapping[str, bytes]) -> None:

@@ -14,6 +14,8 @@ from atleak.job.file import read_job_file
 from atleak.job.parts import JobFile
 from atleak.jobs.book import Book, open_book
 from atleak.jobs.named import named_job
+from atleak.sentence import Sentence
+from atleak.verdicts import level_named
 from atleak.version import __version__
 from atleak.views.comparison_record import comparison_record
 
@@ -45,7 +47,8 @@ def job_of(name: str, book: Book | None = None) -> JobFile:
     if Path(name).is_file():
         return read_job_file(name)
     if Path(name).suffix.lower() == ".zip":
-        raise InputError("there is no such job file", place=Place(file=name), expected="a job file (zip)")
+        problem = Sentence("there is no such job file")
+        raise InputError(problem, place=Place(file=name), expected=Sentence("a job file (zip)"))
     book = book or open_book()
     return book.load(named_job(book, name)).file
 
@@ -75,35 +78,41 @@ def compared_record(compared: ComparedJobs) -> dict[str, Any]:
     """Return the record of a comparison with what tells the two jobs apart: ``job`` on either side."""
     record = comparison_record(compared.comparison)
     for side, job_file in (("before", compared.before), ("after", compared.after)):
-        record[side] = {"job": _identity(job_file), **record[side]}
+        record[side] = {"job": job_file.job.identity, **record[side]}
     return record
-
-
-def _identity(job_file: JobFile) -> dict[str, Any]:
-    job = job_file.job
-    return {
-        "number": job.number or None,
-        "date": job.date.isoformat() if job.date else None,
-        "vin": job.vehicle.vin or None,
-        "plate": job.vehicle.registration or None,
-        "serial": job.transmission.serial or None,
-        "mileage_km": job.vehicle.mileage_km,
-    }
 
 
 def _of_records(before: JobFile, after: JobFile) -> Iterator[Message]:
     """Yield what the records say against the two jobs being two visits of one unit in that order."""
     first, second = before.job, after.job
     if first.date and second.date and second.date < first.date:
-        text = f"The job after is of {second.date}, the one before of {first.date}: they may be exchanged"
+        text = Sentence(
+            "The job after is of {after}, the one before of {before}: they may be exchanged",
+            after=second.date,
+            before=first.date,
+        )
         yield Message("warning", "order_of_dates", text)
-    for called, one, other in (
-        ("VIN", first.vehicle.vin, second.vehicle.vin),
-        ("serial number of the transmission", first.transmission.serial, second.transmission.serial),
-    ):
-        if one and other and _bare(one) != _bare(other):
-            text = f"The two jobs name another {called}: {one} before, {other} after. They may be of two units"
-            yield Message("warning", "other_unit", text)
+    one, other = first.vehicle.vin, second.vehicle.vin
+    if _differ(one, other):
+        text = Sentence(
+            "The two jobs name another VIN: {before} before, {after} after. They may be of two units",
+            before=one,
+            after=other,
+        )
+        yield Message("warning", "other_unit", text)
+    one, other = first.transmission.serial, second.transmission.serial
+    if _differ(one, other):
+        text = Sentence(
+            "The two jobs name another serial number of the transmission: {before} before, {after} after. "
+            "They may be of two units",
+            before=one,
+            after=other,
+        )
+        yield Message("warning", "other_unit", text)
+
+
+def _differ(one: str, other: str) -> bool:
+    return bool(one and other) and _bare(one) != _bare(other)
 
 
 def _bare(name: str) -> str:
@@ -112,14 +121,28 @@ def _bare(name: str) -> str:
 
 def _of_results(before: JobFile, after: JobFile, comparison: Comparison) -> Iterator[Message]:
     """Yield which results were given by another version of atleak, and what it said."""
-    sides = (("before", before, comparison.before), ("after", after, comparison.after))
-    for side, job_file, diagnosis in sides:
+    sides = ((_kept_before, before, comparison.before), (_kept_after, after, comparison.after))
+    for kept, job_file, diagnosis in sides:
         version, verdict = job_file.result.get("atleak"), job_file.result.get("verdict")
         if not version or version == __version__:
             continue
-        said = f"The result kept with the job {side} was given by atleak {version}"
+        said = kept(version)
         if verdict and verdict != diagnosis.verdict:
-            text = f"{said} and said {verdict}; by this version it is {diagnosis.verdict}, which is compared"
+            text = Sentence(
+                "{kept} and said {verdict}; by this version it is {today}, which is compared",
+                kept=said,
+                verdict=level_named(verdict),
+                today=diagnosis.verdict,
+            )
             yield Message("warning", "other_version", text)
         else:
-            yield Message("info", "other_version", f"{said}; both jobs are judged anew by {__version__}")
+            text = Sentence("{kept}; both jobs are judged anew by {version}", kept=said, version=__version__)
+            yield Message("info", "other_version", text)
+
+
+def _kept_before(version: str) -> Sentence:
+    return Sentence("The result kept with the job before was given by atleak {version}", version=version)
+
+
+def _kept_after(version: str) -> Sentence:
+    return Sentence("The result kept with the job after was given by atleak {version}", version=version)

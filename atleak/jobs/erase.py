@@ -20,6 +20,7 @@ from atleak.jobs.search import Query
 from atleak.jobs.tables import job_files, jobs, key_of, lands, metadata, results, units, visits
 from atleak.jobs.units import left_behind, rows_of_unit, unit_of, without_jobs_away
 from atleak.jobs.without_person import WithoutPerson, result_without_person, without_person
+from atleak.sentence import Sentence
 
 _PATIENCE = 5_000  # [ms] with others who read the book while its files are written anew
 
@@ -87,9 +88,9 @@ def erase(book: Book, ids: Sequence[str], *, delete: bool = False) -> list[Erase
     bare, stuck = _without_persons(book, ids)
     if stuck and not delete:
         raise BookError(
-            "nothing was erased: not every job can be kept without the person",
+            Sentence("nothing was erased: not every job can be kept without the person"),
             place=Place(file=book.name),
-            expected="--delete, to delete such jobs as a whole",
+            expected=Sentence("--delete, to delete such jobs as a whole"),
             others=list(stuck.values()),
         )
     with book.writing() as connection:
@@ -118,7 +119,7 @@ def _without_persons(
             stored = book.load(id)
             bare[id] = stored, without_person(stored.file)
         except AtleakError as error:
-            stuck[id] = error if isinstance(error, InputError) else InputError(str(error))
+            stuck[id] = error if isinstance(error, InputError) else InputError(error.sentence)
     return bare, stuck
 
 
@@ -147,7 +148,7 @@ def _erase(book: Book, connection: sa.Connection, id: str, version: int, parts: 
 
 
 def _result(book: Book, row: Any, parts: JobParts, *, last: bool) -> dict[str, Any]:
-    record = result_without_person(json.loads(book.unpacked(row.record, "a result")), parts)
+    record = result_without_person(json.loads(book.unpacked(row.record, Sentence("a result"))), parts)
     values = {name: value for name, value in row._mapping.items() if name not in ("id", "job")}
     hashes = {
         slot: parts.sources[slot].sha256 if last and slot in parts.sources else None
@@ -215,7 +216,7 @@ def sweep(book: Book) -> None:
         connection.exec_driver_sql(f"PRAGMA busy_timeout = {usual}")
     if busy:
         raise BookError(
-            "the data are erased, but another program has the job book open: its journal may still hold them",
+            Sentence("the data are erased, but another program has the job book open: its journal may still hold them"),
             place=Place(file=book.name),
-            expected="the same command again, with every other atleak closed",
+            expected=Sentence("the same command again, with every other atleak closed"),
         )

@@ -6,17 +6,34 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from atleak.sentence import Name, Sentence
+from atleak.verdicts import Verdict, level_named
+
 
 @dataclass(frozen=True)
 class JudgedOtherwise:
     """One verdict that differs."""
 
-    what: str  # the unit, a land or a condition, as people read it
-    stored: str
-    today: str
+    what: Sentence  # the unit, a land or a condition, as people read it
+    stored: Sentence
+    today: Sentence
+
+    @property
+    def sentence(self) -> Sentence:
+        """Return what is judged otherwise, and how."""
+        return Sentence("{what}: {stored}, today {today}", what=self.what, stored=self.stored, today=self.today)
 
     def __str__(self) -> str:
-        return f"{self.what}: {self.stored}, today {self.today}"
+        return str(self.sentence)
+
+
+_NOT_JUDGED = Sentence("not judged")
+_DECISIONS = {
+    "pass": Sentence("pass"),
+    "conditional_pass": Sentence("conditional pass"),
+    "conditional_fail": Sentence("conditional fail"),
+    "fail": Sentence("fail"),
+}
 
 
 def judged_otherwise(stored: Mapping[str, Any], today: Mapping[str, Any]) -> tuple[JudgedOtherwise, ...]:
@@ -30,26 +47,35 @@ def judged_otherwise(stored: Mapping[str, Any], today: Mapping[str, Any]) -> tup
     """
     before, now = dict(_verdicts(stored)), dict(_verdicts(today))
     return tuple(
-        JudgedOtherwise(what, before.get(what, "not judged"), now.get(what, "not judged"))
+        JudgedOtherwise(what, before.get(what, _NOT_JUDGED), now.get(what, _NOT_JUDGED))
         for what in dict.fromkeys([*before, *now])
         if before.get(what) != now.get(what)
     )
 
 
-def _verdicts(result: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def _verdicts(result: Mapping[str, Any]) -> Iterator[tuple[Sentence, Sentence]]:
     """Return every verdict of a result with its decision, by what is judged."""
     unit = result.get("unit") or {}
-    yield "the unit", _words(result.get("verdict"), unit.get("decision"))
+    yield Sentence("the unit"), _words(result.get("verdict"), unit.get("decision"))
     for land in result.get("lands", ()):
-        yield f"{land['component']}/{land['land']}", _words(land.get("verdict"), land.get("decision"))
+        pair = Sentence("{pair}", pair=f"{land['component']}/{land['land']}")
+        yield pair, _words(land.get("verdict"), land.get("decision"))
     for condition in result.get("conditions", ()):
-        at = condition.get("label") or condition.get("name")
-        yield f"total at {at}", _words(condition.get("band"), condition.get("decision"))
+        at = Name(condition.get("label") or condition.get("name"))
+        yield Sentence("total at {condition}", condition=at), _words(condition.get("band"), condition.get("decision"))
         for circuit in condition.get("circuits", ()):
-            called = circuit.get("name") or circuit.get("id")
-            yield f"{called} at {at}", _words(circuit.get("verdict"), circuit.get("decision"))
+            called = Name(circuit.get("name") or circuit.get("id"))
+            said = Sentence("{circuit} at {condition}", circuit=called, condition=at)
+            yield said, _words(circuit.get("verdict"), circuit.get("decision"))
 
 
-def _words(verdict: str | None, decision: str | None) -> str:
-    words = f"{verdict or 'not judged'} ({decision})" if decision else verdict or "not judged"
-    return words.replace("_", " ")
+def _words(verdict: str | None, decision: str | None) -> Sentence:
+    level = _level(verdict) if verdict else _NOT_JUDGED
+    if not decision:
+        return level
+    return Sentence("{verdict} ({decision})", verdict=level, decision=_DECISIONS.get(decision, decision))
+
+
+def _level(verdict: str) -> Sentence:
+    level = level_named(verdict)
+    return Sentence("not measured") if level is Verdict.NOT_MEASURED else Sentence("{verdict}", verdict=level)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import reduce
 from itertools import combinations
 from typing import Literal
 
@@ -15,12 +16,13 @@ from atleak.job.record import Job
 from atleak.jobs.book import Book
 from atleak.jobs.tables import jobs, key_of, units, visits
 from atleak.jobs.units import final_unit, rows_of_unit, unit_key
+from atleak.sentence import Sentence
 
 Reason = Literal["same_vin", "vin_within_one_character", "same_plate"]
-REASONS: dict[Reason, str] = {
-    "same_vin": "the same VIN, the serial stated only once",
-    "vin_within_one_character": "VINs that differ in one character",
-    "same_plate": "the same plate",
+REASONS: dict[Reason, Sentence] = {
+    "same_vin": Sentence("the same VIN, the serial stated only once"),
+    "vin_within_one_character": Sentence("VINs that differ in one character"),
+    "same_plate": Sentence("the same plate"),
 }
 
 
@@ -40,11 +42,18 @@ class UnitSeen:
     customers: set[str] = field(default_factory=set)
 
     @property
-    def in_words(self) -> str:
+    def in_words(self) -> Sentence:
         """Return the unit in words."""
-        named = (("serial", self.serials), ("VIN", self.vins), ("plate", self.plates))
-        said = [f"{name} {', '.join(sorted(texts))}" for name, texts in named if texts]
-        return "; ".join([*said, *sorted(self.customers)]) or "nothing that tells it"
+        said = [
+            self.serials and Sentence("serial {texts}", texts=sorted(self.serials)),
+            self.vins and Sentence("VIN {texts}", texts=sorted(self.vins)),
+            self.plates and Sentence("plate {texts}", texts=sorted(self.plates)),
+            *(Sentence("{customer}", customer=customer) for customer in sorted(self.customers)),
+        ]
+        parts = [part for part in said if isinstance(part, Sentence)]
+        if not parts:
+            return Sentence("nothing that tells it")
+        return reduce(lambda first, then: Sentence("{first}; {then}", first=first, then=then), parts)
 
 
 @dataclass(frozen=True)
@@ -56,7 +65,7 @@ class Duplicate:
     reason: Reason
 
     @property
-    def why(self) -> str:
+    def why(self) -> Sentence:
         """Return what speaks for it."""
         return REASONS[self.reason]
 
@@ -90,8 +99,9 @@ def merge(book: Book, unit: int, other: int) -> None:
     with book.writing() as connection:
         kept, gone = (_root(connection, book, each) for each in (unit, other))
         if kept == gone:
-            problem = "these are one unit already" if unit != other else "a unit cannot be merged with itself"
-            raise BookError(problem, place=Place(file=book.name), value=other, expected="two units")
+            already = Sentence("these are one unit already")
+            problem = already if unit != other else Sentence("a unit cannot be merged with itself")
+            raise BookError(problem, place=Place(file=book.name), value=other, expected=Sentence("two units"))
         connection.execute(
             units.update().where((units.c.id == gone) | (units.c.merged_into == gone)).values(merged_into=kept)
         )
@@ -113,7 +123,8 @@ def part(book: Book, row: int) -> None:
     with book.writing() as connection:
         found = connection.execute(sa.select(units).where(units.c.id == row)).one_or_none()
         if found is None or found.merged_into is None:
-            raise BookError("no unit that was merged into another one", place=Place(file=book.name), value=row)
+            problem = Sentence("no unit that was merged into another one")
+            raise BookError(problem, place=Place(file=book.name), value=row)
         connection.execute(units.update().where(units.c.id == row).values(merged_into=None))
         stated: dict[int, set[str]] = defaultdict(set)
         columns = jobs.c.id, jobs.c.serial, jobs.c.vin, jobs.c.plate, jobs.c.visit
@@ -141,7 +152,7 @@ def _root(connection: sa.Connection, book: Book, unit: int) -> int:
     """Return the unit that a unit leads to, held until the transaction ends: nobody merges it meanwhile."""
     row = connection.execute(sa.select(units).where(units.c.id == unit).with_for_update()).one_or_none()
     if row is None:
-        raise BookError("the job book has no such unit", place=Place(file=book.name), value=unit)
+        raise BookError(Sentence("the job book has no such unit"), place=Place(file=book.name), value=unit)
     return int(row.id) if row.merged_into is None else _root(connection, book, row.merged_into)
 
 

@@ -7,6 +7,7 @@ import sqlalchemy as sa
 from atleak.errors import BookError, Place
 from atleak.jobs.book import Book
 from atleak.jobs.tables import jobs, key_of, search_words
+from atleak.sentence import Sentence
 
 _SHOWN = 8  # of several that fit
 _FEWEST = 4  # characters of an id
@@ -37,17 +38,15 @@ def named_job(book: Book, name: str) -> str:
                 found += [row for row in connection.execute(begun) if row not in found]
     place = Place(file=book.name)
     if not found:
-        expected = "an id as `atleak jobs list` shows it, its first characters, or the number of a job"
-        raise BookError("the job book has no such job", place=place, value=name, expected=expected)
+        expected = Sentence("an id as `atleak jobs list` shows it, its first characters, or the number of a job")
+        raise BookError(Sentence("the job book has no such job"), place=place, value=name, expected=expected)
     if len(found) > 1:
         several = [
             " ".join(str(part) for part in (row.id, row.number, row.customer, row.date or "") if part) for row in found
         ]
-        more = f" and {len(several) - _SHOWN} more" if len(several) > _SHOWN else ""
-        raise BookError(
-            f"{len(found)} jobs of the job book are called so",
-            place=place,
-            value=name,
-            expected=f"one of {'; '.join(several[:_SHOWN])}{more}",
-        )
+        expected = Sentence("one of {names}", names="; ".join(several[:_SHOWN]))
+        if len(several) > _SHOWN:
+            expected = Sentence("{names} and {count} more", names=expected, count=len(several) - _SHOWN)
+        problem = Sentence("{count} jobs of the job book are called so", count=len(found))
+        raise BookError(problem, place=place, value=name, expected=expected)
     return str(found[0].id)

@@ -21,7 +21,9 @@ from atleak.jobs.tables import decisions, jobs, visits
 from atleak.jobs.units import final_unit
 from atleak.readings import Readings
 from atleak.rules import LandKey
+from atleak.sentence import Sentence
 from atleak.uncertainty.sources import PARTS
+from atleak.unit_systems import Quantity
 
 NEW_UNTIL = 1000.0  # [km] up to which a unit, or what was repaired, is new: choice of this project
 
@@ -79,16 +81,22 @@ def new_sheets(book: Book, controller: str) -> tuple[NewSheet, ...]:
         done = set(connection.execute(_done(controller)).scalars())
     chosen = [found for _, rows in groupby(every, lambda row: row.unit) for found in _of_unit(list(rows), done)]
     if not chosen:
-        expected = f"a job at up to {NEW_UNTIL:g} km, or one measured after a repair that an earlier job calls done"
-        problem = f"the job book has no measuring sheet of a new or repaired {controller}"
+        expected = Sentence(
+            "a job at up to {mileage:g} {mileage.unit}, or one measured after a repair that an earlier job calls done",
+            mileage=Quantity(NEW_UNTIL, "distance"),
+        )
+        problem = Sentence(
+            "the job book has no measuring sheet of a new or repaired {controller}", controller=controller
+        )
         raise BookError(problem, place=Place(file=book.name), expected=expected)
     sheets: list[NewSheet] = []
     for job, repaired_at in chosen:
         file = book.load(job).file
         repaired = None if repaired_at is None else _repaired(book.load(repaired_at).file)
-        name = f"job {file.job.number or job}"
-        taken = any(sheet.name == name for sheet in sheets)
-        sheets.append(NewSheet(job, f"{name} ({job})" if taken else name, file.case, repaired))
+        name = Sentence("job {name}", name=file.job.number or job)
+        if any(sheet.name == name for sheet in sheets):
+            name = Sentence("{job} ({id})", job=name, id=job)
+        sheets.append(NewSheet(job, name, file.case, repaired))
     return tuple(sheets)
 
 
@@ -107,8 +115,10 @@ def shared_instruments(sheets: Sequence[NewSheet]) -> Instruments:
     ]
     for sheet, gauges in zip(sheets, found, strict=True):
         if any(gauges.of(part).id != found[0].of(part).id for part in PARTS):
-            problem = f"{sheet.name} was measured with other instruments than {sheets[0].name}"
-            raise InputError(problem, expected="--spool-instrument and --sleeve-instrument, to count for all of them")
+            names = {"sheet": sheet.name, "other": sheets[0].name}
+            problem = Sentence("{sheet} was measured with other instruments than {other}", **names)
+            expected = Sentence("--spool-instrument and --sleeve-instrument, to count for all of them")
+            raise InputError(problem, expected=expected)
     return found[0]
 
 

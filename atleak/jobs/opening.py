@@ -14,6 +14,7 @@ from sqlalchemy import exc
 
 from atleak.errors import BookError, Place
 from atleak.jobs.tables import REVISION, about, metadata
+from atleak.sentence import Sentence
 from atleak.system.home import home, made
 from atleak.version import __version__
 
@@ -26,21 +27,23 @@ _LOCK = 0x61746C65616B  # of PostgreSQL, for all who make or migrate this book: 
 _MIGRATIONS = Path(__file__).with_name("migrations")
 _WRITING = {"atleak_writes": True}
 _FAULTS = (  # what a database says, and what that means
-    ("disk is full", "the disk is full"),
-    ("no space left", "the disk is full"),
-    ("disk i/o error", "the disk cannot be written: it is full or gone"),
-    ("readonly database", "it may not be written"),
-    ("unable to open database", "its folder may not be written, or is not there"),
-    ("database is locked", "another program has held it for too long"),
-    ("not a database", "the file is no job book"),
-    ("malformed", "the file is damaged: move it away, and `atleak jobs restore` brings a backup back"),
-    ("connection refused", "the database server does not answer"),
-    ("could not translate host", "the database server is not known"),
-    ("password authentication failed", "the database server refuses the password"),
-    ("no module named", "the driver of that database is not installed"),
-    ("int too large", "a number is larger than any that it can hold"),
-    ("surrogates not allowed", "a text or file name cannot be written as UTF-8"),
+    ("disk is full", Sentence("the disk is full")),
+    ("no space left", Sentence("the disk is full")),
+    ("disk i/o error", Sentence("the disk cannot be written: it is full or gone")),
+    ("readonly database", Sentence("it may not be written")),
+    ("unable to open database", Sentence("its folder may not be written, or is not there")),
+    ("database is locked", Sentence("another program has held it for too long")),
+    ("not a database", Sentence("the file is no job book")),
+    ("malformed", Sentence("the file is damaged: move it away, and `atleak jobs restore` brings a backup back")),
+    ("connection refused", Sentence("the database server does not answer")),
+    ("could not translate host", Sentence("the database server is not known")),
+    ("password authentication failed", Sentence("the database server refuses the password")),
+    ("no module named", Sentence("the driver of that database is not installed")),
+    ("int too large", Sentence("a number is larger than any that it can hold")),
+    ("surrogates not allowed", Sentence("a text or file name cannot be written as UTF-8")),
 )
+
+_UNUSABLE = Sentence("the job book cannot be used")
 
 # what SQLAlchemy and the drivers raise, and what a driver of SQLite says of a value before the database sees it
 _REPORTED = (exc.DBAPIError, exc.NoSuchModuleError, exc.TimeoutError, sqlite3.Error, OverflowError, UnicodeEncodeError)
@@ -57,17 +60,18 @@ def database_url(url: str | None = None) -> sa.URL:
     url = url or os.environ.get(DATABASE_URL)
     if not url:
         return sa.URL.create("sqlite", database=str(made(home()) / FILE))
-    expected = "sqlite:///C:/folder/book.sqlite or postgresql://user:password@server/name"
+    expected = Sentence("sqlite:///C:/folder/book.sqlite or postgresql://user:password@server/name")
     try:
         parsed = sa.make_url(url)
     except (exc.ArgumentError, ValueError) as error:  # a port that is no number
-        raise BookError("names no database", place=Place(file=DATABASE_URL), expected=expected) from error
+        raise BookError(Sentence("names no database"), place=Place(file=DATABASE_URL), expected=expected) from error
     kind = parsed.get_backend_name()
     if kind == "sqlite" and parsed.database not in (None, "", ":memory:"):
         return parsed.set(drivername="sqlite")
     if kind == "postgresql":
         return parsed.set(drivername="postgresql+psycopg")
-    raise BookError("a database that cannot hold the job book", place=Place(file=DATABASE_URL), expected=expected)
+    problem = Sentence("a database that cannot hold the job book")
+    raise BookError(problem, place=Place(file=DATABASE_URL), expected=expected)
 
 
 def opened_engine(url: sa.URL) -> sa.Engine:
@@ -83,8 +87,8 @@ def opened_engine(url: sa.URL) -> sa.Engine:
         try:
             engine = sa.create_engine(url, **_options(url))
         except ImportError as error:
-            problem = "cannot be opened: the driver of PostgreSQL is not installed"
-            expected = "python -m pip install psycopg[binary], or atleak with its extra postgres"
+            problem = Sentence("cannot be opened: the driver of PostgreSQL is not installed")
+            expected = Sentence("python -m pip install psycopg[binary], or atleak with its extra postgres")
             raise BookError(problem, place=Place(file=name), expected=expected) from error
         if url.get_backend_name() == "sqlite":
             sa.event.listen(engine, "connect", _prepare_sqlite)
@@ -111,14 +115,16 @@ def writing(engine: sa.Engine) -> Iterator[sa.Connection]:
 
 
 @contextlib.contextmanager
-def in_words(name: str, problem: str = "the job book cannot be used") -> Iterator[None]:
+def in_words(name: str, problem: Sentence = _UNUSABLE) -> Iterator[None]:
     """Turn what a database reports into a `BookError` that says what it means."""
     try:
         yield
     except _REPORTED as error:
         said = str(getattr(error, "orig", None) or error).strip()
-        meaning = next((words for sign, words in _FAULTS if sign in said.lower()), said.splitlines()[0][:200])
-        raise BookError(f"{problem}: {meaning}", place=Place(file=name)) from error
+        reported = Sentence("{reason}", reason=said.splitlines()[0][:200])
+        meaning = next((words for sign, words in _FAULTS if sign in said.lower()), reported)
+        told = Sentence("{problem}: {reason}", problem=problem, reason=meaning)
+        raise BookError(told, place=Place(file=name)) from error
 
 
 def shown(url: sa.URL) -> str:
@@ -167,15 +173,18 @@ def _bring_up(connection: sa.Connection, name: str) -> None:
     config.attributes["connection"] = connection
     if current is None:
         if sa.inspect(connection).get_table_names():
-            raise BookError(
-                "the database holds other tables, and no job book", place=Place(file=name), expected="an empty one"
-            )
+            problem = Sentence("the database holds other tables, and no job book")
+            raise BookError(problem, place=Place(file=name), expected=Sentence("an empty one"))
         metadata.create_all(connection)
         command.stamp(config, "head")
     elif current not in {each.revision for each in ScriptDirectory.from_config(config).walk_revisions()}:
         by = connection.execute(sa.select(about.c.atleak)).scalar()
-        problem = f"this job book was made by atleak {by}, which is newer than this one ({__version__})"
-        raise BookError(problem, place=Place(file=name), expected="atleak to be updated; nothing was changed")
+        problem = Sentence(
+            "this job book was made by atleak {by}, which is newer than this one ({version})",
+            by=by,
+            version=__version__,
+        )
+        raise BookError(problem, place=Place(file=name), expected=Sentence("atleak to be updated; nothing was changed"))
     else:
         command.upgrade(config, "head")
     connection.execute(about.delete())

@@ -19,6 +19,7 @@ from atleak.jobs.search import Query
 from atleak.jobs.tables import jobs, visits
 from atleak.jobs.units import final_unit
 from atleak.rules import LandKey
+from atleak.sentence import Sentence
 from atleak.uncertainty import LandSources
 
 
@@ -29,7 +30,7 @@ class VisitedJob:
     stored: StoredJob
     controller: Controller | None  # None where its file cannot be used any more
     visit: Visit  # without lands where nothing was measured, or the sheet cannot be read any more
-    problem: str  # why it cannot or does not count; "" where it does
+    problem: Sentence  # why it cannot or does not count; "" where it does
 
     @property
     def date(self) -> dt.date:
@@ -84,7 +85,7 @@ def visits_of_unit(book: Book, unit: int, loader: Loader | None = None) -> tuple
         if sheet is not None and each.visit.lands:
             first = sheets.setdefault(sheet.sha256, each.stored.id)
             if first != each.stored.id:  # one measurement, which would count as two
-                again = f"its measuring sheet is that of job {first}, and counts once"
+                again = Sentence("its measuring sheet is that of job {id}, and counts once", id=first)
                 found[number] = replace(each, visit=replace(each.visit, lands=()), problem=again)
     return tuple(found)
 
@@ -93,12 +94,12 @@ def _visited(stored: StoredJob, loader: Loader) -> VisitedJob:
     job, case = stored.file.job, stored.file.case
     controller: Controller | None = None
     lands: tuple[LandSources, ...] = ()
-    problem = ""
+    problem = Sentence("")
     try:
         controller = loader.entry(SLOTS["controller"], case.controller)
         lands = case.measured(loader)
     except AtleakError as error:
-        problem = str(error)
+        problem = error.sentence
     visit = Visit(
         job.date or stored.made_at.date(),
         job.mileage_or(case.mileage),

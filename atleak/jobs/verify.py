@@ -13,6 +13,8 @@ from sqlalchemy import exc
 from atleak.errors import AtleakError
 from atleak.jobs.book import Book, StoredJob
 from atleak.jobs.tables import jobs, lands, log_tables, results
+from atleak.sentence import Sentence
+from atleak.verdicts import level_named
 
 _COMPARED = [column.name for column in lands.c if column.name not in ("id", "job", "measured")]
 
@@ -21,14 +23,22 @@ _COMPARED = [column.name for column in lands.c if column.name not in ("id", "job
 class Fault:
     """What is wrong with a job, or with the book's file as a whole."""
 
-    problem: str
+    problem: Sentence
     id: str | None = None  # of the job
     number: str = ""  # which the workshop gave it
 
-    def __str__(self) -> str:
+    @property
+    def sentence(self) -> Sentence:
+        """Return what is wrong, and with which job."""
         if self.id is None:
             return self.problem
-        return f"job {self.number} ({self.id}): {self.problem}" if self.number else f"job {self.id}: {self.problem}"
+        called = Sentence("job {name}", name=self.number or self.id)
+        if self.number:
+            called = Sentence("{job} ({id})", job=called, id=self.id)
+        return Sentence("{where}: {problem}", where=called, problem=self.problem)
+
+    def __str__(self) -> str:
+        return str(self.sentence)
 
 
 def verify(book: Book) -> tuple[Fault, ...]:
@@ -42,7 +52,7 @@ def verify(book: Book) -> tuple[Fault, ...]:
     BookError
         a database that cannot be read at all.
     """
-    faults = [Fault(f"the file is damaged: {problem}") for problem in _damage(book)]
+    faults = [Fault(Sentence("the file is damaged: {reason}", reason=reason)) for reason in _damage(book)]
     with book.reading() as connection:
         every = connection.execute(sa.select(jobs.c.id, jobs.c.number).order_by(jobs.c.id)).all()
     for id, number in every:
@@ -58,19 +68,20 @@ def _damage(book: Book) -> Iterator[str]:
         said = list(connection.exec_driver_sql("PRAGMA integrity_check(10)").scalars())
         yield from said if said != ["ok"] else []
         for table, row, other, _ in connection.exec_driver_sql("PRAGMA foreign_key_check"):
-            yield f"row {row} of {table} refers to no row of {other}"
+            yield Sentence("row {row} of {table} refers to no row of {other}", row=row, table=table, other=other)
 
 
-def problems_of(book: Book, id: str) -> Iterator[str]:
+def problems_of(book: Book, id: str) -> Iterator[Sentence]:
     """Say what is wrong with one job, as `verify` does of every one."""
     try:
         stored = book.load(id)
         yield from _result_problems(book, stored)
     except exc.NoResultFound:
-        yield "its visit is missing"
+        yield Sentence("its visit is missing")
     except (AtleakError, ValueError, KeyError, TypeError) as error:
         if _is_there(book, id):  # and was not erased meanwhile
-            yield str(error) if isinstance(error, AtleakError) else f"its stored result cannot be read: {error}"
+            reason = error.sentence if isinstance(error, AtleakError) else None
+            yield reason or Sentence("its stored result cannot be read: {reason}", reason=str(error))
 
 
 def _is_there(book: Book, id: str) -> bool:
@@ -78,7 +89,7 @@ def _is_there(book: Book, id: str) -> bool:
         return connection.execute(sa.select(jobs.c.id).where(jobs.c.id == id)).scalar() is not None
 
 
-def _result_problems(book: Book, stored: StoredJob) -> Iterator[str]:
+def _result_problems(book: Book, stored: StoredJob) -> Iterator[Sentence]:
     record, case = stored.file.result, stored.file.case
     with book.reading() as connection:
         of_job = results.c.job == stored.id
@@ -88,34 +99,39 @@ def _result_problems(book: Book, stored: StoredJob) -> Iterator[str]:
         kept = connection.execute(sa.select(*columns).where(lands.c.job == stored.id)).mappings().all()
         log = connection.execute(sa.select(log_tables).where(log_tables.c.job == stored.id)).one_or_none()
     if record["verdict"] != result.verdict:
-        yield f"its stored result says {record['verdict']}, its row {result.verdict}"
+        said = level_named(record["verdict"]), level_named(result.verdict)
+        yield Sentence("its stored result says {verdict}, its row {other}", verdict=said[0], other=said[1])
     if _by_land(kept) != _by_land(record["lands"]):
-        yield "the lands of its stored result are not those of its rows"
+        yield Sentence("the lands of its stored result are not those of its rows")
     held = {name: None if source is None else source.sha256 for name, source in vars(case).items() if name in _OWN}
     for name, sha256 in (("readings", result.readings_sha256), ("road_test", result.road_test_sha256)):
         if sha256 is not None and sha256 != held[name]:
-            yield f"its stored result rests on another {_OWN[name]} than the one it holds"
+            yield _OWN[name]
     if log is not None:
         yield from _log_problems(log, held["road_test"])
 
 
-_OWN = {"readings": "measuring sheet", "road_test": "log"}
+_OWN = {
+    "readings": Sentence("its stored result rests on another measuring sheet than the one it holds"),
+    "road_test": Sentence("its stored result rests on another log than the one it holds"),
+}
 
 
 def _by_land(rows: Any) -> dict[tuple[str, int], tuple[Any, ...]]:
     return {(row["component"], row["land"]): tuple(row[name] for name in _COMPARED) for row in rows}
 
 
-def _log_problems(log: Any, sha256: str | None) -> Iterator[str]:
+def _log_problems(log: Any, sha256: str | None) -> Iterator[Sentence]:
     import pyarrow.lib
     import pyarrow.parquet
 
     if log.sha256 != sha256:
-        yield "its table of channels is of another log than the one it holds"
+        yield Sentence("its table of channels is of another log than the one it holds")
     try:
         rows = pyarrow.parquet.read_table(io.BytesIO(log.parquet)).num_rows
     except (pyarrow.lib.ArrowException, OSError):
-        yield "its table of channels is damaged"
+        yield Sentence("its table of channels is damaged")
     else:
         if rows != log.rows:
-            yield f"its table of channels has {rows} rows in place of {log.rows}"
+            wanted = log.rows
+            yield Sentence("its table of channels has {rows} rows in place of {wanted}", rows=rows, wanted=wanted)

@@ -18,6 +18,7 @@ from atleak.faults import together
 from atleak.learning.estimate import Estimate, estimate
 from atleak.learning.outliers import Outliers, Table, WhyUnit, find_outliers
 from atleak.readings import Readings, clearances
+from atleak.sentence import Sentence
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.sources import LandSources, find_sources
 
@@ -189,25 +190,34 @@ def learn(
 def _require_different(sheets: Sequence[Readings]) -> None:
     """Refuse no sheet at all, and readings that are given twice, in the same file or under another name."""
     if not sheets:
-        raise ReadingsError("no measuring sheet is given", expected="one for each unit, new or known to be good")
+        expected = Sentence("one for each unit, new or known to be good")
+        raise ReadingsError(Sentence("no measuring sheet is given"), expected=expected)
     first: dict[object, Readings] = {}
     twice = []
     for sheet in sheets:
         content = frozenset((each.station, each.repeat, each.diameter) for each in (*sheet.readings, *sheet.unworn))
         earlier = first.setdefault(content if len(content) >= _TELLING else sheet.sha256, sheet)
         if earlier is not sheet:
-            same = "the same file" if earlier.sha256 == sheet.sha256 else "a file with the same readings"
-            problem = f"{same} as {earlier.file}: a unit that is counted twice would look like two that agree"
-            twice.append(ReadingsError(problem, place=Place(sheet.file), expected="one sheet for each unit"))
+            same = Sentence(
+                "the same file as {file}: a unit that is counted twice would look like two that agree",
+                file=earlier.file,
+            )
+            alike = Sentence(
+                "a file with the same readings as {file}: a unit that is counted twice would look like two that agree",
+                file=earlier.file,
+            )
+            problem, expected = same if earlier.sha256 == sheet.sha256 else alike, Sentence("one sheet for each unit")
+            twice.append(ReadingsError(problem, place=Place(sheet.file), expected=expected))
     if twice:
         raise together(twice)
 
 
 def _tells_nothing(sheet: Readings) -> ReadingsError:
-    problem, expected = "no land has readings of both its spool and its sleeve", "both diameters of a land"
+    problem = Sentence("no land has readings of both its spool and its sleeve")
+    expected = Sentence("both diameters of a land")
     if sheet.unworn:
-        problem = "no land has readings of its spool and, marked as taken at an unworn end, of its sleeve"
-        expected = "the spool's diameter beside that of the bore at its unworn end"
+        problem = Sentence("no land has readings of its spool and, marked as taken at an unworn end, of its sleeve")
+        expected = Sentence("the spool's diameter beside that of the bore at its unworn end")
     return ReadingsError(problem, place=Place(sheet.file, sheet.sheet), expected=expected)
 
 

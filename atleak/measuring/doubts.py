@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -16,6 +15,7 @@ from atleak.intake.units import unit
 from atleak.measuring.plan import Cell
 from atleak.measuring.typed import Entry, Typed
 from atleak.readings import LandClearance, Reading, Readings, clearances, far_from_nominal
+from atleak.sentence import Sentence
 
 _AT_A_CELL = ("repeats_disagree", "large_ovality", "tight_direction")  # codes of what a land's messages say of a cell
 
@@ -24,7 +24,7 @@ _AT_A_CELL = ("repeats_disagree", "large_ovality", "tight_direction")  # codes o
 class Doubt:
     """What is doubtful about an entry, in a sentence, and whether it counts as a reading nevertheless."""
 
-    text: str
+    text: Sentence
     counts: bool
 
 
@@ -142,16 +142,16 @@ class _Judging:
 
     def doubt(self, states: Collection[LandClearance]) -> None:
         """Doubt what counts and is unusual nevertheless: alone, or beside the other readings of its land."""
-        said: dict[Cell, list[str]] = defaultdict(list)
+        said: dict[Cell, Sentence] = {}
         for cell, text in self._unusual(states):
-            said[cell].append(text)
-        for cell, texts in said.items():
-            self.doubts.setdefault(cell, Doubt("; ".join(texts), True))
+            said[cell] = Sentence("{first}; {second}", first=said[cell], second=text) if cell in said else text
+        for cell, text in said.items():
+            self.doubts.setdefault(cell, Doubt(text, True))
 
-    def _unusual(self, states: Collection[LandClearance]) -> Iterator[tuple[Cell, str]]:
+    def _unusual(self, states: Collection[LandClearance]) -> Iterator[tuple[Cell, Sentence]]:
         for cell, reading in self.readings.items():
             land = self.controller.land_of_plane(cell.component, cell.plane)
-            far = far_from_nominal(land, cell.part, reading.diameter) if land is not None else ""
+            far = far_from_nominal(land, cell.part, reading.diameter) if land is not None else None
             if far:
                 yield cell, far
         for state in states:
@@ -160,7 +160,11 @@ class _Judging:
                     yield self.by_place[message.place], message.text
 
 
-def _said(error: InputError) -> str:
+def _said(error: InputError) -> Sentence:
     """Return what is wrong without a place: it stands at its cell."""
-    found = f" ({error.value})" if error.value is not None else ""
-    return f"{error.problem}{found}" + (f"; expected {error.expected}" if error.expected else "")
+    said = error.problem
+    if error.value is not None:
+        said = Sentence("{problem} ({value})", problem=said, value=error.value)
+    if error.expected:
+        said = Sentence("{problem}; expected {expected}", problem=said, expected=error.expected)
+    return said

@@ -97,10 +97,10 @@ def _component(grid: Grid, name: str, say: Wording, dark: bool) -> dict[str, Any
     lands = [land for land in grid.controller.lands_of(name) if land.key in grid.asked]
     angles = sorted({cell.direction for cell in grid.cells if cell.component == name and cell.direction is not None})
     verdicts = {key: land.verdict for key, land in grid.finished.items()}
-    drawing = measuring_svg(grid.controller, name, angles, verdicts)
+    drawing = measuring_svg(grid.controller, name, angles, verdicts, say)
     return {
         "name": name,
-        "title": f"{name} · {grid.controller.components[name]}",
+        "title": f"{name} · {say.name(grid.controller.components[name])}",
         "drawing": on_dark(drawing) if dark else drawing,
         "lands": [_land(grid, land, say) for land in lands],
     }
@@ -146,7 +146,7 @@ def _cell(grid: Grid, cell: Cell, say: Wording) -> dict[str, Any]:
         "place": place,
         "repeat": cell.repeat,
         "text": "" if entry is None else entry.text,
-        "doubt": "" if doubt is None else doubt.text,
+        "doubt": "" if doubt is None else say.sentence(doubt.text),
         "counts": doubt is None or doubt.counts,
         "nominal": say.quantity(land.nominal_of(cell.part) * MM, "length"),
     }

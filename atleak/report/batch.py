@@ -10,13 +10,15 @@ from atleak.catalogue.limits import Verdict
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, InputError, Place
 from atleak.job.file import read_job_file
+from atleak.job.issued import issued_record
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
+from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.marks import Kind
-from atleak.views.diagnosis_record import diagnosis_record, to_json
+from atleak.views.diagnosis_record import to_json
 from atleak.wording import Wording, wording
 
 KINDS: dict[str, Kind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}
@@ -92,12 +94,14 @@ def _report(form: str, diagnosis: Diagnosis, job: Job, say: Wording, paper: str)
         return write_pdf(diagnosis, job, language=say.language, units=say.units, paper=paper)
     if form == "xlsx":
         return write_workbook(diagnosis, job, paper=paper)
-    return to_json(diagnosis_record(diagnosis)).encode("utf-8", errors="backslashreplace")
+    return to_json(issued_record(diagnosis, job)).encode("utf-8", errors="backslashreplace")
 
 
 def _unexpected(error: BaseException, source: Path) -> AtleakError:
     """Put a fault of the program in words; the fault itself stays its cause."""
-    problem = f"unexpected {type(error).__name__}: {error}. This is a fault of atleak"
+    problem = Sentence(
+        "unexpected {kind}: {reason}. This is a fault of atleak", kind=type(error).__name__, reason=str(error)
+    )
     fault = InputError(problem, place=Place(file=source.name))
     fault.__cause__ = error
     return fault

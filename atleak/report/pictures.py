@@ -10,6 +10,7 @@ from PIL import Image, ImageOps
 
 from atleak.errors import InputError
 from atleak.job.record import Job
+from atleak.sentence import Sentence
 
 _PHOTO_PIXELS = 1400  # of the longer side: enough to be sharp at the printed size
 _PICTURE_LIMIT = 80_000_000  # a picture with more pixels is not opened
@@ -38,7 +39,8 @@ def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
             warnings.simplefilter("error", Image.DecompressionBombWarning)
             picture: Image.Image = Image.open(io.BytesIO(content), formats=("PNG", "JPEG", "WEBP"))
             if picture.width * picture.height > _PICTURE_LIMIT:
-                raise InputError("picture too large", value=name, expected=f"at most {_PICTURE_LIMIT} pixels")
+                expected = Sentence("at most {count} pixels", count=_PICTURE_LIMIT)
+                raise InputError(Sentence("picture too large"), value=name, expected=expected)
             picture = ImageOps.exif_transpose(picture)
             picture.thumbnail((_PHOTO_PIXELS, _PHOTO_PIXELS))
             transparent = picture.mode in ("RGBA", "LA", "PA") or "transparency" in picture.info
@@ -49,4 +51,5 @@ def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
             picture.convert("RGB").save(target, "JPEG", quality=85)
             return "jpg", target.getvalue()
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
-        raise InputError("picture cannot be read", value=name, expected="a sound PNG, JPEG or WebP file") from error
+        expected = Sentence("a sound PNG, JPEG or WebP file")
+        raise InputError(Sentence("picture cannot be read"), value=name, expected=expected) from error

@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from atleak.errors import OutputError, Place
+from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 
 PRIVATE = 0o600  # a file that only its owner may read and write
 _NEW = 0o666  # less what the user's umask takes away
@@ -53,7 +55,13 @@ def replace_file(target: str | Path, content: bytes, *, mode: int | None = None)
     except BrokenPipeError:  # the reader went away: nothing of ours is at fault
         raise
     except OSError as error:
-        raise OutputError(f"cannot be written: {error.strerror}", place=Place(file=str(target))) from error
+        raise not_written(target, error) from error
+
+
+def not_written(target: str | Path, error: OSError) -> OutputError:
+    """Return the error for a file that cannot be written, and why."""
+    problem = Sentence("cannot be written: {reason}", reason=reason_of(error))
+    return OutputError(problem, place=Place(file=str(target)))
 
 
 @contextlib.contextmanager
@@ -75,7 +83,7 @@ def replacing(target: str | Path) -> Iterator[Path]:
             os.fsync(stream.fileno())
         _put_in_place(beside, place)
     except OSError as error:
-        raise OutputError(f"cannot be written: {error.strerror}", place=Place(file=str(target))) from error
+        raise not_written(target, error) from error
     finally:
         with contextlib.suppress(OSError):
             beside.unlink()
@@ -103,7 +111,7 @@ def _standard_stream(status: os.stat_result) -> int | None:
 
 def _replace(target: Path, earlier: os.stat_result | None, content: bytes, mode: int | None) -> None:
     if earlier is not None and not os.access(target, os.W_OK):
-        raise PermissionError(None, "it is write-protected")
+        raise PermissionError(None, Sentence("it is write-protected"))
     wanted = stat.S_IMODE(earlier.st_mode) if mode is None and earlier is not None else mode
     beside = _new_name(target)
     try:
@@ -124,7 +132,8 @@ def _write_beside(beside: Path, content: bytes, mode: int) -> None:
     try:
         stream = open(beside, "xb", opener=lambda path, flags: os.open(path, flags, mode))  # noqa: SIM115
     except PermissionError as error:
-        reason = f"{error.strerror}: nothing may be written in its folder, where a new file is made first"
+        folder = Sentence("nothing may be written in its folder, where a new file is made first")
+        reason = Sentence("{problem}: {reason}", problem=reason_of(error), reason=folder)
         raise PermissionError(error.errno, reason) from error
     with stream:
         stream.write(content)
@@ -139,6 +148,7 @@ def _put_in_place(beside: Path, target: Path) -> None:
             return
         except PermissionError as error:
             if not tries_left:
-                reason = f"{error.strerror}: is it open in another program, Excel for instance?"
+                question = Sentence("is it open in another program, Excel for instance?")
+                reason = Sentence("{problem}: {reason}", problem=reason_of(error), reason=question)
                 raise PermissionError(error.errno, reason) from error
             time.sleep(_PAUSE)

@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 
 from atleak.errors import OutputError, Place
+from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 
 HOME = "ATLEAK_HOME"
 """The variable of the environment that names another folder."""
@@ -35,9 +37,11 @@ def made(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        expected = f"a folder that can be written; {HOME} in the environment names another one"
-        place = Place(file=str(folder))
-        raise OutputError(f"cannot be made: {error.strerror}", place=place, expected=expected) from error
+        problem = Sentence("cannot be made: {reason}", reason=reason_of(error))
+        expected = Sentence(
+            "a folder that can be written; {variable} in the environment names another one", variable=HOME
+        )
+        raise OutputError(problem, place=Place(file=str(folder)), expected=expected) from error
     return folder
 
 

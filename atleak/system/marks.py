@@ -18,12 +18,24 @@ from pathlib import Path
 from typing import BinaryIO, Literal, get_args
 
 from atleak.errors import OutputError, Place
+from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 from atleak.version import __version__
 
 Kind = Literal[
     "record", "report workbook", "measuring sheet", "controller workbook", "PDF", "job file", "table", "TOML file"
 ]  # fmt: skip
 
+_NAMES: dict[Kind, Sentence] = {
+    "record": Sentence("record"),
+    "report workbook": Sentence("report workbook"),
+    "measuring sheet": Sentence("measuring sheet"),
+    "controller workbook": Sentence("controller workbook"),
+    "PDF": Sentence("PDF"),
+    "job file": Sentence("job file"),
+    "table": Sentence("table"),
+    "TOML file": Sentence("TOML file"),
+}
 KEYWORD = f"atleak {__version__}"  # of a PDF
 PROPERTY = "atleak"  # a workbook's property: its kind, and the digest of its parts
 _PART = "docProps/custom.xml"
@@ -94,26 +106,26 @@ def check_targets(
             continue
         path = Path(target) if target == "-" else Path(target).resolve()
         if path in paths_in_use:
-            where = "standard output" if target == "-" else target
-            raise OutputError("would be written over another file of this command", place=Place(file=where))
+            where = Sentence("standard output") if target == "-" else target
+            raise OutputError(Sentence("would be written over another file of this command"), place=Place(file=where))
         paths_in_use.add(path)
         if target != "-" and not force and (reason := _obstacle(path, kind)):
-            expected = "another name, or --force to write over it"
+            expected = Sentence("another name, or --force to write over it")
             foreign.append(OutputError(reason, place=Place(file=target), expected=expected))
     if foreign:
         raise OutputError(foreign[0].problem, place=foreign[0].place, expected=foreign[0].expected, others=foreign[1:])
 
 
-def _obstacle(path: Path, kind: Kind) -> str:
-    """Say why a file may not be replaced by one of this kind; "" where it may."""
+def _obstacle(path: Path, kind: Kind) -> Sentence | None:
+    """Say why a file may not be replaced by one of this kind; None where it may."""
     try:
         if not path.is_file() or path.stat().st_size == 0 or _kind(path) == kind:
-            return ""
+            return None
     except OSError as error:
-        return f"is there already and cannot be looked at ({error.strerror})"
+        return Sentence("is there already and cannot be looked at ({reason})", reason=reason_of(error))
     if kind in {"table", "TOML file"}:
-        return f"is there already, and a {kind} bears no mark that atleak made it"
-    return f"is there already and is no {kind} that atleak made, or was changed since"
+        return Sentence("is there already, and a {kind} bears no mark that atleak made it", kind=_NAMES[kind])
+    return Sentence("is there already and is no {kind} that atleak made, or was changed since", kind=_NAMES[kind])
 
 
 def _kind(path: Path) -> Kind | None:

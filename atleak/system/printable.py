@@ -24,8 +24,9 @@ def printable(text: str) -> str:
 class PrintableStream:
     """A text stream that writes nothing but what is printable; in all else the stream that it stands for."""
 
-    def __init__(self, unguarded: TextIO) -> None:
+    def __init__(self, unguarded: TextIO, asked_for: TextIO | None = None) -> None:
         self.unguarded = unguarded
+        self.asked_for = asked_for  # another stream, where that goes which somebody asked to have on this very stream
 
     def write(self, text: str) -> int:
         self.unguarded.write(printable(text))
@@ -42,6 +43,23 @@ class PrintableStream:
 def unguarded(stream: TextIO) -> TextIO:
     """The stream itself, for what was made printable earlier, or is no text for a terminal."""
     return stream.unguarded if isinstance(stream, PrintableStream) else stream
+
+
+def asked_for(stream: TextIO) -> TextIO:
+    """The stream for what somebody asked to have on it, which `only_what_is_asked_for` lets through."""
+    return stream.asked_for or stream if isinstance(stream, PrintableStream) else stream
+
+
+@contextmanager
+def only_what_is_asked_for() -> Iterator[None]:
+    """Swallow what is printed on standard output, but what `asked_for` takes there."""
+    printed = sys.stdout
+    with open(os.devnull, "w", encoding="utf-8") as nowhere:  # noqa: PTH123 (a device, no path)
+        sys.stdout = PrintableStream(nowhere, printed)
+        try:
+            yield
+        finally:
+            sys.stdout = printed
 
 
 @contextmanager

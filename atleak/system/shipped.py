@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from atleak.errors import InputError, Place
+from atleak.sentence import Sentence
 
 
 def shipped(name: str) -> Path:
@@ -19,6 +20,5 @@ def shipped(name: str) -> Path:
     for folder in (package / "_dashboard", package.parent):
         if (folder / name).exists():
             return folder / name
-    raise InputError(
-        f"{name} is not beside the package", place=Place(file=str(package)), expected="a complete installation"
-    )
+    problem, expected = Sentence("{file} is not beside the package", file=name), Sentence("a complete installation")
+    raise InputError(problem, place=Place(file=str(package)), expected=expected)

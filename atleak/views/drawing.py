@@ -12,7 +12,9 @@ from html import escape
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.look import DARK, EDGE, PAPER, Inks, look_of
+from atleak.sentence import Name, Sentence
 from atleak.verdicts import Verdict, worst
+from atleak.wording import Wording, wording
 from atleak.workshop_units import MM
 
 FONT = "Noto Sans, DejaVu Sans, sans-serif"
@@ -102,7 +104,7 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
     KeyError
         a component without lands.
     """
-    return _measured_spool(controller, component, verdicts or {}, ())
+    return _measured_spool(controller, component, verdicts or {}, (), wording("en"))
 
 
 def measuring_svg(
@@ -110,6 +112,7 @@ def measuring_svg(
     component: str,
     directions: Sequence[float],
     verdicts: Mapping[tuple[str, int], str] | None = None,
+    say: Wording | None = None,
 ) -> str:
     """Draw the same without its name, with the directions of measuring beside it, seen along the axis.
 
@@ -120,17 +123,23 @@ def measuring_svg(
     ----------
     directions
         [°] round the axis, 0 is upright.
+    say
+        the reader's words and units; English and metric unless given.
 
     Raises
     ------
     KeyError
         a component without lands.
     """
-    return _measured_spool(controller, component, verdicts or {}, directions)
+    return _measured_spool(controller, component, verdicts or {}, directions, say or wording("en"))
 
 
 def _measured_spool(
-    controller: Controller, component: str, verdicts: Mapping[tuple[str, int], str], directions: Sequence[float]
+    controller: Controller,
+    component: str,
+    verdicts: Mapping[tuple[str, int], str],
+    directions: Sequence[float],
+    say: Wording,
 ) -> str:
     lands = controller.lands_of(component)
     if not lands:
@@ -139,7 +148,8 @@ def _measured_spool(
     thickest = max(land.nominal_diameter for land in lands) * MM
     scale = _scale(900.0 - room, _length(lands), 96.0, thickest)
     name = controller.components[component]
-    parts = [svg_head(_WIDTH, 240.0, f"component {component}, {name}: lands and measuring planes")]
+    title = Sentence("component {component}, {name}: lands and measuring planes", component=component, name=Name(name))
+    parts = [svg_head(_WIDTH, 240.0, say.sentence(title))]
     centre, middle = (_WIDTH - room) / 2.0, 120.0
     parts.append(_spool(lands, verdicts, centre, middle, scale, thick=2.0))
     reach = thickest * scale[1] / 2.0
@@ -149,14 +159,15 @@ def _measured_spool(
             line = _axis_line(f"{x:.1f} {middle - reach - 26:.1f}", f"{x:.1f} {middle + reach + 26:.1f}")
             label = svg_text(x, middle - reach - 34, plane, 18, bold=True)
             parts.append(f'<g data-plane="{escape(plane)}">{line}{label}</g>')
-        parts.append(svg_text(left + width / 2, middle + reach + 48, f"⌀ {land.nominal_diameter * MM:.3f}", 16))
+        nominal = say.value(land.nominal_diameter * MM, "length", 3)
+        parts.append(svg_text(left + width / 2, middle + reach + 48, f"⌀ {nominal}", 16))
     if not directions:  # a page that lights planes and directions has a heading of its own
         parts.append(svg_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
-    parts.append(_end_view(directions, _WIDTH - room / 2.0, middle))
+    parts.append(_end_view(directions, _WIDTH - room / 2.0, middle, say))
     return "".join((*parts, "</svg>"))
 
 
-def _end_view(directions: Sequence[float], x: float, y: float) -> str:
+def _end_view(directions: Sequence[float], x: float, y: float, say: Wording) -> str:
     """Draw the spool seen along its axis, with a line for each direction in which a diameter is measured."""
     if not directions:
         return ""
@@ -164,7 +175,7 @@ def _end_view(directions: Sequence[float], x: float, y: float) -> str:
     for angle in directions:
         across, up = math.sin(math.radians(angle)), math.cos(math.radians(angle))
         ends = [f"{x + far * across:.1f} {y - far * up:.1f}" for far in (-62.0, 62.0)]
-        label = svg_text(x + 80.0 * across, y + 6.0 - 80.0 * up, f"{angle:g}°", 18, bold=True)
+        label = svg_text(x + 80.0 * across, y + 6.0 - 80.0 * up, f"{say.plain(angle)}°", 18, bold=True)
         parts.append(f'<g data-direction="{angle:g}">{_axis_line(*ends)}{label}</g>')
     return "".join(parts)
 

@@ -18,16 +18,19 @@ from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import id_from_name
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
-from atleak.controller_sheets.kinds import Kind, NotAccepted
+from atleak.controller_sheets.kinds import Kind
 from atleak.controller_sheets.layout import Offered
 from atleak.controller_sheets.meaning import doubts, fault_of_cell
 from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError, InputError
+from atleak.faults import NotAccepted
+from atleak.sentence import Sentence
 
 Cells = Mapping[str, str]
 """A row by the headings of its columns; a heading that is missing is an empty cell."""
 
+_NOTHING_YET = Sentence("nothing is filled in yet")
 _FORMAT = 1
 _DIGITS = range(15, 18)  # of a computed number
 _COMPUTED = re.compile(r"-?\d+\.\d+(?:e[+-]\d+)?|-?\d{15,17}")
@@ -65,13 +68,13 @@ class FormFault:
     table: str
     row: int | None
     heading: str | None
-    text: str
+    text: Sentence
 
     @property
-    def where(self) -> str:
+    def where(self) -> Sentence:
         """Return row and column in words."""
-        row = None if self.row is None else f"row {self.row}"
-        return ", ".join(part for part in (row, self.heading) if part)
+        row = None if self.row is None else Sentence("row {number}", number=self.row)
+        return Sentence("{parts}", parts=tuple(part for part in (row, self.heading) if part))
 
 
 @dataclass(frozen=True)
@@ -127,7 +130,7 @@ class Checked:
     entry: Any  # None where something is wrong
     faults: tuple[FormFault, ...]
     doubts: tuple[FormFault, ...]  # values that are accepted, and probably a slip
-    notes: tuple[str, ...]  # what was taken for granted, in sentences
+    notes: tuple[Sentence, ...]  # what was taken for granted, in sentences
 
     def of(self, table: str) -> tuple[FormFault, ...]:
         """Return the faults in one table."""
@@ -221,12 +224,14 @@ def _rows(draft: Draft, sheet: Sheet, into: Description) -> list[Row]:
         for heading, text in cells.items():
             column = _column(sheet, heading)
             if column is None:
-                into.faults.append(Fault(replace(spot, heading=heading), "no column of this table", text))
+                problem = Sentence("no column of this table")
+                into.faults.append(Fault(replace(spot, heading=heading), problem, text))
                 continue
             try:
                 values[heading] = column.kind.value(_cell(text), draft.units)
             except NotAccepted as error:
-                into.faults.append(Fault(replace(spot, heading=heading), "cannot be read", text, str(error)))
+                problem = Sentence("cannot be read")
+                into.faults.append(Fault(replace(spot, heading=heading), problem, text, error.wanted))
         rows.append(Row(spot, dict(cells), values))
     return rows
 
@@ -266,8 +271,8 @@ def _cell(text: str) -> str | float:
 
 def _of_cell(subject: Subject, fault: Fault) -> FormFault:
     row = None if subject.sheet(fault.spot.sheet).is_form else fault.spot.row
-    said = str(InputError(fault.problem, value=fault.value, expected=fault.expected, nearest=fault.nearest))
-    return FormFault(fault.spot.sheet, row, fault.spot.heading, said)
+    error = InputError(fault.problem, value=fault.value, expected=fault.expected, nearest=fault.nearest)
+    return FormFault(fault.spot.sheet, row, fault.spot.heading, error.sentence)
 
 
 def _in_its_cell(error: InputError, into: Description, rows: Mapping[str, Sequence[Row]], draft: Draft) -> Fault:
@@ -276,11 +281,11 @@ def _in_its_cell(error: InputError, into: Description, rows: Mapping[str, Sequen
     if spot is None:
         sheets = draft.subject.sheets
         sheet = next((sheet for sheet in sheets if sheet.at[:1] == error.place.steps[:1]), sheets[0])
-        problem = "nothing is filled in yet" if len(error.place.steps) == 1 else error.problem
+        problem = _NOTHING_YET if len(error.place.steps) == 1 else error.problem
         return Fault(Spot(sheet.name), problem, error.value, error.expected, error.nearest)
     row = next((row for row in rows[spot.sheet] if row.spot.row == spot.row), None)
     column = None if spot.heading is None else _column(draft.subject.sheet(spot.sheet), spot.heading)
     if row is not None and column is not None:
         return fault_of_cell(error, column, row, draft.units)
-    problem = error.problem if row is None or row.cells else "nothing is filled in yet"
+    problem = error.problem if row is None or row.cells else _NOTHING_YET
     return Fault(spot, problem, error.value, error.expected, error.nearest)

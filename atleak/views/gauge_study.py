@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.gauge_study.anova import CATEGORY, SPREAD, Component, GaugeStudy
+from atleak.version import __version__
 from atleak.views.columns import Column
+from atleak.views.diagnosis_record import FORMAT
 from atleak.views.message_record import message_record
 from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
@@ -46,6 +48,8 @@ def study_record(study: GaugeStudy) -> dict[str, Any]:
     """Return everything a study says, as scripts read it: µm and percent; nothing is rounded."""
     readings = study.readings
     return {
+        "format": FORMAT,
+        "atleak": __version__,
         "file": readings.file,
         "sha256": readings.sha256 or None,
         "parts": list(readings.parts),

@@ -30,7 +30,7 @@ def event_rows(events: Iterable[Event], say: Wording) -> list[dict[str, Any]]:
             "event_start": round(event.start, 2),
             "event_stop": round(event.stop, 2),
             "event_lasts": round(event.duration, 2),
-            "event_source": event.source,
+            "event_source": say.get("event_sources", event.source),
             "event_note": event_remark(event, say) or None,
         }
         for event in events

@@ -54,7 +54,7 @@ def permitted_sentence(log: RoadFindings, say: Wording) -> str:
     if permitted is None:
         refused = log.road_test.refused.get("main_pressure")
         if log.not_judged == "no_main_pressure" and refused is not None:
-            return say("findings.no_usable_pressure", why=refused)
+            return say("findings.no_usable_pressure", why=say.sentence(refused))
         return say(f"findings.{log.not_judged}")
     judged, lowest = say.number(permitted.judged, 1), permitted.lowest
     if lowest is None or decided is None:
@@ -114,8 +114,8 @@ def event_name(event: Event, say: Wording) -> str:
 
 
 def event_remark(event: Event, say: Wording) -> str:
-    """Return what else is to be said of an event; notes about a log's channels are English."""
-    return event.note if event.test is None else how_driven(event, event.test, say)
+    """Return what else is to be said of an event."""
+    return say.sentence(event.note) if event.test is None else how_driven(event, event.test, say)
 
 
 def log_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:

@@ -53,8 +53,9 @@ def draw(editing: Editing, names: Iterable[str], found: Checked, aside: Collecti
 
 def _form(editing: Editing, sheet: Sheet, found: Checked, aside: Collection[str], say: Wording) -> None:
     """Draw a field for each line of a form, with what is wrong or in doubt beneath it."""
-    signs = {doubt.heading: f":orange[? {show.plain(doubt.text)}]" for doubt in found.doubted_in(sheet.name)}
-    signs |= {fault.heading: f":red[✗ {show.plain(fault.text)}]" for fault in found.of(sheet.name)}
+    doubts, faults = found.doubted_in(sheet.name), found.of(sheet.name)
+    signs = {doubt.heading: f":orange[? {show.plain(say.sentence(doubt.text))}]" for doubt in doubts}
+    signs |= {fault.heading: f":red[✗ {show.plain(say.sentence(fault.text))}]" for fault in faults}
     groups = _together(sheet.columns)
     _fields(editing, sheet, [group for group in groups if not _is_aside(group, aside)], signs, say)
     others = [group for group in groups if _is_aside(group, aside)]
@@ -130,7 +131,7 @@ def _table(editing: Editing, sheet: Sheet, found: Checked, say: Wording) -> None
     if key not in st.session_state or key not in editing.base:
         _begin(editing, sheet, key)
     base, columns = editing.base[key], sheet.columns_for(found.data)
-    wrong, doubted = _by_row(found.of(sheet.name)), _by_row(found.doubted_in(sheet.name))
+    wrong, doubted = (_by_row(each, editing, say) for each in (found.of(sheet.name), found.doubted_in(sheet.name)))
     said = {number: [*wrong.get(number, ()), *doubted.get(number, ())] for number in {*wrong, *doubted}}
     with st.container():
         for colour, texts in (("red", wrong.get(0, ())), ("orange", doubted.get(0, ()))):
@@ -166,11 +167,13 @@ def _table(editing: Editing, sheet: Sheet, found: Checked, say: Wording) -> None
     st.button(say("typed_entries.more"), key=f"{key}-more", on_click=_more, args=(editing, sheet.name))
 
 
-def _by_row(faults: Iterable[FormFault]) -> dict[int, list[str]]:
+def _by_row(faults: Iterable[FormFault], editing: Editing, say: Wording) -> dict[int, list[str]]:
     """Return what is said of each row, under 0 what is of the whole table."""
     said: dict[int, list[str]] = {}
     for fault in faults:
-        said.setdefault(fault.row or 0, []).append(f"{fault.heading}: {fault.text}" if fault.heading else fault.text)
+        text = say.sentence(fault.text)
+        heading = f"{editing.said(fault.heading, say)}: " if fault.heading else ""
+        said.setdefault(fault.row or 0, []).append(heading + text)
     return said
 
 

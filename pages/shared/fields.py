@@ -9,6 +9,7 @@ from typing import Any, Literal, overload
 
 import streamlit as st
 
+from atleak.sentence import Sentence
 from atleak.wording import Wording
 from atleak.written_numbers import AskedNumber, WrittenNumber, read_number, written
 from pages.shared import reader, show
@@ -56,14 +57,14 @@ def number(label: str, asked: AskedNumber, start: float | None, *, key: str, opt
     if entry.value is not None or (optional and not text):
         taken[key] = entry.value
         if entry.doubt:
-            place.warning(show.plain(entry.doubt))
+            place.warning(show.plain(say.sentence(entry.doubt)))
         return entry.value
     last = taken.setdefault(key, start)
     if last is None:
-        used = say("written.none_used", name=shown.name)
+        used = say("written.none_used", name=say.sentence(shown.name))
     else:
         used = say("written.stays", value=f"{written(_convert(last, asked, say), shown, say)} {shown.unit}".strip())
-    place.error(show.plain(f"{entry.doubt} {used}"))
+    place.error(show.plain(f"{say.sentence(entry.doubt)} {used}"))
     return last
 
 
@@ -71,13 +72,13 @@ def _entry(text: str, asked: AskedNumber, first: str, start: float | None, optio
     """Read what stands in a field in the reader's unit; the value is in the unit of ``asked``."""
     say = reader.say()
     if not text:
-        return WrittenNumber(None, "" if optional else say("written.nothing"))
-    entry = read_number(text, asked.to(say), say)
+        return WrittenNumber(None, Sentence("") if optional else Sentence("Nothing is written here"))
+    entry = read_number(text, asked.to(say))
     if text == first and start is not None:
-        return WrittenNumber(start, "" if entry.value is None else entry.doubt)
+        return WrittenNumber(start, Sentence("") if entry.value is None else entry.reason)
     if entry.value is None or asked.kind is None:
         return entry
-    return WrittenNumber(say.back(entry.value, asked.kind), entry.doubt)
+    return WrittenNumber(say.back(entry.value, asked.kind), entry.reason)
 
 
 def _convert(value: float, asked: AskedNumber, say: Wording) -> float:

@@ -16,6 +16,7 @@ from atleak.gauge_study.instrument import instrument_tables
 from atleak.intake.gauge_study import read_study
 from atleak.job.case import SLOTS, SourceFile
 from atleak.report.gauge_study_sheet import write_study_form
+from atleak.sentence import Sentence
 from atleak.wording import Wording
 from atleak.workshop_units import UM
 from atleak.written_numbers import AskedNumber
@@ -27,8 +28,8 @@ _FILE = "gauge-study-file"
 _UNITS = ("mm", "µm", "inch")
 _COUNTS = range(2, 61)  # of parts, people and repeats that a workbook is made for
 _ALPHAS = (ALPHA, 0.1, 0.25)
-TOLERANCE = AskedNumber("tolerance", "µm", 20.5, (1e-3, 1e6), (1.0, 1_000.0), "clearance")
-RESOLUTION = AskedNumber("resolution", "µm", 0.5, (1e-4, 1e4), (0.05, 10.0), "clearance")
+TOLERANCE = AskedNumber(Sentence("tolerance"), "µm", 20.5, (1e-3, 1e6), (1.0, 1_000.0), "clearance")
+RESOLUTION = AskedNumber(Sentence("resolution"), "µm", 0.5, (1e-4, 1e4), (0.05, 10.0), "clearance")
 
 
 def draw_blank_form(say: Wording) -> None:

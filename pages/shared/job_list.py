@@ -291,7 +291,8 @@ def suggestions(book: Book, picked: Sequence[JobRow]) -> None:
             st.write(say("job_book.none_alike"))
         for pair in (pairs or [])[:PAGE]:
             words, button = st.columns([4, 1], vertical_alignment="center")
-            words.markdown(f"{show.plain(pair.one.in_words)}  \n{show.plain(pair.other.in_words)}  \n*{pair.why}*")
+            one, other, why = map(show.plain, (pair.one.in_words, pair.other.in_words, pair.why))
+            words.markdown(f"{one}  \n{other}  \n*{why}*")
             act = partial(_merged, book, pair.one.id, pair.other.id)
             button.button(
                 say("job_book.merge"), on_click=_done, args=(act,), key=f"job-merge-{pair.one.id}-{pair.other.id}"

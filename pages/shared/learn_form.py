@@ -20,7 +20,7 @@ from atleak.learning.learned import Learned, learn
 from atleak.learning.tables import with_learned
 from atleak.learning.words import messages, summary
 from atleak.views.learned_rows import land_rows, outlier_rows, unit_rows
-from pages.shared import show
+from pages.shared import reader, show
 from pages.shared.sheet_form import AS_STATED
 
 _TYPES = ["xlsx", "xls", "ods", "csv", "tsv", "txt"]
@@ -110,9 +110,10 @@ def _learned(
 
 
 def _show(learned: Learned) -> None:
-    st.markdown(show.plain(summary(learned)))
+    say = reader.say()
+    st.markdown(show.plain(say.sentence(summary(learned))))
     for message in messages(learned):
-        (st.warning if message.level == "warning" else st.info)(show.plain(message.text))
+        (st.warning if message.level == "warning" else st.info)(show.plain(say.sentence(message.text)))
     show.table(land_rows(learned))
     outliers = outlier_rows(learned)
     if outliers:

@@ -11,8 +11,10 @@ from typing import Any
 import pandas as pd
 import streamlit as st
 
+from atleak.channel_formulas import channel_scales
 from atleak.errors import AtleakError
-from atleak.intake.road_test import NOT_LOGGED, Ambiguous, LogColumn, Understood, describe
+from atleak.intake.road_test import FORMATS, NOT_LOGGED, Ambiguous, LogColumn, Understood, describe
+from atleak.intake.road_test.describe import workshop_unit
 from atleak.intake.units import unit_names
 from atleak.job.case import Case, SourceFile
 from atleak.keeping import kept_with
@@ -90,7 +92,7 @@ def keep_what_was_taken(case: PageCase) -> None:
 
 def facts(log: Understood, say: Wording) -> str:
     """Return format, encoding, decimal sign, rows, duration and breaks of a log in one line."""
-    parts = [log.format, log.encoding]
+    parts = [say.sentence(FORMATS.get(log.format, log.format)), log.encoding]
     if log.decimal is not None:
         parts.append(say("road_test.decimal_comma" if log.decimal == "," else "road_test.decimal_point"))
     test = log.road_test
@@ -108,19 +110,24 @@ def understood_table(log: Understood) -> None:
 
 
 def _understood_rows(log: Understood, say: Wording) -> list[dict[str, Any]]:
-    rows = []
+    rows, test = [], log.road_test
+    scales = {} if test is None else channel_scales(test, say)
     for row in describe(log)["columns"]:
-        unit = row["unit"] or "–"
-        rate = row["sampling_hz"]
+        name, unit, rate = row["quantity"], row["unit"] or "–", row["sampling_hz"]
+        in_unit, ends = row["value_unit"], (row["min"], row["max"])
+        if name in scales and test is not None:
+            written = workshop_unit(name, test.channels[name])
+            in_unit, shown = scales[name]
+            ends = tuple(end if end is None or written is None else shown(written.to_si(end)) for end in ends)
         rows.append(
             {
-                "log_quantity": say(f"log_quantities.{row['quantity']}"),
+                "log_quantity": say(f"log_quantities.{name}"),
                 "log_column": row["column"] or row["source"],
                 "log_unit": say("road_test.assumed", unit=unit) if row["unit_assumed"] else unit,
-                "log_kind": say(f"log_kinds.{row['kind']}") if row["quantity"].endswith("pressure") else None,
-                "log_least": _number(row["min"], say),
-                "log_largest": _number(row["max"], say),
-                "log_in": row["value_unit"],
+                "log_kind": say(f"log_kinds.{row['kind']}") if name.endswith("pressure") else None,
+                "log_least": _number(ends[0], say),
+                "log_largest": _number(ends[1], say),
+                "log_in": in_unit,
                 "log_samples": whole(row["samples"], say),
                 "log_suspect": whole(row["suspect_samples"], say),
                 "log_rate": None if rate is None else short(rate, say),

@@ -90,7 +90,7 @@ def window(test: RoadTest, happened: Sequence[Event]) -> tuple[float, float] | N
     if chosen is None:
         ends = kept.get(test.sha256, ends)
     key = f"window-{test.sha256}-{st.session_state.get('window-set', 0)}-{ends if chosen is not None else 'own'}"
-    start, stop = st.slider(f"{say('road_test.cursors')} [s]", first, last, ends, key=key)
+    start, stop = st.slider(f"{say('road_test.cursors')} [s]", first, last, ends, key=key, format="localized")
     all_of_it = (start, stop) == (first, last)
     if chosen is None:
         kept.pop(test.sha256, None) if all_of_it else kept.update({test.sha256: (start, stop)})
@@ -175,7 +175,7 @@ def _add(test: RoadTest, name: str, formula: str, say: Wording) -> str:
         return say("formulas.name_taken", name=name)
     result = _one(test, LogFormula(name=name, formula=formula), _computed(test, typed))
     if isinstance(result, FormulaError):
-        return str(result)
+        return say.sentence(result.sentence)
     _keep((*typed, LogFormula(name=name, formula=formula)))
     return ""
 

@@ -414,7 +414,8 @@ class Grid {
 
     doubt(name) {
         const cell = this.cells.get(name)
-        return `${this.text_of(name)}: ${cell.doubt}${cell.counts ? "" : ` ${this.data.words.counts_not}`}`
+        const doubt = cell.counts ? cell.doubt : `${cell.doubt.replace(/[^.?!]$/, "$&.")} ${this.data.words.counts_not}`
+        return `${this.text_of(name)}: ${doubt}`
     }
 
     where(name) {

@@ -7,7 +7,7 @@ import datetime as dt
 import streamlit as st
 
 from atleak.errors import OutputError
-from atleak.intake.road_test import default_path, forget
+from atleak.intake.road_test import FORMATS, default_path, forget
 from atleak.intake.road_test.names.memory import RememberedColumns, recall_all, restore
 from atleak.wording import Wording
 from pages.shared import fields, reader, show
@@ -50,7 +50,8 @@ def _words(entry: RememberedColumns, say: Wording) -> str:
     if entry.columns:
         columns = ", ".join(entry.columns[:6]) + (" …" if len(entry.columns) > 6 else "")
         count = say.number(len(entry.columns), 0)
-        head = say("remembered.entry", format=show.plain(entry.format), count=count, columns=show.plain(columns))
+        format_ = show.plain(FORMATS.get(entry.format, entry.format))
+        head = say("remembered.entry", format=format_, count=count, columns=show.plain(columns))
     else:
         head = say("remembered.entry_unknown")
     when = say("remembered.when", when=_local(entry.when)) if entry.when else ""
@@ -88,7 +89,7 @@ def _forget(header: str, entry: RememberedColumns) -> None:
         forget(default_path(), header)
         st.session_state[_FORGOTTEN] = (header, entry)
     except OutputError as error:
-        st.session_state[_FAULT] = str(error)
+        st.session_state[_FAULT] = error.sentence
 
 
 def _undo() -> None:
@@ -97,4 +98,4 @@ def _undo() -> None:
         restore(default_path(), header, entry)
     except OutputError as error:
         st.session_state[_FORGOTTEN] = (header, entry)
-        st.session_state[_FAULT] = str(error)
+        st.session_state[_FAULT] = error.sentence

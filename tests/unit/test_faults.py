@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import pytest
@@ -10,6 +11,7 @@ from atleak.catalogue.limits import LimitsFile
 from atleak.errors import CatalogueError, InputError
 from atleak.faults import validated
 from atleak.job.record import Job
+from atleak.wording import wording
 
 
 def _fault(model: type, data: Any, kind: type[InputError] = InputError) -> InputError:
@@ -44,3 +46,26 @@ def test_a_table_in_a_list_is_counted_from_one_and_every_fault_is_listed() -> No
 def test_a_long_value_is_shortened() -> None:
     fault = _fault(Job, {"vehicle": "x" * 500})
     assert len(str(fault.value)) < 100
+
+
+ENGLISH = {"a", "expected", "found", "greater", "is", "less", "must", "not", "or", "than", "value", "with"}
+
+
+@pytest.mark.parametrize("language", ["de", "pl"])
+def test_every_fault_of_a_file_is_said_in_the_reader_s_language(language: str) -> None:
+    table = {"origin": "published", "source": "x"}
+    fault = _fault(
+        LimitsFile,
+        {
+            "id": "Own limits", "name": " ", "source": 5, "date": "soon", "nots": "x",
+            "wear_percent": {**table, "watch": 20.0, "replace": 10.0},
+            "clearance_um": {**table, "watch": "wide"},
+            "pair_share_percent": table,
+            "total_share_percent": {**table, "origin": "mine", "amber": -1, "red": 2, "critical": {"percent": -3}},
+            "reserve": {**table, "amber": 1.0, "red": 2.0, "critical": 0.5, "fall_percent": 120},
+        },
+        CatalogueError,
+    )  # fmt: skip
+    said = wording(language).sentence(fault.sentence)
+    assert len(said.splitlines()) == len(str(fault).splitlines()) == 12
+    assert not ENGLISH & set(re.findall(r"\w+", said)), said

@@ -52,6 +52,8 @@ def test_a_sentence_is_a_text_that_keeps_its_wording() -> None:
     for again in (pickle.loads(pickle.dumps(said)), copy.deepcopy(said)):
         assert (again, again.template, again.values) == (said, said.template, said.values)
     assert Sentence("{braces} stand as they are") == "{braces} stand as they are"
+    quoted = Sentence("found {value!r}", value=["a", "b"])
+    assert (quoted, wording("de", "us").sentence(quoted)) == ("found ['a', 'b']", "found ['a', 'b']")
 
 
 def test_values_are_written_in_the_reader_s_language_and_units() -> None:

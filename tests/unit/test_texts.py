@@ -11,7 +11,9 @@ import pytest
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.entries import shipped_files
+from atleak.catalogue.fluid import fluids
 from atleak.catalogue.instruments import instruments
+from atleak.catalogue.limits import limit_sets
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages, wording
 
@@ -127,7 +129,7 @@ def test_a_language_is_no_copy_of_english(language: str) -> None:
     assert same == []
 
 
-def test_every_name_of_a_shipped_valve_body_or_instrument_is_translated() -> None:
+def test_every_name_of_the_shipped_catalogue_is_translated() -> None:
     shipped = [load_controller(name) for name in sorted(shipped_files("controllers"))]
     names = {
         name
@@ -139,7 +141,10 @@ def test_every_name_of_a_shipped_valve_body_or_instrument_is_translated() -> Non
             *filter(None, [controller.representative]),
         )
     }
-    names |= {each.name.lower() for each in instruments()}
+    names |= {name for each in instruments() for name in (each.name, each.name.lower())}
+    of_fluids = [text for each in fluids() for text in (each.name, each.note, *each.representative)]
+    of_limits = [each.name for each in limit_sets()]
+    names |= {text for text in (*of_fluids, *of_limits) if re.search(r"\b[a-z]{4,}\b", text)}  # no brands, no keys
     assert len(shipped) > 8
     assert set(ENGLISH["names"]) == names
     assert all(wording("en").name(name) == name for name in names)

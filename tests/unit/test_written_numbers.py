@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -149,13 +151,22 @@ def test_what_a_field_shows_is_read_back_in_every_language_and_unit(
     say = wording(language, units)
     shown = asked.to(say)
     value = shown.limits[0] + part * (shown.limits[1] - shown.limits[0])
-    assert read_number(written(value, shown, say), shown, say).value == value
+    assert read_number(written(value, shown, say), shown).value == value
 
 
 @pytest.mark.parametrize("language", languages())
 def test_a_doubt_names_limits_and_unit_as_the_reader_has_them(language: str) -> None:
     say = wording(language, "us")
-    doubt = read_number("900", TEMPERATURE.to(say), say).doubt
+    doubt = say.sentence(read_number("900", TEMPERATURE.to(say)).doubt)
     assert "900 °F" in doubt
     assert "−76" in doubt
     assert "392 °F" in doubt
+
+
+def test_a_doubt_has_the_decimal_sign_of_the_reader_s_language() -> None:
+    say = wording("de")
+    assert say.sentence(read_number("1.250", ENGINE_SPEED).doubt) == (
+        "'1.250' lässt sich auf zwei Arten lesen: 1250 schreiben für 1250 rpm, oder 1,25 für 1,25 rpm."
+    )
+    assert say.sentence(read_number("x", TEMPERATURE).reason).endswith("Temperatur in °C schreiben, etwa 95,5")
+    assert pickle.loads(pickle.dumps(read_number("x", MILEAGE))) == read_number("x", MILEAGE)

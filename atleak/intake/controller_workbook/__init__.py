@@ -28,8 +28,9 @@ from atleak.intake.plain_words import words
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes
 from atleak.intake.sheets.workbook import read_workbook
+from atleak.sentence import Sentence
 
-WANTED = "a workbook (.xlsx) as 'atleak controller template' writes it"
+WANTED = Sentence("a workbook (.xlsx) as 'atleak controller template' writes it")
 _ALIKE = 0.6  # of a sheet's headings, by which it is recognised under another name
 
 
@@ -40,7 +41,7 @@ class DescribedController:
     data: dict[str, Any]  # the tables, as a TOML file of the same content gives them
     controller: Controller
     units: Units  # in which the workbook's numbers are written
-    notes: tuple[str, ...]  # what was taken for granted and what was not read, in sentences
+    notes: tuple[Sentence, ...]  # what was taken for granted and what was not read, in sentences
 
 
 def is_workbook(path: str | Path) -> bool:
@@ -77,7 +78,7 @@ def read_controller_workbook(source: str | Path | bytes, *, name: str | None = N
     try:
         data, file = read_bytes(source, name)
         if not data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
-            raise CatalogueError("this is no workbook", place=Place(file), expected=WANTED)
+            raise CatalogueError(Sentence("this is no workbook"), place=Place(file), expected=WANTED)
         sheets = read_workbook(data, file)
     except ReadingsError as error:
         expected = WANTED if error.expected is None or "measuring sheet" in error.expected else error.expected
@@ -90,7 +91,7 @@ def _described(sheets: list[Sheet], file: str) -> DescribedController:
     matched = _matched(sheets, into)
     if not matched:
         names = ", ".join(sheet.name or "" for sheet in sheets[:5])
-        raise CatalogueError("describes no valve body", place=Place(file), value=names, expected=WANTED)
+        raise CatalogueError(Sentence("describes no valve body"), place=Place(file), value=names, expected=WANTED)
     units = _units(matched.get(HEAD.name), into)
     places = Places(file, units)
     is_empty = True
@@ -106,9 +107,9 @@ def _described(sheets: list[Sheet], file: str) -> DescribedController:
             into.mark(declared.at, Spot(declared.name))
         declared.fill(page.rows, into)
     if is_empty:
-        raise CatalogueError(
-            "nothing is filled in yet", place=Place(file), expected=f"the sheets {_needed()} filled in, at least"
-        )
+        needed = tuple(sheet.name for sheet in SHEETS if sheet.needed)
+        expected = Sentence("the sheets {sheets} filled in, at least", sheets=needed)
+        raise CatalogueError(Sentence("nothing is filled in yet"), place=Place(file), expected=expected)
     faults = [places.fault(fault) for fault in into.faults]
     try:
         controller = checked_controller(into.data, file)
@@ -120,12 +121,11 @@ def _described(sheets: list[Sheet], file: str) -> DescribedController:
     if faults:
         raise together(sorted(faults, key=places.order))
     for page in places.pages.values():
-        into.notes += [f"{places.place(spot)}: {text}" for spot, text in doubts(page.declared, page.rows, units)]
+        into.notes += [
+            Sentence("{where}: {problem}", where=places.place(spot).sentence, problem=text)
+            for spot, text in doubts(page.declared, page.rows, units)
+        ]
     return DescribedController(into.data, controller, units, tuple(into.notes))
-
-
-def _needed() -> str:
-    return ", ".join(sheet.name for sheet in SHEETS if sheet.needed)
 
 
 def _matched(sheets: list[Sheet], into: Description) -> dict[str, Sheet]:
@@ -141,9 +141,11 @@ def _matched(sheets: list[Sheet], into: Description) -> dict[str, Sheet]:
         best = max(likeness, key=lambda name: likeness[name], default=None)
         if best is not None and likeness[best] >= _ALIKE:
             matched[best] = sheet
-            into.notes.append(f"sheet {sheet.name!r} is read as {best!r}, by its headings")
+            into.notes.append(
+                Sentence("sheet {sheet!r} is read as {known!r}, by its headings", sheet=sheet.name, known=best)
+            )
         else:
-            into.notes.append(f"sheet {sheet.name!r} is not read")
+            into.notes.append(Sentence("sheet {sheet!r} is not read", sheet=sheet.name))
     return matched
 
 
@@ -165,7 +167,7 @@ def _units(sheet: Sheet | None, into: Description) -> Units:
     for line in UNIT_LINES:
         if line.heading not in row.cells:
             options = line.kind.shown if isinstance(line.kind, Choice) else ()
-            into.fault(row, line.heading, "not chosen", one_of(options))
+            into.fault(row, line.heading, Sentence("not chosen"), one_of(options))
     chosen = {line.keys[0]: row.values[line.heading] for line in UNIT_LINES if line.heading in row.values}
     return Units(**chosen)
 
@@ -180,7 +182,7 @@ def _miss(declared: Declared, into: Description) -> None:
     """Say that a sheet is missing which no valve body goes without, and nothing more about what it should hold."""
     if not declared.needed:
         return
-    into.faults.append(Fault(Spot(declared.name), "this sheet is missing, or its headings are"))
+    into.faults.append(Fault(Spot(declared.name), Sentence("this sheet is missing, or its headings are")))
     if declared.at:
         into.unread.add(declared.at)
     else:

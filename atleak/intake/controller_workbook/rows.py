@@ -10,7 +10,7 @@ from decimal import Decimal
 from typing import Any
 
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
-from atleak.controller_sheets.kinds import Cell, NotAccepted, Number, as_text
+from atleak.controller_sheets.kinds import Cell, Number, as_text
 from atleak.controller_sheets.layout import (
     EXAMPLE_MARK,
     FIELD,
@@ -23,9 +23,11 @@ from atleak.controller_sheets.shapes import Column
 from atleak.controller_sheets.shapes import Sheet as Declared
 from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
 from atleak.errors import nearest_name, one_of
+from atleak.faults import NotAccepted
 from atleak.intake.plain_words import words
 from atleak.intake.sheets.sheet import Sheet, column_letter, rows_named
 from atleak.intake.units import find_unit
+from atleak.sentence import Sentence
 
 _LOOKED_AT = 40  # rows at the top of a sheet among which its headings are sought
 _WITH_UNIT = re.compile(r"(.*?\d[.,]?)\s*([^\d\s.,][^\d]*)")
@@ -94,7 +96,8 @@ def form_page(
             elif say_unknown and label and _raw(sheet, row, value_column) is not None:
                 headings = [each.heading for each in (*others, *by_words.values())]
                 spot = Spot(declared.name, sheet.row_number(row))
-                into.faults.append(Fault(spot, "unknown field", label, one_of(headings), nearest_name(label, headings)))
+                nearest = nearest_name(label, headings)
+                into.faults.append(Fault(spot, Sentence("unknown field"), label, one_of(headings), nearest))
             continue
         origin = known.get(line.key)
         for column, each in ((value_column, line), (known_column, origin)):
@@ -102,7 +105,7 @@ def form_page(
                 continue
             if each.heading in places and _raw(sheet, row, column) is not None:
                 spot = Spot(declared.name, sheet.row_number(row))
-                into.faults.append(Fault(spot, "field given twice", label, "each field once"))
+                into.faults.append(Fault(spot, Sentence("field given twice"), label, Sentence("each field once")))
                 continue
             places.setdefault(each.heading, (row, column))
             _read_cell(page, row, column, each, units, cells, values, Spot(declared.name, None, each.heading), into)
@@ -126,7 +129,7 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
     missing = [column for column in declared.columns if column.required and column.heading not in page.columns]
     for column in missing:
         spot = Spot(declared.name, sheet.row_number(top))
-        into.faults.append(Fault(spot, f"the column {column.heading!r} is missing"))
+        into.faults.append(Fault(spot, Sentence("the column {heading!r} is missing", heading=column.heading)))
     remarks: list[int] = []
     for row in range(top + 1, len(sheet.rows)):
         mark = "" if note is None else sheet.cell(row, note)
@@ -141,8 +144,9 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
         if _is(mark, EXAMPLE_MARK):
             stands = {column.heading: _raw(sheet, row, number) for number, column in columns.items()}
             if not _is_example(declared, columns.values(), stands):
-                expected = f"the example as it was, or no {EXAMPLE_MARK!r} before a row of your own"
-                into.faults.append(Fault(spot, "a row marked as an example was changed", expected=expected))
+                problem = Sentence("a row marked as an example was changed")
+                expected = Sentence("the example as it was, or no {mark!r} before a row of your own", mark=EXAMPLE_MARK)
+                into.faults.append(Fault(spot, problem, expected=expected))
             continue
         remarks += [row] if as_text(mark) else []
         for number, column in columns.items():
@@ -179,15 +183,14 @@ def _columns(sheet: Sheet, top: int, declared: Declared, into: Description) -> d
             columns[number] = column
         elif any(_own(sheet, row, number) for row in range(top + 1, len(sheet.rows))):
             if column is not None:
-                into.faults.append(Fault(spot, "column given twice", heading, "each column once"))
+                into.faults.append(Fault(spot, Sentence("column given twice"), heading, Sentence("each column once")))
                 continue
             headings = [each.heading for each in declared.columns]
             nearest = nearest_name(as_text(heading), headings)
-            problem = (
-                "unknown column"
-                if heading != ""
-                else f"column {column_letter(number)} holds something and has no heading"
-            )
+            problem = Sentence("unknown column")
+            if heading == "":
+                letter = column_letter(number)
+                problem = Sentence("column {letter} holds something and has no heading", letter=letter)
             into.faults.append(Fault(spot, problem, heading or None, one_of(headings), nearest))
     return columns
 
@@ -200,8 +203,9 @@ def _check_units(
         label, stands = column.kind.label(units), as_text(sheet.cell(row, number))
         if stands and words(stands) != words(label):
             spot = Spot(declared.name, sheet.row_number(row), column.heading)
-            expected = f"{label}, as the sheet Head says" if label else "no unit"
-            into.faults.append(Fault(spot, "another unit than that of the workbook", stands, expected))
+            as_said = Sentence("{unit}, as the sheet Head says", unit=label)
+            expected = as_said if label else Sentence("no unit")
+            into.faults.append(Fault(spot, Sentence("another unit than that of the workbook"), stands, expected))
 
 
 def _is_example(declared: Declared, columns: Any, stands: Mapping[str, Cell]) -> bool:
@@ -224,7 +228,14 @@ def _say_lost(sheet: Sheet, rows: Sequence[int], into: Description) -> None:
     """Say which remarks are not carried over."""
     if rows:
         where = rows_named(sheet, rows)
-        into.notes.append(f"sheet {sheet.name!r}, {where}: what stands under {NOTE_HEADING} is not carried over")
+        into.notes.append(
+            Sentence(
+                "sheet {sheet!r}, {rows}: what stands under {heading} is not carried over",
+                sheet=sheet.name,
+                rows=where,
+                heading=NOTE_HEADING,
+            )
+        )
 
 
 def _is(cell: Cell, mark: str) -> bool:
@@ -259,20 +270,21 @@ def _read_cell(
     sheet = page.sheet
     if (row, number) in sheet.faults:
         cells[column.heading] = sheet.faults[row, number]
-        expected = "a value, or the workbook saved by a spreadsheet program, which works the formula out"
-        into.faults.append(Fault(spot, "a formula without a result", cells[column.heading], expected))
+        problem = Sentence("a formula without a result")
+        expected = Sentence("a value, or the workbook saved by a spreadsheet program, which works the formula out")
+        into.faults.append(Fault(spot, problem, cells[column.heading], expected))
         return
     cell = _raw(sheet, row, number)
     if cell is None:
         return
     cells[column.heading] = cell
     if sheet.is_struck(row, number):
-        into.faults.append(Fault(spot, "crossed out", cell, "the value, or an empty cell"))
+        into.faults.append(Fault(spot, Sentence("crossed out"), cell, Sentence("the value, or an empty cell")))
         return
     try:
         values[column.heading] = _value(column, cell, units)
     except NotAccepted as error:
-        into.faults.append(Fault(spot, "not accepted", cell, str(error)))
+        into.faults.append(Fault(spot, Sentence("not accepted"), cell, error.wanted))
 
 
 def _value(column: Column, cell: Cell, units: Units) -> Any:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from atleak.errors import Place, ReadingsError
+from atleak.errors import Place, ReadingsError, one_of
 from atleak.faults import together
 from atleak.gauge_study.readings import GaugeStudyError, StudyReadings
 from atleak.intake.gauge_study.table import StudyTable, find_table, likeness
@@ -18,11 +18,12 @@ from atleak.intake.gauge_study.values import crossed
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import unit
+from atleak.sentence import Sentence
 
 __all__ = ["read_study"]
 
-WANTED = "a workbook (.xlsx) or text (.csv) of repeated readings"
-_HEADINGS = (
+WANTED = Sentence("a workbook (.xlsx) or text (.csv) of repeated readings")
+_HEADINGS = Sentence(
     "a row of headings with part, operator, trial and reading, or part and operator beside a column for each trial; "
     "page Gauge study gives a workbook to fill in"
 )
@@ -74,12 +75,13 @@ def read_study(
 def _the_table(sheets: list[Sheet], file: str, wanted: str | None) -> StudyTable:
     shown = [sheet for sheet in sheets if not sheet.hidden and wanted in (None, sheet.name)]
     if not shown:
-        names = ", ".join(repr(sheet.name) for sheet in sheets if not sheet.hidden)
-        raise GaugeStudyError("no such sheet", place=Place(file), value=wanted, expected=f"one of {names}")
+        names = one_of(repr(sheet.name) for sheet in sheets if not sheet.hidden)
+        raise GaugeStudyError(Sentence("no such sheet"), place=Place(file), value=wanted, expected=names)
     tables = [table for table in map(find_table, shown) if table is not None]
     if not tables:
-        raise GaugeStudyError("holds no table of repeated readings", place=Place(file), expected=_HEADINGS)
+        raise GaugeStudyError(Sentence("holds no table of repeated readings"), place=Place(file), expected=_HEADINGS)
     if len(tables) > 1:
-        names = ", ".join(repr(table.sheet.name) for table in tables)
-        raise GaugeStudyError(f"several sheets hold readings: {names}", place=Place(file), expected="one of them")
+        sheets_named = tuple(repr(table.sheet.name) for table in tables)
+        problem = Sentence("several sheets hold readings: {sheets}", sheets=sheets_named)
+        raise GaugeStudyError(problem, place=Place(file), expected=Sentence("one of them"))
     return tables[0]

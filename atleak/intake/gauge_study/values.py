@@ -13,11 +13,18 @@ from atleak.errors import Message, Place
 from atleak.gauge_study.readings import FEWEST, GaugeStudyError, StudyReadings
 from atleak.intake.gauge_study.table import StudyTable, text_of
 from atleak.intake.units import Unit, unit
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+from atleak.workshop_units import MM, UM
 from atleak.written_numbers import decimal_number
 
 _USUAL_M = (0.5e-3, 100e-3)  # [m] diameters of valve bodies: outside of it another unit may have been meant
 _ENDS = ("average", "mean", "mittelwert", "średnia", "srednia", "range", "spannweite", "rozstęp")
 _SHOWN = 6
+_UNNAMED = {  # a row that names none, and what is expected there
+    "part": (Sentence("nothing says of which part this row's readings are"), Sentence("a part")),
+    "operator": (Sentence("nothing says of which operator this row's readings are"), Sentence("an operator")),
+}
 
 
 @dataclass
@@ -71,8 +78,8 @@ def _read_row(table: StudyTable, row: int, stated: Unit | None, cells: _Cells) -
         if name.casefold() in _ENDS:
             return  # the averages at the foot of a form are no readings
         if not name and key != "trial":
-            problem = f"nothing says of which {key} this row's readings are"
-            cells.problems.append(GaugeStudyError(problem, place=_place(table, row, column), expected=f"a {key}"))
+            problem, expected = _UNNAMED[key]
+            cells.problems.append(GaugeStudyError(problem, place=_place(table, row, column), expected=expected))
             return
         named[key] = name
     for column in filled:
@@ -98,15 +105,16 @@ def _value(table: StudyTable, row: int, column: int, stated: Unit | None, cells:
     """Return a reading [m]; None where it is a problem."""
     cell, place = table.sheet.cell(row, column), _place(table, row, column)
     fault = table.sheet.faults.get((row, column))
-    expected = "a number such as 12.345 or 12,345; an empty cell where nothing was read is a gap in the study"
+    expected = Sentence("a number such as 12.345 or 12,345; an empty cell where nothing was read is a gap in the study")
     if fault is not None:
-        problem = "a formula without a usable result"
+        problem = Sentence("a formula without a usable result")
         cells.problems.append(GaugeStudyError(problem, place=place, value=fault, expected=expected))
         return None
     no_number = isinstance(cell, bool | dt.date | dt.time | dt.timedelta)
     number = None if no_number else decimal_number(cell) if isinstance(cell, str) else float(cell)
     if number is None or not np.isfinite(number):
-        cells.problems.append(GaugeStudyError("not a number", place=place, value=str(cell), expected=expected))
+        problem = Sentence("not a number")
+        cells.problems.append(GaugeStudyError(problem, place=place, value=str(cell), expected=expected))
         return None
     return float((stated or table.units.get(column) or unit("mm", "length")).to_si(number))
 
@@ -121,37 +129,54 @@ def _gaps(cells: _Cells, table: StudyTable) -> Iterator[GaugeStudyError]:
     operators = list(dict.fromkeys(operator for _, operator in cells.by_pair))
     file = Place(table.sheet.file, table.sheet.name)
     if not cells.by_pair:
-        yield GaugeStudyError("no reading is filled in", place=file, expected="readings below the headings")
+        expected = Sentence("readings below the headings")
+        yield GaugeStudyError(Sentence("no reading is filled in"), place=file, expected=expected)
         return
-    for names, what in ((parts, "parts"), (operators, "operators")):
+    for names, problem in (
+        (parts, Sentence("{count} of the parts that a study needs", count=len(parts))),
+        (operators, Sentence("{count} of the operators that a study needs", count=len(operators))),
+    ):
         if len(names) < FEWEST:
-            problem = f"{len(names)} of the {what} that a study needs"
-            yield GaugeStudyError(problem, place=file, value=", ".join(names) or None, expected=f"at least {FEWEST}")
+            expected = Sentence("at least {count}", count=FEWEST)
+            yield GaugeStudyError(problem, place=file, value=", ".join(names) or None, expected=expected)
     for pair, given in cells.by_pair.items():
         seen: dict[str, Place] = {}
         for trial, _, place in given:
             if trial is not None and trial in seen:
                 part, operator = pair
-                problem = f"part {part}, operator {operator}, trial {trial} stands in {seen[trial]} already"
-                yield GaugeStudyError(problem, place=place, expected="each trial once")
+                problem = Sentence(
+                    "part {part}, operator {operator}, trial {trial} stands in {place} already",
+                    part=part,
+                    operator=operator,
+                    trial=trial,
+                    place=seen[trial].sentence,
+                )
+                yield GaugeStudyError(problem, place=place, expected=Sentence("each trial once"))
             elif trial is not None:
                 seen[trial] = place
     counts = [len(given) for given in cells.by_pair.values()]
     most = max(counts)
     if most < FEWEST:
-        yield GaugeStudyError(
-            "every operator read every part once", place=file, expected=f"at least {FEWEST} readings of each"
-        )
+        expected = Sentence("at least {count} readings of each", count=FEWEST)
+        yield GaugeStudyError(Sentence("every operator read every part once"), place=file, expected=expected)
         return
     for part in parts:
         for operator in operators:
             given = cells.by_pair.get((part, operator), [])
             if len(given) != most:
-                times = "not at all" if not given else f"{len(given)} time{'s' * (len(given) > 1)}"
-                problem = f"operator {operator} read part {part} {times}"
                 place = given[-1][2] if given else file
-                expected = f"{most} readings, as of the others: every operator reads every part equally often"
-                yield GaugeStudyError(problem, place=place, expected=expected)
+                expected = Sentence(
+                    "{count} readings, as of the others: every operator reads every part equally often", count=most
+                )
+                yield GaugeStudyError(_too_seldom(operator, part, len(given)), place=place, expected=expected)
+
+
+def _too_seldom(operator: str, part: str, times: int) -> Sentence:
+    if not times:
+        return Sentence("operator {operator} read part {part} not at all", operator=operator, part=part)
+    if times == 1:
+        return Sentence("operator {operator} read part {part} 1 time", operator=operator, part=part)
+    return Sentence("operator {operator} read part {part} {count} times", operator=operator, part=part, count=times)
 
 
 def _messages(table: StudyTable, stated: Unit | None, values: np.ndarray) -> Iterator[Message]:
@@ -159,17 +184,20 @@ def _messages(table: StudyTable, stated: Unit | None, values: np.ndarray) -> Ite
     if table.sheet.note:
         yield Message("info", "read_as", table.sheet.note, place)
     if stated is None and not table.units:
-        yield Message("info", "unit_assumed", "No heading states a unit: the readings are taken as mm.", place)
+        said = Sentence("No heading states a unit: the readings are taken as mm.")
+        yield Message("info", "unit_assumed", said, place)
     if stated is None and len({unit.name for unit in table.units.values()}) > 1:
-        names = ", ".join(dict.fromkeys(unit.name for unit in table.units.values()))
-        yield Message("warning", "several_units", f"The headings state several units: {names}.", place)
+        names = tuple(dict.fromkeys(unit.name for unit in table.units.values()))
+        said = Sentence("The headings state several units: {units}.", units=names)
+        yield Message("warning", "several_units", said, place)
     middle = median(values.ravel().tolist())
     if not _USUAL_M[0] <= middle <= _USUAL_M[1]:
-        text = (
-            f"The median reading is {middle * 1e3:.6g} mm, which is no usual diameter of a valve body: is the unit of "
-            "the readings right?"
+        said = Sentence(
+            "The median reading is {median:.6g} {median.unit}, which is no usual diameter of a valve body: is the unit "
+            "of the readings right?",
+            median=Quantity(middle * MM, "length"),
         )
-        yield Message("warning", "unusual_readings", text, place)
+        yield Message("warning", "unusual_readings", said, place)
     yield from _apart(table, values)
 
 
@@ -180,8 +208,12 @@ def _apart(table: StudyTable, values: np.ndarray) -> Iterator[Message]:
     far = ranges > 10.0 * usual
     if usual > 0.0 and 0 < far.sum() <= max(1, _SHOWN):
         widest = float(ranges.max())
-        text = (
-            f"{int(far.sum())} of {ranges.size} sets of repeats differ by up to {widest * 1e6:.4g} µm, the others by "
-            f"some {usual * 1e6:.3g} µm: a slip of the pen counts in every number here."
+        said = Sentence(
+            "{count} of {total} sets of repeats differ by up to {widest:.4g} {widest.unit}, the others by some "
+            "{usual:.3g} {usual.unit}: a slip of the pen counts in every number here.",
+            count=int(far.sum()),
+            total=ranges.size,
+            widest=Quantity(widest * UM, "clearance"),
+            usual=Quantity(usual * UM, "clearance"),
         )
-        yield Message("warning", "repeats_apart", text, Place(table.sheet.file, table.sheet.name))
+        yield Message("warning", "repeats_apart", said, Place(table.sheet.file, table.sheet.name))

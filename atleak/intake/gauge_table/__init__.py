@@ -20,11 +20,12 @@ from atleak.intake.gauge_table.words import Words
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.pressure_table import PressureTable, ranges_of
+from atleak.sentence import Sentence
 
 __all__ = ["PressureTabs", "find_tabs", "likeness_of", "read_pressure_table"]
 
-WANTED = "a table of gauge readings as .xlsx workbook or .csv text"
-_HEADINGS = (
+WANTED = Sentence("a table of gauge readings as .xlsx workbook or .csv text")
+_HEADINGS = Sentence(
     "headings for the range (P R N D 3 2 1), the engine (slow idle, fast idle, stall) and the pressure with its unit, "
     "such as: range, slow idle [kPa], fast idle [kPa], stall [kPa]"
 )
@@ -63,12 +64,13 @@ def read_pressure_table(
         raise _as_table(error) from error
     found = find_tabs(sheets, controller)
     if not found.tables:
-        raise PressureTableError("holds no table of gauge readings", place=Place(file), expected=_HEADINGS)
+        raise PressureTableError(Sentence("holds no table of gauge readings"), place=Place(file), expected=_HEADINGS)
     table = found.read(file, data)
     if table is None:
         first = found.tables[0]
         place = Place(file, first.sheet.name, first.sheet.row_number(first.row))
-        raise PressureTableError("no pressure is filled in", place=place, expected="at least one gauge reading")
+        expected = Sentence("at least one gauge reading")
+        raise PressureTableError(Sentence("no pressure is filled in"), place=place, expected=expected)
     return table
 
 

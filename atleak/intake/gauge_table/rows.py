@@ -14,8 +14,9 @@ from atleak.intake.gauge_table.tables import GaugeTable, table_rows
 from atleak.intake.gauge_table.words import Said, Words, engine_words, is_blank, text_of
 from atleak.intake.sheets.sheet import Cell as SheetCell
 from atleak.intake.sheets.sheet import column_letter
-from atleak.intake.units import Unit, find_unit, unit, unit_names
+from atleak.intake.units import KINDS, Unit, find_unit, unit, unit_names
 from atleak.pressure_table import LINE, Cell, GaugeReading
+from atleak.sentence import Sentence
 from atleak.written_numbers import (
     ENGINE_SPEED,
     TEMPERATURE,
@@ -29,9 +30,9 @@ HIGHEST = 6.0e6  # [Pa] that a gauge in a transmission can show: choice of this 
 _NUMBER_AND_UNIT = re.compile(r"([\d\s.,+\-−'’]*\d[.,]?)\s*([^\d.,\s+\-−'’].*)", re.DOTALL)
 _ASIDE_SHOWN = 6
 _NOT_UNDERSTOOD = {  # what is said of an empty cell, and of one that names nothing known
-    "range": ("no range in this row", "no such range of this unit"),
-    "engine": ("nothing says what the engine does in this row", "no such state of the engine"),
-    "tap": ("no tap in this row", "no such tap of this unit"),
+    "range": (Sentence("no range in this row"), Sentence("no such range of this unit")),
+    "engine": (Sentence("nothing says what the engine does in this row"), Sentence("no such state of the engine")),
+    "tap": (Sentence("no tap in this row"), Sentence("no such tap of this unit")),
 }
 
 
@@ -46,7 +47,12 @@ class Rows:
     taken: list[tuple[GaugeReading, float | None]] = field(default_factory=list)  # with what counts its repeats
 
     def refuse(
-        self, problem: str, place: Place, value: object = None, known: Sequence[str] = (), expected: str = ""
+        self,
+        problem: Sentence,
+        place: Place,
+        value: object = None,
+        known: Sequence[str] = (),
+        expected: Sentence | None = None,
     ) -> None:
         """Note a problem; ``known`` are the names that would have been valid."""
         nearest = nearest_name(str(value), known) if known and value is not None else None
@@ -68,9 +74,15 @@ class Rows:
                 first = seen.get(order) or (seen and order is None and given[0][0])
                 if first:
                     self.refuse(
-                        f"{cell.range}, {cell.engine.label}, {cell.tap} stands in {_where(first.place)} already",
+                        Sentence(
+                            "{range}, {engine}, {tap} stands in {place} already",
+                            range=cell.range,
+                            engine=cell.engine.label,
+                            tap=cell.tap,
+                            place=replace(first.place, file=None).sentence,
+                        ),
                         reading.place,
-                        expected="each once, or a column 'repeat' or 'time' that counts its readings",
+                        expected=Sentence("each once, or a column 'repeat' or 'time' that counts its readings"),
                     )
                 seen[order] = reading
             ordered = sorted(given, key=lambda pair: pair[1] or 0.0)
@@ -114,7 +126,7 @@ class _Reader:
         if is_blank(self.sheet.cell(row, column)) and (row, column) not in self.sheet.faults:
             return False
         if self.sheet.is_struck(row, column):
-            text = f"{text_of(self.sheet.cell(row, column))} is crossed out: not read"
+            text = Sentence("{found} is crossed out: not read", found=text_of(self.sheet.cell(row, column)))
             self.rows.messages.append(Message("info", "struck_left_aside", text, self._place(row, column)))
             return False
         return True
@@ -134,7 +146,8 @@ class _Reader:
             said = named.over(self.table.said(column))
             if said.range is None or said.range not in self.ranges or said.engine is None:
                 heading = self.table.headings[column].text
-                self._once("no such range of this unit", self._place(self.table.row, column), heading, self.ranges)
+                no_such_range = _NOT_UNDERSTOOD["range"][1]
+                self._once(no_such_range, self._place(self.table.row, column), heading, self.ranges)
                 continue
             cell = Cell(said.range, said.engine, said.tap or LINE)
             pressure = self._pressure(row, column, cell)
@@ -172,27 +185,31 @@ class _Reader:
 
     def _pressure(self, row: int, column: int, of: Cell) -> float | None:
         """Return a cell's pressure [Pa]; None where it is a problem."""
-        place, cell, label = self._place(row, column), self.sheet.cell(row, column), f"{of.range}, {of.engine.label}"
+        place, cell, of_cell = self._place(row, column), self.sheet.cell(row, column), (of.range, of.engine.label)
         fault = self.sheet.faults.get((row, column))
         if fault is not None:
-            self.rows.refuse(f"{label}: a formula without a usable result", place, fault, expected="a pressure")
+            problem = Sentence("{cell}: a formula without a usable result", cell=of_cell)
+            self.rows.refuse(problem, place, fault, expected=Sentence("a pressure"))
             return None
         if isinstance(cell, bool | dt.date | dt.time | dt.timedelta):
-            expected = "a pressure: format the cell as number or text and type it again"
-            self.rows.refuse(f"{label}: not a number", place, str(cell), expected=expected)
+            expected = Sentence("a pressure: format the cell as number or text and type it again")
+            self.rows.refuse(Sentence("{cell}: not a number", cell=of_cell), place, str(cell), expected=expected)
             return None
         text, written = _split(cell)
+        no_pressure = Sentence("{cell}: not a pressure", cell=of_cell)
         if written and find_unit(written, "pressure") is None:
-            expected = f"a number, and behind it nothing or {one_of(unit_names('pressure'))}"
-            self.rows.refuse(f"{label}: not a pressure", place, str(cell), expected=expected)
+            expected = Sentence("a number, and behind it nothing or {units}", units=one_of(unit_names("pressure")))
+            self.rows.refuse(no_pressure, place, str(cell), expected=expected)
             return None
         known = find_unit(written, "pressure") if written else self._unit(row, column)
         if known is None:
             return None
-        asked = AskedNumber("pressure", known.name, round(450e3 / known.factor, 3), (0.0, HIGHEST / known.factor))
+        asked = AskedNumber(
+            KINDS["pressure"], known.name, round(450e3 / known.factor, 3), (0.0, HIGHEST / known.factor)
+        )
         number = _written(cell, text, asked)
         if number.value is None:
-            self.rows.refuse(f"{label}: not a pressure", place, str(cell), expected=number.doubt.removesuffix("."))
+            self.rows.refuse(no_pressure, place, str(cell), expected=number.reason)
             return None
         self.rows.units[known.name] = None
         return float(known.to_si(number.value))
@@ -211,13 +228,21 @@ class _Reader:
             name, place = heading.wrong_unit or "", self._place(self.table.row, column)
         known = find_unit(name, "pressure") if name else None
         if known is None:
-            problem = "unknown unit of pressure" if name else "no unit of the pressures"
-            expected = f"{one_of(unit_names('pressure'))}, in the heading as in 'slow idle [kPa]'"
+            problem = Sentence("no unit of the pressures")
+            if name:
+                problem = Sentence("unknown unit of pressure")
+            units = one_of(unit_names("pressure"))
+            expected = Sentence("{units}, in the heading as in 'slow idle [kPa]'", units=units)
             self._once(problem, place, name or heading.text or None, expected=expected)
         return known
 
     def _once(
-        self, problem: str, place: Place, value: str | None, known: Sequence[str] = (), expected: str = ""
+        self,
+        problem: Sentence,
+        place: Place,
+        value: str | None,
+        known: Sequence[str] = (),
+        expected: Sentence | None = None,
     ) -> None:
         """Note a problem of a heading or unit, once for each place."""
         if not any(each.place == place for each in self.rows.problems):
@@ -248,8 +273,9 @@ class _Reader:
             if number.value is not None:
                 return float(known.to_si(number.value))
         low, high = asked.limits
-        expected = f"{low:g} to {high:g} {asked.unit}"
-        self.rows.refuse(f"not one {asked.name}", place, str(cell), expected=expected)
+        expected = Sentence("{low:g} to {high:g} {unit}", low=low, high=high, unit=asked.unit)
+        problem = Sentence("not one temperature") if asked is TEMPERATURE else Sentence("not one engine speed")
+        self.rows.refuse(problem, place, str(cell), expected=expected)
         return None
 
     def _order(self, row: int) -> float | None:
@@ -259,12 +285,13 @@ class _Reader:
             return None
         if isinstance(cell, dt.time):
             return cell.hour * 3600.0 + cell.minute * 60.0 + cell.second
-        number = read_number(str(cell), AskedNumber("repeat", "", 2.0))
+        number = read_number(str(cell), AskedNumber(Sentence("repeat"), "", 2.0))
         clock = re.fullmatch(r"(\d{1,2}):(\d{2})(?::(\d{2}))?", str(cell).strip())
         if clock:
             return int(clock[1]) * 3600.0 + int(clock[2]) * 60.0 + int(clock[3] or 0)
         if number.value is None:
-            self.rows.refuse("not a repeat", self._place(row, column), str(cell), expected="1, 2, 3 … or a time")
+            expected = Sentence("1, 2, 3 … or a time")
+            self.rows.refuse(Sentence("not a repeat"), self._place(row, column), str(cell), expected=expected)
         return number.value
 
     def _unknown_columns(self) -> None:
@@ -280,17 +307,22 @@ class _Reader:
             if heading is None or heading.kind == "aside":
                 aside.append(column_letter(column) if heading is None else heading.text)
             else:
-                expected = f"{one_of(sorted(known, key=len))}; or 'note' over what is no reading"
+                names = one_of(sorted(known, key=len))
+                expected = Sentence("{names}; or 'note' over what is no reading", names=names)
                 place = self._place(self.table.row, column)
-                self.rows.refuse("no such column of a pressure table", place, heading.text, expected=expected)
+                problem = Sentence("no such column of a pressure table")
+                self.rows.refuse(problem, place, heading.text, expected=expected)
         if aside:
-            text = f"columns left aside, which hold no readings: {', '.join(map(repr, aside[:_ASIDE_SHOWN]))}"
+            text = Sentence(
+                "columns left aside, which hold no readings: {columns}",
+                columns=tuple(map(repr, aside[:_ASIDE_SHOWN])),
+            )
             self.rows.messages.append(Message("info", "column_aside", text, self._place(self.table.row)))
 
     def _say_what_was_taken(self) -> None:
         taps = [self.table.said(column).tap for column in self.table.values]
         if self.columns["tap"] is None and None in taps:
-            text = "the table names no tap: its readings are taken as main pressure, at the line's tap"
+            text = Sentence("the table names no tap: its readings are taken as main pressure, at the line's tap")
             self.rows.messages.append(Message("info", "tap_assumed", text, self._place(self.table.row)))
 
     def _place(self, row: int, column: int | None = None) -> Place:
@@ -319,9 +351,4 @@ def _written(cell: SheetCell, text: str, asked: AskedNumber) -> WrittenNumber:
     low, high = asked.limits
     if low <= cell <= high:
         return WrittenNumber(float(cell))
-    return WrittenNumber(None, f"{low:g} to {high:g} {asked.unit}")
-
-
-def _where(place: Place) -> str:
-    parts = (f"sheet {place.sheet!r}" if place.sheet else "", f"row {place.row}", f"column {place.column}")
-    return ", ".join(part for part in parts if part)
+    return WrittenNumber(None, Sentence("{low:g} to {high:g} {unit}", low=low, high=high, unit=asked.unit))

@@ -69,7 +69,7 @@ def typed_gauges(content: bytes) -> TypedGauges | None:
     if not rows or len(rows[0]) != 6 or [*rows[0][:3], *rows[0][4:]] != [_RANGE, _STATE, _TAP, _TEMPERATURE, _SPEED]:
         return None
     unit = find_unit(rows[0][3].removeprefix("gauge [").removesuffix("]"), "pressure")
-    engines = {engine.label: engine for engine in Engine}
+    engines = {str(engine.label): engine for engine in Engine}
     if unit is None or any(len(row) != 6 or row[0] not in RANGES or row[1] not in engines for row in rows[1:]):
         return None
     cells = {Cell(cast("SelectorRange", row[0]), engines[row[1]], row[2] or LINE): row[3] for row in rows[1:]}

@@ -233,7 +233,7 @@ def _without_unit(text: str) -> tuple[str, Unit | None, str | None, str | None]:
 
 def engine_words() -> list[str]:
     """Return the usual words for what the engine does."""
-    return [engine.label for engine in Engine]
+    return [str(engine.label) for engine in Engine]
 
 
 def label_and_value(text: str, kind: str) -> str | None:

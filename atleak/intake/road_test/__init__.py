@@ -14,11 +14,13 @@ from atleak.intake.road_test.describe import describe, tidy_csv
 from atleak.intake.road_test.importer import Ambiguous, Understood, understand
 from atleak.intake.road_test.log_columns import LogColumn, log_columns
 from atleak.intake.road_test.names.memory import NOT_LOGGED, default_path, forget, recall, remember, signature
+from atleak.intake.road_test.outcome import FORMATS
 from atleak.road_test import RoadTest
+from atleak.sentence import Sentence
 
 __all__ = [
-    "NOT_LOGGED", "Ambiguous", "LogColumn", "Understood", "default_path", "describe", "forget", "log_columns",
-    "read_road_test", "recall", "remember", "signature", "tidy_csv", "understand",
+    "FORMATS", "NOT_LOGGED", "Ambiguous", "LogColumn", "Understood", "default_path", "describe", "forget",
+    "log_columns", "read_road_test", "recall", "remember", "signature", "tidy_csv", "understand",
 ]  # fmt: skip
 
 
@@ -54,5 +56,5 @@ def read_road_test(
     """
     understood = understand(source, name=name, mapping=mapping, units=units, constants=constants, remembered=remembered)
     if understood.road_test is None:
-        raise understood.problem or RoadTestError("cannot be read", place=Place(file=understood.file))
+        raise understood.problem or RoadTestError(Sentence("cannot be read"), place=Place(file=understood.file))
     return understood.road_test

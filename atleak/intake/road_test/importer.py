@@ -23,6 +23,7 @@ from atleak.intake.road_test.files.log_sheets import LogSheet, open_sheets
 from atleak.intake.road_test.mdf import understand_mdf
 from atleak.intake.road_test.names import memory
 from atleak.intake.road_test.outcome import Understood, finish, labels_of
+from atleak.sentence import Sentence
 
 
 @dataclass
@@ -92,16 +93,16 @@ _BUS_TRACE = re.compile(
 def _delimited(job: _Job) -> Understood:
     if _BUS_TRACE.search(job.source.head[:8192]):
         raise RoadTestError(
-            "is a recording of a CAN bus: turning its frames into quantities needs the car's database (DBC)",
+            Sentence("is a recording of a CAN bus: turning its frames into quantities needs the car's database (DBC)"),
             place=Place(file=job.source.file),
-            expected="the logger's export with decoded channels",
+            expected=Sentence("the logger's export with decoded channels"),
         )
     table = open_delimited(job.source)
     if table is None:
         raise RoadTestError(
-            "no table of numbers was found in it",
+            Sentence("no table of numbers was found in it"),
             place=Place(file=job.source.file),
-            expected="a log with a header and rows of numbers, as the logger exports it",
+            expected=Sentence("a log with a header and rows of numbers, as the logger exports it"),
         )
     blank = Understood(
         job.source.file, "", "delimited text", table.encoding, table.delimiter, table.decimal,
@@ -129,7 +130,7 @@ def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, s
     remembered = memory.recall(job.memory, signature)
     if remembered is None:
         return mapping, units, []
-    note = Message("info", "remembered", "columns are taken as settled earlier for logs with this header")
+    note = Message("info", "remembered", Sentence("columns are taken as settled earlier for logs with this header"))
     mapped = {words(column) for column in mapping.values() if column != memory.NOT_LOGGED}
     earlier = {quantity: column for quantity, column in remembered.mapping.items() if words(column) not in mapped}
     return {**earlier, **mapping}, {**remembered.units, **units}, [note]
@@ -142,9 +143,9 @@ def _workbook(job: _Job) -> Understood:
     sheets = open_sheets(job.source)
     if not sheets:
         raise RoadTestError(
-            "holds no sheet with a table of numbers",
+            Sentence("holds no sheet with a table of numbers"),
             place=Place(file=job.source.file),
-            expected="a sheet with a header and rows of numbers",
+            expected=Sentence("a sheet with a header and rows of numbers"),
         )
     if len(sheets) == 1:
         return _one_table(sheets[0], _blank(job, sheets[0], labels_of(sheets[0].headings)), job)
@@ -160,7 +161,8 @@ def _workbook(job: _Job) -> Understood:
         )
         others = [sheet.name for sheet in sheets if sheet.name != best.sheet.name]
         understood = _one_table(best.sheet, _blank(job, best.sheet, labels_of(best.sheet.headings)), job)
-        note = Message("info", "sheet_chosen", f"sheet {best.sheet.name!r} is read; also there: {', '.join(others)}")
+        text = Sentence("sheet {name!r} is read; also there: {others}", name=best.sheet.name, others=tuple(others))
+        note = Message("info", "sheet_chosen", text)
         return replace(understood, messages=(*understood.messages, note))
     return _sheet_per_signal(job, good)
 
@@ -210,7 +212,7 @@ def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
             names = tuple(
                 f"{sheet.name}: {assigner.signals[quantity].candidate.label}" for sheet, assigner, _ in sources
             )
-            main.ambiguous.append(Ambiguous(quantity, names, "several sheets hold it"))
+            main.ambiguous.append(Ambiguous(quantity, names, Sentence("several sheets hold it")))
             continue
         source = sources[0]
         signal = source.assigner.signals[quantity]

@@ -21,6 +21,7 @@ from atleak.intake.road_test.names import memory
 from atleak.intake.road_test.names.matching import split_unit
 from atleak.intake.road_test.outcome import Understood, finish
 from atleak.road_test import QUANTITIES
+from atleak.sentence import Sentence
 
 
 @dataclass(frozen=True)
@@ -112,16 +113,22 @@ def understand_mdf(
     if not channels:
         if frames:
             raise RoadTestError(
-                f"is a recording of a CAN bus ({frames} frames) without OBD2 answers: turning frames into quantities "
-                "needs the car's database (DBC)",
+                Sentence(
+                    "is a recording of a CAN bus ({frames} frames) without OBD2 answers: turning frames into "
+                    "quantities needs the car's database (DBC)",
+                    frames=frames,
+                ),
                 place=Place(file=source.file),
-                expected="the logger's export with decoded (physical) channels",
+                expected=Sentence("the logger's export with decoded (physical) channels"),
             )
-        raise RoadTestError("holds no channels", place=Place(file=source.file))
+        raise RoadTestError(Sentence("holds no channels"), place=Place(file=source.file))
     assigner = Assigner(source.file, units, [heading.unit for heading in headings if heading.unit])
     assigner.leave_out(mapping)
     if frames:
-        assigner.say("obd2_decoded", f"{file_format}: OBD2 answers were decoded from {frames} CAN frames")
+        assigner.say(
+            "obd2_decoded",
+            Sentence("{format}: OBD2 answers were decoded from {frames} CAN frames", format=file_format, frames=frames),
+        )
     blank = Understood(
         source.file,
         "",
@@ -168,12 +175,12 @@ def _load(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
     """Return the channels, with those decoded from OBD2 answers, the number of CAN frames and the version."""
     if importlib.util.find_spec("asammdf") is None:
         raise RoadTestError(
-            "is an MDF file: reading it needs the extra 'mdf'",
+            Sentence("is an MDF file: reading it needs the extra 'mdf'"),
             place=Place(file=source.file),
-            expected="atleak installed as atleak[mdf]",
+            expected=Sentence("atleak installed as atleak[mdf]"),
         )
     if source.data[64:66] != b"HD" and source.data[64:68] != b"##HD":
-        raise RoadTestError("is a damaged MDF file: its header is missing", place=Place(file=source.file))
+        raise RoadTestError(Sentence("is a damaged MDF file: its header is missing"), place=Place(file=source.file))
     channels: list[_MdfChannel] = []
     frames, bus, version = 0, [], ""
     for kind, part in read_apart(mdf_parts, source.data, source.file, RoadTestError, MDF):

@@ -12,7 +12,12 @@ from atleak.intake.road_test.channels.assign import Ambiguous, Assigner
 from atleak.intake.road_test.channels.protocol import TableResult
 from atleak.intake.road_test.files.layout import Heading
 from atleak.intake.road_test.names.memory import NOT_LOGGED
-from atleak.road_test import RoadTest, Segment
+from atleak.road_test import QUANTITIES, RoadTest, Segment
+from atleak.sentence import Sentence
+
+FORMATS: Mapping[str, Sentence] = MappingProxyType(  # of files, as pages name them; that of an MDF file is a name
+    {"delimited text": Sentence("delimited text"), "workbook": Sentence("workbook")}
+)
 
 
 @dataclass(frozen=True)
@@ -69,11 +74,16 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
     labels = list(reading.used) if reading.long else labels_of(blank.headings)
     unused = tuple(dict.fromkeys(label for label in labels if label not in used | offered))
     if not assigner.signals and not assigner.ambiguous:
-        text = "none of the columns is a known quantity: name them, such as engine_speed or main_pressure"
+        text = Sentence("none of the columns is a known quantity: name them, such as engine_speed or main_pressure")
         assigner.say("no_quantity", text, "warning")
     _ask_for_a_measured_pressure(assigner)
     for ambiguous in assigner.ambiguous:
-        text = f"{ambiguous.quantity}: {ambiguous.why}: {', '.join(map(repr, ambiguous.candidates))}; choose one"
+        text = Sentence(
+            "{quantity}: {why}: {columns}; choose one",
+            quantity=QUANTITIES[ambiguous.quantity].said,
+            why=ambiguous.why,
+            columns=tuple(map(repr, ambiguous.candidates)),
+        )
         assigner.say("ambiguous", text, "warning")
         assigner.refused.setdefault(ambiguous.quantity, text)
     road_test = RoadTest(
@@ -100,5 +110,5 @@ def _ask_for_a_measured_pressure(assigner: Assigner) -> None:
     commanded = assigner.signals.get("commanded_pressure")
     asked = {question.quantity for question in assigner.ambiguous}
     if commanded is not None and "main_pressure" not in {*assigner.signals, *assigner.refused, *asked}:
-        why = "only a commanded one is logged, in which no leak shows"
+        why = Sentence("only a commanded one is logged, in which no leak shows")
         assigner.ambiguous.append(Ambiguous("main_pressure", (commanded.candidate.label,), why))

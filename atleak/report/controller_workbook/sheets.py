@@ -24,6 +24,7 @@ from atleak.controller_sheets.units import Measure, Units
 from atleak.errors import OutputError
 from atleak.look import SHEET_COLOURS
 from atleak.report.controller_workbook.offered import Places, defined_name
+from atleak.sentence import Sentence
 
 _TITLE, _ABOUT, _HEADINGS = 0, 1, 3  # rows, from 0
 _HELP, _UNITS = 2, 4
@@ -175,8 +176,9 @@ def _write_cell(
     form = styles[style or _style(declared.kind)]
     cell = None if value is None else declared.kind.cell(value, units)
     if isinstance(cell, str) and len(cell) > _LONGEST:
-        problem = f"{declared.heading} is too long for a cell"
-        raise OutputError(problem, value=f"{cell[:40]} …", expected=f"{_LONGEST} characters at most")
+        problem = Sentence("{heading} is too long for a cell", heading=declared.heading)
+        expected = Sentence("{count} characters at most", count=_LONGEST)
+        raise OutputError(problem, value=f"{cell[:40]} …", expected=expected)
     if cell is None or cell == "":
         page.write_blank(row, column, None, form)
     elif isinstance(cell, str):

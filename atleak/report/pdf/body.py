@@ -18,6 +18,7 @@ from atleak.report.pdf.gauges import GaugeSection
 from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.pdf.road import RoadTestSection
+from atleak.sentence import Sentence
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.road_series import RoadSeries
@@ -69,7 +70,7 @@ def chosen_sections(sections: Iterable[str] | None, *, without_sheet: bool = Fal
     wanted = list(sections)
     for name in wanted:
         if name not in SECTIONS:
-            raise unknown("no such section", name, SECTIONS)
+            raise unknown(Sentence("no such section"), name, SECTIONS)
     return tuple(name for name in SECTIONS if name in wanted)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ from atleak.measuring.doubts import Judged, judge
 from atleak.measuring.plan import Cell
 from atleak.measuring.typed import Typed
 from atleak.readings import Readings
+from atleak.wording import languages, wording
 
 WithTexts = Callable[[Mapping[Cell, str]], Typed]
 PAIR = "pressure_regulator"  # its first land: ⌀ 15 mm, 18 µm when new
@@ -145,3 +147,19 @@ def test_readings_at_unworn_ends_are_weighed_beside_what_is_typed(
     base = Readings("a", "", None, "mm", False, "tidy", (), unworn=(unworn,))
     judged = judge(replace(careful_entries, sheet=base), minimal)
     assert judged.refused == {(PAIR, 1)}
+
+
+@pytest.mark.parametrize("language", [each for each in languages() if each != "en"])
+def test_no_english_word_stands_in_a_doubt_of_another_language(
+    with_texts: WithTexts, minimal: Controller, language: str
+) -> None:
+    slips = ("150,01", "0,5906", "7,5", "15,O01", "-15,001", "14,992", "18,700 mm", "3 4")
+    cells = [cell for cell in with_texts({}).entries if (cell.direction, cell.repeat) == (90.0, 2)]
+    judged = judge(with_texts(dict(zip(cells, slips, strict=False))), minimal)
+    assert len(judged.doubts) >= 7
+    ids = re.compile("|".join(minimal.components))
+    for doubt in judged.doubts.values():
+        english, said = ids.sub("", doubt.text), ids.sub("", wording(language).sentence(doubt.text))
+        both = set(re.findall(r"[^\W\d_]{2,}", english)) & set(re.findall(r"[^\W\d_]{2,}", said))
+        assert both <= {"mm", "in"}, said
+        assert not re.search(r"\d\.\d", said.replace("9.939", "")), "but for how a number may be typed"

@@ -75,3 +75,12 @@ def test_the_drawing_names_its_planes_and_directions(grid: Grid) -> None:
     for name in ('data-plane="1"', 'data-plane="2"', 'data-direction="0"', 'data-direction="90"'):
         assert name in drawing
     assert grid_record(grid, wording("en"), dark=True)["components"][0]["drawing"] != drawing
+
+
+def test_the_drawing_has_the_readers_decimal_sign_unit_and_name_of_the_valve(grid: Grid) -> None:
+    assert "⌀ 15.000" in grid_record(grid, wording("en"))["components"][0]["drawing"]
+    german = grid_record(grid, wording("de"))["components"][0]
+    assert "⌀ 15,000" in german["drawing"]
+    assert "Bunde und Messebenen" in german["drawing"]
+    assert german["title"] == f"pressure_regulator · {wording('de').name('pressure regulator valve')}"
+    assert "⌀ 0,59055" in grid_record(grid, wording("de", "us"))["components"][0]["drawing"]

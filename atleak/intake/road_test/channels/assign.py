@@ -10,13 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.errors import Message, MessageLevel, Place, RoadTestError, unknown
+from atleak.errors import Message, MessageLevel, Place, RoadTestError, one_of, unknown
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.files.layout import Heading
 from atleak.intake.road_test.names.matching import Match, Tier, match_name, name_kind, split_unit
 from atleak.intake.road_test.names.memory import NOT_LOGGED
-from atleak.intake.road_test.names.unit_choice import Fit, fit, given
+from atleak.intake.road_test.names.unit_choice import ATMOSPHERE, Fit, fit, given
 from atleak.road_test import QUANTITIES, ChannelKind
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+from atleak.workshop_units import KPA
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class Ambiguous:
 
     quantity: str
     candidates: tuple[str, ...]
-    why: str = ""
+    why: Sentence = Sentence("")  # noqa: RUF009  frozen, so safe to share
     guess: str | None = None
 
 
@@ -98,15 +101,15 @@ def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading
         matching = [heading for heading in headings if test(heading)]
         if len(matching) > 1:
             raise RoadTestError(
-                "several columns bear this name",
+                Sentence("several columns bear this name"),
                 place=Place(file=file),
                 value=wanted,
-                expected="one of " + ", ".join(f"'column {heading.index + 1}'" for heading in matching),
+                expected=one_of(f"'column {heading.index + 1}'" for heading in matching),
             )
         if matching:
             return matching[0]
     labels = [heading.label for heading in headings]
-    raise unknown("no column bears this name", wanted, labels, kind=RoadTestError, place=Place(file=file))
+    raise unknown(Sentence("no column bears this name"), wanted, labels, kind=RoadTestError, place=Place(file=file))
 
 
 def map_columns(
@@ -121,7 +124,8 @@ def map_columns(
     """
     for quantity, column in mapping.items():
         if quantity not in QUANTITIES:
-            raise unknown("unknown quantity", quantity, QUANTITIES, kind=RoadTestError, place=Place(file=file))
+            problem = Sentence("unknown quantity")
+            raise unknown(problem, quantity, QUANTITIES, kind=RoadTestError, place=Place(file=file))
         if column == NOT_LOGGED:
             candidates = [candidate for candidate in candidates if candidate.quantity != quantity]
             continue
@@ -147,25 +151,34 @@ class Assigner:
         self.file, self.units, self.neighbours = file, units, tuple(neighbours)
         self.signals: dict[str, Signal] = {}
         self.ambiguous: list[Ambiguous] = []
-        self.refused: dict[str, str] = {}  # by quantity, why a column that bears its name was not taken
+        self.refused: dict[str, Sentence] = {}  # by quantity, why a column that bears its name was not taken
         self.messages: list[Message] = []
         self.base: np.ndarray | None = None  # stamps of signals that have none of their own
 
-    def say(self, code: str, text: str, level: MessageLevel = "info", column: str | None = None) -> None:
+    def say(self, code: str, text: Sentence, level: MessageLevel = "info", column: str | None = None) -> None:
         """Add a message."""
         place = Place(file=self.file, column=column)
         self.messages.append(Message(level, code, text, place))
 
-    def refuse(self, candidate: Candidate, code: str, why: str, level: MessageLevel = "warning") -> None:
+    def refuse(self, candidate: Candidate, code: str, why: Sentence, level: MessageLevel = "warning") -> None:
         """Add a message that a column is not taken for its quantity, and why."""
         self.refused.setdefault(candidate.quantity, why)
         self.say(code, why, level, candidate.label)
+
+    def assume_unit(self, column: str, unit: str, quantity: str, doubt: Sentence | None = None) -> None:
+        """Add a message that a column states no unit, and which is assumed."""
+        values = {"column": column, "unit": unit, "quantity": QUANTITIES[quantity].said}
+        text = Sentence("{column!r} states no unit; {unit} is assumed for {quantity}", **values)
+        if doubt:
+            text = Sentence("{problem} ({doubt})", problem=text, doubt=doubt)
+        text = Sentence("{problem}: confirm or name the unit", problem=text)
+        self.say("unit_assumed", text, "warning", column)
 
     def leave_out(self, mapping: Mapping[str, str]) -> None:
         """Note which quantities the user says are not logged: nothing is asked about them."""
         for quantity, column in mapping.items():
             if column == NOT_LOGGED:
-                self.refused[quantity] = "it is stated that no column of this log holds it"
+                self.refused[quantity] = Sentence("it is stated that no column of this log holds it")
 
     def decide(self, quantity: str, offered: Sequence[tuple[Candidate, np.ndarray, np.ndarray | None]]) -> None:
         """Choose one of the candidates for a quantity, or list them as ambiguous.
@@ -180,7 +193,12 @@ class Assigner:
                 continue
             (misfits if signal.fit.problem else fitting).append(signal)
         for signal in misfits:
-            text = f"{signal.candidate.label!r} is not taken for {quantity}: {signal.fit.problem}"
+            text = Sentence(
+                "{column!r} is not taken for {quantity}: {problem}",
+                column=signal.candidate.label,
+                quantity=QUANTITIES[quantity].said,
+                problem=signal.fit.problem,
+            )
             self.refuse(signal.candidate, "column_misfit", text)
         chosen = self._choose(quantity, fitting)
         if chosen is None:
@@ -188,7 +206,7 @@ class Assigner:
                 doubtful := [signal for signal in misfits if signal.candidate.tier < 2 and not signal.fit.foreign]
             ):
                 labels = tuple(signal.candidate.label for signal in doubtful)
-                self.ambiguous.append(Ambiguous(quantity, labels, doubtful[0].fit.problem or ""))
+                self.ambiguous.append(Ambiguous(quantity, labels, doubtful[0].fit.problem or Sentence("")))
             return
         self.signals[quantity] = chosen
         self._comment(chosen)
@@ -197,10 +215,15 @@ class Assigner:
         kind = QUANTITIES[candidate.quantity].unit_kind
         sample = values[:: max(1, len(values) // 10_000)]
         if not np.isfinite(sample).any() and not np.isfinite(values).any():
-            self.refuse(candidate, "column_empty", f"{candidate.label!r} holds no values", "info")
+            text = Sentence("{column!r} holds no values", column=candidate.label)
+            self.refuse(candidate, "column_empty", text, "info")
             return None
         if not candidate.mapped and (dead_value := _dead_value(kind, sample)) is not None and _only(values, dead_value):
-            text = f"{candidate.label!r} is {dead_value:g} throughout: the car or logger does not deliver it"
+            text = Sentence(
+                "{column!r} is {value:g} throughout: the car or logger does not deliver it",
+                column=candidate.label,
+                value=dead_value,
+            )
             self.refuse(candidate, "column_empty", text)
             return None
         if candidate.quantity in self.units:
@@ -226,18 +249,23 @@ class Assigner:
             if len(tied) == 1:
                 others = [signal.candidate.label for signal in fitting if signal is not tied[0]]
                 if others:
-                    text = f"{quantity} is {tied[0].candidate.label!r}; also there: {', '.join(map(repr, others))}"
+                    text = Sentence(
+                        "{quantity} is {column!r}; also there: {others}",
+                        quantity=QUANTITIES[quantity].said,
+                        column=tied[0].candidate.label,
+                        others=tuple(map(repr, others)),
+                    )
                     self.say("other_candidates", text, "info", tied[0].candidate.label)
                 return tied[0]
             if tied:
                 if same := self._same(tied):
                     return same
                 labels = tuple(signal.candidate.label for signal in fitting if signal.candidate.tier <= tier)
-                self.ambiguous.append(Ambiguous(quantity, labels, "several columns may be meant"))
+                self.ambiguous.append(Ambiguous(quantity, labels, Sentence("several columns may be meant")))
                 return None
         labels = tuple(signal.candidate.label for signal in fitting)
         guess = labels[0] if len(labels) == 1 else None
-        self.ambiguous.append(Ambiguous(quantity, labels, "the name only resembles it", guess))
+        self.ambiguous.append(Ambiguous(quantity, labels, Sentence("the name only resembles it"), guess))
         return None
 
     def _same(self, tied: list[Signal]) -> Signal | None:
@@ -256,8 +284,12 @@ class Assigner:
             scale = float(np.max(np.abs(base[both]), initial=0.0))
             if np.max(np.abs(values[both] - base[both]), initial=0.0) > 0.006 * scale:
                 return None
-            labels = f"{first.candidate.label!r} and {other.candidate.label!r}"
-            self.say("same_twice", f"{labels} hold the same; the first is used", "info", first.candidate.label)
+            text = Sentence(
+                "{first!r} and {other!r} hold the same; the first is used",
+                first=first.candidate.label,
+                other=other.candidate.label,
+            )
+            self.say("same_twice", text, "info", first.candidate.label)
         return first
 
     def _same_name_elsewhere(self, first: Signal, other: Signal) -> bool:
@@ -271,31 +303,40 @@ class Assigner:
         difference = np.abs(np.interp(own, time, values) - base)
         if np.nanmedian(difference) > 0.03 * max(float(np.nanmax(base) - np.nanmin(base)), 1e-9):
             return False
-        self.say(
-            "same_twice", f"{first.candidate.label!r} stands twice; the first is used", "info", first.candidate.label
-        )
+        text = Sentence("{column!r} stands twice; the first is used", column=first.candidate.label)
+        self.say("same_twice", text, "info", first.candidate.label)
         return True
 
     def _comment(self, signal: Signal) -> None:
         candidate, column_fit = signal.candidate, signal.fit
-        quantity, label = candidate.quantity, candidate.label
+        quantity, label = QUANTITIES[candidate.quantity], candidate.label
         if column_fit.assumed and column_fit.unit:
-            text = f"{label!r} states no unit; {column_fit.unit.name} is assumed for {quantity}"
-            text += f" ({column_fit.doubt})" if column_fit.doubt else ""
-            self.say("unit_assumed", f"{text}: confirm or name the unit", "warning", label)
+            self.assume_unit(label, column_fit.unit.name, candidate.quantity, column_fit.doubt)
         if candidate.tier == 1:
-            self.say("second_choice", f"{quantity} is taken from {label!r}, for want of a better", "warning", label)
-        if QUANTITIES[quantity].unit_kind == "pressure":
+            text = Sentence(
+                "{quantity} is taken from {column!r}, for want of a better", quantity=quantity.said, column=label
+            )
+            self.say("second_choice", text, "warning", label)
+        if quantity.unit_kind == "pressure":
             if candidate.kind == "commanded":
-                text = f"{label!r} is commanded by the gearbox computer, not measured by a gauge: no leak shows in it"
+                text = Sentence(
+                    "{column!r} is commanded by the gearbox computer, not measured by a gauge: no leak shows in it",
+                    column=label,
+                )
                 self.say("pressure_commanded", text, "warning", label)
             elif candidate.kind == "unknown":
-                text = f"{label!r}: nothing says whether this pressure is measured or commanded"
+                text = Sentence("{column!r}: nothing says whether this pressure is measured or commanded", column=label)
                 self.say("pressure_unknown", text, "warning", label)
             if column_fit.absolute:
-                self.say("pressure_absolute", f"{label!r} is absolute; 101.325 kPa are taken off", "info", label)
+                text = Sentence(
+                    "{column!r} is absolute; {air:.3f} {air.unit} are taken off",
+                    column=label,
+                    air=Quantity(ATMOSPHERE * KPA, "pressure"),
+                )
+                self.say("pressure_absolute", text, "info", label)
             else:
-                self.say("pressure_gauge", f"{label!r} is taken as gauge pressure", "info", label)
+                text = Sentence("{column!r} is taken as gauge pressure", column=label)
+                self.say("pressure_gauge", text, "info", label)
 
 
 def _dead_value(kind: str | None, sample: np.ndarray) -> float | None:

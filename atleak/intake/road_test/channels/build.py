@@ -16,6 +16,7 @@ from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.channels.assign import Assigner, Signal
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.road_test import QUANTITIES, Channel, Segment
+from atleak.sentence import Sentence
 
 
 def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, float]) -> Mapping[str, Channel]:
@@ -40,7 +41,7 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
     possible = [name for name in QUANTITIES if name != "time"]
     for name in constants:
         if name not in possible:
-            raise unknown("unknown quantity for a constant", name, possible, kind=RoadTestError)
+            raise unknown(Sentence("unknown quantity for a constant"), name, possible, kind=RoadTestError)
     return MappingProxyType(built)
 
 
@@ -83,12 +84,23 @@ def _channel(assigner: Assigner, signal: Signal, checked: _Checked, timeline: Ti
     for name, mask in checked.suspect_masks.items():
         suspect |= mask
         count = int(mask.sum())
-        text = f"{candidate.label!r}: {count} of {len(raw)} samples are suspect ({name}) and left out"
+        text = Sentence(
+            "{column!r}: {count} of {total} samples are suspect ({check}) and left out",
+            column=candidate.label,
+            count=count,
+            total=len(raw),
+            check=suspects.CHECKS[name],
+        )
         assigner.say("suspect_samples", text, "warning", candidate.label)
     independent, held = _independent(candidate.quantity, raw, candidate.kind == "commanded")
     span = _span(time, timeline.segments)
     if held:
-        text = f"{candidate.label!r}: the logger repeats its last answer; {independent} of {len(raw)} are true samples"
+        text = Sentence(
+            "{column!r}: the logger repeats its last answer; {count} of {total} are true samples",
+            column=candidate.label,
+            count=independent,
+            total=len(raw),
+        )
         assigner.say("sample_and_hold", text, "info", candidate.label)
     return Channel(
         candidate.quantity,
@@ -130,9 +142,11 @@ def _constant(assigner: Assigner, quantity: str, value: float, timeline: Timelin
     info = QUANTITIES[quantity]
     if not info.low <= value <= info.high:
         raise RoadTestError(
-            f"a constant outside what {info.label} can be", value=value, expected=f"{info.low:g} to {info.high:g} (SI)"
+            Sentence("a constant outside what {quantity} can be", quantity=info.label),
+            value=value,
+            expected=Sentence("{low:g} to {high:g} (SI)", low=info.low, high=info.high),
         )
-    assigner.say("constant", f"{quantity} is not in the log: the given constant is used")
+    assigner.say("constant", Sentence("{quantity} is not in the log: the given constant is used", quantity=info.said))
     return Channel(
         quantity, timeline.time[:1], np.array([float(value)]), np.zeros(1, bool), source="constant", independent=1
     )
@@ -142,17 +156,26 @@ def time_messages(assigner: Assigner, timeline: Timeline) -> None:
     """Report what is unusual about the clock."""
     if timeline.restarts:
         count = timeline.restarts
-        text = f"the clock jumps back {count} time(s): the log consists of {count + 1} recordings, kept apart"
+        text = Sentence(
+            "the clock jumps back {count} time(s): the log consists of {parts} recordings, kept apart",
+            count=count,
+            parts=count + 1,
+        )
         assigner.say("clock_restarted", text, "warning")
     if timeline.gaps:
         longest = max(timeline.gaps)
-        text = f"{len(timeline.gaps)} gap(s) in the recording, the longest {longest:.1f} s: nothing is filled in"
+        text = Sentence(
+            "{count} gap(s) in the recording, the longest {longest:.1f} s: nothing is filled in",
+            count=len(timeline.gaps),
+            longest=longest,
+        )
         assigner.say("gaps", text, "warning")
     if timeline.stale:
-        assigner.say("stray_stamps", f"{timeline.stale} row(s) with a stray time stamp are left out", "warning")
+        text = Sentence("{count} row(s) with a stray time stamp are left out", count=timeline.stale)
+        assigner.say("stray_stamps", text, "warning")
     if timeline.unreadable:
-        assigner.say(
-            "unreadable_stamps", f"{timeline.unreadable} row(s) without a readable time are left out", "warning"
-        )
+        text = Sentence("{count} row(s) without a readable time are left out", count=timeline.unreadable)
+        assigner.say("unreadable_stamps", text, "warning")
     if timeline.reordered:
-        assigner.say("reordered", f"{timeline.reordered} row(s) stood out of turn and were put in order", "info")
+        text = Sentence("{count} row(s) stood out of turn and were put in order", count=timeline.reordered)
+        assigner.say("reordered", text, "info")

@@ -15,6 +15,7 @@ from atleak.intake.road_test.files.layout import Heading
 from atleak.intake.road_test.names import words_as_numbers
 from atleak.intake.road_test.names.matching import match_name, split_unit
 from atleak.road_test import QUANTITIES
+from atleak.sentence import Sentence
 
 
 def without_other_lines(
@@ -60,7 +61,9 @@ def without_other_lines(
         attributes = frame.attrs
         frame = frame[~text_only]
         frame.attrs = attributes
-        assigner.say("lines_left_out", f"{int(text_only.sum())} comment, marker or repeated header line(s) left out")
+        count = int(text_only.sum())
+        said = Sentence("{count} comment, marker or repeated header line(s) left out", count=count)
+        assigner.say("lines_left_out", said)
     return _without_blank_rows(frame)
 
 
@@ -112,10 +115,10 @@ def _refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner:
                 other.append((cell.strip(), heading.label))
         if len(other) >= 2 or (other and len(lines.columns) == 1):
             raise RoadTestError(
-                "another header with other columns begins in the middle of the log",
+                Sentence("another header with other columns begins in the middle of the log"),
                 place=Place(file=assigner.file, row=None, column=other[0][1]),
                 value=other[0][0],
-                expected=f"one header; split the file at data row {int(row) + 1}",
+                expected=Sentence("one header; split the file at data row {row}", row=int(row) + 1),
             )
 
 
@@ -127,33 +130,41 @@ def column_numbers(candidate: Candidate, frame: pd.DataFrame, decimal: Decimal, 
         return _without_thousands(candidate, values, assigner)
     if candidate.quantity in ("gear", "selector", "lock_up"):
         if candidate.quantity == "gear" and np.isnan(values).all() and words_as_numbers.only_positions(unreadable):
-            assigner.say(
-                "gear_is_selector", f"{candidate.label!r} holds selector positions, no gears", "info", candidate.label
-            )
+            said = Sentence("{column!r} holds selector positions, no gears", column=candidate.label)
+            assigner.say("gear_is_selector", said, "info", candidate.label)
             return np.full(len(values), np.nan)
         values = values.copy()
         in_words = words_as_numbers.as_numbers(candidate.quantity, unreadable)
         values[column.index.get_indexer(unreadable.index)] = in_words
         drive = unreadable[np.isnan(in_words)]
         if candidate.quantity == "gear" and len(drive) and words_as_numbers.only_positions(drive):
-            shown = ", ".join(sorted({str(word).strip() for word in drive}))
-            text = f"{shown} names no gear, so it is not known at {len(drive)} of {len(values)} samples"
-            assigner.say("gear_not_named", f"{candidate.label!r}: {text}", "info", candidate.label)
+            said = Sentence(
+                "{column!r}: {words} names no gear, so it is not known at {count} of {total} samples",
+                column=candidate.label,
+                words=tuple(sorted({str(word).strip() for word in drive})),
+                count=len(drive),
+                total=len(values),
+            )
+            assigner.say("gear_not_named", said, "info", candidate.label)
         return values
     destroyed = next((text for text in unreadable.head(50) if is_destroyed(text)), None)
     if destroyed is not None or len(unreadable) > 0.02 * len(values):
         shown = destroyed or unreadable.iloc[0]
-        what = "numbers a spreadsheet has destroyed" if destroyed else "text instead of numbers"
-        assigner.say(
-            "column_refused", f"{candidate.label!r} holds {what} ({shown}): it is not used", "warning", candidate.label
+        what = Sentence("text instead of numbers")
+        if destroyed:
+            what = Sentence("numbers a spreadsheet has destroyed")
+        said = Sentence(
+            "{column!r} holds {what} ({found}): it is not used", column=candidate.label, what=what, found=str(shown)
         )
+        assigner.say("column_refused", said, "warning", candidate.label)
         return np.full(len(values), np.nan)
-    assigner.say(
-        "cells_unreadable",
-        f"{candidate.label!r}: {len(unreadable)} cell(s) are no numbers ({unreadable.iloc[0]}) and left out",
-        "warning",
-        candidate.label,
+    said = Sentence(
+        "{column!r}: {count} cell(s) are no numbers ({found}) and left out",
+        column=candidate.label,
+        count=len(unreadable),
+        found=str(unreadable.iloc[0]),
     )
+    assigner.say("cells_unreadable", said, "warning", candidate.label)
     return values
 
 
@@ -167,8 +178,12 @@ def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assig
     if len(small) < 3 or np.abs(small * 1000 - np.round(small * 1000)).max() > 1e-6:
         return values
     if len(whole) and np.median(whole) > 100 and len(small) + len(whole) + np.isnan(sample).sum() == len(sample):
-        text = f"{candidate.label!r} mixes numbers such as {small[0]:.3f} and {whole[0]:.0f}"
-        text += ": the sign in it parts thousands; it is not used"
+        text = Sentence(
+            "{column!r} mixes numbers such as {small} and {whole}: the sign in it parts thousands; it is not used",
+            column=candidate.label,
+            small=f"{small[0]:.3f}",
+            whole=f"{whole[0]:.0f}",
+        )
         assigner.say("column_refused", text, "warning", candidate.label)
         return np.full(len(values), np.nan)
     return values

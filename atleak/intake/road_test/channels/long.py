@@ -123,8 +123,7 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     if clock is None or not runs(clock.seconds):
         raise no_time(table, assigner)
     if clock.unit_assumed:
-        text = f"{shape.time.label!r} states no unit; {clock.unit} is assumed for time"
-        assigner.say("unit_assumed", f"{text}: confirm or name the unit", "warning", shape.time.label)
+        assigner.assume_unit(shape.time.label, clock.unit, "time")
     whole = build_timeline(clock.seconds)
     row_times = np.full(len(frame), np.nan)
     row_times[whole.order if whole.order is not None else slice(None)] = whole.time

@@ -26,6 +26,7 @@ from atleak.intake.road_test.files.layout import Heading, named_by_a_date
 from atleak.intake.road_test.names.matching import clean_unit
 from atleak.intake.units import kinds_of
 from atleak.road_test import QUANTITIES
+from atleak.sentence import Sentence
 
 
 def read_table(table: LogTable, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
@@ -40,10 +41,10 @@ def read_table(table: LogTable, assigner: Assigner, mapping: Mapping[str, str]) 
     headings = table.headings
     if not table.has_header and not mapping:
         raise RoadTestError(
-            "has no header: nothing tells what its columns are",
+            Sentence("has no header: nothing tells what its columns are"),
             place=Place(file=assigner.file),
             value="; ".join(table.sample[0][:8]) if table.sample else None,
-            expected="names for the columns, such as time = 'column 1' and engine_speed = 'column 2'",
+            expected=Sentence("names for the columns, such as time = 'column 1' and engine_speed = 'column 2'"),
         )
     candidates = map_columns(find_candidates(headings), headings, mapping, assigner.file)
     if (shape := long_shape(table, candidates, mapping)) is not None:
@@ -96,10 +97,13 @@ def _refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
     filled = max((sum(1 for cell in row if cell) for row in table.sample), default=0)
     if table.has_header and named >= 2 and filled >= 2 * named - 1 and filled - named >= 2:
         raise RoadTestError(
-            "its rows have about twice as many cells as there are names: the decimal comma was used as delimiter too",
+            Sentence(
+                "its rows have about twice as many cells as there are names: the decimal comma was used as delimiter "
+                "too"
+            ),
             place=Place(file=assigner.file),
             value=",".join(table.sample[-1][:8]),
-            expected="the log exported with ';' between cells or with a decimal point",
+            expected=Sentence("the log exported with ';' between cells or with a decimal point"),
         )
 
 

@@ -5,12 +5,13 @@ Nothing is removed: a suspect sample stays in the channel and is counted.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import pandas as pd
 
 from atleak.road_test import QUANTITIES
+from atleak.sentence import Sentence
 
 # a full counter, a sign bit alone, an error code of a bus: never a measured value
 _SENTINELS = (
@@ -32,6 +33,14 @@ _SENTINELS = (
     99999.0,
     999999.0,
 )
+CHECKS: Mapping[str, Sentence] = {  # what messages call them
+    "sentinel": Sentence("sentinel"),
+    "out of range": Sentence("out of range"),
+    "failed sensor": Sentence("failed sensor"),
+    "start-up": Sentence("start-up"),
+    "spike": Sentence("spike"),
+    "frozen": Sentence("frozen"),
+}
 _STEP = {  # what a channel can change between two samples at most, per kind, in SI; for spikes
     "rotational_speed": 2000.0 / 60,
     "temperature": 15.0,

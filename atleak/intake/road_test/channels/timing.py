@@ -18,6 +18,7 @@ from atleak.intake.road_test.files.cells import is_clock, is_destroyed, to_float
 from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.names.matching import split_unit
 from atleak.intake.road_test.names.unit_choice import given
+from atleak.sentence import Sentence
 
 
 def motions_beside(channels: list[Candidate], columns: Mapping[int, np.ndarray]) -> list[Motion]:
@@ -52,7 +53,11 @@ def clock_of(
         if destroyed:
             assigner.say(
                 "column_refused",
-                f"{candidate.label!r}: a spreadsheet has destroyed its numbers ({destroyed})",
+                Sentence(
+                    "{column!r}: a spreadsheet has destroyed its numbers ({found})",
+                    column=candidate.label,
+                    found=destroyed,
+                ),
                 "warning",
                 candidate.label,
             )
@@ -64,7 +69,11 @@ def clock_of(
     if _cut_short(candidate, table):
         assigner.say(
             "column_refused",
-            f"{candidate.label!r}: a spreadsheet has cut its numbers short ({_destroyed_cell(table, candidate)})",
+            Sentence(
+                "{column!r}: a spreadsheet has cut its numbers short ({found})",
+                column=candidate.label,
+                found=_destroyed_cell(table, candidate),
+            ),
             "warning",
             candidate.label,
         )
@@ -118,7 +127,11 @@ def best_clock(
         if interval is None:
             raise no_time(table, assigner)
         assigner.say(
-            "time_counted", f"no time column: time is counted from the interval in the file's head ({interval:g} s)"
+            "time_counted",
+            Sentence(
+                "no time column: time is counted from the interval in the file's head ({interval:g} s)",
+                interval=interval,
+            ),
         )
         return "", Clock(np.arange(rows) * interval, "s", False, "counted")
     best = readable[0]
@@ -129,8 +142,7 @@ def best_clock(
     for note in best[1].notes:
         assigner.say("clock", note, "warning", best[0].label)
     if best[1].unit_assumed:
-        text = f"{best[0].label!r} states no unit; {best[1].unit} is assumed for time"
-        assigner.say("unit_assumed", f"{text}: confirm or name the unit", "warning", best[0].label)
+        assigner.assume_unit(best[0].label, best[1].unit, "time")
     return best[0].label, best[1]
 
 
@@ -156,9 +168,12 @@ def _compare_clocks(best: tuple[Candidate, Clock], readable: list[tuple[Candidat
             continue
         other = np.ptp(clock.seconds[np.isfinite(clock.seconds)])
         if abs(other - span) > max(2.0, 0.02 * span):
-            text = (
-                f"the clocks {best[0].label!r} and {candidate.label!r} disagree ({span:.1f} s and {other:.1f} s): "
-                "the first is used"
+            text = Sentence(
+                "the clocks {first!r} and {second!r} disagree ({span:.1f} s and {other:.1f} s): the first is used",
+                first=best[0].label,
+                second=candidate.label,
+                span=span,
+                other=other,
             )
             assigner.say("clocks_disagree", text, "warning", best[0].label)
 
@@ -197,9 +212,13 @@ def _interval_in_preamble(table: LogTable) -> float | None:
 def no_time(table: LogTable, assigner: Assigner) -> RoadTestError:
     """Return the error that says why the table has no time."""
     refused = [message.text for message in assigner.messages if message.code == "column_refused"]
+    problem = Sentence("no time column")
+    for number, why in enumerate(refused):
+        together = Sentence("{problem}; {why}", problem=problem, why=why)
+        problem = together if number else Sentence("{problem}: {why}", problem=problem, why=why)
     return RoadTestError(
-        "no time column" + (": " + "; ".join(refused) if refused else ""),
+        problem,
         place=Place(file=assigner.file),
         value=", ".join(heading.label for heading in table.headings[:12]),
-        expected="a column such as 'Time (s)', or the name of the one that tells the time",
+        expected=Sentence("a column such as 'Time (s)', or the name of the one that tells the time"),
     )

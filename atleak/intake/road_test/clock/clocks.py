@@ -12,6 +12,7 @@ import pandas as pd
 
 from atleak.intake.dates import day_number, half_day, likely_order, sure_date
 from atleak.intake.units import Unit, find_unit
+from atleak.sentence import Sentence
 
 DAY = 86400.0
 _FIRST_EXCEL_DAY = dt.date(1899, 12, 30)
@@ -25,7 +26,7 @@ class Clock:
     unit: str
     unit_assumed: bool = False
     form: str = "number"
-    notes: tuple[str, ...] = ()
+    notes: tuple[Sentence, ...] = ()
     absolute: bool = False
     date: dt.date | None = None  # of the first stamp, where it cannot be mistaken
 
@@ -197,12 +198,16 @@ def _two_parts(
     if days is not None:
         hours = _with_half_days(read, halves)
         seconds = np.where(good, hours * 3600.0 + read.minor * 60.0, np.nan) + _days_of(read, days)
-        note = "the clock's seconds are lost (a spreadsheet shows hours and minutes only): stamps are 60 s apart"
+        note = Sentence(
+            "the clock's seconds are lost (a spreadsheet shows hours and minutes only): stamps are 60 s apart"
+        )
         return Clock(_relative(seconds), "clock", False, "date and time", (note,), True)
     if not read.fraction[good].mean() > 0.5 or (read.seconds[good] > 59.9999999).any():
         return None  # hh:mm and mm:ss look the same
     seconds = np.where(good, read.major * 60.0 + read.seconds, np.nan)
-    note = "a spreadsheet has cut the hours off the clock: time runs from the first row, the time of day is not known"
+    note = Sentence(
+        "a spreadsheet has cut the hours off the clock: time runs from the first row, the time of day is not known"
+    )
     return Clock(_relative(_unwrap(seconds, 3600.0)), "clock", False, "minutes and seconds", (note,))
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Literal
 
 from atleak.errors import Place, RoadTestError
+from atleak.sentence import Sentence
 
 HEAD = 1 << 16
 """Bytes that show what a file is."""
@@ -27,27 +28,27 @@ GROWTH = 4
 Form = Literal["text", "workbook", "mdf"]
 
 _PICTURES = {
-    b"\x89PNG": "a PNG picture",
-    b"\xff\xd8\xff": "a JPEG picture",
-    b"GIF8": "a GIF picture",
-    b"BM": "a bitmap picture",
-    b"II*\x00": "a TIFF picture",
-    b"MM\x00*": "a TIFF picture",
-    b"%PDF": "a PDF document",
-    b"{\\rtf": "a formatted text document",
-    b"Rar!": "a RAR archive",
-    b"7z\xbc\xaf": "a 7z archive",
-    b"TDSm": "a TDMS file of LabVIEW",
-    b"\x7fELF": "a program",
-    b"MZ\x90": "a program",
-    b"SQLite format 3": "a database",
-    b"PAR1": "a Parquet file",
-    b"\x89HDF": "an HDF5 file",
-    b"MATLAB 5.0": "a MATLAB file",
-    b"MLVLG": "a binary log of MegaLogViewer",
-    b"<?xml": "an XML document",
-    b"<!DOCTYPE": "a web page",
-    b"<html": "a web page",
+    b"\x89PNG": Sentence("a PNG picture"),
+    b"\xff\xd8\xff": Sentence("a JPEG picture"),
+    b"GIF8": Sentence("a GIF picture"),
+    b"BM": Sentence("a bitmap picture"),
+    b"II*\x00": Sentence("a TIFF picture"),
+    b"MM\x00*": Sentence("a TIFF picture"),
+    b"%PDF": Sentence("a PDF document"),
+    b"{\\rtf": Sentence("a formatted text document"),
+    b"Rar!": Sentence("a RAR archive"),
+    b"7z\xbc\xaf": Sentence("a 7z archive"),
+    b"TDSm": Sentence("a TDMS file of LabVIEW"),
+    b"\x7fELF": Sentence("a program"),
+    b"MZ\x90": Sentence("a program"),
+    b"SQLite format 3": Sentence("a database"),
+    b"PAR1": Sentence("a Parquet file"),
+    b"\x89HDF": Sentence("an HDF5 file"),
+    b"MATLAB 5.0": Sentence("a MATLAB file"),
+    b"MLVLG": Sentence("a binary log of MegaLogViewer"),
+    b"<?xml": Sentence("an XML document"),
+    b"<!DOCTYPE": Sentence("a web page"),
+    b"<html": Sentence("a web page"),
 }
 
 
@@ -88,7 +89,7 @@ class Digest:
     def __str__(self) -> str:
         self._finish()
         if self._error:
-            raise RoadTestError(f"cannot be read: {self._error}")
+            raise RoadTestError(Sentence("cannot be read: {reason}", reason=self._error))
         return self._hash.hexdigest()
 
     @property
@@ -175,7 +176,8 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
                 return LogFile(file, Digest(path), head, "text", size, path)
             data = head + stream.read()
     except OSError as error:
-        raise RoadTestError(f"cannot be opened: {error.strerror}", place=Place(file=file)) from error
+        problem = Sentence("cannot be opened: {reason}", reason=str(error.strerror))
+        raise RoadTestError(problem, place=Place(file=file)) from error
     return _packed_or_not(data, file, Digest(data), path)
 
 
@@ -213,16 +215,16 @@ def _refuse_what_is_no_log(head: bytes, file: str) -> None:
     if not head.strip(b" \t\r\n\x00\xef\xbb\xbf\xff\xfe"):
         if head.strip(b" \t\r\n"):
             raise RoadTestError(
-                "holds nothing but zero bytes: the logger did not finish writing it, or the card is damaged",
+                Sentence("holds nothing but zero bytes: the logger did not finish writing it, or the card is damaged"),
                 place=place,
             )
-        raise RoadTestError("is empty: the logger wrote nothing", place=place)
+        raise RoadTestError(Sentence("is empty: the logger wrote nothing"), place=place)
     for magic, what in _PICTURES.items():
         if head.startswith(magic) and (magic != b"BM" or b"\x00" in head[:32]):
             raise RoadTestError(
-                f"is {what}, no road-test log, whatever its name says",
+                Sentence("is {what}, no road-test log, whatever its name says", what=what),
                 place=place,
-                expected="delimited text, xlsx or MDF4 as the logger exports it",
+                expected=Sentence("delimited text, xlsx or MDF4 as the logger exports it"),
             )
 
 
@@ -236,18 +238,20 @@ def _unpack(data: bytes, file: str, target: Path) -> bool:
                 if not total:
                     _refuse_what_is_no_log(part[:HEAD], file)
                     if part[:2] == b"\x1f\x8b":
-                        raise RoadTestError("is packed twice; unpack it first", place=place)
+                        raise RoadTestError(Sentence("is packed twice; unpack it first"), place=place)
                 total += len(part)
                 nul = nul or b"\x00" in part
                 if total > limit:
                     raise RoadTestError(
-                        f'unfolds to more than {limit >> 20} MB: this is no ordinary log (a "zip bomb"?)',
+                        Sentence(
+                            'unfolds to more than {size} MB: this is no ordinary log (a "zip bomb"?)', size=limit >> 20
+                        ),
                         place=place,
-                        expected="a log; if it really is one, unpack it first",
+                        expected=Sentence("a log; if it really is one, unpack it first"),
                     )
                 out.write(part)
     except (OSError, EOFError, zlib.error) as error:
-        raise RoadTestError(f"its gz packing is damaged: {error}", place=place) from error
+        raise RoadTestError(Sentence("its gz packing is damaged: {reason}", reason=str(error)), place=place) from error
     if not total:
-        raise RoadTestError("is empty: the logger wrote nothing", place=place)
+        raise RoadTestError(Sentence("is empty: the logger wrote nothing"), place=place)
     return nul

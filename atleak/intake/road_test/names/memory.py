@@ -13,6 +13,7 @@ from typing import Any
 
 from atleak.errors import OutputError, Place
 from atleak.intake.plain_words import words
+from atleak.sentence import Sentence
 from atleak.system.files import PRIVATE, replace_file
 from atleak.system.home import earlier_file, home, made
 
@@ -158,9 +159,11 @@ def _rewritten(path: Path) -> Iterator[dict[str, object]]:
             yield entries
             replace_file(path, json.dumps(entries, ensure_ascii=False, indent=1).encode("utf-8"), mode=PRIVATE)
     except Timeout:
-        raise OutputError(f"another program has kept it locked for {_PATIENCE} s", place=place) from None
+        problem = Sentence("another program has kept it locked for {seconds} s", seconds=_PATIENCE)
+        raise OutputError(problem, place=place) from None
     except (OSError, NotImplementedError) as error:  # the latter: a file system without locks
-        raise OutputError(f"cannot be written: {getattr(error, 'strerror', None) or error}", place=place) from error
+        problem = Sentence("cannot be written: {reason}", reason=str(getattr(error, "strerror", None) or error))
+        raise OutputError(problem, place=place) from error
 
 
 def _readable(path: Path) -> dict[str, object]:

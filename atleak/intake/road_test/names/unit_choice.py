@@ -10,11 +10,13 @@ import numpy as np
 
 from atleak.errors import InputError
 from atleak.intake.road_test.names.matching import clean_unit
-from atleak.intake.units import Unit, find_unit, kinds_of, unit
+from atleak.intake.units import KINDS, Unit, find_unit, kinds_of, unit
 from atleak.road_test import QUANTITIES
+from atleak.sentence import Sentence
 
 ATMOSPHERE = 101325.0
 _ABSOLUTE = re.compile(r"^((?:0\.1 )?k?pa|m?bar|mpa|hpa|psi)\s*[ (_]?\s*(?:a|abs\.?|absolute?)\s*\)?$", re.IGNORECASE)
+_FITS_NONE = Sentence("no unit is stated and its values fit none")
 _SAYS_NOTHING = frozenset({"", "-", "none", "index", "gear", "raw", "n/a", "unitless", "?", "value"})
 
 
@@ -28,8 +30,8 @@ class Fit:
     unit: Unit | None
     assumed: bool = False
     absolute: bool = False
-    problem: str | None = None
-    doubt: str | None = None
+    problem: Sentence | None = None
+    doubt: Sentence | None = None
     foreign: bool = False
 
     def to_si(self, values: np.ndarray) -> np.ndarray:
@@ -61,7 +63,8 @@ def given(quantity: str, name: str) -> Fit:
     """
     kind = QUANTITIES[quantity].unit_kind
     if kind is None:
-        raise InputError(f"{quantity} is a plain number and has no unit", value=name)
+        said = QUANTITIES[quantity].said
+        raise InputError(Sentence("{quantity} is a plain number and has no unit", quantity=said), value=name)
     base, absolute = split_absolute(name) if kind == "pressure" else (name, False)
     return Fit(unit(base, kind), absolute=absolute)
 
@@ -84,15 +87,25 @@ def fit(quantity: str, stated: str | None, values: np.ndarray, neighbours: Itera
         text = base
     stated_unit = find_unit(text, kind) if text.lower() not in _SAYS_NOTHING else None
     if stated_unit is None and text.lower() not in _SAYS_NOTHING:
-        meaning = " or ".join(name.replace("_", " ") for name in kinds_of(text)) or "something else"
-        if text.lower() in ("v", "mv", "volt", "volts"):
-            meaning = "a sensor's voltage: its characteristic curve is needed"
-        return Fit(None, problem=f"unit {text!r} is {meaning}, not a unit of {kind.replace('_', ' ')}", foreign=True)
+        problem = Sentence(
+            "unit {unit!r} is {meaning}, not a unit of {kind}", unit=text, meaning=_meaning(text), kind=KINDS[kind]
+        )
+        return Fit(None, problem=problem, foreign=True)
     if stated_unit is not None:
         result = Fit(stated_unit, absolute=absolute)
-        problem = _misfit(quantity, result.to_si(good), stated_unit)
-        return Fit(None, problem=problem) if problem else result
+        misfit = _misfit(quantity, result.to_si(good), stated_unit)
+        return Fit(None, problem=misfit) if misfit else result
     return _guess(quantity, good, tuple(neighbours))
+
+
+def _meaning(text: str) -> Sentence:
+    """Return what a unit that does not belong to the quantity is a unit of."""
+    if text.lower() in ("v", "mv", "volt", "volts"):
+        return Sentence("a sensor's voltage: its characteristic curve is needed")
+    meaning: Sentence | None = None
+    for kind in kinds_of(text):
+        meaning = KINDS[kind] if meaning is None else Sentence("{one} or {other}", one=meaning, other=KINDS[kind])
+    return meaning or Sentence("something else")
 
 
 def _number(quantity: str, stated: str | None, good: np.ndarray) -> Fit:
@@ -107,9 +120,9 @@ def _number(quantity: str, stated: str | None, good: np.ndarray) -> Fit:
         inside = np.mean((good >= -3) & (good <= 12) & (good == np.round(good)))
         # a sentinel among gears is fine, ratios and speeds are not gears
         if inside < 0.9:
-            return Fit(None, problem="its values are no gear numbers")
+            return Fit(None, problem=Sentence("its values are no gear numbers"))
         if text and text.lower() not in _SAYS_NOTHING | {"text", "gears"} and kinds_of(text):
-            return Fit(None, problem=f"unit {text!r} does not belong to a gear")
+            return Fit(None, problem=Sentence("unit {unit!r} does not belong to a gear", unit=text))
     return Fit(None)
 
 
@@ -118,22 +131,23 @@ def _inside(quantity: str, si: np.ndarray) -> float:
     return float(np.mean((si >= info.low) & (si <= info.high))) if len(si) else 1.0
 
 
-def _misfit(quantity: str, si: np.ndarray, stated: Unit) -> str | None:
+def _misfit(quantity: str, si: np.ndarray, stated: Unit) -> Sentence | None:
     if not len(si):
         return None
     if _inside(quantity, si) < 0.5:
-        return f"most of its values cannot be {QUANTITIES[quantity].label} in {stated.name}"
+        label = QUANTITIES[quantity].label
+        return Sentence("most of its values cannot be {quantity} in {unit}", quantity=label, unit=stated.name)
     kind = QUANTITIES[quantity].unit_kind
     if kind == "temperature" and float(np.median(si)) > 165.0:
-        return f"its values are too high for {stated.name}: °F?"
+        return Sentence("its values are too high for {unit}: °F?", unit=stated.name)
     if kind == "rotational_speed" and stated.name == "rpm":
         top = float(np.percentile(si, 99.5)) * 60
         if 0 < top < 15 and not np.allclose(si * 60, np.round(si * 60)):
-            return "its values are too small for rpm: thousands of rpm?"
+            return Sentence("its values are too small for rpm: thousands of rpm?")
     if quantity == "main_pressure" and stated.name in ("kPa", "psi", "bar", "MPa"):
         top = float(np.percentile(si, 99.5))
         if 0 < top < 20e3:
-            return f"its values are too small for a main pressure in {stated.name}"
+            return Sentence("its values are too small for a main pressure in {unit}", unit=stated.name)
     return None
 
 
@@ -169,10 +183,10 @@ def _guess(quantity: str, good: np.ndarray, neighbours: tuple[str, ...]) -> Fit:
     if kind == "rotational_speed":
         if top > 200 or top <= 0:
             return Fit(unit("rpm", kind), assumed=True)
-        return Fit(None, problem="its values are too small for rpm and no unit is stated")
+        return Fit(None, problem=Sentence("its values are too small for rpm and no unit is stated"))
     if kind == "speed":
         name = "mph" if imperial(neighbours) else "km/h"
-        return Fit(unit(name, kind), assumed=True, doubt="km/h or mph cannot be told from the values")
+        return Fit(unit(name, kind), assumed=True, doubt=Sentence("km/h or mph cannot be told from the values"))
     if top > 0.25:
         for limit, name in (
             (2.8, "MPa"),
@@ -186,7 +200,7 @@ def _guess(quantity: str, good: np.ndarray, neighbours: tuple[str, ...]) -> Fit:
                 if name == "MPa" and top < 0.4:
                     break
                 return Fit(unit(name, kind), assumed=True)
-    return Fit(None, problem="no unit is stated and its values fit none")
+    return Fit(None, problem=_FITS_NONE)
 
 
 def _guess_temperature(top: float, middle: float, is_imperial: bool | None) -> Fit:
@@ -195,5 +209,5 @@ def _guess_temperature(top: float, middle: float, is_imperial: bool | None) -> F
     if top > 150 or (is_imperial and top > 60):
         return Fit(unit("°F", "temperature"), assumed=True)
     if top > 170:
-        return Fit(None, problem="no unit is stated and its values fit none")
+        return Fit(None, problem=_FITS_NONE)
     return Fit(unit("°C", "temperature"), assumed=True)

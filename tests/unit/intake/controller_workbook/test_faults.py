@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -12,6 +13,7 @@ from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError
 from atleak.intake.controller_workbook import read_controller_workbook
 from atleak.report.controller_workbook import write_controller_workbook
+from atleak.wording import wording
 
 Book = Any
 
@@ -34,6 +36,7 @@ ONE_PER_SHEET = (
     ("Consumer flows", 2, "Operating point", "hot_idel", "no such operating point"),
     ("Complaints", 1, "Operating points", "reverse_idel", "no such operating point"),
 )
+ENGLISH = {"accepted", "cell", "expected", "found", "greater", "less", "must", "not", "row", "such", "than", "was"}
 
 
 def test_one_mistake_on_every_sheet_gives_one_list(five_speed_book: Book) -> None:
@@ -60,6 +63,10 @@ def test_one_mistake_on_every_sheet_gives_one_list(five_speed_book: Book) -> Non
     lines = str(faults[0]).splitlines()
     assert len(lines) == len(SHEETS)
     assert [next(name for name in _names() if f"sheet {name!r}" in line) for line in lines] == _names()
+    for language in ("de", "pl"):
+        said = wording(language).sentence(faults[0].sentence)
+        assert len(said.splitlines()) == len(SHEETS)
+        assert not ENGLISH & set(re.findall(r"\w+", said)), said
 
 
 def _names() -> list[str]:

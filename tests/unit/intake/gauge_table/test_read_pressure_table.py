@@ -22,6 +22,7 @@ from atleak.intake.gauge_table import read_pressure_table
 from atleak.intake.readings import read_readings
 from atleak.pressure_table import LINE, Cell, Engine, PressureTable, ranges_of
 from atleak.report.measuring_sheet import write_template
+from atleak.wording import wording
 
 UNITS = {"kPa": 1e3, "bar": 1e5, "psi": 6894.757293168361, "MPa": 1e6}
 
@@ -378,3 +379,11 @@ def test_any_jumble_of_cells_is_read_or_refused_in_words(rows: list[list[str]]) 
 def test_every_range_of_a_unit_is_read(unit: Controller) -> None:
     rows = "\n".join(f"{name};400" for name in ranges_of(unit))
     assert len(read(f"range;idle [kPa]\n{rows}\n", unit).readings) == len(ranges_of(unit)) == 7
+
+
+def test_what_is_wrong_with_a_table_is_said_in_german(unit: Controller) -> None:
+    error = refused("range;slow idle [kPa]\nD;1.250\nX;400\n", unit)
+    said = wording("de").sentence(error.sentence)
+    assert "D, Leerlauf: kein Druck (gefunden: '1.250')" in said
+    assert "lässt sich auf zwei Arten lesen: 1250 schreiben für 1250 kPa, oder 1,25 für 1,25 kPa" in said
+    assert "diese Fahrstufe hat das Getriebe nicht (gefunden: 'X'); erwartet: eines von " in said

@@ -27,9 +27,9 @@ from atleak.intake.road_test import (
     tidy_csv,
     understand,
 )
+from atleak.wording import wording
 
 FIXTURES = Path(__file__).parent / "road_test_fixtures"
-
 
 # --- the files in the folder of fixtures --------------------------------------------------------------------
 
@@ -498,3 +498,25 @@ def test_a_stray_cell_in_the_last_corner_is_told_not_followed() -> None:
 def test_rubbish_with_quotes_and_carriage_returns_is_refused_with_a_reason(content: bytes) -> None:
     with pytest.raises(RoadTestError):
         read_road_test(content, name="rubbish.csv")
+
+
+def test_what_is_said_of_a_log_is_said_in_german_with_its_quantities_and_decimal_sign() -> None:
+    log = "Time;Main pressure;ATF temp;TFT;Gear\n" + "".join(
+        f"{row / 10:g};{600 + row};{80 + row};{90 + row};{'D' if row < 50 else 3}\n"
+        for row in [*range(60), *range(90, 99)]
+    )
+    understood = understand(log.encode(), name="log.csv")
+    said = [wording("de").sentence(each.text) for each in understood.messages]
+    assert "'Gear': D nennt keinen Gang, daher ist er bei 50 von 69 Werten nicht bekannt" in said
+    assert (
+        "'Main pressure' nennt keine Einheit; angenommen wird kPa (Hauptdruck): die Einheit bestätigen oder nennen"
+        in said
+    )
+    assert "ATF-Temperatur: mehrere Spalten kommen in Frage: 'ATF temp', 'TFT'; eine davon wählen" in said
+    assert "1 Lücke(n) in der Aufzeichnung, die längste 3,1 s: nichts wird aufgefüllt" in said
+    problem = understand(b"a;b\n" + b"1;2\n" * 20, name="x.csv").problem
+    assert problem is not None
+    assert wording("de").sentence(problem.sentence).startswith("x.csv: keine Zeitspalte (gefunden: 'a, b'); erwartet: ")
+    absolute = "Time (s),Line pressure (kPa abs)\n" + "".join(f"{row / 10:g},{700 + row}\n" for row in range(60))
+    said = [wording("de", "us").sentence(each.text) for each in understand(absolute.encode(), name="x").messages]
+    assert any("ist absolut; 14,6959 psi werden abgezogen" in each for each in said), said

@@ -1,0 +1,36 @@
+"""Where today's version judges a kept job otherwise, said in the reader's language."""
+
+from __future__ import annotations
+
+from atleak.jobs.judged_anew import judged_otherwise
+from atleak.wording import wording
+
+BEFORE = {
+    "verdict": "replace",
+    "unit": {"decision": "conditional_fail"},
+    "lands": [{"component": "25", "land": 1, "verdict": "watch", "decision": None}],
+    "conditions": [{"name": "cold_start", "label": "cold start", "band": "red"}],
+}
+TODAY = {
+    "verdict": "not_measured",
+    "unit": {},
+    "lands": [],
+    "conditions": [{"name": "cold_start", "label": "cold start", "band": "amber"}],
+}
+
+
+def test_every_verdict_that_differs_is_said_with_both() -> None:
+    assert [str(each) for each in judged_otherwise(BEFORE, TODAY)] == [
+        "the unit: replace (conditional fail), today not measured",
+        "25/1: watch, today not judged",
+        "total at cold start: red, today amber",
+    ]
+    assert judged_otherwise(BEFORE, BEFORE) == ()
+
+
+def test_it_is_said_in_the_reader_s_language() -> None:
+    assert [wording("de").sentence(each.sentence) for each in judged_otherwise(BEFORE, TODAY)] == [
+        "das Gerät: ersetzen (bedingt überschritten), heute nicht gemessen",
+        "25/1: beobachten, heute nicht beurteilt",
+        "Summe bei cold start: rot, heute gelb",
+    ]
