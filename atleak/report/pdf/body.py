@@ -9,6 +9,7 @@ from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
 from atleak.errors import unknown
+from atleak.job.doubts import record_doubts
 from atleak.job.record import RepairDecision
 from atleak.report.estimate_words import open_words
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
@@ -410,12 +411,13 @@ class Body:
         yield {"kind": "list", "items": items or [say("texts.none_assumed")]}
 
     def _messages(self, charts: dict[str, str]) -> Iterable[Block]:
-        if self.diagnosis.messages and self.say("texts.messages_language"):
+        messages = (*record_doubts(self.job, self.diagnosis), *self.diagnosis.messages)
+        if messages and self.say("texts.messages_language"):
             yield text(self.say("texts.messages_language"), small=True)
         items = [
             f"{message.text} ({message.place})" if message.place and str(message.place) else message.text
             for level in ("warning", "info")
-            for message in self.diagnosis.messages
+            for message in messages
             if message.level == level and message.code not in _SAID_ELSEWHERE
         ]
         if items:
