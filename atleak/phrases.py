@@ -1,9 +1,8 @@
-"""Parts of sentences that several rooms need: what is measured, its sizes, and several things beside each other."""
+"""Parts of sentences that several rooms need: what is measured, where, and its sizes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from functools import reduce
+from collections.abc import Mapping
 
 from atleak.catalogue.controller import Land
 from atleak.catalogue.instruments import Part
@@ -55,34 +54,3 @@ class _Size(Quantity):
     def __format__(self, specification: str) -> str:
         written = super().__format__(specification)
         return written if specification else written.rstrip("0").rstrip(".")
-
-
-def together(parts: Iterable[str]) -> Sentence:
-    """Write several things with "and" between.
-
-    >>> together(["spool", "sleeve"])
-    'spool and sleeve'
-    """
-    return reduce(lambda first, second: Sentence("{first} and {second}", first=first, second=second), map(_said, parts))
-
-
-def either(parts: Iterable[str]) -> Sentence:
-    """Write several things with "or" between.
-
-    >>> either(["diameter 1", "diameter 2"])
-    'diameter 1 or diameter 2'
-    """
-    return reduce(lambda first, second: Sentence("{first} or {second}", first=first, second=second), map(_said, parts))
-
-
-def in_turn(parts: Iterable[str]) -> Sentence:
-    """Write several sentences with semicolons between.
-
-    >>> in_turn(["one row of means", "two rows crossed out"])
-    'one row of means; two rows crossed out'
-    """
-    return reduce(lambda first, second: Sentence("{first}; {second}", first=first, second=second), map(_said, parts))
-
-
-def _said(part: str) -> Sentence:
-    return part if isinstance(part, Sentence) else Sentence("{part}", part=part)

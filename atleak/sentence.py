@@ -53,10 +53,29 @@ def in_a_row(parts: Iterable[Any]) -> Sentence:
     >>> in_a_row(["D as gear 1", "R as gear -1"])
     'D as gear 1; R as gear -1'
     """
-    first, *others = parts
-    return reduce(
-        lambda said, part: Sentence("{said}; {part}", said=said, part=part), others, Sentence("{part}", part=first)
-    )
+    return reduce(lambda first, second: Sentence("{first}; {second}", first=first, second=second), map(_part, parts))
+
+
+def all_of(parts: Iterable[Any]) -> Sentence:
+    """Write parts with "and" between; at least one.
+
+    >>> all_of(["spool", "sleeve"])
+    'spool and sleeve'
+    """
+    return reduce(lambda first, second: Sentence("{first} and {second}", first=first, second=second), map(_part, parts))
+
+
+def any_of(parts: Iterable[Any]) -> Sentence:
+    """Write parts with "or" between; at least one.
+
+    >>> any_of(["mm", "inch"])
+    'mm or inch'
+    """
+    return reduce(lambda first, second: Sentence("{first} or {second}", first=first, second=second), map(_part, parts))
+
+
+def _part(part: Any) -> Sentence:
+    return part if isinstance(part, Sentence) else Sentence("{part}", part=part)
 
 
 def some(names: Sequence[str], most: int) -> Sentence:

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from statistics import median
 
 from atleak.errors import Message, Place
-from atleak.phrases import together
 from atleak.readings import LandClearance, MeasuringTemperature, Readings
 from atleak.road_test import RoadTest
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, all_of
 from atleak.uncertainty.sources import LandSources
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import UM
@@ -209,7 +208,7 @@ def _unequal_repeats(states: Sequence[LandClearance], place: Place) -> Iterator[
         )
         fewer = Sentence("the spool") if spools < sleeves else Sentence("the sleeve")
     else:
-        each = tuple(together(map(str, times)) for times in sorted(counts))
+        each = tuple(all_of(map(str, times)) for times in sorted(counts))
         said = Sentence("spools and sleeves were measured unequally often ({each} times)", each=each)
         fewer = Sentence("the part measured less often")
     text = Sentence(

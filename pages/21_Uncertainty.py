@@ -18,7 +18,7 @@ unit = diagnosis.uncertainty
 if unit is None:
     st.info(say("uncertainty.nothing"))
     st.stop()
-spool, sleeve = (f"**{show.plain(each.name)}**" for each in (unit.instruments.spool, unit.instruments.sleeve))
+spool, sleeve = (f"**{show.plain(say.name(each.name))}**" for each in (unit.instruments.spool, unit.instruments.sleeve))
 st.markdown(say("uncertainty.instruments", spool=spool, sleeve=sleeve, coverage=say.percent(unit.coverage, 0)))
 show.messages(unit.messages, say("about.uncertainty"))
 
@@ -32,7 +32,7 @@ st.subheader(say("uncertainty.clearances"))
 of_land = {land.key: land for land in diagnosis.lands}
 show.chart(figures.clearances(unit, say, advised=lambda key: advised(of_land[key])), "clearances")
 st.subheader(say("uncertainty.leakages"))
-show.chart(figures.leakages(unit, say), "leakages")
+show.chart(figures.leakages(unit, diagnosis.projection.condition, say), "leakages")
 
 st.subheader(say("uncertainty.made_of"))
 measured = [land.uncertainty for land in diagnosis.ranked if land.uncertainty is not None]
@@ -40,11 +40,11 @@ land = st.selectbox(say("columns.land"), measured, format_func=lambda each: land
 show.chart(figures.budget(land, say), "budget")
 verdicts = {each.key: each.verdict for each in diagnosis.lands}
 label = f"{say('columns.component')} {land.key[0]}"
-show.svg(spool_svg(diagnosis.controller, land.key[0], verdicts), label, least_width=300)
+show.svg(spool_svg(diagnosis.controller, land.key[0], verdicts, say), label, least_width=300)
 with st.expander(say("uncertainty.in_numbers")):
     columns = [Column("uncertain_source"), Column("of_clearance", "percent"), Column("of_share", "percent")]
-    show.rows_table([{**row, "uncertain_source": row["source"]} for row in budget_rows(land)], columns)
+    show.rows_table(budget_rows(land, say), columns)
 with st.expander(say("uncertainty.assumed")):
     assumed = unit.assumptions.settings.items()
-    rows = [{"what": name.replace("_", " "), "value": say.plain(value)} for name, value in assumed]
+    rows = [{"what": say.get("uncertainty_assumed", name), "value": say.plain(value)} for name, value in assumed]
     show.rows_table(rows, [Column("what"), Column("value")])

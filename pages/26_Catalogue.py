@@ -5,15 +5,16 @@ import streamlit as st
 from atleak.catalogue.entries import own_folder
 from atleak.figures.fluid_figures import viscosity_curve
 from atleak.views import catalogue_rows as rows
-from pages.shared import panel, show
+from pages.shared import panel, reader, show
 from pages.shared.cases import catalogue_list, own_faults, shown_name
 
 case, diagnosis = panel.shown()
-st.title("Catalogue")
-st.write("Everything shipped names its source. Your own TOML files are offered too where they lie in the folders of:")
+say = reader.say()
+st.title(say("pages.Catalogue"))
+st.write(say("catalogue.about"))
 st.code(str(own_folder()), language=None)
 for fault in own_faults():
-    st.error(f"**An own file is left aside.** {show.plain(fault)}")
+    st.error(f"**{say('catalogue.left_aside')}** {show.plain(say.sentence(fault.sentence))}")
 
 
 def entries(kind: str) -> dict:
@@ -23,27 +24,29 @@ def entries(kind: str) -> dict:
     return {shown_name(entry): entry for entry in ([] if chosen in known else [chosen]) + known}
 
 
-for tab, kind in zip(st.tabs(["Valve bodies", "Fluids", "Limits"]), rows.FOLDERS, strict=True):
+for tab, kind in zip(st.tabs([say(f"catalogue.{kind}") for kind in rows.FOLDERS]), rows.FOLDERS, strict=True):
     with tab:
         known = entries(kind)
         names = list(known)
-        name = st.selectbox("Show", names, names.index(shown_name(getattr(diagnosis, kind))), key=f"catalogue-{kind}")
+        first = names.index(shown_name(getattr(diagnosis, kind)))
+        name = st.selectbox(say("catalogue.show"), names, first, key=f"catalogue-{kind}-{say.language}")
         entry = known[name]
-        st.markdown(f"**Source:** {show.plain(entry.source)} ({entry.date})")
+        st.markdown(f"**{say('columns.source')}:** {show.plain(entry.source)} ({entry.date})")
         for doubt in entry.doubts:
-            st.warning(show.plain(doubt.text))
+            st.warning(show.plain(say.sentence(doubt.text)))
         if entry.note:
             st.markdown(show.plain(entry.note))
         if getattr(entry, "representative", None):
-            st.info(f"**Representative:** {show.plain(rows.representative(entry))}")
+            st.info(f"**{say('catalogue.representative')}** {show.plain(rows.representative(entry, say))}")
         if kind == "fluid":
-            st.subheader("Viscosity over temperature")
-            show.chart(viscosity_curve(entry), "viscosity-curve")
-            st.caption("ASTM D341 through the points of the data sheet; dashed where it goes beyond them.")
-        for title, table in rows.TABLES[kind](entry).items():
-            st.subheader(title)
-            show.table(table)
+            st.subheader(say("catalogue.viscosity"))
+            show.chart(viscosity_curve(entry, say), "viscosity-curve")
+            st.caption(say("catalogue.viscosity_caption"))
+        for table in rows.TABLES[kind](entry, say):
+            st.subheader(say(f"catalogue.{table.name}"))
+            filled = [each for each in table.columns if any(row.get(each.key) is not None for row in table.rows)]
+            show.rows_table(table.rows, filled)
         st.download_button(
-            "This file (TOML)", entry.origin.path.read_bytes, entry.origin.file, key=f"file-{kind}", on_click="ignore",
-            disabled=not entry.origin.path.is_file(),
+            say("catalogue.file"), entry.origin.path.read_bytes, entry.origin.file, key=f"file-{kind}",
+            on_click="ignore", disabled=not entry.origin.path.is_file(),
         )  # fmt: skip

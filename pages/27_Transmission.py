@@ -6,11 +6,9 @@ from pages.shared import panel, reader, transmission, transmission_picture, tran
 from pages.shared.editing import checked_now, draw_faults
 
 case, diagnosis = panel.shown()
-st.title("Transmission")
-st.write(
-    "Describe any valve body in tables and keep it in your own catalogue. Numbers may have a decimal comma or point; "
-    "rows can be pasted from a spreadsheet. Shipped files stay as they are: a copy is edited."
-)
+say = reader.say()
+st.title(say("pages.Transmission"))
+st.write(say("transmission.about"))
 editing = transmission.DESK.current()
 if editing is None:
     transmission.choose_start()
@@ -18,10 +16,10 @@ if editing is None:
 checked = checked_now(editing)
 transmission.draw_head(editing, checked)
 step = transmission_tables.choose_step(editing)
-draw_faults(editing, checked, reader.say())
+draw_faults(editing, checked, say)
 transmission_picture.draw_spools(step, checked)
 transmission_tables.draw(editing, step, checked)
 transmission.draw_learning(editing, step, checked)
 transmission_picture.draw_flow(step, checked, diagnosis)
-st.subheader("Keep it")
+st.subheader(say("transmission.keep"))
 transmission.draw_saving(editing, checked)

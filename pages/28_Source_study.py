@@ -9,17 +9,17 @@ from atleak.variants import charts, tables
 from atleak.variants.article import compare_points
 from atleak.views.diagnosis_record import to_json
 from atleak.views.variant_rows import variants_record
-from pages.shared import panel, show
+from pages.shared import panel, reader, show
 from pages.shared.cases import result_key
-from pages.shared.study import CITED, computed, table
+from pages.shared.study import CITED, computed, said, table
 
-STUDY, JOB = "the study's valve body and test", "this job's valve body and log"
-
+STUDY, JOB = "of_study", "of_job"
 case, diagnosis = panel.shown()
-st.title("The source study, reproduced")
-st.markdown(f"{CITED}. Its eight variants W1 to W8 run through the same engine as every job, in the `paper` profile.")
-own = None if case.sample else diagnosis.road
-what = st.radio("Run them on", [STUDY, JOB], horizontal=True) if own else STUDY
+say = reader.say()
+st.title(say("study.title"))
+st.markdown(say("study.about", cited=CITED))
+own, said_of = None if case.sample else diagnosis.road, {of: say(f"study.{of}") for of in (STUDY, JOB)}
+what = st.radio(say("study.run_on"), list(said_of), 0, said_of.get, horizontal=True) if own else STUDY
 try:
     job = (result_key(case), diagnosis.controller, own.road_test) if own and what == JOB else ("study", None, None)
     controller, road_test, results, options, curves = computed(*job)
@@ -27,44 +27,42 @@ except AtleakError as error:
     st.error(show.error_line(error))
     st.stop()
 if controller.representative:
-    test = " The road test is representative too." if what == STUDY else ""
-    st.caption(f"**Representative:** {show.plain(controller.representative)}{test}")
+    test = f" {say('study.test_too')}" if what == STUDY else ""
+    st.caption(f"**{say('catalogue.representative')}** {show.plain(say.name(controller.representative))}{test}")
 
-names = ["Tables 2 and 3", "Over time (Fig. 13)", "Over temperature (Fig. 14)", "Share", "Workshop or paper", "Errata"]
+names = [say(f"study.tab_{name}") for name in ("tables", "time", "temperature", "share", "physics", "errata")]
 variants, over_time, over_temperature, share, physics, errata = st.tabs(names)
 gear = road_test.values("gear")
 with variants:
-    st.markdown("**Table 2**: the variants; wear is on top of the valve body's mounting clearances")
+    st.markdown(say("study.table_2_is"))
     table(tables.table_2_rows(results))
-    st.markdown("**Table 3**: most leakage q of the test and its share U of the pump flow then")
+    st.markdown(say("study.table_3_is"))
     table(tables.table_3_rows(results))
-    st.caption(
-        "✓ every printed digit, ≠ not. *q, ν printed*: with Table 2's viscosity. *U largest*: of the whole test."
-    )
-    st.markdown("\n".join(f"- **{name}** {show.plain(note)}" for name, note in tables.notes(results).items()))
+    st.caption(say("study.table_3_help"))
+    st.markdown("\n".join(f"- **{name}** {show.plain(note)}" for name, note in said(tables.notes(results)).items()))
     record = to_json(variants_record(results, controller, road_test))
-    st.download_button("Download as JSON", record, "variants.json", "application/json", on_click="ignore")
+    st.download_button(say("study.download"), record, "variants.json", "application/json", on_click="ignore")
     if what == STUDY:
-        st.subheader("Points of the test that the article states")
-        table(tables.point_rows(compare_points(results)), "{:.3f}")
+        st.subheader(say("study.points"))
+        table(tables.point_rows(compare_points(results)), 3)
 with over_time:
-    show.chart(figure(charts.leakage_chart(results, gear)), "time")
-    st.caption("Triangles: least and most leakage of each variant. Click in the legend to hide a variant.")
+    show.chart(figure(charts.leakage_chart(results, say, gear)), "time")
+    st.caption(say("study.time_help"))
 with over_temperature:
-    log_y = st.toggle("Logarithmic scale")
-    chart = figure(charts.temperature_chart(curves, results, printed=what == STUDY, log_y=log_y))
+    log_y = st.toggle(say("study.log_scale"))
+    chart = figure(charts.temperature_chart(curves, say, results, printed=what == STUDY, log_y=log_y))
     show.chart(chart, "temperature")
-    st.caption("Curves: fresh oil. W4 lies above them: its printed result is that of the used oil.")
+    st.caption(say("study.temperature_help"))
 with share:
     if results[0].computed.share is None:
-        st.info("The log has no engine speed, so there is no pump flow and no share.")
+        st.info(say("study.no_share"))
     else:
-        show.chart(figure(charts.share_chart(results, gear)), "share")
-        st.caption("Circles: largest share; in the study at idle, the pump at its slowest. Triangles: most leakage.")
+        show.chart(figure(charts.share_chart(results, say, gear)), "share")
+        st.caption(say("study.share_help"))
 with physics:
-    st.markdown("What each option changes in the most leakage [%], one at a time and together; `–`: no data so cold.")
-    table(tables.option_changes(options), "{:+.2f}")
-    st.markdown("Leakage share at that instant [%]")
+    st.markdown(say("study.physics_is"))
+    table(tables.option_changes(options), 2, signed=True)
+    st.markdown(say("study.physics_share"))
     table(tables.option_rows(options, "share_at_max_leakage"))
 with errata:
-    st.table(pd.DataFrame(tables.errata_rows()), hide_index=True)
+    st.table(pd.DataFrame([said(row) for row in tables.errata_rows()]), hide_index=True)

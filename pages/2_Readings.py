@@ -51,8 +51,8 @@ if clearances.open:
             show.rows_table(clearance_rows(chosen, controller, say), CLEARANCE_COLUMNS)
             st.caption(say("readings.columns"))
             st.subheader(say("readings.wear"))
-            show.chart(figures.wear(diagnosis, chosen), "wear")
+            show.chart(figures.wear(diagnosis, chosen, say), "wear")
         else:
             st.write(say("readings.no_lands"))
 if controller.representative:
-    st.info(f"**{say('readings.representative')}** {show.plain(controller.representative)}")
+    st.info(f"**{say('readings.representative')}** {show.plain(say.name(controller.representative))}")

@@ -61,6 +61,6 @@ show.sheet_messages(diagnosis)
 every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=f"all-lands-{session().generation}")
 if every.open:
     with every:
-        show.chart(figures.leakage_ranking(diagnosis), "ranking")
+        show.chart(figures.leakage_ranking(diagnosis, say), "ranking")
         pairs.table(pair_table(diagnosis, diagnosis.ranked, say, named, at=diagnosis.presented), "all", pressable=True)
 files.take_along(case, diagnosis, record)

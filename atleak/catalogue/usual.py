@@ -6,11 +6,11 @@ slips: a decimal sign, another unit, bore minus spool where half of it is asked 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, any_of
 from atleak.verdicts import BANDS
 
 EACH = "*"  # any entry of a list, or any name
@@ -50,20 +50,8 @@ class Usual:
             quantity=self.name,
             low=self.low,
             high=self.high,
-            question=Sentence(" Was it in {units}?", units=either(meant)) if meant else Sentence(""),
+            question=Sentence(" Was it in {units}?", units=any_of(meant)) if meant else Sentence(""),
         )
-
-
-def either(names: Sequence[str]) -> Sentence:
-    """Write names as alternatives.
-
-    >>> either(["mm", "inch"]), either(["mm"])
-    ('mm or inch', 'mm')
-    """
-    *others, last = names
-    if not others:
-        return Sentence("{only}", only=last)
-    return Sentence("{first} or {second}", first=either(others), second=last)
 
 
 _OF_MM = {"µm": 1e-3, "inch": 25.4}

@@ -58,7 +58,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         options = parsed(_parser(), arguments)
         with _as_shown(options):
             status: int = options.run(options)
-            sys.stdout.flush()  # a reader that went away is noticed here, not when the interpreter ends
+        sys.stdout.flush()  # a reader that went away is noticed here, not when the interpreter ends
         return status
     except SystemExit:  # argparse has printed its message already
         raise

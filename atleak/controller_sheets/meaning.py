@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from atleak.catalogue.usual import either
 from atleak.controller_sheets.description import Fault, Row, Spot
 from atleak.controller_sheets.kinds import Number, as_text
 from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Units
 from atleak.errors import InputError
 from atleak.faults import NotAccepted
-from atleak.sentence import Sentence, in_a_row
+from atleak.sentence import Sentence, any_of, in_a_row
 
 _LENGTHS = {"mm": 1e-3, "µm": 1e-6, "inch": 0.0254}
 
@@ -79,4 +78,4 @@ def _other_unit(column: Column, row: Row, units: Units) -> Sentence:
         return Sentence("")
     sides = 2.0 if kind.measure.of_clearance and units.clearance == "diametral" else 1.0
     names = [name for name, si in _LENGTHS.items() if low <= number * si / float(kind.measure.si) / sides <= high]
-    return Sentence("was it in {units}?", units=either(names)) if names else Sentence("")
+    return Sentence("was it in {units}?", units=any_of(names)) if names else Sentence("")

@@ -20,7 +20,7 @@ from atleak.look import HATCHING, SCREEN, look_of
 from atleak.rules import Rule
 from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import VERDICTS, Band
-from atleak.wording import Wording, signed, wording
+from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
@@ -35,51 +35,55 @@ def land_name(land: LandDiagnosis) -> str:
     return f"{component} · {number}"
 
 
-def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> Figure:
+def leakage_ranking(diagnosis: Diagnosis, say: Wording | None = None, *, lands: int = 20) -> Figure:
     """Draw the lands by leakage at the stated condition, the largest on top, by verdict, with 95 % intervals.
 
     Parameters
     ----------
+    say
+        the words of a language; English unless given.
     lands
         how many of the largest are drawn.
     """
+    say = say or wording("en")
     ranked = diagnosis.ranked[:lands]
-    figure = Figure()
+    figure, scale, unit = Figure(), say.convert(DM3_MIN, "flow"), say.unit("flow")
+    clearance = f"%{{customdata[1]:.{say.digits('clearance')}f}} {say.unit('clearance')}"
     for verdict in VERDICTS:
         leaking = [land for land in ranked if land.verdict == verdict]
         if not leaking:
             continue
         figure.add_bar(
-            x=[land.leakage * DM3_MIN for land in leaking],
+            x=[land.leakage * scale for land in leaking],
             y=[land_name(land) for land in leaking],
             orientation="h",
-            name=signed(verdict),
+            name=say.signed(verdict),
             marker={"color": look_of(verdict).screen, "pattern": _HATCH | {"shape": look_of(verdict).pattern}},
-            error_x=error_bars([land.leakage for land in leaking], [_interval(land) for land in leaking], DM3_MIN),
+            error_x=error_bars([land.leakage for land in leaking], [_interval(land) for land in leaking], scale),
             customdata=[
                 (
-                    diagnosis.controller.components[land.key[0]],
-                    land.state.radial_clearance * UM,
+                    say.name(diagnosis.controller.components[land.key[0]]),
+                    say.convert(land.state.radial_clearance * UM, "clearance"),
                     land.share * PERCENT,
                 )
                 for land in leaking
             ],
-            hovertemplate="%{y} %{customdata[0]}<br>%{x:.3f} dm³/min, %{customdata[2]:.2f} % of pump flow"
-            "<br>radial clearance %{customdata[1]:.1f} µm<extra></extra>",
+            hovertemplate=f"%{{y}} %{{customdata[0]}}<br>%{{x:.3f}} {unit}, "
+            f"{say('columns.share')} %{{customdata[2]:.2f}} %<br>{say('columns.clearance')} {clearance}<extra></extra>",
         )
     figure.add_scatter(
-        x=[max(land.leakage, *(_interval(land) or (0.0,))) * DM3_MIN for land in ranked],
+        x=[max(land.leakage, *(_interval(land) or (0.0,))) * scale for land in ranked],
         y=[land_name(land) for land in ranked],
         mode="text",
-        text=[f"  {look_of(land.verdict).sign} {land.share * PERCENT:.2f} %" for land in ranked],
+        text=[f"  {look_of(land.verdict).sign} {say.percent(land.share, 2)}" for land in ranked],
         textposition="middle right",
         cliponaxis=False,
         showlegend=False,
         hoverinfo="skip",
     )
-    largest = max((max(land.leakage, *(_interval(land) or (0.0,))) * DM3_MIN for land in ranked), default=0.0)
-    figure.update_xaxes(title="leakage [dm³/min]", range=[0.0, 1.25 * largest or 1.0])
-    return by_land(figure, [land_name(land) for land in ranked], 22, bargap=0.25)
+    largest = max((max(land.leakage, *(_interval(land) or (0.0,))) * scale for land in ranked), default=0.0)
+    figure.update_xaxes(title=f"{say('figures.leaked')} [{unit}]", range=[0.0, 1.25 * largest or 1.0])
+    return by_land(figure, [land_name(land) for land in ranked], 22, say, bargap=0.25)
 
 
 def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
@@ -145,7 +149,7 @@ def _two_lines(label: str) -> str:
 
 
 def _named(point: Projection, say: Wording) -> str:
-    return say.name(point.condition.label)
+    return say.condition(point.condition)
 
 
 def _likely_bands(total: TotalUncertainty | None, say: Wording) -> str:
@@ -177,8 +181,12 @@ def _bands(figure: Figure, rules: Sequence[Rule], largest: float, say: Wording) 
     return right
 
 
-def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> Figure:
-    """Draw the wear of every measured land against the limits that apply to it, the most worn on top."""
+def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None, say: Wording | None = None) -> Figure:
+    """Draw the wear of every measured land against the limits that apply to it, the most worn on top.
+
+    English unless ``say`` is given.
+    """
+    say = say or wording("en")
     chosen = diagnosis.lands if lands is None else lands
     worn = [(land.wear, land) for land in chosen if land.wear is not None]
     worn.sort(key=lambda pair: pair[0])
@@ -190,7 +198,7 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> 
                 x=[wear * PERCENT for wear, _ in these],
                 y=[land_name(land) for _, land in these],
                 mode="markers",
-                name=wording("en").level(verdict),
+                name=say.level(verdict),
                 marker={"color": look_of(verdict).screen, "symbol": look_of(verdict).marker, "size": 11},
                 hovertemplate="%{y}: %{x:.1f} %<extra></extra>",
             )
@@ -201,9 +209,9 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> 
             x=[limit * PERCENT for limit, _ in limits if limit is not None],
             y=[land_name(land) for limit, land in limits if limit is not None],
             mode="markers",
-            name=f"{level} from here",
+            name=say("figures.from_here", level=say.level(level)),
             marker={"symbol": f"{look_of(level).marker}-open", "color": look_of(level).screen, "size": 9},
             hovertemplate="%{y}: %{x:.1f} %<extra></extra>",
         )
-    figure.update_xaxes(title="wear against the mounting clearance [%]")
-    return by_land(figure, [land_name(land) for _, land in reversed(worn)], 18)
+    figure.update_xaxes(title=f"{say('figures.wear')} [%]")
+    return by_land(figure, [land_name(land) for _, land in reversed(worn)], 18, say)

@@ -8,48 +8,50 @@ from atleak.catalogue.fluid import Fluid
 from atleak.figures.figure import Figure
 from atleak.figures.frame import framed
 from atleak.look import FAINT_GRID, SCREEN
+from atleak.wording import Wording
 from atleak.workshop_units import MM2_S
 
-BETWEEN, BEYOND = "between the data sheet's points", "beyond them"
-POINTS, TABLE = "data sheet", "table of the source"
 _HOTTEST = 150.0  # [°C]
 _STEP = 2.0  # [°C]
 _TICKS = [step * 10**power for power in range(5) for step in (1, 2, 5)]  # [mm²/s]
 
 
-def viscosity_curve(fluid: Fluid) -> Figure:
+def viscosity_curve(fluid: Fluid, say: Wording) -> Figure:
     """Draw ASTM D341 through a fluid's data-sheet points, dashed beyond them, the viscosity on a logarithmic axis."""
+    degrees, mm2_s = say.unit("temperature"), say.unit("viscosity")
     low, high = fluid.span()
     first, last = fluid.points[0][0], fluid.points[-1][0]
     figure = Figure()
     for name, spans, dash in (
-        (BETWEEN, [(first, last)], "solid"),
-        (BEYOND, [(low, first), (last, min(high, max(_HOTTEST, last)))], "dash"),
+        ("between", [(first, last)], "solid"),
+        ("beyond", [(low, first), (last, min(high, max(_HOTTEST, last)))], "dash"),
     ):
         at, viscosities = _curve(fluid, spans)
         figure.add_scatter(
-            x=at,
+            x=[say.convert(each, "temperature") for each in at],
             y=viscosities,
             mode="lines",
-            name=name,
+            name=say(f"catalogue.{name}"),
             line={"color": SCREEN.leakage, "width": 2.5, "dash": dash},
-            hovertemplate="%{x:.0f} °C: %{y:.3g} mm²/s<extra></extra>",
+            hovertemplate=f"%{{x:.0f}} {degrees}: %{{y:.3g}} {mm2_s}<extra></extra>",
         )
     for name, rows, symbol, colour in (
-        (POINTS, [(at, nu) for at, nu in fluid.points], "circle", SCREEN.share),
-        (TABLE, [(at, nu) for at, nu, _ in fluid.table], "x-thin-open", SCREEN.soft),
+        ("sheet_points", [(at, nu) for at, nu in fluid.points], "circle", SCREEN.share),
+        ("source_table", [(at, nu) for at, nu, _ in fluid.table], "x-thin-open", SCREEN.soft),
     ):
         if rows:
             figure.add_scatter(
-                x=[at for at, _ in rows],
+                x=[say.convert(at, "temperature") for at, _ in rows],
                 y=[nu * MM2_S for _, nu in rows],
                 mode="markers",
-                name=name,
+                name=say(f"catalogue.{name}"),
                 marker={"symbol": symbol, "size": 11, "color": colour},
-                hovertemplate=f"{name}, %{{x:g}} °C: %{{y:g}} mm²/s<extra></extra>",
+                hovertemplate=f"{say(f'catalogue.{name}')}, %{{x:g}} {degrees}: %{{y:g}} {mm2_s}<extra></extra>",
             )
-    figure.update_xaxes(title="temperature [°C]")
-    figure.update_yaxes(title="kinematic viscosity [mm²/s]", type="log", tickvals=_TICKS, gridcolor=FAINT_GRID)
+    figure.update_xaxes(title=say("catalogue.axis_temperature", unit=degrees))
+    figure.update_yaxes(
+        title=say("catalogue.axis_viscosity", unit=mm2_s), type="log", tickvals=_TICKS, gridcolor=FAINT_GRID
+    )
     return framed(figure, 360)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import RuleKind
 from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
@@ -71,11 +72,13 @@ def clearances(
     return by_land(figure, [_name(land) for land in chosen], 24, say)
 
 
-def leakages(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
+def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int = 20) -> Figure:
     """Draw leakages at the stated condition with intervals; a thin line ends where a spool that touches would leak.
 
     Parameters
     ----------
+    at
+        the stated condition.
     lands
         how many of the largest are drawn.
     """
@@ -106,8 +109,7 @@ def leakages(unit: UnitUncertainty, say: Wording, lands: int = 20) -> Figure:
         customdata=[tuple(end * flow for end in land.leakage_interval or (math.nan, math.nan)) for land in chosen],
         hovertemplate=f"%{{y}}: %{{x:.3f}} {name_of}, %{{customdata[0]:.3f}} – %{{customdata[1]:.3f}}<extra></extra>",
     )
-    label = chosen[0].conditions[0].label if chosen else ""
-    figure.update_xaxes(title=say("figures.leakage", unit=name_of, condition=label), rangemode="tozero")
+    figure.update_xaxes(title=say("figures.leakage", unit=name_of, condition=say.condition(at)), rangemode="tozero")
     return by_land(figure, [_name(land) for land in chosen], 24, say)
 
 
@@ -126,7 +128,7 @@ def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> Figure:
     ):
         figure.add_bar(
             x=[PERCENT * parts.get(name, 0.0) for name in names],
-            y=names,
+            y=[say.get("uncertainty_sources", name) for name in names],
             orientation="h",
             name=title,
             marker={"color": colour, "pattern": {"shape": shape}},

@@ -64,7 +64,7 @@ def _number(asked: AskedNumber, value: Any) -> Any:
         return value
     number = read_number(value, asked)
     if number.value is None:
-        raise ValueError(Sentence("{doubt}", doubt=number.doubt.removesuffix(".")))
+        raise ValueError(number.reason)
     return number.value
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import reduce
 from itertools import combinations
 from typing import Literal
 
@@ -16,7 +15,7 @@ from atleak.job.record import Job
 from atleak.jobs.book import Book
 from atleak.jobs.tables import jobs, key_of, units, visits
 from atleak.jobs.units import final_unit, rows_of_unit, unit_key
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, in_a_row
 
 Reason = Literal["same_vin", "vin_within_one_character", "same_plate"]
 REASONS: dict[Reason, Sentence] = {
@@ -48,12 +47,10 @@ class UnitSeen:
             self.serials and Sentence("serial {texts}", texts=sorted(self.serials)),
             self.vins and Sentence("VIN {texts}", texts=sorted(self.vins)),
             self.plates and Sentence("plate {texts}", texts=sorted(self.plates)),
-            *(Sentence("{customer}", customer=customer) for customer in sorted(self.customers)),
+            *sorted(self.customers),
         ]
-        parts = [part for part in said if isinstance(part, Sentence)]
-        if not parts:
-            return Sentence("nothing that tells it")
-        return reduce(lambda first, then: Sentence("{first}; {then}", first=first, then=then), parts)
+        parts = [part for part in said if isinstance(part, str)]
+        return in_a_row(parts) if parts else Sentence("nothing that tells it")
 
 
 @dataclass(frozen=True)

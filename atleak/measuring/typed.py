@@ -46,9 +46,12 @@ class Typed:
     earlier: tuple[Mapping[Cell, Entry], ...] = field(default=(), compare=False)
 
     @classmethod
-    def going_on_from(cls, readings: Readings, plan: Plan = Plan()) -> Typed:  # noqa: B008  frozen
-        """Return the cells filled with the readings of a sheet."""
-        entries = {cell_of(each): Entry(in_mm(each.diameter), each.coordinates) for each in readings.readings}
+    def going_on_from(cls, readings: Readings, plan: Plan = Plan(), decimal: str = ".") -> Typed:  # noqa: B008  frozen
+        """Return the cells filled with the readings of a sheet, written with a decimal sign."""
+        entries = {
+            cell_of(each): Entry(in_mm(each.diameter).replace(".", decimal), each.coordinates)
+            for each in readings.readings
+        }
         return cls(entries, plan, sheet=replace(readings, readings=()))
 
     def put(self, cell: Cell, text: str) -> Typed:

@@ -35,14 +35,15 @@ class EstimateWords:
     def pair(self, line: Line) -> str:
         """Name the component with the lands that the line is about: ``8/1, 8/2 valve``."""
         component = line.decision.component
-        name = isolated(self.estimate.diagnosis.controller.components.get(component, ""))
+        name = isolated(self.say.name(self.estimate.diagnosis.controller.components.get(component, "")))
         about = f"{component}/{line.decision.land}" if line.decision.land else component
         lands = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in line.lands)
         return f"{lands or about} {name}".strip()
 
     def work(self, line: Line) -> str:
         """Say what is done."""
-        return line.decision.work or (self.say("estimate.as_new") if not line.decision.repair else line.decision.repair)
+        named = self.say.name(line.decision.work) or line.decision.repair
+        return named or self.say("estimate.as_new")
 
     def state(self, line: Line) -> str:
         """Say what was decided."""
@@ -83,8 +84,8 @@ class EstimateWords:
 
     def rule(self, rule: Rule) -> str:
         """Name what a rule limits, of which circuit and at which condition."""
-        condition = "" if rule.condition is None else f"“{self.named(rule.condition)}”"
-        circuit = isolated(rule.circuit.name) if rule.circuit else ""
+        condition = "" if rule.condition is None else self.say("estimate.at", condition=self.named(rule.condition))
+        circuit = isolated(self.say.name(rule.circuit.name)) if rule.circuit else ""
         return ", ".join(filter(None, (self.say(f"rules.{rule.kind}"), circuit, condition)))
 
     def past(self, rule: Rule) -> str:

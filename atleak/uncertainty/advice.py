@@ -10,7 +10,7 @@ from itertools import product
 
 from atleak.catalogue.instruments import Instrument, Part, instruments
 from atleak.catalogue.limits import RuleKind
-from atleak.sentence import Name, Sentence
+from atleak.sentence import Name, Sentence, all_of
 from atleak.uncertainty.decision import RuleDecision
 from atleak.uncertainty.sources import PARTS, LandSources
 
@@ -117,12 +117,9 @@ def gauges_that_do(
 
 
 def _gauges(choice: Sequence[tuple[Part, str]]) -> Sentence:
-    return reduce(
-        lambda said, other: Sentence("{gauge} and {other}", gauge=said, other=other),
-        (
-            Sentence("{instrument} for {symbol}", instrument=Name(instrument), symbol=_SYMBOL[part])
-            for part, instrument in choice
-        ),
+    return all_of(
+        Sentence("{instrument} for {symbol}", instrument=Name(instrument), symbol=_SYMBOL[part])
+        for part, instrument in choice
     )
 
 

@@ -17,6 +17,7 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import CURVES
 from atleak.thinning import thinned
 from atleak.variants.run import TemperatureCurve, VariantResult
+from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 MOST_POINTS = 2000  # that a line may have before it is thinned
@@ -102,7 +103,7 @@ _MODEL_STYLE: dict[str, tuple[str, Dash]] = {
 }
 
 
-def leakage_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None) -> Chart:
+def leakage_chart(results: Sequence[VariantResult], say: Wording, gear: np.ndarray | None = None) -> Chart:
     """Prepare the leakage of every variant and pump flow over time (the article's Figure 13).
 
     ``gear`` is the road test's, shape (samples,). The marks are the instants of least and most leakage of the variant
@@ -112,37 +113,45 @@ def leakage_chart(results: Sequence[VariantResult], gear: np.ndarray | None = No
     first = results[0]
     if first.computed.pump_capacity is not None:
         x, y = _course(first.time, first.computed.pump_capacity * DM3_MIN)
-        lines.append(Line("pump capacity Q_p", x, y, _PUMP, "solid", panel="upper"))
+        lines.append(Line(say("study.pump_capacity"), x, y, _PUMP, "solid", panel="upper"))
     for result in results:
         run = result.computed
         points = (
-            _Point("least", "triangle-down", run.min_leakage, run.min_leakage.leakage * DM3_MIN),
-            _Point("most", "triangle-up", run.max_leakage, run.max_leakage.leakage * DM3_MIN),
+            _Point(say("study.least"), "triangle-down", run.min_leakage, run.min_leakage.leakage * DM3_MIN),
+            _Point(say("study.most"), "triangle-up", run.max_leakage, run.max_leakage.leakage * DM3_MIN),
         )
-        lines += _variant_lines(result, run.leakage * DM3_MIN, points)
+        lines += _variant_lines(result, run.leakage * DM3_MIN, points, say)
     leading = max(results, key=lambda result: result.computed.max_leakage.leakage).computed
     least, most = leading.min_leakage.time, leading.max_leakage.time
     return Chart(
-        title="Leakage and pump flow over the test",
-        x_label="time [s]",
-        y_label="leakage q [dm³/min]",
-        upper_label="pump Q_p [dm³/min]",
+        title=say("study.title_time"),
+        x_label=say("study.axis_time"),
+        y_label=say("study.axis_leakage"),
+        upper_label=say("study.axis_pump"),
         lines=tuple(lines),
         marks=(
-            Mark(least, f"least leakage, {least:g} s", _LEAST, "dash"),
-            Mark(most, f"most leakage, {most:g} s", _MOST, "dot"),
+            Mark(least, say("study.least_leakage", time=say.plain(least)), _LEAST, "dash"),
+            Mark(most, say("study.most_leakage", time=say.plain(most)), _MOST, "dot"),
         ),
-        spans=gear_spans(first.time, gear),
-        description="Leakage of the variants and pump capacity over time; "
-        + "; ".join(
-            f"{result.variant.name} {result.computed.min_leakage.leakage * DM3_MIN:.3g} to "
-            f"{result.computed.max_leakage.leakage * DM3_MIN:.3g} dm³/min"
-            for result in results
+        spans=gear_spans(first.time, say, gear),
+        description="; ".join(
+            [
+                say("study.about_time"),
+                *(
+                    say(
+                        "study.variant_between",
+                        variant=result.variant.name,
+                        low=say.plain(result.computed.min_leakage.leakage * DM3_MIN, 3),
+                        high=say.plain(result.computed.max_leakage.leakage * DM3_MIN, 3),
+                    )
+                    for result in results
+                ),
+            ]
         ),
     )
 
 
-def share_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None) -> Chart:
+def share_chart(results: Sequence[VariantResult], say: Wording, gear: np.ndarray | None = None) -> Chart:
     """Prepare the leakage share of every variant over time: largest at idle, not at the instant of most leakage.
 
     Raises
@@ -158,31 +167,37 @@ def share_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None
         share, worst, most = run.share, run.max_share, run.max_leakage
         if share is None or worst is None or worst.share is None or most.share is None:
             raise ValueError("a road test without engine speed has no leakage share")
-        largest = _Point("largest share", "circle", worst, worst.share * PERCENT)
-        at_most = _Point("most leakage", "triangle-up", most, most.share * PERCENT)
-        lines += _variant_lines(result, share * PERCENT, (largest, at_most))
+        largest = _Point(say("study.largest"), "circle", worst, worst.share * PERCENT)
+        at_most = _Point(say("study.leaks_most"), "triangle-up", most, most.share * PERCENT)
+        lines += _variant_lines(result, share * PERCENT, (largest, at_most), say)
         drawn.append((run, largest))
         summaries.append(
-            f"{result.variant.name} at most {largest.value:.3g} %, at the instant of most leakage {at_most.value:.3g} %"
+            say(
+                "study.variant_share",
+                variant=result.variant.name,
+                largest=say.plain(largest.value, 3),
+                at_most=say.plain(at_most.value, 3),
+            )
         )
     leading, largest = max(drawn, key=lambda pair: pair[0].max_leakage.leakage)
     worst_time, most_time = largest.instant.time, leading.max_leakage.time
     return Chart(
-        title="Leakage share over the test",
-        x_label="time [s]",
-        y_label="leakage share U_p [%]",
+        title=say("study.title_share"),
+        x_label=say("study.axis_time"),
+        y_label=say("study.axis_share"),
         lines=tuple(lines),
         marks=(
-            Mark(worst_time, f"largest share, {worst_time:g} s", _MOST, "dash"),
-            Mark(most_time, f"most leakage, {most_time:g} s", _LEAST, "dot"),
+            Mark(worst_time, say("study.largest_share", time=say.plain(worst_time)), _MOST, "dash"),
+            Mark(most_time, say("study.most_leakage", time=say.plain(most_time)), _LEAST, "dot"),
         ),
-        spans=gear_spans(leading.time, gear),
-        description="Leakage share over time; " + "; ".join(summaries),
+        spans=gear_spans(leading.time, say, gear),
+        description="; ".join([say("study.about_share"), *summaries]),
     )
 
 
 def temperature_chart(
     curves: Sequence[TemperatureCurve],
+    say: Wording,
     results: Sequence[VariantResult] = (),
     *,
     wear: float = 0.5,
@@ -196,7 +211,9 @@ def temperature_chart(
     lines = []
     for curve in curves:
         color, dash = _MODEL_STYLE[curve.model]
-        lines.append(Line(curve.label, curve.temperature, curve.max_leakage * DM3_MIN, color, dash))
+        lines.append(
+            Line(say.get("study_words", curve.label), curve.temperature, curve.max_leakage * DM3_MIN, color, dash)
+        )
     of_wear = sorted(
         (result for result in results if result.variant.wear == wear), key=lambda result: result.variant.temperature
     )
@@ -205,43 +222,47 @@ def temperature_chart(
         names = tuple(result.variant.name for result in of_wear)
         if printed:
             values = np.array([float(result.variant.printed_max_leakage) for result in of_wear])
-            lines.append(Line("Table 3 as printed", at, values, CURVES["grey"], None, "square", filled=False))
+            lines.append(Line(say("study.table_3"), at, values, CURVES["grey"], None, "square", filled=False))
         values = np.array([result.computed.max_leakage.leakage * DM3_MIN for result in of_wear])
-        lines.append(Line("computed", at, values, CURVES["blue"], None, "circle", text=names))
+        lines.append(Line(say("study.computed"), at, values, CURVES["blue"], None, "circle", text=names))
     return Chart(
-        title=f"Most leakage against temperature at {wear:.0%} wear".replace("%", " %"),
-        x_label="ATF temperature [°C]",
-        y_label="most leakage of the test [dm³/min]",
+        title=say("study.title_temperature", wear=say.percent(wear, 0)),
+        x_label=say("study.axis_temperature"),
+        y_label=say("study.axis_most"),
         lines=tuple(lines),
-        description="Most leakage against temperature; "
-        + "; ".join(
-            f"{curve.label}: {_value_at(curve, 40.0):.3g} at 40 °C, {_value_at(curve, 100.0):.3g} dm³/min at 100 °C"
+        description="; ".join(
+            say(
+                "study.curve_at",
+                curve=say.get("study_words", curve.label),
+                warm=say.plain(_value_at(curve, 40.0), 3),
+                hot=say.plain(_value_at(curve, 100.0), 3),
+            )
             for curve in curves
         ),
         log_y=log_y,
     )
 
 
-def _variant_lines(result: VariantResult, values: np.ndarray, points: Sequence[_Point]) -> list[Line]:
+def _variant_lines(result: VariantResult, values: np.ndarray, points: Sequence[_Point], say: Wording) -> list[Line]:
     """Return a variant over time, and its points."""
     name, (color, dash, _) = result.variant.name, _STYLE[result.variant.name]
     x, y = _course(result.time, values, keep=[_index(result.time, point.instant) for point in points])
-    lines = [Line(variant_label(result), x, y, color, dash, group=name)]
+    lines = [Line(variant_label(result, say), x, y, color, dash, group=name)]
     for point in points:
         at = np.array([point.instant.time]), np.array([point.value])
         lines.append(Line(f"{name} {point.word}", *at, color, None, point.symbol, group=name, in_legend=False))
     return lines
 
 
-def variant_label(result: VariantResult) -> str:
+def variant_label(result: VariantResult, say: Wording) -> str:
     """Return a label such as ``W4: 80 °C, +50 %``; fresh oil and no wear are not mentioned."""
     variant = result.variant
-    oil = ", used oil" if variant.used_oil and not variant.wear else ""
-    worn = f", +{variant.wear * PERCENT:g} %" if variant.wear else ""
-    return f"{variant.name}: {variant.temperature:g} °C{oil}{worn}"
+    oil = f", {say('study.used_oil')}" if variant.used_oil and not variant.wear else ""
+    worn = f", +{say.plain(variant.wear * PERCENT)} %" if variant.wear else ""
+    return f"{variant.name}: {say.plain(variant.temperature)} °C{oil}{worn}"
 
 
-def gear_spans(time: np.ndarray, gear: np.ndarray | None) -> tuple[tuple[float, float, str], ...]:
+def gear_spans(time: np.ndarray, say: Wording, gear: np.ndarray | None) -> tuple[tuple[float, float, str], ...]:
     """Return the stretches in one gear as (from, to, text); empty without a gear channel or with over 40 stretches."""
     if gear is None or not len(time):
         return ()
@@ -251,7 +272,7 @@ def gear_spans(time: np.ndarray, gear: np.ndarray | None) -> tuple[tuple[float, 
     if len(starts) > 40:
         return ()
     return tuple(
-        (float(time[start]), float(time[stop]), f"gear {gear[start]:g}")
+        (float(time[start]), float(time[stop]), say("study.gear", gear=f"{gear[start]:g}"))
         for start, stop in zip(starts, stops, strict=True)
         if np.isfinite(gear[start])
     )

@@ -8,7 +8,8 @@ from typing import Any
 from atleak.catalogue.controller import Controller
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.views.columns import VERDICT, Column
-from atleak.wording import Wording, value_names
+from atleak.views.land_names import has_number
+from atleak.wording import Wording
 from atleak.workshop_units import MM, PERCENT, UM
 
 CLEARANCE_COLUMNS = (
@@ -45,16 +46,17 @@ def clearance_rows(lands: Iterable[LandDiagnosis], controller: Controller, say: 
 
 def _row(land: LandDiagnosis, controller: Controller, say: Wording) -> dict[str, Any]:
     state, nominal = land.state, land.state.land
+    name = say.name(controller.components[nominal.component])
     return {
         "verdict": land.verdict,
-        "component": nominal.component,
+        "component": nominal.component if has_number(controller, nominal.component) else name,
         "land": nominal.land,
         "wear": None if land.wear is None else land.wear * PERCENT,
         "clearance": state.radial_clearance * UM,
         "mounting": nominal.mounting_high * UM,
         "spool_diameter": state.spool_diameter * MM,
         "sleeve_diameter": state.sleeve_diameter * MM,
-        "component_name": controller.components[nominal.component],
+        "component_name": name,
         "measured_parts": say(f"measured_parts.{state.status}"),
         "clearance_least": state.min_clearance * UM if state.measured else None,
         "clearance_largest": state.max_clearance * UM if state.measured else None,
@@ -67,7 +69,7 @@ def _row(land: LandDiagnosis, controller: Controller, say: Wording) -> dict[str,
         "sleeve_spread": _scaled(state.sleeve_repeat_spread),
         "planes": ", ".join(nominal.planes),
         "readings": state.spool_readings + state.sleeve_readings,
-        "representative_values": value_names(nominal.representative) or None,
+        "representative_values": ", ".join(say.get("parts", each) for each in nominal.representative) or None,
     }
 
 

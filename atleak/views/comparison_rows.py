@@ -116,7 +116,7 @@ def _row(
         return None
     places, scale = say.digits(kind, digits), say.convert(factor, kind)  # none of these kinds has a zero of its own
     return {
-        "condition": say.name(each.label),
+        "condition": say.condition(each.before.condition) if each.before else "",
         "what": what,
         "before": say.number(change.before * scale, places),
         "after": say.number(change.after * scale, places),

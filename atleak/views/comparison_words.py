@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from atleak.comparison import Change, Comparison, EventPair, LandComparison
 from atleak.comparison.choices import ChoiceName
+from atleak.views.land_names import land_words
 from atleak.views.repair_words import Named, label_of
-from atleak.wording import Wording, isolated
+from atleak.wording import Wording
 from atleak.workshop_units import UM
 
 
@@ -59,9 +60,8 @@ def differing_sentence(comparison: Comparison, say: Wording) -> str | None:
 
 def land_name(comparison: Comparison, land: LandComparison, say: Wording) -> str:
     """Name a land: ``25/1 main pressure valve``."""
-    component, number = land.key
-    of_both = {**comparison.before.controller.components, **comparison.after.controller.components}
-    return f"{component}/{number} {isolated(say.name(of_both[component]))}"
+    after = comparison.after.controller
+    return land_words(after if land.key[0] in after.components else comparison.before.controller, land.key, say)
 
 
 def with_uncertainty(change: Change | None, say: Wording) -> str:

@@ -25,6 +25,8 @@ _ROW = 104.0
 _ROD = 0.45  # diameter of the rod as a fraction of the smallest land's diameter
 _STRETCH = 2.2  # lengths are drawn up to this much larger than diameters
 _END_VIEW = 220.0  # of the width, for a spool seen along its axis
+_ABOVE, _BELOW = 56.0, 58.0  # of the axis, beside a spool's reach: the planes' numbers, and the diameters
+_ABOVE_END_VIEW, _BELOW_END_VIEW = 96.0, 84.0  # of the axis, where directions are drawn
 _BETWEEN = 5.0  # [mm] of rod between two lands, where the file states no positions
 
 
@@ -96,15 +98,22 @@ def component_svgs(
     }
 
 
-def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[str, int], str] | None = None) -> str:
+def spool_svg(
+    controller: Controller,
+    component: str,
+    verdicts: Mapping[tuple[str, int], str] | None = None,
+    say: Wording | None = None,
+) -> str:
     """Draw one spool in its sleeve with the planes it is measured in, numbered as on the measuring sheet.
+
+    Its name is left to the page, which has room for it. English unless ``say`` is given.
 
     Raises
     ------
     KeyError
         a component without lands.
     """
-    return _measured_spool(controller, component, verdicts or {}, (), wording("en"))
+    return _measured_spool(controller, component, verdicts or {}, (), say or wording("en"))
 
 
 def measuring_svg(
@@ -114,7 +123,7 @@ def measuring_svg(
     verdicts: Mapping[tuple[str, int], str] | None = None,
     say: Wording | None = None,
 ) -> str:
-    """Draw the same without its name, with the directions of measuring beside it, seen along the axis.
+    """Draw the same with the directions of measuring beside it, seen along the axis.
 
     Every plane bears its name as ``data-plane`` and every direction its angle as ``data-direction``, so that a page can
     light the ones that are measured now.
@@ -147,12 +156,15 @@ def _measured_spool(
     room = _END_VIEW if directions else 0.0
     thickest = max(land.nominal_diameter for land in lands) * MM
     scale = _scale(900.0 - room, _length(lands), 96.0, thickest)
-    name = controller.components[component]
-    title = Sentence("component {component}, {name}: lands and measuring planes", component=component, name=Name(name))
-    parts = [svg_head(_WIDTH, 240.0, say.sentence(title))]
-    centre, middle = (_WIDTH - room) / 2.0, 120.0
-    parts.append(_spool(lands, verdicts, centre, middle, scale, thick=2.0))
     reach = thickest * scale[1] / 2.0
+    above, below = reach + _ABOVE, reach + _BELOW  # no empty band above or beneath
+    if directions:
+        above, below = max(above, _ABOVE_END_VIEW), max(below, _BELOW_END_VIEW)
+    name = Name(controller.components[component])
+    title = Sentence("component {component}, {name}: lands and measuring planes", component=component, name=name)
+    parts = [svg_head(_WIDTH, above + below, say.sentence(title))]
+    centre, middle = (_WIDTH - room) / 2.0, above
+    parts.append(_spool(lands, verdicts, centre, middle, scale, thick=2.0))
     for land, left, width in _places(lands, centre, scale):
         for number, plane in enumerate(land.planes):
             x = left + width * (number + 1) / (len(land.planes) + 1)
@@ -161,8 +173,6 @@ def _measured_spool(
             parts.append(f'<g data-plane="{escape(plane)}">{line}{label}</g>')
         nominal = say.value(land.nominal_diameter * MM, "length", 3)
         parts.append(svg_text(left + width / 2, middle + reach + 48, f"⌀ {nominal}", 16))
-    if not directions:  # a page that lights planes and directions has a heading of its own
-        parts.append(svg_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
     parts.append(_end_view(directions, _WIDTH - room / 2.0, middle, say))
     return "".join((*parts, "</svg>"))
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.known_values import KnownValue, counted, known_values
+from atleak.views.catalogue_table import CatalogueTable, Rows, columns
+from atleak.views.columns import Column
+from atleak.wording import Wording
 
 _NAMES = {
     ("materials", "expansion_per_k"): ("thermal expansion of a material", "thermal expansions of materials"),
@@ -40,26 +42,36 @@ def evidence_counts(controller: Controller) -> dict[str, int]:
 
 def still_to_measure(controller: Controller) -> list[str]:
     """Say which values are representative, by kind, the most numerous first: a workshop measures or looks these up."""
-    open_ones = [each for each in _values(controller) if each.evidence is Evidence.REPRESENTATIVE]
-    kinds = Counter((each.table, each.value) for each in open_ones)
-    return [_named(kind, count) for kind, count in kinds.most_common()]
+    return [_named(kind, count) for kind, count in _open_kinds(controller).most_common()]
 
 
-def evidence_rows(controller: Controller) -> list[dict[str, Any]]:
+def evidence_table(controller: Controller, say: Wording) -> CatalogueTable:
     """Return a row for each kind of value: how many of it are known from what."""
     values = _values(controller)
-    rows = []
+    rows: Rows = []
     for kind in dict.fromkeys((each.table, each.value) for each in values):
-        of_kind = [each for each in values if (each.table, each.value) == kind]
-        counts = counted(of_kind)
-        rows.append(
-            {
-                "values": _NAMES[kind][1],
-                **{evidence.value: counts[evidence] for evidence in Evidence},
-                "not stated": counts[None],
-            }
-        )
-    return rows
+        counts = counted([each for each in values if (each.table, each.value) == kind])
+        known = {each.value: counts[each] for each in Evidence}
+        rows.append({"values": _kind_words(kind, say), **known, "not_stated": counts[None]})
+    counted_columns = (Column(name, digits=0) for name in (*Evidence, "not_stated"))
+    return CatalogueTable("evidence", columns("values", *counted_columns), rows)
+
+
+def open_values(controller: Controller, say: Wording) -> list[str]:
+    """Say which kinds of values are representative and how many of each, the most numerous first."""
+    return [
+        say("catalogue.open_values", kind=_kind_words(kind, say), count=count)
+        for kind, count in _open_kinds(controller).most_common()
+    ]
+
+
+def _kind_words(kind: tuple[str, str], say: Wording) -> str:
+    return say(f"value_kinds.{'_'.join(filter(None, kind))}")
+
+
+def _open_kinds(controller: Controller) -> Counter[tuple[str, str]]:
+    open_ones = [each for each in _values(controller) if each.evidence is Evidence.REPRESENTATIVE]
+    return Counter((each.table, each.value) for each in open_ones)
 
 
 def _values(controller: Controller) -> tuple[KnownValue, ...]:

@@ -9,6 +9,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Verdict
+from atleak.views.land_names import land_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import worst_pressure
 from atleak.views.repair_words import Named, label_of
@@ -73,15 +74,17 @@ def _open(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     half = [land for land in diagnosis.unmeasured if land.state.measured]
     none = [land for land in diagnosis.unmeasured if not land.state.measured]
     if diagnosis.judged and none:
-        yield say("diagnosis.unmeasured", count=len(none), lands=len(diagnosis.lands), named=_named(none, say))
+        yield say(
+            "diagnosis.unmeasured", count=len(none), lands=len(diagnosis.lands), named=_named(diagnosis, none, say)
+        )
     if half:
-        yield say("diagnosis.half_measured", count=len(half), named=_named(half, say))
+        yield say("diagnosis.half_measured", count=len(half), named=_named(diagnosis, half, say))
     if diagnosis.in_doubt:
-        yield say("diagnosis.in_doubt", count=len(diagnosis.in_doubt), named=_named(diagnosis.in_doubt, say))
+        yield say("diagnosis.in_doubt", count=len(diagnosis.in_doubt), named=_named(diagnosis, diagnosis.in_doubt, say))
 
 
-def _named(lands: Iterable[LandDiagnosis], say: Wording) -> str:
-    names = [f"{land.key[0]}/{land.key[1]}" for land in lands]
+def _named(diagnosis: Diagnosis, lands: Iterable[LandDiagnosis], say: Wording) -> str:
+    names = [land_number(diagnosis.controller, land.key, say) for land in lands]
     more = len(names) - NAMED
     said = ", ".join(names[:NAMED])
     return said if more <= 0 else say("diagnosis.and_more", named=said, count=more)

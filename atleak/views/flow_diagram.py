@@ -118,10 +118,10 @@ def flow_rows(diagram: FlowDiagram) -> list[dict[str, Any]]:
     """Return the diagram as the rows of a table, the largest flow first."""
     return [
         {
-            "Verdict": flow.verdict,
-            "From": diagram.places[flow.source].name,
-            "To": diagram.places[flow.target].name,
-            "Flow [dm³/min]": flow.flow * DM3_MIN,
+            "verdict": flow.verdict,
+            "flows_from": diagram.places[flow.source].name,
+            "flows_to": diagram.places[flow.target].name,
+            "flow": flow.flow * DM3_MIN,
         }
         for flow in sorted(diagram.flows, key=lambda each: -each.flow)
     ]
@@ -251,5 +251,6 @@ class _Words:
             name = self.say.name(self.diagnosis.controller.components[place.name])
             return f"{place.name} · {place.land} {isolated(name)}"
         if place.kind in (Kind.SECTION, Kind.LEAK, Kind.CONSUMER):
-            return isolated(self.names.get((place.kind, place.name)) or say.get("pressures", place.name))
+            known = self.names.get((place.kind, place.name))
+            return isolated(say.name(known) if known else say.get("pressures", place.name))
         return say(f"flows.{place.kind}")

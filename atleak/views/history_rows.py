@@ -9,20 +9,14 @@ from typing import Any
 from atleak.catalogue.controller import Controller
 from atleak.history.land_wear import LandLimit, LandWear, WearHistory
 from atleak.history.totals import TotalOverMileage
-from atleak.rules import LandKey
 from atleak.verdicts import Verdict
+from atleak.views.land_names import land_words
 from atleak.views.sentences import crossing_in_words
 from atleak.wear_line import WearLine
-from atleak.wording import Wording, isolated
+from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
 
 PER = 1e4  # [km], or miles where people read those, for which they read a rate
-
-
-def land_name(controller: Controller, key: LandKey, say: Wording) -> str:
-    """Name a land, its number first, so that a narrow column cuts the name only: ``25/1 main pressure valve``."""
-    component, land = key
-    return f"{component}/{land} {isolated(say.name(controller.components.get(component, '')))}".strip()
 
 
 def soonest_first(history: WearHistory) -> tuple[LandWear, ...]:
@@ -71,7 +65,7 @@ def wear_rows(history: WearHistory, controller: Controller, say: Wording) -> lis
         points = land.series.measured
         rows.append(
             {
-                "pair": land_name(controller, land.key, say),
+                "pair": land_words(controller, land.key, say),
                 "clearance": points[-1].clearance * UM if points else None,
                 "rate": rate_in_words(land.line, say),
                 **reached,
@@ -98,7 +92,7 @@ def total_rows(totals: Iterable[TotalOverMileage], say: Wording) -> list[dict[st
     """Return a row for each condition: the total now and at the end of the way ahead, and when it reaches each band."""
     return [
         {
-            "condition": say.name(total.condition.label),
+            "condition": say.condition(total.condition),
             "now": total.median[0] * PERCENT,
             "ahead": _within(total, -1, say),
             **{

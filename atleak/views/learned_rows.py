@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.learning.learned import Learned, LearnedLand
-from atleak.learning.words import messages, summary, why
+from atleak.learning.words import messages, summary
 from atleak.version import __version__
 from atleak.views.message_record import message_record
 from atleak.workshop_units import UM
@@ -27,35 +27,6 @@ def land_rows(learned: Learned) -> list[dict[str, Any]]:
             "So far [µm]": "–".join(f"{end * UM:.3g}" for end in land.land.mounting_ends),
         }
         for land in learned.lands
-    ]
-
-
-def outlier_rows(learned: Learned) -> list[dict[str, Any]]:
-    """Return a row for every pair that does not count by itself, the widest first."""
-    rows = [
-        {
-            "Sheet": pair.file,
-            "Pair": f"{pair.component}/{pair.land}",
-            "Measured [µm]": round(pair.clearance * UM, 2),
-            "Others [µm]": round(pair.expected * UM, 2),
-            "Wider by [µm]": round((pair.clearance - pair.expected) * UM, 2),
-        }
-        for pair in learned.left_out
-    ]
-    return sorted(rows, key=lambda row: -row["Wider by [µm]"])
-
-
-def unit_rows(learned: Learned) -> list[dict[str, Any]]:
-    """Return a row for every measuring sheet."""
-    return [
-        {
-            "Sheet": unit.file,
-            "Lands": unit.lands,
-            "Unit": "used, unworn ends" if unit.of_used_unit else "new",
-            "All lands wider by [µm]": round(unit.shift * UM, 2),
-            "Left out": why(unit, learned.left_out) or None,
-        }
-        for unit in learned.units
     ]
 
 

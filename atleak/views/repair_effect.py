@@ -10,7 +10,9 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.line import LINE
 from atleak.repair import MoveKey, OfferedRepair, OfferedRepairs, RepairedAt, Total
 from atleak.verdicts import Verdict
+from atleak.views.land_names import land_number
 from atleak.views.pair_table import Cell, Row, Table
+from atleak.views.repair_options import repair_name
 from atleak.views.repair_words import Named, label_of
 from atleak.views.rule_words import rule_reached
 from atleak.views.sentences import land_in_words
@@ -81,7 +83,8 @@ def effect_sentences(
     else:
         yield say("repair_plan.all_within", count=len(chosen))
     mended = {key for move in chosen for key in move.lands}
-    left = [f"{land.key[0]}/{land.key[1]}" for land in repairs.diagnosis.flagged if land.key not in mended]
+    controller = repairs.diagnosis.controller
+    left = [land_number(controller, land.key, say) for land in repairs.diagnosis.flagged if land.key not in mended]
     if left:
         yield say("repair_plan.flagged_left", lands=", ".join(left))
 
@@ -89,10 +92,10 @@ def effect_sentences(
 def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording, named: Named = label_of) -> str:
     """Say one repair: the worst verdict, its lands, what is done, and what it brings alone where that is most."""
     first = each.lands[0]
-    others = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in each.lands[1:])
+    others = ", ".join(land_number(diagnosis.controller, land.key, say) for land in each.lands[1:])
     lands = ", ".join(filter(None, (land_in_words(diagnosis, first.key, say), others)))
     option = each.move.option
-    work = say("repair_plan.as_new") if option is None else option.repair.label
+    work = say("repair_plan.as_new") if option is None else repair_name(option.repair, say)
     at = each.best_at
     alone = say("repair_plan.no_help")
     if at.saving > 0.0:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.repairs import Repair
 from atleak.repair import Cost, Option, RepairPlan, RepairStep
 from atleak.rules import LandKey
 from atleak.views.condition_record import scaled
@@ -39,7 +40,7 @@ class OptionRow:
 
     def name(self, say: Wording) -> str:
         """Name it with its part number, and say where it is representative."""
-        label = self.option.repair.label
+        label = repair_name(self.option.repair, say)
         return f"{label} ({say('plan.representative')})" if self.representative else label
 
     def leaves(self, say: Wording) -> str:
@@ -62,6 +63,12 @@ class OptionRow:
             "" if self.option.mends(self.step.land.key) else say("plan.mends_not"),
         ]
         return ", ".join(filter(None, said))
+
+
+def repair_name(repair: Repair, say: Wording) -> str:
+    """Return the name of a repair with its part number."""
+    name = say.name(repair.name)
+    return f"{name} ({repair.part_number})" if repair.part_number else name
 
 
 def leaves(option: Option, key: LandKey, say: Wording) -> str:

@@ -12,6 +12,7 @@ from atleak.engine.profile import UNKNOWN
 from atleak.engine.projection import Projection
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import LandKey, Rule
+from atleak.views.land_names import land_number, land_words
 from atleak.views.positions import position_band
 from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
 from atleak.views.pump_words import full_stroke
@@ -29,7 +30,7 @@ def counted_in_speed(diagnosis: Diagnosis, say: Wording) -> str:
 
     Of a pump held at demand it says too that the speed is that of the full stroke.
     """
-    consumers = ", ".join(isolated(each.name) for each in diagnosis.controller.consumers)
+    consumers = ", ".join(isolated(say.name(each.name)) for each in diagnosis.controller.consumers)
     said = say("texts.counted_in_speed", consumers=consumers) if consumers else say("texts.left_out_of_speed")
     return f"{said}. {say('pump.full_stroke')}" if diagnosis.controller.pump.held_at_demand else said
 
@@ -38,7 +39,7 @@ def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
     """Return the name of the fluid and the state in which it is taken: ``Mobil ATF 220; used``."""
     fluid, (low, high) = diagnosis.fluid, USED_THINNER
     state = "fresh_assumed" if diagnosis.fluid_state_assumed else "used_estimated" if fluid.estimated else fluid.state
-    return f"{isolated(fluid.name)}; {say(f'fluid_states.{state}', low=low, high=high)}"
+    return f"{isolated(say.name(fluid.name))}; {say(f'fluid_states.{state}', low=low, high=high)}"
 
 
 def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:
@@ -60,7 +61,7 @@ def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:
 def readings_in_doubt(diagnosis: Diagnosis, say: Wording) -> str | None:
     """Say which measured lands are tighter than new ones can be, and which have repeats that disagree; None without."""
     tight = sum(land.suspect for land in diagnosis.lands)
-    apart = [f"{land.key[0]}/{land.key[1]}" for land in diagnosis.lands if land.state.doubts]
+    apart = [land_number(diagnosis.controller, land.key, say) for land in diagnosis.lands if land.state.doubts]
     said = [say("sentences.tighter_than_new", count=tight)] if tight else []
     said += [say("sentences.repeats_apart", lands=", ".join(apart))] if apart else []
     return " ".join(said) or None
@@ -127,8 +128,7 @@ def position_sentence(diagnosis: Diagnosis, projection: Projection, say: Wording
 
 def land_in_words(diagnosis: Diagnosis, key: LandKey, say: Wording) -> str:
     """Name a land: ``25/1 main pressure valve``."""
-    component, number = key
-    return f"{component}/{number} {isolated(say.name(diagnosis.controller.components[component]))}"
+    return land_words(diagnosis.controller, key, say)
 
 
 def unsolved(diagnosis: Diagnosis, say: Wording) -> str | None:

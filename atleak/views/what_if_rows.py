@@ -31,7 +31,7 @@ def tried_words(tried: Tried, say: Wording) -> str:
     if at.growth:
         parts.append(say("what_if.with_growth", growth=say.percent(at.growth, 0)))
     if at.fluid is not None:
-        parts.append(at.fluid.name)
+        parts.append(say.name(at.fluid.name))
     if at.fluid_state is not None:
         parts.append(say("what_if.with_fluid", state=say(f"what_if.{at.fluid_state}")))
     if at.eccentricity is not None:

@@ -34,6 +34,7 @@ from atleak.measuring.plan import PARTS
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.system.memory import give_back_soon
+from pages.shared import reader
 
 CaseKind = TypeVar("CaseKind", bound=Case)
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
@@ -223,8 +224,9 @@ def own_faults() -> list[CatalogueError]:
 
 
 def shown_name(entry: Any) -> str:
-    """Return the name of an entry of the catalogue; the user's own are marked."""
-    return f"{entry.name} (own: {entry.id})" if entry.origin is not None and entry.origin.own else str(entry.name)
+    """Return the name of an entry of the catalogue in the reader's language; the user's own are marked."""
+    say, own = reader.say(), entry.origin is not None and entry.origin.own
+    return say("settings.own_entry", name=entry.name, id=entry.id) if own else say.name(entry.name)
 
 
 def controller_of(case: Case) -> Controller:

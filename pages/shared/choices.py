@@ -98,7 +98,7 @@ def _eccentricity(current: float | str, take: Callable[[float | str], None]) -> 
         on_change=changed,
     )
     label = say("settings.eccentricity")
-    st.slider(label, 0.0, 1.0, fixed, 0.05, key=ratio, disabled=current == UNKNOWN, on_change=changed)
+    st.slider(label, 0.0, 1.0, fixed, 0.05, "localized", key=ratio, disabled=current == UNKNOWN, on_change=changed)
 
 
 def _select(

@@ -17,7 +17,7 @@ from atleak.report.estimate_words import open_words
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
-from atleak.views.repair_options import option_rows
+from atleak.views.repair_options import option_rows, repair_name
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
 from atleak.wording import Wording
@@ -28,6 +28,8 @@ from pages.shared.state import choose, job, session
 
 MEASURE_FIRST = 8  # lands named for a complaint; the others are in a fold
 PAIR_WIDTH = 150  # pixels of a land's name, its number first
+_LETTER, _PADDING = 7, 20  # pixels of a letter, and of a cell's sides
+_TWO_LINES = 52  # pixels of a row
 CONDITION_WIDTH = 104  # pixels of a condition: two of them stand beside the pair on a phone
 _PAIR, _ELSEWHERE, _STEP = "a pair", "leaks elsewhere", "a step"  # no condition's name has a blank
 
@@ -97,7 +99,7 @@ def matrix(diagnosis: Diagnosis) -> None:
                     name: cell.share * PERCENT if math.isfinite(cell.share) else math.nan
                     for name, cell in zip(names, row.cells, strict=True)
                 },
-                _ELSEWHERE: row.elsewhere,
+                _ELSEWHERE: say.sentence(row.elsewhere),
             }
             for row in rows
         ]
@@ -114,12 +116,20 @@ def matrix(diagnosis: Diagnosis) -> None:
         silent = [place for place, cell in enumerate(cells) if cell.leakage == 0.0]
         style = style.format(lambda _: "–", subset=pd.IndexSlice[silent, [name]])
     config = _condition_columns(diagnosis, say, "diagnosis.matrix_help")
-    config[_PAIR] = st.column_config.TextColumn(say("diagnosis.matrix_pair"), width=PAIR_WIDTH, pinned=True)
+    wide, height = _room_for(frame[_PAIR])
+    config[_PAIR] = st.column_config.TextColumn(say("diagnosis.matrix_pair"), width=wide, pinned=True)
     elsewhere = st.column_config.TextColumn(say("diagnosis.matrix_elsewhere"), width=300)
     config[_ELSEWHERE] = elsewhere if any(frame[_ELSEWHERE]) else None
-    st.dataframe(style, hide_index=True, width="stretch", column_config=config)
+    st.dataframe(style, hide_index=True, width="stretch", column_config=config, row_height=height)
     added = shares_add_up(diagnosis, say, say.condition)
     st.caption(plain(say("diagnosis.matrix_caption", added=added)))
+
+
+def _room_for(names: Iterable[str]) -> tuple[int, int | None]:
+    """Return the width of a column in which no word of a name is cut, and the height of rows in which names wrap."""
+    words = [len(word) for name in names for word in name.split()]
+    wide = max(PAIR_WIDTH, _LETTER * max(words, default=0) + _PADDING)
+    return wide, _TWO_LINES if max(map(len, names), default=0) * _LETTER + _PADDING > wide else None
 
 
 def _condition_columns(diagnosis: Diagnosis, say: Wording, help_key: str) -> dict[str, Any]:
@@ -207,7 +217,7 @@ def _options(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:
         return
     show.table([{say(f"repair_plan.{name}"): value for name, value in row.items()} for row in rows])
     st.caption(say("repair_plan.planned"))
-    names = {repair.id: repair.label for repair in diagnosis.controller.repairs}
+    names = {repair.id: repair_name(repair, say) for repair in diagnosis.controller.repairs}
     key = f"planned-repairs-{diagnosis.controller.sha256}-{session().generation}"
     st.multiselect(
         say("repair_plan.plan_with"),
@@ -228,9 +238,10 @@ def _steps_at_conditions(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -
         name = f"{number}. {land_in_words(diagnosis, step.land.key, say)}"
         rows.append({_STEP: name, **_totals((each.after for each in step.conditions), say)})
     config = _condition_columns(diagnosis, say, "diagnosis.matrix_help")
-    config[_STEP] = st.column_config.TextColumn(say("repair_plan.after_step"), width=PAIR_WIDTH, pinned=True)
     frame = pd.DataFrame(rows)[[_STEP, *(each.condition.name for each in diagnosis.presented)]]
-    st.dataframe(frame, hide_index=True, width="stretch", column_config=config)
+    wide, height = _room_for(frame[_STEP])
+    config[_STEP] = st.column_config.TextColumn(say("repair_plan.after_step"), width=wide, pinned=True)
+    st.dataframe(frame, hide_index=True, width="stretch", column_config=config, row_height=height)
     st.caption(say("repair_plan.every_step_caption"))
 
 

@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import datetime
+from functools import partial
 from typing import Any
 
 import streamlit as st
@@ -16,7 +17,7 @@ from atleak.errors import OutputError
 from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
 from atleak.views.entry_form import Checked, Draft, Subject, checked, copy_of, draft_of, read_draft
 from atleak.wording import Wording
-from pages.shared import show
+from pages.shared import reader, show
 
 _SHOWN = 15  # faults in one list
 UNITS = {"length": LENGTHS, "clearance": CLEARANCES, "pressure": PRESSURES}  # by attribute of `Units`
@@ -149,7 +150,8 @@ def ask_unit(editing: Editing, attribute: str, label: str, place: Any) -> None:
     """Ask in which unit numbers are typed; another one converts them."""
     values: Any = UNITS[attribute]
     key, first = editing.key(attribute), values.index(getattr(editing.draft.units, attribute))
-    place.selectbox(label, values, first, key=key, on_change=_convert, args=(editing, attribute, key))
+    said = partial(reader.say().get, "typed_units")
+    place.selectbox(label, values, first, said, key=key, on_change=_convert, args=(editing, attribute, key))
 
 
 def _convert(editing: Editing, attribute: str, key: str) -> None:

@@ -6,7 +6,7 @@ wrong in it change.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
@@ -115,7 +115,8 @@ def _field(editing: Editing, sheet: Sheet, column: Column, label: str, say: Word
         st.text_input(label, typed, placeholder=made, **shared)
     else:
         choices = [_NONE, *options]
-        st.selectbox(label, choices, choices.index(typed), **shared)
+        said = _said(column, editing, say)
+        st.selectbox(label, choices, choices.index(typed), said, **shared)
 
 
 def _put_field(editing: Editing, sheet: str, heading: str, key: str) -> None:
@@ -131,7 +132,7 @@ def _table(editing: Editing, sheet: Sheet, found: Checked, say: Wording) -> None
     if key not in st.session_state or key not in editing.base:
         _begin(editing, sheet, key)
     base, columns = editing.base[key], sheet.columns_for(found.data)
-    wrong, doubted = (_by_row(each, editing, say) for each in (found.of(sheet.name), found.doubted_in(sheet.name)))
+    wrong, doubted = (_by_row(faults, editing, say) for faults in (found.of(sheet.name), found.doubted_in(sheet.name)))
     said = {number: [*wrong.get(number, ()), *doubted.get(number, ())] for number in {*wrong, *doubted}}
     with st.container():
         for colour, texts in (("red", wrong.get(0, ())), ("orange", doubted.get(0, ()))):
@@ -173,7 +174,7 @@ def _by_row(faults: Iterable[FormFault], editing: Editing, say: Wording) -> dict
     for fault in faults:
         text = say.sentence(fault.text)
         heading = f"{editing.said(fault.heading, say)}: " if fault.heading else ""
-        said.setdefault(fault.row or 0, []).append(heading + text)
+        said.setdefault(fault.row or 0, []).append(f"{heading}{text}")
     return said
 
 
@@ -221,12 +222,19 @@ def _config(column: Column, editing: Editing, sheet: Sheet, base: list[dict[str,
     options = _options(column, editing.draft, *typed)
     if options is None:
         return st.column_config.TextColumn(label, width=width, help=tip)
-    return st.column_config.SelectboxColumn(label, width=width, help=tip, options=options)
+    said = _said(column, editing, say)
+    return st.column_config.SelectboxColumn(label, width=width, help=tip, options=options, format_func=said)
 
 
 def _label(column: Column, editing: Editing, say: Wording) -> str:
-    unit = column.kind.label(editing.draft.units)
+    unit = say.get("typed_units", column.kind.label(editing.draft.units))
     return f"{editing.said(column.heading, say)}{f' [{unit}]' if unit else ''}{' *' if column.required else ''}"
+
+
+def _said(column: Column, editing: Editing, say: Wording) -> Callable[[Any], str]:
+    """Return what says a choice in the reader's language; what somebody named stands as it is."""
+    words = isinstance(column.kind, Choice | YesNo)
+    return lambda typed: editing.said(typed, say) if words and typed else str(typed)
 
 
 def _options(column: Column, draft: Draft, *typed: str) -> list[str] | None:

@@ -15,6 +15,7 @@ from atleak.errors import InputError
 from atleak.job.decisions import decision_faults
 from atleak.job.record import PICTURE_SUFFIXES, Grade, Job, RepairState
 from atleak.report.pictures import printable_picture
+from atleak.views.land_names import component_words
 from atleak.wording import Wording
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from pages.shared import fields, reader, show
@@ -29,6 +30,7 @@ _TEXTS = {
     "transmission": ("transmission", ("maker", "code", "serial", "note")),
 }
 _LONG = {"address", "note"}
+_PARTS = {"spool": "measuring.spool", "piston": "measuring.piston", "sleeve": "measuring.bore"}  # the words of each
 PICTURE_KINDS = [suffix.removeprefix(".") for suffix in PICTURE_SUFFIXES]
 
 
@@ -142,10 +144,16 @@ def _choice(label: str, options: Iterable[int | str], say: Wording) -> Any:
 
 def _tables(record: Job, controller: Controller) -> dict[str, Any]:
     say = reader.say()
-    pairs = st.column_config.SelectboxColumn(say("job_table.component"), options=["", *controller.components])
+    pairs = st.column_config.SelectboxColumn(
+        say("job_table.component"),
+        options=["", *controller.components],
+        format_func=lambda each: component_words(controller, str(each), say) if each else "",
+    )
     land = _choice(say("job_table.land"), range(1, 10), say)
     decision = _choice(say("job_table.decision"), get_args(RepairState), say)
-    parts = st.column_config.SelectboxColumn(say("job_table.part"), options=["", "spool", "piston", "sleeve"])
+    parts = st.column_config.SelectboxColumn(
+        say("job_table.part"), options=["", *_PARTS], format_func=lambda each: say(_PARTS[str(each)]) if each else ""
+    )
     dates = {
         name: st.column_config.DateColumn(say(f"job_table.{name}"), format="YYYY-MM-DD")
         for name in ("date", "calibrated")
@@ -173,7 +181,7 @@ def _table(record: Job, name: str, columns: dict[str, Any]) -> list[dict[str, An
         column: columns.get(column, st.column_config.TextColumn(reader.say().get("job_table", column)))
         for column in base.columns
     }
-    edited = st.data_editor(base, key=own, num_rows="dynamic", column_config=known, hide_index=True, width="stretch")
+    edited = st.data_editor(base, key=own, num_rows="dynamic", column_config=known, hide_index=True, placeholder="")
     rows = edited.astype(object).where(edited.notna(), None).to_dict("records")
     filled = [{column: value for column, value in row.items() if value not in (None, "")} for row in rows]
     return [row for row in filled if row]

@@ -19,9 +19,16 @@ from atleak.intake.units import unit_names
 from atleak.learning.learned import Learned, learn
 from atleak.learning.tables import with_learned
 from atleak.learning.words import messages, summary
-from atleak.views.learned_rows import land_rows, outlier_rows, unit_rows
+from atleak.views.learned_table import (
+    LEARNED_LANDS,
+    LEARNED_OUTLIERS,
+    LEARNED_UNITS,
+    learned_lands,
+    learned_outliers,
+    learned_units,
+)
 from pages.shared import reader, show
-from pages.shared.sheet_form import AS_STATED
+from pages.shared.sheet_form import AS_STATED, unit_said
 
 _TYPES = ["xlsx", "xls", "ods", "csv", "tsv", "txt"]
 
@@ -41,28 +48,25 @@ def learn_form(data: Mapping[str, Any], *, key: str = "learn") -> dict[str, Any]
     dict or None
         the tables with the learned clearances, once, when the button that takes them over was pressed.
     """
-    st.write(
-        "Measuring sheets of new or known-good units give every land its mounting clearance and how far new pairs "
-        "differ. Of a used unit mark the readings taken where the spool never runs as *unworn end*: only they count."
-    )
-    files = st.file_uploader(
-        "Measuring sheets, one for each unit", _TYPES, accept_multiple_files=True, key=f"{key}-sheets"
-    )
+    say = reader.say()
+    st.write(say("learning.about"))
+    files = st.file_uploader(say("learning.sheets"), _TYPES, accept_multiple_files=True, key=f"{key}-sheets")
     places = st.columns(2)
-    unit = places[0].selectbox("Unit of the diameters", [AS_STATED, *unit_names("length")], key=f"{key}-unit")
+    units = [AS_STATED, *unit_names("length")]
+    unit = places[0].selectbox(say("sheet_form.unit"), units, format_func=unit_said, key=f"{key}-unit")
     made_for = places[1].selectbox(
-        "The sheets were made for",
+        say("learning.made_for"),
         [data["id"], *(name for name in catalogue_files("controllers") if name != data["id"])],
         key=f"{key}-made-for",
-        help="The id that stands at the head of a printed sheet: that of the unit from which this one was copied.",
+        help=say("learning.made_for_help"),
     )
     gauges = {"spool": _gauge(places[0], "spool", key), "sleeve": _gauge(places[1], "sleeve", key)}
     if not files:
         return None
     sources = tuple((file.name, file.getvalue()) for file in files)
     try:
-        stated = None if unit == AS_STATED else unit
-        learned = _learned(_digest(data, sources), data, sources, stated, made_for, gauges)
+        with st.spinner(say("learning.comparing")):
+            learned = _learned(_digest(data, sources), data, sources, unit or None, made_for, gauges)
         tables = with_learned(data, learned, dt.date.today())
         checked_controller(tables)
     except AtleakError as error:
@@ -70,18 +74,23 @@ def learn_form(data: Mapping[str, Any], *, key: str = "learn") -> dict[str, Any]
         return None
     _show(learned)
     with st.container(horizontal=True):
-        taken = st.button("Take these over", type="primary", key=f"{key}-take")
+        taken = st.button(say("learning.take"), type="primary", key=f"{key}-take")
         st.download_button(
-            "Download TOML", lambda: written_toml(tables), f"{data['id']}.toml", on_click="ignore", key=f"{key}-file"
+            say("learning.download"),
+            lambda: written_toml(tables),
+            f"{data['id']}.toml",
+            on_click="ignore",
+            key=f"{key}-file",
         )
     return tables if taken else None
 
 
 def _gauge(place: Any, part: Part, key: str) -> str:
-    able = {gauge.id: gauge.name for gauge in instruments() if part in gauge.measures}
+    say = reader.say()
+    able = {gauge.id: say.name(gauge.name) for gauge in instruments() if part in gauge.measures}
     names = list(able)
     first = names.index(load_instruments().of(part).id)
-    label = f"{'Spools' if part == 'spool' else 'Sleeves'} measured with"
+    label = say(f"slots.{part}_instrument")
     chosen: str = place.selectbox(label, names, first, format_func=able.get, key=f"{key}-{part}")
     return chosen
 
@@ -91,7 +100,7 @@ def _digest(data: Mapping[str, Any], sources: tuple[tuple[str, bytes], ...]) -> 
     return tuple(hashlib.sha256(content).hexdigest() for content in contents)
 
 
-@st.cache_resource(max_entries=4, show_spinner="Comparing the units …")
+@st.cache_resource(max_entries=4, show_spinner=False)
 def _learned(
     digest: tuple[str, ...],
     _data: Mapping[str, Any],
@@ -114,10 +123,10 @@ def _show(learned: Learned) -> None:
     st.markdown(show.plain(say.sentence(summary(learned))))
     for message in messages(learned):
         (st.warning if message.level == "warning" else st.info)(show.plain(say.sentence(message.text)))
-    show.table(land_rows(learned))
-    outliers = outlier_rows(learned)
+    show.rows_table(learned_lands(learned, say), LEARNED_LANDS)
+    outliers = learned_outliers(learned, say)
     if outliers:
-        st.markdown("**Left out**")
-        show.table(outliers)
-    with st.expander("The units"):
-        show.table(unit_rows(learned))
+        st.markdown(f"**{say('learning.left_out')}**")
+        show.rows_table(outliers, LEARNED_OUTLIERS)
+    with st.expander(say("learning.units")):
+        show.rows_table(learned_units(learned, say), LEARNED_UNITS)

@@ -65,6 +65,8 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> None:
     key = f"measuring-{session().generation}"
     grid = Grid(typed.plan.cells(diagnosis.controller, typed.entries), typed, _judged(typed, case), diagnosis)
     said = {name: say(f"measuring.{'land_head' if name == 'land' else name}") for name in _WORDS}
+    if session().in_book.conflict is not None and book.unsaved():
+        said["kept"] = say("measuring.not_saved")
     data = {
         **grid_record(grid, say, dark=show.dark()),
         "words": said,
@@ -191,7 +193,9 @@ def _opened(case: PageCase, file: SourceFile | None) -> Typed:
         sheet = readings_of(case, file)
     except AtleakError:
         return fresh
-    return typed_in(file.content, sheet, controller_of(case)) or Typed.going_on_from(sheet)
+    return typed_in(file.content, sheet, controller_of(case)) or Typed.going_on_from(
+        sheet, decimal=reader.say().texts["decimal"]
+    )
 
 
 def _put(typed: Typed, answer: dict[str, Any] | None = None) -> None:

@@ -13,6 +13,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import look_of
 from atleak.views.drawing import component_svgs, on_dark, spool_svg
+from atleak.views.land_names import component_words, has_number
 from atleak.views.opened_pair import OpenedLand, component_verdict, components_worst_first, opened_lands
 from atleak.views.pair_table import Cell, Table, pair_table
 from atleak.views.repair_words import Named
@@ -59,7 +60,8 @@ def picture(diagnosis: Diagnosis, say: Wording) -> None:
     for name, drawing in drawings.items():
         level = component_verdict(diagnosis, name)
         edge = look_of(level).screen
-        words = f"<small><b>{escape(name)}</b> {escape(say.name(diagnosis.controller.components[name]))}</small>"
+        number = f"<b>{escape(name)}</b> " if has_number(diagnosis.controller, name) else ""
+        words = f"<small>{number}{escape(say.name(diagnosis.controller.components[name]))}</small>"
         buttons.append(
             f'<button data-pair="{escape(name)}" style="border-left-color:{edge}">{words}{_themed(drawing)}'
             f"{_level(Cell(say.signed(level), level))}</button>"
@@ -69,14 +71,14 @@ def picture(diagnosis: Diagnosis, say: Wording) -> None:
 
 def choice(diagnosis: Diagnosis, say: Wording) -> None:
     """Offer the same components in a list, for the keyboard."""
-    names = diagnosis.controller.components
+    controller = diagnosis.controller
     key = f"open-pair-{diagnosis.controller.id}-{session().generation}"
     st.session_state[key] = opened(diagnosis)
     st.selectbox(
         say("diagnosis.open_pair"),
         components_worst_first(diagnosis),
         index=None,
-        format_func=lambda name: f"{name} · {say.name(names[name])}",
+        format_func=lambda name: component_words(controller, name, say),
         placeholder=say("diagnosis.no_pair"),
         key=key,
         on_change=lambda: address.keep(OPENED, st.session_state[key] or ""),
@@ -89,10 +91,11 @@ def opened_pair(diagnosis: Diagnosis, say: Wording, named: Named, advised: Calla
     if name is None:
         return
     verdicts: dict[tuple[str, int], str] = {land.key: land.verdict for land in diagnosis.lands}
-    drawing = _themed(spool_svg(diagnosis.controller, name, verdicts))
+    drawing = _themed(spool_svg(diagnosis.controller, name, verdicts, say))
+    heading = f"<h3>{escape(component_words(diagnosis.controller, name, say))}</h3>"
     lands = "".join(_land(each, say, advised(each.land)) for each in opened_lands(diagnosis, name, say, named))
     with st.container(border=True, key="opened-pair"):
-        mount(f'<div class="drawing">{drawing}</div><div class="lands">{lands}</div>', key=f"opened-{name}")
+        mount(f'{heading}<div class="drawing">{drawing}</div><div class="lands">{lands}</div>', key=f"opened-{name}")
 
 
 def table(content: Table, key: str, *, pressable: bool = False) -> None:

@@ -53,6 +53,12 @@ _CIRCUITS = (
     Column("held_high", "pressure"),
     Column("decision"),
 )
+_FLOWS = (
+    Column("verdict", VERDICT, width=92),
+    Column("flows_from"),
+    Column("flows_to"),
+    Column("flow", "flow", 3),
+)
 _COLUMN = 135  # pixels of the drawing of flows, at which its words can be read
 
 
@@ -66,7 +72,7 @@ def section(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     """
     say = reader.say()
     named = say.condition
-    for sentence in (unsolved(diagnosis, say), pump_sentence(diagnosis, say)):
+    for sentence in (unsolved(diagnosis, say), pump_sentence(diagnosis, say, named)):
         if sentence is not None:
             st.write(plain(sentence))
     every = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
@@ -94,27 +100,23 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     condition = named(projection.condition)
     at = pressures_at(diagnosis, projection, repaired)
     st.markdown(f"{plain(pressure_sentence(at, say, named))}  \n{plain(reserve_sentence(at, say))}")
-    show.chart(figures.circuit_pressures(at), "circuits")
+    show.chart(figures.circuit_pressures(at, say), "circuits")
     if at.circuits:
         _table([_held_row(diagnosis, each, say) for each in at.applied], _CIRCUITS)
         vented = ", ".join(say.name(each.circuit.name) for each in at.circuits if each.vented and each.circuit)
         empty = say("circuits.vented", circuits=vented) if vented else ""
         st.caption(plain(f"{say('circuits.lost')} {empty}".rstrip()))
     st.markdown(f"**{say('circuits.pump_over_speed')}**")
-    show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection)), "speed")
+    show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection, named), say), "speed")
     st.caption(plain(say("circuits.pump_caption", condition=condition)))
     st.markdown(f"**{say('circuits.flow')}**")
     leaks_only = st.toggle(say("circuits.leaks_alone"), key="leaks-alone")
-    diagram = flow_diagram(diagnosis, projection, leaks_only=leaks_only)
+    diagram = flow_diagram(diagnosis, projection, leaks_only=leaks_only, say=say)
     title = say("circuits.flow_title", condition=condition)
-    show.svg(flow_svg(diagram, title), title, least_width=_COLUMN * diagram.columns)
+    show.svg(flow_svg(diagram, title, say), title, least_width=_COLUMN * diagram.columns)
     st.caption(plain(say("circuits.flow_caption")))
     with st.expander(say("circuits.flow_table")):
-        show.table([{**row, "Verdict": _signed(row["Verdict"], say)} for row in flow_rows(diagram)])
-
-
-def _signed(verdict: Any, say: Wording) -> str | None:
-    return say.signed(verdict) if verdict else None
+        show.rows_table(flow_rows(diagram), _FLOWS)
 
 
 def _condition_row(at: PressuresAt, say: Wording, named: Named) -> dict[str, Any]:

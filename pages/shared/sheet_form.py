@@ -7,16 +7,22 @@ import streamlit as st
 from atleak.intake.units import unit_names
 from atleak.job.case import SourceFile
 from atleak.measuring.typed_file import TYPED_FILE
+from pages.shared import reader
 from pages.shared.cases import PageCase
 from pages.shared.state import choose, put_file, session
 
-AS_STATED = "as the sheet says"
+AS_STATED = ""  # the unit that the sheet says
 
 
 def pending(case: PageCase) -> SourceFile | None:
     """Return the sheet to ask about: the one refused last, else that of the job."""
     refused = session().refused.get("readings")
     return refused.file if refused is not None else case.readings
+
+
+def unit_said(unit: str) -> str:
+    """Return the name of a unit to choose, or that the sheet's own is taken."""
+    return unit or reader.say()("sheet_form.as_stated")
 
 
 def draw(case: PageCase) -> None:
@@ -29,23 +35,26 @@ def draw(case: PageCase) -> None:
 def _form(file: SourceFile, case: PageCase) -> None:
     """Ask for sheet, unit and rows: of a workbook with several sheets, no unit, or several states of one unit."""
     mine = file == case.readings
-    with st.expander("Read it as", expanded=not mine), st.form("sheet", border=False):
+    say = reader.say()
+    with st.expander(say("sheet_form.title"), expanded=not mine), st.form("sheet", border=False):
         name = st.text_input(
-            "Sheet", (case.sheet_name or "") if mine else "", placeholder="the one that holds readings"
+            say("sheet_form.sheet"), (case.sheet_name or "") if mine else "", placeholder=say("sheet_form.any_sheet")
         )
         units = [AS_STATED, *unit_names("length")]
         now = units.index(case.sheet_unit) if mine and case.sheet_unit in units else 0
-        unit = st.selectbox("Unit of the diameters", units, now)
+        unit = st.selectbox(say("sheet_form.unit"), units, now, format_func=unit_said)
         where = case.sheet_where if mine else ()
         first, second = st.columns(2)
         chosen = where[0] if where else ("", "")
-        heading = first.text_input("Only rows where column", chosen[0], placeholder="Inspection").strip()
-        value = second.text_input("says", chosen[1], placeholder="May").strip()
-        if st.form_submit_button(f"Read {file.name} again"):
+        heading = first.text_input(
+            say("sheet_form.column"), chosen[0], placeholder=say("sheet_form.such_column")
+        ).strip()
+        value = second.text_input(say("sheet_form.says"), chosen[1], placeholder=say("sheet_form.such_value")).strip()
+        if st.form_submit_button(say("sheet_form.again", file=file.name)):
             put_file("readings", file)
             choose(
                 sheet_name=name.strip() or None,
-                sheet_unit=None if unit == AS_STATED else unit,
+                sheet_unit=unit or None,
                 sheet_where=((heading, value), *where[1:]) if heading else (),
             )
             st.rerun()

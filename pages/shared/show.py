@@ -26,18 +26,17 @@ from atleak.views.columns import VERDICT, Column
 from atleak.views.drawing import on_dark
 from atleak.views.first_sentence import first_sentence as first_sentence_of
 from atleak.views.first_sentence import shown_verdict
-from atleak.views.gauge_rows import gauge_rows
+from atleak.views.gauge_table import GAUGE_COLUMNS, gauge_table_rows
 from atleak.views.repair_words import Named
+from atleak.views.rule_words import rule_name
 from atleak.views.sentences import fluid_in_state
-from atleak.wording import Wording, signed, wording
+from atleak.wording import Wording
 from pages.shared import reader
 from pages.shared.state import Refusal
 
 _BOX = {"success": st.success, "warning": st.warning, "error": st.error, "info": st.info}
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]()#+|$~<>:!-])")
 SHOWN = 12
-HELP = {"Decision": "how sure it is: a conditional one lies within what the instruments can tell"}
-WIDTHS = {"Verdict": 92, "No.": 44, "Decision": 110}
 HAIR_SPACE = "\u200a"
 
 
@@ -93,27 +92,6 @@ def _with_place(message: Message) -> str:
     return plain(message.text) + (f" — *{place}*" if place else "")
 
 
-def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int], **options: Any) -> Any:
-    """Show rows with a ``Verdict`` column as sign, word and colour, a dash where nothing is judged.
-
-    Further ``options`` are those of `st.dataframe`; returned is what it returns, such as the rows that are selected.
-
-    Sorting that column puts the worst first.
-    """
-    frame = pd.DataFrame(rows).round(digits)
-    names = [None if row["Verdict"] is None else Verdict(row["Verdict"]) for row in rows]
-    frame["Verdict"] = [_sorted_verdict(each, wording("en")) for each in names]
-    shades = ["" if each is None else colours(each) for each in names]
-    style = frame.style.apply(lambda column: shades, subset=["Verdict"]).format(
-        {name: f"{{:z.{places}f}}" for name, places in digits.items() if name in frame}, na_rep="–"
-    )
-    config = {
-        name: st.column_config.Column(help=HELP.get(name), width=WIDTHS.get(name)) for name in frame.columns.tolist()
-    }
-    config["Verdict"] = st.column_config.TextColumn(width=WIDTHS["Verdict"], help="sort: the worst first")
-    return st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–", **options)
-
-
 def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **options: Any) -> Any:
     """Show rows of plain values, in the units of atleak's records, as a table in the reader's language and units.
 
@@ -154,21 +132,21 @@ def _sorted_verdict(level: Verdict | Band | None, say: Wording) -> str:
 
 def gauges(check: PressureCheck) -> None:
     """Show gauge readings with their verdicts; one that nothing judges has none."""
-    rows = [{"Verdict": each.verdict, **row} for each, row in zip(check.readings, gauge_rows(check), strict=True)]
-    verdict_table(rows, {name: 1 for name in rows[0] if name.endswith("[kPa]") and name != "Permitted [kPa]"})
+    rows = gauge_table_rows(check, reader.say())
+    rows_table(rows, [each for each in GAUGE_COLUMNS if any(row[each.key] is not None for row in rows)])
 
 
 def gauge_banner(check: PressureCheck) -> None:
     """Show the worst verdict on any gauge reading in a box of its colour, and what gave it."""
-    verdict, deciding = check.verdict, check.deciding
+    say, verdict, deciding = reader.say(), check.verdict, check.deciding
     if verdict is None or deciding is None:
-        st.info("None of these readings can be judged: the valve body's file does not say what they must reach.")
+        st.info(say("gauge_page.none_judged"))
         return
     judged = sum(each.verdict is not None for each in check.readings)
-    said = f"{judged} of {len(check.readings)} readings can be judged"
-    because = f", because of the {plain(deciding.rule.label)}" if verdict.flagged else ""
-    sure = deciding.decision.replace("_", " ")
-    _BOX[look_of(verdict).box](f"**{signed(verdict)}**{because}; decision: {sure}. {said}.")
+    rule, sure = rule_name(deciding.rule, say, say.condition), say.get("decisions", deciding.decision)
+    because = say("gauge_page.because", rule=rule) if verdict.flagged else ""
+    said = say("gauge_page.banner", because=because, decision=sure, judged=judged, count=len(check.readings))
+    _BOX[look_of(verdict).box](f"**{say.signed(verdict)}**{plain(said)}")
 
 
 def rounded(value: float) -> str:
@@ -201,7 +179,9 @@ def what_is_shown(diagnosis: Diagnosis) -> None:
     """Say, below the flagged table, what its shares are of and what of it is representative."""
     say, controller = reader.say(), diagnosis.controller
     said = [say("diagnosis.shares_of", fluid=fluid_in_state(diagnosis, say))]
-    said += [say("diagnosis.representative", what=controller.representative)] if controller.representative else []
+    said += (
+        [say("diagnosis.representative", what=say.name(controller.representative))] if controller.representative else []
+    )
     st.caption(plain(" ".join(said)))
 
 
@@ -237,7 +217,7 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         messages(diagnosis.uncertainty.messages, reader.say()("about.uncertainty"))
     say = reader.say()
     lines = [
-        f"- {say(f'slots.{name}')}: **{plain(called)}** — {plain(record[name]['source'])}"
+        f"- {say(f'slots.{name}')}: **{plain(say.name(called))}** — {plain(record[name]['source'])}"
         for name, called in (
             ("controller", record["controller"]["name"]),
             ("fluid", fluid_in_state(diagnosis, say)),

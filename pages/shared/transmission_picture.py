@@ -14,7 +14,7 @@ from atleak.views.drawing import controller_svg
 from atleak.views.entry_form import Checked
 from atleak.views.flow_diagram import flow_diagram
 from atleak.views.flow_svg import flow_svg
-from pages.shared import show
+from pages.shared import reader, show
 from pages.shared.transmission_tables import COMPONENTS, NEW_PARTS
 
 _BESIDE = 5  # components side by side
@@ -25,42 +25,48 @@ _COLUMN = 135  # pixels of a column of the flows, at which its words can be read
 
 def draw_spools(step: str, found: Checked) -> None:
     """Draw every component with the lands that are typed so far, beside the tables in which they are typed."""
+    say = reader.say()
     if step == COMPONENTS:
-        with st.expander("What diameter, clearance, contact length and position of a land mean"):
+        with st.expander(say("transmission.meant")):
             st.image(spool_picture(), width=_MEANT)
     with st.container():
         if step != COMPONENTS:
             return
         controller = found.entry or sketch(found.data)
         if controller is None:
-            st.caption("The picture begins with the first land that has a component and a diameter.")
+            st.caption(say("transmission.no_picture"))
         else:
             rows = -(-len({land.component for land in controller.lands}) // _BESIDE)
             with st.container(height=min(rows * _ROW, _HIGHEST), border=False):
-                drawing = controller_svg(controller, columns=_BESIDE, title="lands as described")
-                show.svg(drawing, "every spool with its lands")
+                drawing = controller_svg(controller, columns=_BESIDE, title=say("transmission.lands_described"))
+                show.svg(drawing, say("transmission.every_spool"))
 
 
 def draw_flow(step: str, found: Checked, job: Diagnosis) -> None:
     """Draw where the flow of the unit as new goes at one of its operating points, with the fluid of the job."""
     if step in (COMPONENTS, NEW_PARTS):
         return
-    st.subheader("Where its flow goes when new")
+    say = reader.say()
+    st.subheader(say("transmission.flow"))
     with st.container():
         if found.entry is None:
-            st.caption("Drawn once nothing is missing or wrong.")
+            st.caption(say("transmission.flow_later"))
             return
-        points = {point.name: point.label for point in found.entry.operating_points}
+        points = {point.name: say.condition(point) for point in found.entry.operating_points}
         chosen = st.selectbox(
-            "At", list(points), format_func=lambda name: points.get(name, name), key="transmission-at"
+            say("transmission.flow_at"),
+            list(points),
+            format_func=lambda name: points.get(name, name),
+            key="transmission-at",
         )
         try:
             key = written_toml(found.data), job.fluid.origin.sha256, job.fluid.state, job.limits.origin.sha256
-            drawing, columns = _flow(key, chosen or next(iter(points)), found.entry, job)
+            reader_s = say.language, say.units
+            drawing, columns = _flow((*key, *reader_s), chosen or next(iter(points)), found.entry, job)
         except AtleakError as error:
-            st.caption(f"It cannot be drawn: {show.plain(error)}")
+            st.caption(say("transmission.no_flow", problem=show.plain(error)))
             return
-        show.svg(drawing, "where the flow goes", least_width=_COLUMN * columns)
+        show.svg(drawing, say("transmission.flow_goes"), least_width=_COLUMN * columns)
 
 
 @st.cache_resource(max_entries=8, show_spinner=False)
@@ -68,5 +74,7 @@ def _flow(key: tuple[str, ...], point: str, _controller: Controller, _job: Diagn
     """Return the drawing of the flows at an operating point, and how many columns it has."""
     diagnosis = diagnose(_controller, _job.fluid, _job.limits)
     projection = next(each for each in diagnosis.presented if each.condition.name == point)
-    diagram = flow_diagram(diagnosis, projection)
-    return flow_svg(diagram, f"flow at {projection.condition.label}"), diagram.columns
+    say = reader.say()
+    diagram = flow_diagram(diagnosis, projection, say=say)
+    title = say("circuits.flow_title", condition=say.condition(projection.condition))
+    return flow_svg(diagram, title, say), diagram.columns

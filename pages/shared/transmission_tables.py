@@ -6,21 +6,21 @@ import streamlit as st
 
 from atleak.catalogue.pump_reading import other_dimensions
 from atleak.views.entry_form import Checked
-from pages.shared import entry_tables
+from pages.shared import entry_tables, reader
 from pages.shared.editing import Editing
 
-COMPONENTS, NEW_PARTS = "Components", "New parts"
+COMPONENTS, NEW_PARTS, PUMP = "components", "new_parts", "pump"
 STEPS = {
-    "Head": ("Head",),
+    "head": ("Head",),
     COMPONENTS: ("Components", "Lands", "Materials"),
     NEW_PARTS: (),  # no tables of its own: sheets of new units, from which mounting clearances are learned
-    "Pump": ("Pump",),
-    "Operating points": ("Operating points",),
-    "Circuits": ("Circuits", "Feeds", "Set pressures", "Apply chart"),
-    "Gaps": ("Gaps", "Section pressures"),
-    "Pressures": ("Line pressures",),
-    "Leaks, consumers": ("Leaks", "Consumers", "Consumer flows"),
-    "Repairs, complaints": ("Repairs", "Complaints"),
+    PUMP: ("Pump",),
+    "points": ("Operating points",),
+    "circuits": ("Circuits", "Feeds", "Set pressures", "Apply chart"),
+    "gaps": ("Gaps", "Section pressures"),
+    "pressures": ("Line pressures",),
+    "leaks": ("Leaks", "Consumers", "Consumer flows"),
+    "repairs": ("Repairs", "Complaints"),
 }
 
 
@@ -28,7 +28,15 @@ def choose_step(editing: Editing) -> str:
     """Ask which tables to show; they stay chosen over other pages."""
     editing.step = editing.step or next(iter(STEPS))
     key = editing.key("step")
-    picked = st.segmented_control("Tables", list(STEPS), default=editing.step, key=key, label_visibility="collapsed")
+    say = reader.say()
+    picked = st.segmented_control(
+        say("transmission.tables"),
+        list(STEPS),
+        format_func=lambda step: say(f"transmission.step_{step}"),
+        default=editing.step,
+        key=key,
+        label_visibility="collapsed",
+    )
     editing.step = picked or editing.step
     return editing.step
 
@@ -36,4 +44,4 @@ def choose_step(editing: Editing) -> str:
 def draw(editing: Editing, step: str, found: Checked) -> None:
     """Draw the tables and fields of a step; a pump's dimensions of other kinds in a fold."""
     kind = found.data.get("pump", {}).get("kind")
-    entry_tables.draw(editing, STEPS[step], found, frozenset(other_dimensions(kind)) if step == "Pump" else ())
+    entry_tables.draw(editing, STEPS[step], found, frozenset(other_dimensions(kind)) if step == PUMP else ())

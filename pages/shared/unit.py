@@ -19,7 +19,8 @@ from atleak.jobs.search import Query
 from atleak.jobs.unit_visits import VisitedJob, left_undone, unit_of_job, visits_of_unit
 from atleak.verdicts import Band, Verdict
 from atleak.views.columns import Column
-from atleak.views.history_rows import PER, land_name, levels_of, soonest_first, total_rows, wear_rows
+from atleak.views.history_rows import PER, levels_of, soonest_first, total_rows, wear_rows
+from atleak.views.land_names import land_number, land_words
 from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
 from pages.shared import reader, show
@@ -197,7 +198,7 @@ def draw_clearance(now: Seen) -> None:
         return
     controller = now.diagnosis.controller
     key = st.selectbox(
-        say("columns.land"), keys, format_func=lambda each: land_name(controller, each, say), key="unit-land"
+        say("columns.land"), keys, format_func=lambda each: land_words(controller, each, say), key="unit-land"
     )
     land = now.history.land(key)
     figure = figures.clearance_over_mileage(land, now.history.visits, now.history.present, say)
@@ -236,7 +237,7 @@ def draw_totals(now: Seen) -> None:
     name = st.selectbox(
         say("columns.condition"),
         list(by_name),
-        format_func=lambda each: say.name(by_name[each].condition.label),
+        format_func=lambda each: say.condition(by_name[each].condition),
         key="unit-condition",
     )
     show.chart(figures.total_over_mileage(by_name[name], say), "unit-total")
@@ -270,13 +271,13 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
     controller = now.diagnosis.controller
     across = _across(jobs.name, controller.id, jobs)
     say = reader.say()
-    st.write(say("unit.of_kind", count=across.units, controller=f"**{show.plain(controller.name)}**"))
+    st.write(say("unit.of_kind", count=across.units, controller=f"**{show.plain(say.name(controller.name))}**"))
     places = [each for each in standing(jobs, across, unit) if each.enough]
     if places:
         spread = {land.key: land for land in across.lands}
         rows = [
             {
-                "pair": land_name(controller, each.key, say),
+                "pair": land_words(controller, each.key, say),
                 "this_unit": each.clearance * UM,
                 "wider_than": each.part * PERCENT,
                 "units": each.others,
@@ -295,7 +296,7 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
         st.caption(say("unit.widest", count=len(rows[:SHOWN])))
     else:
         st.info(say("unit.not_enough", count=ENOUGH_UNITS))
-    flagged = [(f"{component}/{land}", each.flagged) for each in across.flagged for component, land in [each.key]]
+    flagged = [(land_number(controller, each.key, say), each.flagged) for each in across.flagged]
     _pareto("flagged", flagged, across.units)
     _pareto("repaired", [(pair.name, pair.units) for pair in across.replaced], across.units)
 

@@ -12,21 +12,27 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.profile import UNKNOWN
 from atleak.what_if import WhatIf
 from atleak.workshop_units import PERCENT, RPM
-from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE
-from pages.shared import fields, reader
+from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, decimal_number
+from pages.shared import address, fields, reader
 from pages.shared.cases import PageCase, catalogue_entry, catalogue_list, shown_name
 from pages.shared.state import session
 
 _MOST_WEAR, _MOST_GROWTH = 5.0, 200  # that can be tried: times as measured, and %
 _POSITIONS: tuple[float | str | None, ...] = (None, 0.0, 0.25, 0.5, 0.75, 1.0, UNKNOWN)
 _AS_IN_JOB: dict[str, Any] = {
-    "point": None, "gear": None, "wear": 1.0, "growth": 0, "fluid": None, "state": None, "position": None
+    "point": None, "temperature": None, "speed": None, "gear": None, "wear": 1.0, "growth": 0, "fluid": None,
+    "state": None, "position": None,
+}  # fmt: skip
+_ADDRESS = "tried"  # what is tried, in the address: ``wear:2.0;gear:3``
+_LABELS = {"temperature": "temperature", "speed": "engine_speed"}
+_NUMBERS: dict[str, type[float] | type[int]] = {
+    "temperature": float, "speed": float, "gear": int, "wear": float, "growth": int, "position": float
 }  # fmt: skip
 
 
 @dataclass
 class _Kept:
-    """What is tried, besides temperature and speed, which their fields keep."""
+    """What is tried; temperature [°C] and speed [1/min] only where they are not those of the operating point."""
 
     owner: tuple[int, str]  # the job that it departs from
     turn: int  # part of every widget's key: a reset gives fresh ones
@@ -34,16 +40,44 @@ class _Kept:
 
 
 def _start(diagnosis: Diagnosis) -> None:
-    """Keep what this session tries; another job starts anew."""
+    """Keep what this session tries, after a reload what the address has; another job starts anew."""
     owner, kept = (session().generation, diagnosis.controller.sha256), st.session_state.get("what-if")
     if kept is None or kept.owner != owner:
         turn = 0 if kept is None else kept.turn + 1
-        st.session_state["what-if"] = _Kept(owner, turn, dict(_AS_IN_JOB))
+        st.session_state["what-if"] = _Kept(owner, turn, _AS_IN_JOB | _read(address.kept(_ADDRESS)))
+
+
+def _read(written: str) -> dict[str, Any]:
+    """Return what an address says is tried; what cannot be read, or is out of range, is as in the job."""
+    tried: dict[str, Any] = {}
+    for name, _, text in (part.partition(":") for part in written.split(";")):
+        value: Any = text
+        if name in _NUMBERS and text != UNKNOWN:
+            value = decimal_number(text)
+            if value is None:
+                continue
+            value = _NUMBERS[name](value)
+        if name in _AS_IN_JOB and text and 0 <= _part_of_range(name, value) <= 1:
+            tried[name] = value
+    return tried
+
+
+def _part_of_range(name: str, value: Any) -> float:
+    most = {"wear": _MOST_WEAR, "growth": _MOST_GROWTH}.get(name)
+    return 0.0 if most is None else value / most
+
+
+def _write() -> None:
+    """Keep in the address what differs from the job."""
+    chosen = st.session_state["what-if"].chosen
+    differing = (f"{name}:{chosen[name]}" for name, own in _AS_IN_JOB.items() if chosen[name] != own)
+    address.keep(_ADDRESS, ";".join(differing))
 
 
 def _reset() -> None:
     kept = st.session_state["what-if"]
     kept.turn, kept.chosen = kept.turn + 1, dict(_AS_IN_JOB)
+    _write()
 
 
 def draw(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
@@ -61,10 +95,10 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
     base = points[point]
     owner = f"{_key('at')}-{point}"
     with first[1]:
-        temperature = fields.number(say("what_if.temperature"), TEMPERATURE, base.temperature, key=f"{owner}-t")
+        temperature = _number("temperature", TEMPERATURE, base.temperature, f"{owner}-t")
     with first[2]:
         rpm = round(base.engine_speed * RPM, 6)
-        typed = fields.number(say("what_if.engine_speed"), ENGINE_SPEED, rpm, key=f"{owner}-n")
+        typed = _number("speed", ENGINE_SPEED, rpm, f"{owner}-n")
     with first[3]:
         gears = dict.fromkeys([*diagnosis.controller.gears, base.gear])
         gear = _select("gear", {each: str(each) for each in gears}, base.gear)
@@ -81,6 +115,7 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
     with third[2]:
         position = _select("position", _positions(diagnosis), None)
     st.button(say("what_if.reset"), on_click=_reset, key="what-if-reset")
+    _write()
     return WhatIf(
         point=point,
         temperature=temperature,
@@ -99,7 +134,19 @@ def _key(name: str) -> str:
 
 
 def _keep(name: str, key: str) -> None:
-    st.session_state["what-if"].chosen[name] = st.session_state[key]
+    chosen = st.session_state["what-if"].chosen
+    chosen[name] = st.session_state[key]
+    if name == "point":
+        chosen |= {"temperature": None, "speed": None, "gear": None}  # begin with those of the point
+
+
+def _number(name: str, asked: AskedNumber, own: float, key: str) -> float:
+    """Show a number's field; ``own`` is that of the operating point."""
+    chosen = st.session_state["what-if"].chosen
+    start = own if chosen[name] is None else chosen[name]
+    value = fields.number(reader.say()(f"what_if.{_LABELS[name]}"), asked, start, key=key)
+    chosen[name] = None if value == own else value
+    return value
 
 
 def _select(name: str, labels: dict[Any, str], otherwise: Any) -> Any:
@@ -123,12 +170,22 @@ def _slide(name: str, low: Any, high: Any, step: Any) -> Any:
     chosen = st.session_state["what-if"].chosen[name]
     tip = say(f"what_if.{name}_help")
     return st.slider(
-        say(f"what_if.{name}"), low, high, chosen, step, key=key, help=tip, on_change=_keep, args=(name, key)
+        say(f"what_if.{name}"),
+        low,
+        high,
+        chosen,
+        step,
+        "localized",
+        key=key,
+        help=tip,
+        on_change=_keep,
+        args=(name, key),
     )
 
 
 def _fluids(diagnosis: Diagnosis) -> dict[str | None, str]:
-    as_in_job = reader.say()("what_if.fluid_job", name=diagnosis.fluid.name)
+    say = reader.say()
+    as_in_job = say("what_if.fluid_job", name=say.name(diagnosis.fluid.name))
     return {None: as_in_job, **{name: shown_name(entry) for name, entry in catalogue_list("fluid").entries.items()}}
 
 

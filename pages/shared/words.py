@@ -9,8 +9,10 @@ from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.pdf.printed_names import PrintedNames
+from atleak.views.land_names import land_words
 from atleak.views.sentences import land_in_words
 from atleak.wording import Wording
+from pages.shared import reader
 from pages.shared.show import plain
 from pages.shared.state import job
 
@@ -21,8 +23,8 @@ def advised(diagnosis: Diagnosis, record: dict[str, Any], say: Wording) -> Calla
 
 
 def pair(controller: Controller, component: str, land: int) -> str:
-    """Return component, land and name, so that a narrow column cuts the name only: ``25 · 1 main pressure valve``."""
-    return f"{component} · {land} {controller.components[component]}"
+    """Return component, land and name, so that a narrow column cuts the name only: ``25/1 main pressure valve``."""
+    return land_words(controller, (component, land), reader.say())
 
 
 def advice(diagnosis: Diagnosis, advised: Callable[[LandDiagnosis], str], say: Wording) -> list[str]:

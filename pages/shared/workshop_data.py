@@ -238,7 +238,7 @@ def draw_curve(found: Checked, say: Wording) -> None:
     if isinstance(found.entry, Fluid):
         st.subheader(say("workshop_data.curve"))
         try:
-            show.chart(viscosity_curve(found.entry), "workshop-data-viscosity")
+            show.chart(viscosity_curve(found.entry, say), "workshop-data-viscosity")
         except AtleakError as error:
             st.caption(show.plain(error))
 

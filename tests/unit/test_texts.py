@@ -92,7 +92,7 @@ def test_no_text_stands_unused() -> None:
     strings: set[str] = set()
     patterns: set[str] = set()
     # by `Wording.level`, the menu, each column, and the form of a catalogue's entry
-    whole = {"verdicts", "bands", "pages", "column_help", "workshop_fields"}
+    whole = {"verdicts", "bands", "pages", "column_help", "workshop_fields", "transmission_fields"}
     for nodes in NODES.values():
         for node in nodes:
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
@@ -135,9 +135,11 @@ def test_every_name_of_the_shipped_catalogue_is_translated() -> None:
         name
         for controller in shipped
         for name in (
+            controller.name,
             *controller.components.values(),
-            *(each.name for each in controller.circuits),
+            *(each.name for each in (*controller.circuits, *controller.leaks, *controller.consumers)),
             *(each.label for each in (*controller.operating_points, *controller.complaints)),
+            *(each.name for each in controller.repairs),
             *filter(None, [controller.representative]),
         )
     }

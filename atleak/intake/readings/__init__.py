@@ -49,10 +49,10 @@ from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
 from atleak.intake.units import unit as unit_named
-from atleak.phrases import PART_WORDS, in_turn, together
+from atleak.phrases import PART_WORDS
 from atleak.pressure_table import PressureTable
 from atleak.readings import TYPED_MARK, Reading, Readings
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, all_of, in_a_row
 
 __all__ = ["ReadingsRefused", "check", "read_readings"]
 
@@ -197,7 +197,7 @@ def _contradictions(read: Sequence[Rows], converted: Converted) -> list[Message]
 def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
     if not unworn:
         return []
-    places = in_turn(
+    places = in_a_row(
         dict.fromkeys(
             Sentence("{component}, plane {plane}", component=each.component, plane=each.plane) for each in unworn
         )
@@ -224,7 +224,7 @@ def _none_left(result: Readings) -> ReadingsError | None:
     if not reasons:
         return None
     return ReadingsError(
-        Sentence("no reading is left: {reasons}", reasons=in_turn(reasons)),
+        Sentence("no reading is left: {reasons}", reasons=in_a_row(reasons)),
         place=Place(result.file, result.sheet),
         expected=Sentence("at least one diameter, or two coordinates"),
     )
@@ -282,7 +282,7 @@ def _about_sheet(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
         table = rows.table
         if table.said_by and rows.entries:
             part = table.part and PART_WORDS[table.part]
-            said = together(each for each in (table.component, part) if each is not None)
+            said = all_of(each for each in (table.component, part) if each is not None)
             text = Sentence("{where}: {said}, as {said_by} says", where=table.where, said=said, said_by=table.said_by)
             messages.append(Message("info", "taken_from_title", text, table.sheet.place(table.rows[0])))
     unread = sum(rows.rows_without_reading for rows in read)

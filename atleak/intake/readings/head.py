@@ -14,8 +14,7 @@ from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import Vocabulary, is_blank, letters, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit, unit
-from atleak.phrases import together
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, all_of
 from atleak.written_numbers import (
     MEASURING_TEMPERATURE,
     PUMP_SIDE_CLEARANCE,
@@ -177,7 +176,7 @@ def _read(heads: Sequence[tuple[Sheet, range]], quantity: _Quantity) -> _Read:
 
 
 def _several(values: Mapping[float, _Stated], quantity: _Quantity) -> Message:
-    named = together(
+    named = all_of(
         Sentence("{value:g} {unit} ({place})", value=value, unit=quantity.asked.unit, place=each.place.sentence)
         for value, each in values.items()
     )

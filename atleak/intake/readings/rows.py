@@ -35,8 +35,8 @@ from atleak.intake.readings.words import (
 )
 from atleak.intake.sheets.sheet import Cell, column_letter
 from atleak.intake.units import Unit, find_unit, unit_names
-from atleak.phrases import PART_WORDS, together
-from atleak.sentence import Name, Sentence
+from atleak.phrases import PART_WORDS
+from atleak.sentence import Name, Sentence, all_of
 
 _EVERY_ROW = Sentence(
     "the value in every row. Empty cells under a first one are understood only where a workbook has merged them"
@@ -113,7 +113,7 @@ class _Reader:
         self._report_overridden()
         self._report_hidden_columns()
         if left_out:
-            chosen = together(
+            chosen = all_of(
                 Sentence("{heading} is {value!r}", heading=heading, value=value)
                 for heading, value in self.where.items()
             )

@@ -25,8 +25,7 @@ from atleak.intake.readings.words import (
     vocabulary,
 )
 from atleak.intake.sheets.sheet import Sheet
-from atleak.phrases import together
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, all_of
 
 _ASIDE = vocabulary("specification_title", "calibration")
 _READ = vocabulary("reading", "actual")
@@ -289,7 +288,7 @@ def _said(table: Table, lines: Sequence[tuple[Sentence, str]], names: Controller
                 component = named
                 said_by.append(line)
                 break
-    sayers = together(dict.fromkeys(said_by)) if said_by else table.said_by
+    sayers = all_of(dict.fromkeys(said_by)) if said_by else table.said_by
     return replace(table, part=part, component=component, said_by=sayers)
 
 
@@ -324,7 +323,7 @@ def _sections(table: Table, names: ControllerNames) -> Iterator[Table]:
             sayers = dict.fromkeys(each for each in (next_said.said_by, said.said_by) if each)
             next_said = replace(
                 next_said,
-                said_by=together(sayers) if sayers else None,
+                said_by=all_of(sayers) if sayers else None,
                 part=next_said.part or said.part,
                 component=next_said.component or said.component,
             )

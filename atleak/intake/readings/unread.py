@@ -19,9 +19,8 @@ from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, n
 from atleak.intake.readings.words import is_blank, letters, number_of, part_of, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
-from atleak.phrases import either
 from atleak.readings import NOMINAL_HEADING, REPEAT_TOLERANCE
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, any_of
 
 _WHY: dict[Role, Sentence] = {
     "specification": Sentence("what the diameter should be or was, not what was measured"),
@@ -410,7 +409,7 @@ def _slip(table: Table, row: int, index: int) -> ReadingsError:
         place=table.sheet.place(row, index, table.heading(index)),
         value=table.sheet.cell(row, index),
         expected=Sentence(
-            "the diameter under {headings}", headings=either(repr(column.name) for column in table.header.values)
+            "the diameter under {headings}", headings=any_of(repr(column.name) for column in table.header.values)
         ),
     )
 

@@ -7,12 +7,15 @@ import math
 import pytest
 
 from atleak.catalogue.fluid import fluids, load_fluid
-from atleak.figures.fluid_figures import BETWEEN, BEYOND, POINTS, TABLE, viscosity_curve
+from atleak.figures.fluid_figures import viscosity_curve
+from atleak.wording import wording
+
+BETWEEN, BEYOND, POINTS, TABLE = "between the data sheet's points", "beyond them", "data sheet", "table of the source"
 
 
 def test_the_curve_goes_through_the_data_sheet_and_is_dashed_beyond_it() -> None:
     fluid = load_fluid("mobil_atf_220")
-    traces = {trace.name: trace for trace in viscosity_curve(fluid).data}
+    traces = {trace.name: trace for trace in viscosity_curve(fluid, wording("en")).data}
     between, beyond, points = traces[BETWEEN], traces[BEYOND], traces[POINTS]
     (first, nu_first), *_, (last, nu_last) = fluid.points
     assert list(points.x) == [at for at, _ in fluid.points]
@@ -26,6 +29,6 @@ def test_the_curve_goes_through_the_data_sheet_and_is_dashed_beyond_it() -> None
 
 def test_every_fluid_can_be_drawn_and_a_table_of_the_source_is_marked() -> None:
     for fluid in fluids():
-        traces = {trace.name: trace for trace in viscosity_curve(fluid).data}
+        traces = {trace.name: trace for trace in viscosity_curve(fluid, wording("en")).data}
         assert (TABLE in traces) == bool(fluid.table)
         assert all(y > 0.0 or math.isnan(y) for trace in traces.values() for y in trace.y)

@@ -16,6 +16,7 @@ from atleak.repair import plan_repairs
 from atleak.verdicts import Verdict
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_speed import pump_over_speed as speeds
+from atleak.wording import wording
 from atleak.workshop_units import DM3_MIN, KPA, RPM
 
 
@@ -43,13 +44,13 @@ def test_bars_are_what_holds_new_now_and_repaired(worn_clutch: Diagnosis) -> Non
     for name, value in (("new", "new"), ("after repair", "repaired")):
         bars = trace(figure, name)
         drawn = dict(zip(bars.y, bars.x, strict=True))
-        assert drawn == {name_of(each): getattr(each, value) * KPA for each in at.applied}
+        assert drawn == {name_of(each, wording("en")): getattr(each, value) * KPA for each in at.applied}
     now = [one for one in figure.data if one.type == "bar" and one.name.startswith("now")]
     drawn = {name: value for one in now for name, value in zip(one.y, one.x, strict=True)}
-    assert drawn == {name_of(each): each.now * KPA for each in at.applied}
+    assert drawn == {name_of(each, wording("en")): each.now * KPA for each in at.applied}
     for one in now:
         for name, low, high in zip(one.y, one.error_x.arrayminus, one.error_x.array, strict=True):
-            each = next(each for each in at.applied if name_of(each) == name)
+            each = next(each for each in at.applied if name_of(each, wording("en")) == name)
             ends = [(each.now * KPA) - low, (each.now * KPA) + high]
             assert ends == pytest.approx([end * KPA for end in each.interval], rel=1e-9, abs=0.0)
 
@@ -78,7 +79,7 @@ def test_limits_stand_beside_the_bars_they_apply_to(worn_clutch: Diagnosis) -> N
     ]  # fmt: skip
     stated = trace(figure, "set, or required")
     assert dict(zip(stated.y, stated.x, strict=True)) == {
-        name_of(each): each.set_pressure * KPA for each in at.applied if each.set_pressure is not None
+        name_of(each, wording("en")): each.set_pressure * KPA for each in at.applied if each.set_pressure is not None
     }
     assert "■ clutch C1" not in stated.y
 
@@ -98,7 +99,7 @@ def test_the_pumps_line_crosses_what_is_taken_at_the_marked_speeds(worn_clutch: 
     figure = pump_over_speed(data)
     assert list(trace(figure, "pump").y) == pytest.approx(list(data.supply * DM3_MIN), rel=1e-12, abs=0.0)
     for demand in data.demands:
-        taken = trace(figure, f"taken at {demand.temperature:g} °C")
+        taken = trace(figure, f"taken at {demand.temperature:g}\u00a0°C")
         assert list(taken.y) == [demand.flow * DM3_MIN] * 2
     crossings = trace(figure, "covered from here")
     assert list(crossings.x) == [demand.crossing * RPM for demand in data.demands]
@@ -107,5 +108,5 @@ def test_the_pumps_line_crosses_what_is_taken_at_the_marked_speeds(worn_clutch: 
     assert crossings.error_x.array[3] > 0.0
     assert [shape.x0 for shape in figure.layout.shapes] == [700.0]
     assert "hot idle: 700 rpm" in {note.text for note in figure.layout.annotations}
-    dashes = [trace(figure, f"taken at {demand.temperature:g} °C").line.dash for demand in data.demands]
+    dashes = [trace(figure, f"taken at {demand.temperature:g}\u00a0°C").line.dash for demand in data.demands]
     assert len(set(dashes)) == len(dashes)

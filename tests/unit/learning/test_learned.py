@@ -21,7 +21,9 @@ from atleak.learning.outliers import WhyUnit
 from atleak.learning.tables import with_learned
 from atleak.learning.words import messages, summary, why
 from atleak.readings import Readings
-from atleak.views.learned_rows import land_rows, learned_record, outlier_rows, unit_rows
+from atleak.views.learned_rows import land_rows, learned_record
+from atleak.views.learned_table import learned_outliers, learned_units
+from atleak.wording import wording
 
 SheetOf = Callable[..., Readings]
 NAME = "four_speed_2023"
@@ -129,8 +131,8 @@ def test_a_worn_unit_is_left_out_and_named(four_speed: Controller, sheets: list,
     (said,) = [message for message in messages(learned) if message.code == "unit_left_out"]
     assert "worn.xlsx is left out as a whole" in said.text
     assert why(unit, learned.left_out) in said.text
-    assert unit_rows(learned)[-1]["Left out"].endswith("worn")
-    assert outlier_rows(learned)[0]["Wider by [µm]"] > 5.0
+    assert learned_units(learned, wording("en"))[-1]["left_out"].endswith("worn")
+    assert learned_outliers(learned, wording("en"))[0]["wider_by"] > 5.0
     record = learned_record(learned)
     assert record["units"][-1]["left_out"] == "wide_lands"
     assert {pair["file"] for pair in record["outliers"]} == {"worn.xlsx"}

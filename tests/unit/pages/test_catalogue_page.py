@@ -10,7 +10,7 @@ from streamlit.testing.v1 import AppTest
 def test_a_valve_body_with_circuits_shows_them_and_what_of_them_is_representative(app: AppTest) -> None:
     assert not app.exception
     assert "Circuits" not in [heading.value for heading in app.subheader]
-    chosen = next(widget for widget in app.selectbox if widget.key == "catalogue-controller")
+    chosen = next(widget for widget in app.selectbox if widget.key == "catalogue-controller-en")
     chosen.select("Five-speed after Ford's 5R55S, with its circuits").run()
     assert not app.exception
     headings = [heading.value for heading in app.subheader]
@@ -23,5 +23,5 @@ def test_a_valve_body_with_circuits_shows_them_and_what_of_them_is_representativ
         "Permissible main pressure",
     ]
     circuits = app.dataframe[2].value
-    assert "overdrive_band · overdrive band servo" in list(circuits["circuit"])
+    assert "overdrive_band · overdrive band servo" in list(circuits["Circuit"])
     assert any("Representative" in info.value and "pump" in info.value for info in app.info)

@@ -61,7 +61,7 @@ def test_a_tick_changes_what_is_shown_and_the_decisions_follow_only_when_they_ar
 def test_a_pair_is_opened_by_the_list_and_stays_open_on_every_page(app: AppTest) -> None:
     pick = next(widget for widget in app.main.selectbox if widget.label == "Open pair")
     assert pick.value is None
-    assert pick.options[0].startswith("25 · ")  # the worst first
+    assert pick.options[0].startswith("25 main")  # the worst first
     pick.select("17").run()
     assert not app.exception
     assert app.query_params["pair"] == "17"
@@ -87,5 +87,5 @@ def test_a_sheet_with_a_repeat_that_is_far_off_is_not_shown_green(app: AppTest, 
     go(app, "4_Diagnosis")
     assert not app.exception
     assert not app.success
-    assert "1 in doubt, to be measured again (tcc_regulator/1)" in texts(app)
+    assert "1 in doubt, to be measured again (converter clutch regulator valve/1)" in texts(app)
     assert "green" not in app.main.info[0].value

@@ -88,7 +88,7 @@ def test_a_land_measured_on_one_part_only_is_never_called_ok(app: AppTest) -> No
     (said,) = [widget.value for widget in app.info if "on one part only" in widget.value]
     assert said.startswith("**○ not all is sure")
     assert not app.success
-    row = next(row for row in tables(unfold(app, "all-lands"))[-1] if row["Pair"].startswith("accumulator/1"))
+    row = next(row for row in tables(unfold(app, "all-lands"))[-1] if row["Pair"] == "accumulator piston/1")
     assert row["Verdict"].endswith("not measured")
     assert row["Decided by"] == "sleeve not measured"
 

@@ -43,8 +43,8 @@ def test_a_job_of_ones_own_runs_through_the_same_variants(page, root: Path) -> N
     page.session_state["atleak"] = Session(job, job, {})
     page.run()
     assert not page.exception
-    assert page.radio[0].value == "the study's valve body and test"
-    page.radio[0].set_value("this job's valve body and log").run()
+    assert page.radio[0].value == "of_study"
+    page.radio[0].set_value("of_job").run()
     assert not page.exception
     table_3 = page.dataframe[1].value
     assert table_3["q computed"].iloc[3] < 2.0  # W4 of the small controller, not the study's 8.56

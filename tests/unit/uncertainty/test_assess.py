@@ -24,6 +24,7 @@ from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, NOTHING_ELSE, Assumptions, assess
 from atleak.verdicts import Band, Verdict
 from atleak.views.uncertainty_rows import budget_rows
+from atleak.wording import wording
 
 from .conftest import a_sheet, new_at, two_instruments
 
@@ -248,7 +249,7 @@ def test_nothing_measured_says_nothing(four_speed: Controller, hipol: Fluid, lim
 
 def test_the_sources_of_a_budget_add_up_to_the_whole(judge: Callable, four_speed: Controller) -> None:
     case = judge(a_sheet(four_speed, clearance=30 * UM), assumptions=DEFAULTS, draws=500)
-    budget = budget_rows(next(land for land in case.unit.lands if land.conditions[0].share > 0.0))
+    budget = budget_rows(next(land for land in case.unit.lands if land.conditions[0].share > 0.0), wording("en"))
     assert sum(each["of_clearance"] for each in budget) == pytest.approx(100.0, rel=1e-9, abs=0.0)
     assert sum(each["of_share"] for each in budget) == pytest.approx(100.0, rel=1e-9, abs=0.0)
 

@@ -51,8 +51,8 @@ def test_clearances_carry_their_intervals_and_limits(unit: UnitUncertainty, limi
     assert traces["limit"].x[index] == pytest.approx(expected, rel=1e-12, abs=0.0)
 
 
-def test_leakages_show_interval_and_eccentricity(unit: UnitUncertainty) -> None:
-    line, points = figures.leakages(unit, ENGLISH, lands=5).data
+def test_leakages_show_interval_and_eccentricity(unit: UnitUncertainty, four_speed: Controller) -> None:
+    line, points = figures.leakages(unit, four_speed.operating_points[0], ENGLISH, lands=5).data
     largest = max(unit.lands, key=lambda land: land.conditions[0].leakage)
     assert points.x[0] == pytest.approx(largest.conditions[0].leakage * 6e4, rel=1e-9, abs=0.0)
     assert points.x[0] + points.error_x.array[0] == pytest.approx(largest.leakage_interval[1] * 6e4, rel=1e-9, abs=0.0)

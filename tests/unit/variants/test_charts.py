@@ -19,9 +19,12 @@ from atleak.variants.charts import (
     share_chart,
     temperature_chart,
 )
+from atleak.wording import wording
 
 NAMES = [f"W{number}" for number in range(1, 9)]
 DM3_MIN = 6e4
+
+EN = wording("en")
 
 
 @pytest.fixture(scope="module")
@@ -36,17 +39,17 @@ def results(four_speed: Controller, road_test: RoadTest) -> tuple[VariantResult,
 
 @pytest.fixture(scope="module")
 def over_time(results, road_test: RoadTest) -> Chart:
-    return leakage_chart(results, road_test.values("gear"))
+    return leakage_chart(results, EN, road_test.values("gear"))
 
 
 @pytest.fixture(scope="module")
 def share(results, road_test: RoadTest) -> Chart:
-    return share_chart(results, road_test.values("gear"))
+    return share_chart(results, EN, road_test.values("gear"))
 
 
 @pytest.fixture(scope="module")
 def over_temperature(four_speed: Controller, road_test: RoadTest, results) -> Chart:
-    return temperature_chart(temperature_curves(four_speed, road_test), results)
+    return temperature_chart(temperature_curves(four_speed, road_test), EN, results)
 
 
 def line(chart: Chart, name: str):
@@ -124,8 +127,8 @@ def test_share_needs_engine_speed(four_speed: Controller, road_test: RoadTest) -
     channels = {name: channel for name, channel in road_test.channels.items() if name != "engine_speed"}
     results = run_variants(four_speed, replace(road_test, channels=MappingProxyType(channels), _held={}))
     with pytest.raises(ValueError, match="engine speed"):
-        share_chart(results)
-    assert not leakage_chart(results).has_upper
+        share_chart(results, EN)
+    assert not leakage_chart(results, EN).has_upper
 
 
 # --- Figure 14
@@ -180,14 +183,14 @@ def test_figure_draws_every_line_and_leaves_the_theme_alone(which: str, request:
 
 
 def test_logarithmic_scale(four_speed: Controller, road_test: RoadTest, results) -> None:
-    chart = temperature_chart(temperature_curves(four_speed, road_test), results, log_y=True)
+    chart = temperature_chart(temperature_curves(four_speed, road_test), EN, results, log_y=True)
     assert figure(chart).layout.yaxis.type == "log"
 
 
 def test_gears_that_change_without_end_or_are_unknown_are_not_drawn() -> None:
     time = np.arange(100.0)
-    assert gear_spans(time, None) == ()
-    assert gear_spans(time, np.arange(100) % 2) == ()
+    assert gear_spans(time, EN, None) == ()
+    assert gear_spans(time, EN, np.arange(100) % 2) == ()
     unknown = np.concatenate([np.full(50, 2.0), np.full(50, np.nan)])
-    spans = gear_spans(time, unknown)
+    spans = gear_spans(time, EN, unknown)
     assert [span[2] for span in spans] == ["gear 2"]

@@ -49,31 +49,33 @@ def test_every_column_has_its_heading_and_what_tells_pairs_apart_comes_first(wor
 
 @pytest.mark.parametrize("entry", controllers(), ids=lambda entry: entry.id)
 def test_a_controllers_tables_hold_all_of_it(entry) -> None:
-    tables = TABLES["controller"](entry)
-    assert len(tables["Lands"]) == len(entry.lands)
-    assert len(tables["Gaps"]) == len(entry.gaps)
-    assert [row["engine [rpm]"] for row in tables["Operating points"]] == pytest.approx(
+    tables = {table.name: table.rows for table in TABLES["controller"](entry, wording("en"))}
+    assert len(tables["lands"]) == len(entry.lands)
+    assert len(tables["gaps"]) == len(entry.gaps)
+    assert [row["engine_speed"] for row in tables["points"]] == pytest.approx(
         [point.engine_speed * 60.0 for point in entry.operating_points], rel=1e-9, abs=0.0
     )
-    assert representative(entry) == entry.representative
+    assert representative(entry, wording("en")) == entry.representative
 
 
 @pytest.mark.parametrize("entry", fluids(), ids=lambda entry: entry.id)
 def test_a_fluids_curve_goes_through_its_data_sheet_and_stays_in_its_span(entry) -> None:
-    tables = TABLES["fluid"](entry)
-    curve = {row["temperature [°C]"]: row["viscosity [mm²/s]"] for row in tables["ASTM D341 through the data sheet"]}
+    tables = {table.name: table.rows for table in TABLES["fluid"](entry, wording("en"))}
+    curve = {row["temperature"]: row["viscosity"] for row in tables["d341"]}
     for at, nu in (entry.points[0], entry.points[-1]):
         if at in curve:
             assert curve[at] == pytest.approx(nu * 1e6, rel=1e-9, abs=0.0)
     low, high = entry.span()
     assert all(low <= temperature <= high for temperature in curve)
-    assert representative(entry) == ", ".join(entry.representative)
+    assert not [name for name in entry.representative if name not in wording("en").texts["value_names"]]
+    assert "_" not in representative(entry, wording("en"))
 
 
 def test_every_limit_is_shown_with_its_origin() -> None:
     for entry in limit_sets():
-        rows = TABLES["limits"](entry)["Limits"]
+        [table] = TABLES["limits"](entry, wording("en"))
+        rows = table.rows
         assert len(rows) == sum(len(steps.levels) for steps in entry.rules.values())
-        assert all(row["origin"] and row["source"] for row in rows)
+        assert all(row["limit_is"] and row["source"] for row in rows)
         wear = next(row for row in rows if row["rule"] == "wear")
-        assert wear["limit"] == pytest.approx(entry.wear.levels[0][1] * 100.0, rel=1e-9, abs=0.0)
+        assert wear["limit"] == f"{entry.wear.levels[0][1] * 100.0:.1f}\u00a0%"

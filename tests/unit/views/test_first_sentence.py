@@ -43,7 +43,7 @@ def test_what_was_not_measured_is_named_and_nothing_is_green(new_unit: Callable[
     part = new_unit(accumulator=False)
     assert shown_verdict(part) == Verdict.NOT_MEASURED
     said = first_sentence(part, EN)
-    assert "1 of 5 lands were not measured and count as new (accumulator/1)" in said
+    assert "1 of 5 lands were not measured and count as new (accumulator piston/1)" in said
     assert "green" not in said
     assert "as far as it was measured" in said
 
@@ -56,7 +56,7 @@ def test_a_land_in_doubt_is_named_and_nothing_is_green(new_unit: Callable[..., D
 
     doubtful = new_unit(slip)
     assert shown_verdict(doubtful) == Verdict.NOT_MEASURED
-    assert "1 in doubt, to be measured again (accumulator/1)" in first_sentence(doubtful, EN)
+    assert "1 in doubt, to be measured again (accumulator piston/1)" in first_sentence(doubtful, EN)
     assert "green" not in first_sentence(doubtful, EN)
 
 

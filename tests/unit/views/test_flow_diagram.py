@@ -185,12 +185,12 @@ def test_names_from_a_file_stay_text(worn_clutch: Diagnosis, hostile: tuple[str,
 def test_the_table_holds_every_flow_the_largest_first(worn_clutch: Diagnosis) -> None:
     diagram = flow_diagram(worn_clutch, worn_clutch.hot_idle)
     rows = flow_rows(diagram)
-    flows = [row["Flow [dm³/min]"] for row in rows]
+    flows = [row["flow"] for row in rows]
     assert flows == sorted(flows, reverse=True)
     assert len(rows) == len(diagram.flows)
-    clutch = next(row for row in rows if row["To"] == "clutch C1 254 kPa")
-    assert clutch["From"] == "main pressure p_g 500 kPa"
-    assert clutch["Verdict"] == Verdict.REPLACE
+    clutch = next(row for row in rows if row["flows_to"] == "clutch C1 254 kPa")
+    assert clutch["flows_from"] == "main pressure p_g 500 kPa"
+    assert clutch["verdict"] == Verdict.REPLACE
 
 
 @pytest.mark.parametrize("language", languages())

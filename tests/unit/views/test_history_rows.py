@@ -17,7 +17,7 @@ from atleak.history.totals import totals_over_mileage
 from atleak.history.visits import Visit
 from atleak.readings import Readings
 from atleak.verdicts import Band, Verdict
-from atleak.views.history_rows import land_name, soonest_first, total_rows, wear_rows
+from atleak.views.history_rows import soonest_first, total_rows, wear_rows
 from atleak.wording import signed, wording
 
 REGULATOR, SECOND, TCC, SOLENOID = (
@@ -53,13 +53,13 @@ def test_every_land_has_its_rate_and_when_it_reaches_each_level(
     unit: tuple[WearHistory, Diagnosis], minimal: Controller
 ) -> None:
     history, _ = unit
-    rows = {row["pair"].split(" ")[0]: row for row in wear_rows(history, minimal, ENGLISH)}
-    worn = rows["pressure_regulator/1"]
+    rows = {row["pair"]: row for row in wear_rows(history, minimal, ENGLISH)}
+    worn = rows["pressure regulator valve/1"]
     assert worn["rate"].startswith("1.00 (0.")
     assert (worn[WATCH], worn["visits"], worn["since"]) == ("reached", 2, "2022-05-01: repaired")
     assert worn[REPLACE].replace("\u00a0", " ").startswith("170 000 km (")
-    assert rows["solenoid_modulator/1"][REPLACE] == "reached"
-    unworn = rows["tcc_regulator/1"]
+    assert rows["solenoid modulator valve/1"][REPLACE] == "reached"
+    unworn = rows["converter clutch regulator valve/1"]
     assert unworn["rate"].startswith("no wear that can be told from measurement: ")
     assert "(−0." in unworn["rate"]
     assert unworn[REPLACE].startswith(("not before", "not foreseeable"))
@@ -69,11 +69,6 @@ def test_every_land_has_its_rate_and_when_it_reaches_each_level(
 def test_what_is_past_a_limit_comes_first_and_what_nobody_can_tell_last(unit: tuple[WearHistory, Diagnosis]) -> None:
     history, _ = unit
     assert [land.key for land in soonest_first(history)] == [SOLENOID, REGULATOR, SECOND, TCC]
-
-
-def test_a_lands_name_begins_with_its_number(minimal: Controller) -> None:
-    assert land_name(minimal, TCC, ENGLISH).startswith("tcc_regulator/1 ")
-    assert land_name(minimal, ("gone", 2), ENGLISH) == "gone/2"
 
 
 def test_totals_stand_with_the_mileage_of_each_band(unit: tuple[WearHistory, Diagnosis]) -> None:
@@ -124,8 +119,8 @@ def test_a_pareto_chart_counts_units_and_what_they_make_up() -> None:
 def test_a_rate_stands_in_the_readers_units(unit: tuple[WearHistory, Diagnosis], minimal: Controller) -> None:
     """1.00 µm per 10 000 km is 0.634 times 0.0001 in per 10 000 mi."""
     us = wording("de", "us")
-    rows = {row["pair"].split(" ")[0]: row for row in wear_rows(unit[0], minimal, us)}
-    assert rows["pressure_regulator/1"]["rate"].startswith("0,634 (")
+    rows = {row["pair"]: row for row in wear_rows(unit[0], minimal, us)}
+    assert rows["Druckregelventil/1"]["rate"].startswith("0,634 (")
     figure = figures.clearance_over_mileage(unit[0].land(REGULATOR), unit[0].visits, unit[0].present, us)
     assert figure.layout.xaxis.title.text == "Laufleistung [mi]"
     measured = next(trace for trace in figure.data if trace.name == "gemessen")
