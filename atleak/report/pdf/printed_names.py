@@ -156,11 +156,11 @@ class PrintedNames:
             return "", ""
         say = self.say
         side = "over" if decided.decision == "conditional_fail" else "under"
-        guard = self._value(rule, uncertainty.guard_factor * decided.standard_uncertainty)
-        limit = self._value(rule, decided.limit)
-        name = self._rule(rule)
+        guard = self.rule_value(rule, uncertainty.guard_factor * decided.standard_uncertainty)
+        limit = self.rule_value(rule, decided.limit)
+        name = self.rule_name(rule)
         said = side if remedy.measurable else "not_measurable"
-        doubt = say(f"advice.{said}", rule=name, value=self._value(rule, decided.value), limit=limit, guard=guard)
+        doubt = say(f"advice.{said}", rule=name, value=self.rule_value(rule, decided.value), limit=limit, guard=guard)
         if remedy.measurable and remedy.reading_part < _MOSTLY:
             return doubt, say("advice.elsewhere", fraction=say.percent(remedy.reading_part, 0))
         if not remedy.decides:
@@ -206,16 +206,18 @@ class PrintedNames:
         say = self.say
         return say(
             key,
-            rule=self._rule(rule),
-            value=self._value(rule, rule.value),
-            limit=self._value(rule, rule.limit),
+            rule=self.rule_name(rule),
+            value=self.rule_value(rule, rule.value),
+            limit=self.rule_value(rule, rule.limit),
             origin=say.get("origins", rule.origin),
         )
 
-    def _value(self, rule: Rule, value: float) -> str:
+    def rule_value(self, rule: Rule, value: float) -> str:
+        """Return a value or a limit of a rule, with its unit."""
         return rule_value(value, rule.kind, self.say)
 
-    def _rule(self, rule: Rule) -> str:
+    def rule_name(self, rule: Rule) -> str:
+        """Return what a rule is about, with its condition and its circuit."""
         if rule.kind.is_share and rule.condition is not None:
             return self.say("rules.share_at", condition=self.condition(rule.condition))
         at = "" if rule.condition is None else self.condition(rule.condition)
