@@ -14,6 +14,8 @@ st.title(say("readings.title"))
 with st.container():  # one element whatever is said: the grid below keeps its place
     if readings is None:
         st.markdown(say("readings.none"))
+    elif not readings.readings:
+        st.markdown(say("readings.none_counts"))
     else:
         unit = f"{readings.unit} ({say('readings.unit_assumed')})" if readings.unit_assumed else readings.unit
         counts = {"count": len(readings.readings), "measured": diagnosis.measured, "lands": len(diagnosis.lands)}
@@ -29,9 +31,10 @@ typing, clearances = st.tabs(
 if typing.open:
     with typing:
         measuring_form.draw(case, diagnosis)
+        language = reader.pick_language(st.container(), "template-language")
         st.download_button(
             say("readings.template"),
-            lambda: write_template(controller),
+            lambda: write_template(controller, language=language, units=say.units),
             f"measuring_sheet_{controller.id}.xlsx",
             on_click="ignore",
             help=say("readings.template_help"),

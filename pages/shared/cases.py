@@ -157,7 +157,7 @@ def _entry(slot: str, called: str, sha256: str, _choice: Choice) -> Any:
     return Reader().entry(SLOTS[slot], _choice)
 
 
-@st.cache_resource(max_entries=6, show_spinner="Reading the measuring sheet …")
+@st.cache_resource(max_entries=6, show_spinner="…")
 def _readings(key: str, _case: Case, _controller: Controller) -> Readings:
     assert _case.readings is not None
     file = _case.readings
@@ -169,14 +169,12 @@ def _pressures(key: str, _case: Case, _controller: Controller) -> PressureTable:
     return Reader().pressures(_case, _controller)
 
 
-@st.cache_resource(max_entries=6, show_spinner="Reading the road-test log …")
+@st.cache_resource(max_entries=6, show_spinner="…")
 def _understood(key: str, _log: SourceFile, _choices: LogChoices, _remembered: bool) -> Understood:
     return _read(_log, _choices, _remembered)
 
 
-@st.cache_resource(
-    max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="Reading the road-test log …"
-)
+@st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="…")
 def _understood_here(key: str, _log: SourceFile, _choices: LogChoices, _remembered: bool) -> Understood:
     return _read(_log, _choices, _remembered)
 
@@ -285,12 +283,12 @@ def case_with_columns(case: CaseKind) -> CaseKind:
     return case if case.road_test is None else with_log_choices(case, Kept().log(case))
 
 
-@st.cache_resource(max_entries=6, show_spinner="Computing …")
+@st.cache_resource(max_entries=6, show_spinner="…")
 def _diagnosis(key: str, _case: Case) -> Diagnosis:
     return _computed(_case)
 
 
-@st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="Computing …")
+@st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="…")
 def _diagnosis_here(key: str, _case: Case) -> Diagnosis:
     return _computed(_case)
 

@@ -253,18 +253,19 @@ def chart(
     key: str,
     on_span: Callable[[float, float], None] | None = None,
     *,
-    empty: str = "Nothing to draw yet.",
+    empty: str = "",
 ) -> None:
     """Show a figure with words and error bars in the theme's ink, where the usual grey is too pale to read.
 
     A finger that starts on it scrolls the page; the figure's own toolbar zooms. With ``on_span``, dragging the mouse
-    across it marks a stretch of its x axis and calls that with its ends. Of a figure without a point ``empty`` is said.
+    across it marks a stretch of its x axis and calls that with its ends. Of a figure without a point ``empty`` is said,
+    or that there is nothing to draw yet.
     """
     ink = (DARK if dark() else SCREEN).ink
     spec = figure.to_dict()
     traces, layout = spec["data"], spec["layout"]
     if not any(_points(trace) for trace in traces):
-        st.caption(empty)
+        st.caption(empty or reader.say()("show.nothing_to_draw"))
         return
     layout["template"] = _template(pio.templates.default)  # whose colours Streamlit replaces by those of its theme
     for name in [name for name in layout if name.startswith(("xaxis", "yaxis"))]:

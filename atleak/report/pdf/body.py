@@ -8,7 +8,7 @@ from typing import Any
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
-from atleak.errors import unknown
+from atleak.errors import Message, unknown
 from atleak.job.doubts import record_doubts
 from atleak.job.record import RepairDecision
 from atleak.report.estimate_words import open_words
@@ -431,16 +431,20 @@ class Body:
 
     def _messages(self, charts: dict[str, str]) -> Iterable[Block]:
         messages = (*record_doubts(self.job, self.diagnosis), *self.diagnosis.messages)
-        if messages and self.say("texts.messages_language"):
-            yield text(self.say("texts.messages_language"), small=True)
         items = [
-            f"{message.text} ({message.place})" if message.place and str(message.place) else message.text
+            self._said(message)
             for level in ("warning", "info")
             for message in messages
             if message.level == level and message.code not in _SAID_ELSEWHERE
         ]
         if items:
-            yield {"kind": "list", "items": items, "lang": "en"}
+            yield {"kind": "list", "items": items}
+
+    def _said(self, message: Message) -> str:
+        """Return a message, with its place where it has one."""
+        said = self.say.sentence(message.text)
+        place = self.say.sentence(message.place.sentence) if message.place else ""
+        return f"{said} ({place})" if place else said
 
     def _method(self, charts: dict[str, str]) -> Iterable[Block]:
         say, profile, diagnosis = self.say, self.diagnosis.profile, self.diagnosis

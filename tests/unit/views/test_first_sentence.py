@@ -69,6 +69,17 @@ def test_nothing_measured_is_neither_good_nor_bad(minimal: Controller, hipol: Fl
     assert "green" not in said
 
 
+def test_a_sheet_of_which_nothing_counts_is_not_called_unmeasured(
+    minimal: Controller, hipol: Fluid, limits: Limits, new_unit: Callable[..., Diagnosis]
+) -> None:
+    sheet = new_unit().readings
+    assert sheet is not None
+    left_out = diagnose(minimal, hipol, limits, readings=replace(sheet, readings=()))
+    said = first_sentence(left_out, EN)
+    assert said.startswith("none of the readings in the job counts: all of them are doubtful and left out")
+    assert shown_verdict(left_out) == Verdict.NOT_MEASURED
+
+
 @pytest.mark.parametrize("language", languages())
 def test_a_worn_unit_says_what_decided_and_by_which_limit(worn: Diagnosis, language: str) -> None:
     say = wording(language)
