@@ -72,7 +72,7 @@ class Budget:
             PrintedColumn("c · u(x)", self._contribution, say.unit("clearance"), side="r"),
             PrintedColumn(say("annex.part_of_variance"), self._fraction, "%", side="r"),
         ]
-        yield table(columns, [*lines, _Whole(u)])
+        yield table(columns, [*lines, _Whole(u)], whole=True)
         said = [self._of_wear(land, its), self._of_share(its)]
         if any(said):
             yield text(" ".join(filter(None, said)), small=True)
