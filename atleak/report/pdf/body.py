@@ -108,7 +108,7 @@ class Body:
 
     def sections(self, names: Iterable[str], charts: dict[str, str]) -> list[dict[str, Any]]:
         """Return title and blocks of every section that has any content."""
-        filled = []
+        filled: list[dict[str, Any]] = []
         for name in names:
             if name == "signatures":  # stands at the foot of the first page
                 continue

@@ -18,6 +18,7 @@ from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, shortened
 from atleak.views.first_sentence import shown_verdict
+from atleak.views.land_names import has_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import HeldPressure, lowest_first, pressures_at
 from atleak.views.worn_valves import WORTH_SAYING, WornValve, part_of_leakage, worn_valves
@@ -30,7 +31,6 @@ FELT = 2  # complaints, and ways of the oil, that are named for one valve
 _ROW = 6  # valves that are drawn, beside one another
 _ABREAST = 4  # for which there is room beside one another at the least, so that few are not drawn larger
 _LETTERS = 1.6  # against those of the drawing of all valves
-_SHORT = 4  # most letters of a component's number that says more to a customer than the name alone
 _FEW, _FEWEST = 3, 2  # sentences of a page that is full
 
 
@@ -80,7 +80,7 @@ class CustomerPage:
             "title": say("customer.title"),
             "about": self._about(),
             "key": self.verdict,
-            "headline": say(f"customer.{self.verdict}"),
+            "headline": say("customer.ok_unmeasured" if self._only_checked else f"customer.{self.verdict}"),
             "urgency": [say("customer.urgency"), say(f"customer.urgent_{self.verdict}")],
             "caveats": list(self._caveats()),
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in LENGTHS]},
@@ -110,6 +110,11 @@ class CustomerPage:
             named=say.name,
             letters=_LETTERS,
         )
+
+    @property
+    def _only_checked(self) -> bool:
+        """Tell whether gauges or a log alone found nothing: of a valve body that nobody measured."""
+        return self.diagnosis.without_sheet and self.verdict is Verdict.OK
 
     @property
     def _drawn(self) -> list[str]:
@@ -183,7 +188,7 @@ class CustomerPage:
         condition, band = self.names.condition(at.condition), self.diagnosis.band(at)
         new = say.percent(self.diagnosis.new_at(at).share)
         if at.pump_capacity <= 0.0:
-            yield f"{say('sentences.no_delivery', condition=condition)}.".capitalize()
+            yield f"{say('diagnosis.no_delivery', condition=condition).removesuffix('.')}."
         elif band is None:
             if not self.diagnosis.without_sheet:
                 yield say("customer.lost_new", condition=condition, new=new)
@@ -224,9 +229,11 @@ class CustomerPage:
     # --- the valves
 
     def _valve(self, component: str) -> str:
-        """Name a valve by its name, and behind it by its number, where that is short; by what it was typed as."""
+        """Name a valve by its name, its number behind it where it has one, or as it was typed."""
         name = isolated(self.say.name(self.diagnosis.controller.components.get(component, component)))
-        return f"{name} ({component})" if len(component) <= _SHORT and name != component else name
+        return (
+            f"{name} ({component})" if has_number(self.diagnosis.controller, component) and name != component else name
+        )
 
     def _named(self, components: Sequence[str]) -> str:
         named = joined(map(self._valve, components[:NAMED]))
@@ -308,7 +315,7 @@ class CustomerPage:
         say, plan = self.say, self.names.plan
         planned = list(dict.fromkeys(step.land.key[0] for step in plan.steps))
         if self.verdict is Verdict.OK:
-            yield say("customer.do_nothing")
+            yield say("customer.do_nothing_seen" if self._only_checked else "customer.do_nothing")
             return
         if self.verdict is Verdict.NOT_MEASURED:
             yield say("customer.do_measure")
