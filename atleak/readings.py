@@ -31,7 +31,7 @@ Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
 REPEAT_TOLERANCE = 5e-6  # [m] repeats of one diameter further apart than this are flagged: choice of this project
 OVALITY_TO_LOOK_AT = 50e-6  # [m] choice of this project
 _TOLERATED = REPEAT_TOLERANCE + 1e-12  # [m] less than this beyond it is floating point
-NOMINAL_HEADING = "Nominal\ndiameter [mm]"  # of the printed form: it marks a sheet that was made from it
+NOMINAL_HEADING = Sentence("Nominal\ndiameter")  # of the printed form, a unit behind it: it marks a sheet made from it
 TYPED_MARK = "atleak: readings typed in"  # the first cell of a sheet that was: it may hold nothing yet that counts
 NOMINAL_TOLERANCE = 0.5e-3  # [m] a diameter further than this from the nominal one is flagged: choice of this project
 

@@ -17,7 +17,7 @@ from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Level, LimitOrigin, Limits, RuleKind, Steps
 from atleak.engine.projection import Projection
 from atleak.readings import LandClearance
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 from atleak.verdicts import Band, Verdict
 
 LandKey = tuple[str, int]
@@ -92,14 +92,18 @@ class Rule:
         return self.steps.source
 
     @property
-    def quantity(self) -> str:
+    def quantity(self) -> Sentence:
         """Name what is limited, in plain words."""
-        return _LABELS[self.kind] + (f" of {self.circuit.name}" if self.circuit else "")
+        limited = _LABELS[self.kind]
+        if self.circuit is None:
+            return limited
+        return Sentence("{quantity} of {circuit}", quantity=limited, circuit=Name(self.circuit.name))
 
     @property
-    def label(self) -> str:
+    def label(self) -> Sentence:
         """Name the quantity and its condition in plain words."""
-        return ", ".join(filter(None, (self.quantity, self.condition.label if self.condition else "", self.where)))
+        parts = tuple(part for part in (self.quantity, self.condition, self.where) if part)
+        return Sentence("{parts}", parts=parts)
 
     @property
     def id(self) -> str:
@@ -110,15 +114,15 @@ class Rule:
 
 
 _LABELS = {
-    RuleKind.WEAR: "wear",
-    RuleKind.CLEARANCE: "radial clearance",
-    RuleKind.PAIR_SHARE: "share of pump flow",
-    RuleKind.TOTAL_SHARE: "total share of pump flow",
-    RuleKind.RESERVE: "reserve of the pump",
-    RuleKind.CIRCUIT_LOSS: "pressure lost against new",
-    RuleKind.BELOW_LINE: "pressure below the line",
-    RuleKind.PERMISSIBLE_PRESSURE: "main pressure below the permissible",
-    RuleKind.COMMANDED_PRESSURE: "main pressure off the commanded",
+    RuleKind.WEAR: Sentence("wear"),
+    RuleKind.CLEARANCE: Sentence("radial clearance"),
+    RuleKind.PAIR_SHARE: Sentence("share of pump flow"),
+    RuleKind.TOTAL_SHARE: Sentence("total share of pump flow"),
+    RuleKind.RESERVE: Sentence("reserve of the pump"),
+    RuleKind.CIRCUIT_LOSS: Sentence("pressure lost against new"),
+    RuleKind.BELOW_LINE: Sentence("pressure below the line"),
+    RuleKind.PERMISSIBLE_PRESSURE: Sentence("main pressure below the permissible"),
+    RuleKind.COMMANDED_PRESSURE: Sentence("main pressure off the commanded"),
 }
 _IDS = {
     RuleKind.WEAR: "wear",

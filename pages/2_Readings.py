@@ -31,9 +31,10 @@ typing, clearances = st.tabs(
 if typing.open:
     with typing:
         measuring_form.draw(case, diagnosis)
+        language = reader.pick_language(st.container(), "template-language")
         st.download_button(
             say("readings.template"),
-            lambda: write_template(controller),
+            lambda: write_template(controller, language=language, units=say.units),
             f"measuring_sheet_{controller.id}.xlsx",
             on_click="ignore",
             help=say("readings.template_help"),

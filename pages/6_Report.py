@@ -41,7 +41,7 @@ sections = [name for name in SECTIONS if name in picked]
 printed = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=sections, units=say.units)
 downloads: dict[str, tuple[str, Callable[[], str | bytes]]] = {
     "pdf": ("pdf", printed),
-    "workbook": ("xlsx", lambda: write_workbook(diagnosis, record, paper=paper)),
+    "workbook": ("xlsx", partial(write_workbook, diagnosis, record, language=language, paper=paper, units=say.units)),
     "json": ("json", lambda: to_json(issued_record(diagnosis, record))),
     "record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True)),
     "job_file": ("zip", lambda: write_job_file(diagnosis, record, case_with_columns(case))),

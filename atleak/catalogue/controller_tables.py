@@ -57,16 +57,16 @@ class NewOrigin(StrEnum):
     USED_UNIT = "used_unit"  # measured on a unit that had been used, and taken as new
 
     @property
-    def label(self) -> str:
+    def label(self) -> Sentence:
         """Say it in plain words."""
         return _NEW_ORIGINS[self]
 
 
 _NEW_ORIGINS = {
-    NewOrigin.PAIR: "measured on this pair when new",
-    NewOrigin.TYPE: "value of the unit's type with its tolerance",
-    NewOrigin.RANGE: "only the range of new pairs is known",
-    NewOrigin.USED_UNIT: "measured on a used unit and taken as new",
+    NewOrigin.PAIR: Sentence("measured on this pair when new"),
+    NewOrigin.TYPE: Sentence("value of the unit's type with its tolerance"),
+    NewOrigin.RANGE: Sentence("only the range of new pairs is known"),
+    NewOrigin.USED_UNIT: Sentence("measured on a used unit and taken as new"),
 }
 
 

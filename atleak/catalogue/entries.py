@@ -25,7 +25,7 @@ from atleak.faults import NotAccepted, validated
 from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.home import home, made
-from atleak.system.reasons import reason_of, toml_reason
+from atleak.system.reasons import reason_of, text_reason
 
 _HERE = Path(__file__).parent
 KINDS = ("controllers", "fluids", "limits", "instruments")
@@ -329,7 +329,7 @@ def read_tables(kind: str, id_or_path: str | Path) -> tuple[dict[str, Any], Orig
     try:
         data = tomllib.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:  # also a number of 5000 digits, or tables nested a thousand deep
-        problem = Sentence("is not valid TOML: {reason}", reason=toml_reason(error))
+        problem = Sentence("is not valid TOML: {reason}", reason=text_reason(error))
         raise CatalogueError(problem, place=Place(file=path.name), expected=_TOML_TEXT) from error
     if own and data.get("id", path.stem) != path.stem:
         problem = Sentence("a file of the own catalogue is named as its id")

@@ -18,6 +18,7 @@ from urllib.parse import urlencode
 from atleak.cli.parser import add_command
 from atleak.errors import InputError
 from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 from atleak.system.shipped import shipped
 
 PORT = 8501  # streamlit's own
@@ -103,7 +104,7 @@ def _check_free(address: str, port: int | None) -> None:
             problem = Sentence("--port is in use by another program")
             expected = Sentence("another --port; is the dashboard running already?")
             raise InputError(problem, value=port, expected=expected) from error
-        problem = Sentence("--port cannot be served: {reason}", reason=error.strerror)
+        problem = Sentence("--port cannot be served: {reason}", reason=reason_of(error))
         raise InputError(problem, value=port, expected=Sentence("another --port, from 1024 up")) from error
 
 

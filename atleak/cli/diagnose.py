@@ -96,7 +96,7 @@ def _write_reports(
     if options.xlsx is not None:
         from atleak.report.xlsx import write_workbook
 
-        written += write(options.xlsx, write_workbook(diagnosis, job, paper=printed["paper"]))
+        written += write(options.xlsx, write_workbook(diagnosis, job, **printed))
     if options.pdf is not None:
         from atleak.report.pdf import write_pdf
 

@@ -59,15 +59,13 @@ class _Print:
     choices: tuple[str, ...]
     unless_given: str
     help: str
-    formats: tuple[str, ...] = ("pdf",)
+    formats: tuple[str, ...] = ("pdf", "xlsx")
 
 
 _PRINT = {
-    "language": _Print(languages(), "en", "of the PDF: en unless given"),
-    "units": _Print(tuple(SYSTEMS), "metric", "of the PDF: metric unless given"),
-    "paper": _Print(
-        tuple(PAPERS), DEFAULT_PAPER, f"of the PDF and the workbook: {DEFAULT_PAPER} unless given", ("pdf", "xlsx")
-    ),
+    "language": _Print(languages(), "en", "of the PDF and the workbook: en unless given"),
+    "units": _Print(tuple(SYSTEMS), "metric", "of the PDF and the workbook: metric unless given"),
+    "paper": _Print(tuple(PAPERS), DEFAULT_PAPER, f"of the PDF and the workbook: {DEFAULT_PAPER} unless given"),
 }
 
 

@@ -17,6 +17,8 @@ from atleak.cli.shared import (
 )
 from atleak.errors import InputError
 from atleak.sentence import Sentence
+from atleak.unit_systems import SYSTEMS
+from atleak.wording import languages
 
 
 def add_parser(commands: Any) -> None:
@@ -25,6 +27,10 @@ def add_parser(commands: Any) -> None:
     parser = add_command(commands, "template", run, "a measuring sheet to fill in", examples=examples)
     add_controller(parser)
     parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the sheet")
+    parser.add_argument(
+        "--language", choices=languages(), default="en", help="of the sheet; any is read back: en unless given"
+    )
+    parser.add_argument("--units", choices=tuple(SYSTEMS), default="metric", help="of the sheet: metric unless given")
     add_force(parser)
 
 
@@ -36,5 +42,6 @@ def run(options: argparse.Namespace) -> int:
         problem = Sentence("the measuring sheet is an Excel workbook")
         raise InputError(problem, value=options.output, expected=Sentence("a name{suffix}", suffix=".xlsx"))
     check_targets(options, [options.controller], [("measuring sheet", options.output)])
-    say_written(write(options.output, write_template(chosen_controller(options))))
+    content = write_template(chosen_controller(options), language=options.language, units=options.units)
+    say_written(write(options.output, content))
     return 0

@@ -45,6 +45,7 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
         Unit("µm", 1e-6): ("µm", "um", "micron", "microns", "micrometre", "micrometer", "mkm", "мкм"),
         Unit("inch", INCH): ("inch", "in", "inches", '"', "zoll", "cal"),
         Unit("mil", INCH / 1000): ("mil", "thou"),
+        Unit("0.0001 in", INCH / 10000): ("0.0001 in", "0,0001 in"),
         Unit("cm", 1e-2): ("cm",),
         Unit("m", 1.0): ("m",),
     },

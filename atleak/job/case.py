@@ -41,6 +41,7 @@ from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.road_test import RoadTest
 from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR, LandSources
 from atleak.uncertainty.sources import sources_of_sheet
 
@@ -89,7 +90,7 @@ class SourceFile:
         try:
             return Path(self.path or self.name).read_bytes()
         except OSError as error:
-            problem = Sentence("cannot be read: {reason}", reason=error.strerror)
+            problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
             raise InputError(problem, place=Place(file=self.name)) from error
 
     @cached_property

@@ -18,6 +18,7 @@ from atleak.job.parts import JobFile, entry_of, job_parts, json_of
 from atleak.job.record import Job, picture_name
 from atleak.sentence import Sentence
 from atleak.system.marks import NO_SOUND_ZIP, PACKINGS
+from atleak.system.reasons import reason_of, text_reason
 
 SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
 _PICTURE_LIMIT = 40 << 20
@@ -42,7 +43,7 @@ def load_job(path: str | Path) -> Job:
     try:
         content = path.read_bytes()
     except OSError as error:
-        problem = Sentence("cannot be read: {reason}", reason=error.strerror)
+        problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
         expected = Sentence("a job record in TOML or JSON")
         raise InputError(problem, place=Place(file=str(path)), expected=expected) from error
     if len(content) > _RECORD_LIMIT:
@@ -63,7 +64,7 @@ def parse_job(content: bytes, name: str) -> Job:
         text = content.decode("utf-8-sig")
         data = json.loads(text) if Path(name).suffix.lower() == ".json" else tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        problem = Sentence("is not valid: {reason}", reason=str(error)[:200])
+        problem = Sentence("is not valid: {reason}", reason=text_reason(error))
         expected = Sentence("a job record in TOML or JSON, UTF-8")
         raise InputError(problem, place=Place(file=name), expected=expected) from error
     return validated(Job, data, name)
@@ -81,7 +82,7 @@ def _picture_beside(record: Path, name: str) -> bytes:
             raise InputError(Sentence("picture too large"), place=place, expected=expected)
         return path.read_bytes()
     except OSError as error:
-        problem = Sentence("picture cannot be read: {reason}", reason=error.strerror)
+        problem = Sentence("picture cannot be read: {reason}", reason=reason_of(error))
         raise InputError(problem, place=place, expected=Sentence("a file beside the job record")) from error
 
 
@@ -135,7 +136,8 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
     try:
         content = source if isinstance(source, bytes) else Path(source).read_bytes()
     except (OSError, ValueError) as error:
-        problem = Sentence("cannot be read: {reason}", reason=getattr(error, "strerror", error))
+        reason = reason_of(error) if isinstance(error, OSError) else str(error)
+        problem = Sentence("cannot be read: {reason}", reason=reason)
         raise InputError(problem, place=place, expected=Sentence("a job file (zip)")) from error
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as bundle:

@@ -53,7 +53,7 @@ def plain_sheet(readings: Readings, controller: Controller) -> SourceFile | None
     controller
         as its file describes it, without what this unit has of its own.
     """
-    fields = {
+    fields: dict[str, Any] = {
         "Date": readings.date and readings.date.isoformat(),
         "Measuring temperature": readings.temperature is not None and f"{readings.temperature!r} °C",
         **{

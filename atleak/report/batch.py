@@ -93,7 +93,7 @@ def _report(form: str, diagnosis: Diagnosis, job: Job, say: Wording, paper: str)
     if form == "pdf":
         return write_pdf(diagnosis, job, language=say.language, units=say.units, paper=paper)
     if form == "xlsx":
-        return write_workbook(diagnosis, job, paper=paper)
+        return write_workbook(diagnosis, job, language=say.language, units=say.units, paper=paper)
     return to_json(issued_record(diagnosis, job)).encode("utf-8", errors="backslashreplace")
 
 

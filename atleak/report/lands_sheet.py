@@ -13,38 +13,55 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.own_lands import OwnLands
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+from atleak.wording import Wording
 from atleak.workshop_units import MM
 
-LANDS = "Lands"
+LANDS = Sentence("Lands")
+REPRESENTATIVE, AS_STATED = Sentence("representative"), Sentence("as stated")
 HEADER = 5  # row of the headings, from 0
 _LIST = 255  # characters that a spreadsheet program takes as the choices of a cell
 _HOW_TO = (
-    "Beside the diameters, where it was measured: yellow cells may stay empty, then the valve body's file counts.",
-    "Contact length: over which spool and bore face each other where the valve works, by calliper. Position: of the "
-    "land's near edge, from the left end of the spool.",  # "drawing" would set the table aside when it is read back
+    Sentence(
+        "Beside the diameters, where it was measured: yellow cells may stay empty, then the valve body's file counts."
+    ),
+    Sentence(
+        "Contact length: over which spool and bore face each other where the valve works, by calliper. Position: of "
+        "the land's near edge, from the left end of the spool."
+    ),  # "drawing" would set the table aside when it is read back
 )
-_HOW_TO_REPAIR = "Fitted repair: an oversize valve, a sleeve … from an earlier repair, by its id; once for a component."
+_HOW_TO_REPAIR = Sentence(
+    "Fitted repair: an oversize valve, a sleeve … from an earlier repair, by its id; once for a component."
+)
 
 
 @dataclass(frozen=True)
 class _Column:
-    heading: str
+    heading: Sentence
     width: int
     form: str  # name of the format
+    of_length: bool = False  # the unit stands behind the heading
 
 
-_NUMBER, _NAME, _LAND = _Column("No.", 8, "text"), _Column("Component", 26, "text"), _Column("Land", 8, "number")
-_CONTACT = _Column("Contact\nlength [mm]", 14, "input")
-_STATED = _Column("Stated contact\nlength [mm]", 14, "nominal")
-_ORIGIN = _Column("Note on\nstated length", 16, "origin")
-_POSITION = _Column("Position from\nleft end [mm]", 14, "input")
-_STATED_POSITION = _Column("Stated length from\nleft end [mm]", 16, "nominal")
-_NOTE = _Column("Note", 40, "origin")
-_FITTED = _Column("Fitted repair", 24, "choice")
-_OPTIONS = _Column("Note on repairs", 60, "origin")
+_NUMBER, _NAME, _LAND = (
+    _Column(Sentence("No."), 8, "text"),
+    _Column(Sentence("Component"), 26, "text"),
+    _Column(Sentence("Land"), 8, "number"),
+)
+_CONTACT = _Column(Sentence("Contact\nlength"), 14, "input", of_length=True)
+_STATED = _Column(Sentence("Stated contact\nlength"), 14, "nominal", of_length=True)
+_ORIGIN = _Column(Sentence("Note on\nstated length"), 16, "origin")
+_POSITION = _Column(Sentence("Position from\nleft end"), 14, "input", of_length=True)
+_STATED_POSITION = _Column(Sentence("Stated length from\nleft end"), 16, "nominal", of_length=True)
+_NOTE = _Column(Sentence("Note"), 40, "origin")
+_FITTED = _Column(Sentence("Fitted repair"), 24, "choice")
+_OPTIONS = _Column(Sentence("Note on repairs"), 60, "origin")
 
 
-def write_lands(sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, own: OwnLands) -> None:
+def write_lands(
+    sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, own: OwnLands, say: Wording
+) -> None:
     """Write the tab, empty or with what is known of one unit.
 
     Parameters
@@ -57,19 +74,24 @@ def write_lands(sheet: Worksheet, formats: Mapping[str, Format], controller: Con
         whose lands the rows name, with what its file states beside them.
     own
         what to fill in.
+    say
+        the reader's words and units.
     """
     columns = [_NUMBER, _NAME, _LAND, _CONTACT, _STATED, _ORIGIN, _POSITION, _STATED_POSITION, _NOTE]
     columns += [_FITTED, _OPTIONS] if controller.repairs else []
-    sheet.write_string(0, 0, f"Lands of this unit: {controller.name}", formats["title"])
+    sheet.write_string(
+        0, 0, say.sentence(Sentence("Lands of this unit: {name}", name=controller.name)), formats["title"]
+    )
     how_to = (*_HOW_TO, _HOW_TO_REPAIR) if controller.repairs else _HOW_TO
     for row, text in enumerate(how_to, start=1):
-        sheet.write_string(row, 0, text)
+        sheet.write_string(row, 0, say.sentence(text))
     for number, column in enumerate(columns):
-        sheet.write_string(HEADER, number, column.heading, formats["heading"])
-        sheet.set_column(number, number, column.width)
+        said = say.sentence(column.heading) + (f" [{say.unit('length')}]" if column.of_length else "")
+        sheet.write_string(HEADER, number, said, formats["heading"])
+        sheet.set_column(number, number, max(column.width, 2 + max(map(len, said.split()))))
     sheet.set_row(HEADER, 32)
     last = HEADER
-    for last, (land, values) in enumerate(_rows(controller, own), start=HEADER + 1):
+    for last, (land, values) in enumerate(_rows(controller, own, say), start=HEADER + 1):
         for number, column in enumerate(columns):
             value = values.get(column)
             form = formats[column.form]
@@ -81,10 +103,10 @@ def write_lands(sheet: Worksheet, formats: Mapping[str, Format], controller: Con
                 sheet.write_number(last, number, float(value), form)
         ids = [repair.id for repair in controller.repairs_of(land.component) if repair.changes(land.key)]
         if ids and len(",".join(ids)) <= _LIST:
-            sheet.data_validation(last, columns.index(_FITTED), last, columns.index(_FITTED), _one_of(ids))
+            sheet.data_validation(last, columns.index(_FITTED), last, columns.index(_FITTED), _one_of(ids, say))
     for column in (_CONTACT, _POSITION):
         number = columns.index(column)
-        sheet.data_validation(HEADER + 1, number, last, number, _LENGTH)
+        sheet.data_validation(HEADER + 1, number, last, number, _lengths(say))
     sheet.freeze_panes(HEADER + 1, 3)
     sheet.set_landscape()
     sheet.set_paper(9)  # A4
@@ -93,26 +115,38 @@ def write_lands(sheet: Worksheet, formats: Mapping[str, Format], controller: Con
     sheet.ignore_errors({"number_stored_as_text": f"A{HEADER + 2}:A{last + 1}"})
 
 
-_LENGTH = {
-    "validate": "decimal",
-    "criteria": ">=",
-    "value": 0,
-    "error_title": "Not a length",
-    "error_message": "A number in millimetres, such as 5.25. Leave empty what was not measured.",
-}
-
-
-def _one_of(ids: list[str]) -> dict[str, object]:
+def _lengths(say: Wording) -> dict[str, object]:
+    message = Sentence(
+        "A number in {example.unit}, such as {example}. Leave empty what was not measured.",
+        example=Quantity(5.25, "length", 2),
+    )
     return {
-        "validate": "list",
-        "source": ids,
-        "error_title": "No such repair",
-        "error_message": "One of the list, or nothing where the component is as it left the factory.",
+        "validate": "decimal",
+        "criteria": ">=",
+        "value": 0,
+        "error_title": say.sentence(Sentence("Not a length")),
+        "error_message": say.sentence(message),
     }
 
 
-def _rows(controller: Controller, own: OwnLands) -> Iterator[tuple[Land, dict[_Column, str | float | None]]]:
+def _one_of(ids: list[str], say: Wording) -> dict[str, object]:
+    message = Sentence("One of the list, or nothing where the component is as it left the factory.")
+    return {
+        "validate": "list",
+        "source": ids,
+        "error_title": say.sentence(Sentence("No such repair")),
+        "error_message": say.sentence(message),
+    }
+
+
+def _rows(
+    controller: Controller, own: OwnLands, say: Wording
+) -> Iterator[tuple[Land, dict[_Column, str | float | None]]]:
     """Yield every land with what stands in its row."""
+
+    def shown(metres: float | None) -> float | None:
+        return None if metres is None else round(float(say.convert(metres * MM, "length")), 7)
+
     lengths = {each.key: each for each in own.lengths}
     for land in controller.lands:
         length = lengths.get(land.key)
@@ -123,14 +157,14 @@ def _rows(controller: Controller, own: OwnLands) -> Iterator[tuple[Land, dict[_C
             land,
             {
                 _NUMBER: land.component,
-                _NAME: controller.components[land.component],
+                _NAME: say.name(controller.components[land.component]),
                 _LAND: land.land,
-                _CONTACT: None if contact is None else round(contact * MM, 7),
-                _STATED: round(land.contact_length * MM, 7),
-                _ORIGIN: "representative" if "contact_length_mm" in land.representative else "as stated",
-                _POSITION: None if position is None else round(position * MM, 7),
-                _STATED_POSITION: None if land.position is None else round(land.position * MM, 7),
-                _NOTE: "; ".join(land.built),
+                _CONTACT: shown(contact),
+                _STATED: shown(land.contact_length),
+                _ORIGIN: say.sentence(REPRESENTATIVE if "contact_length_mm" in land.representative else AS_STATED),
+                _POSITION: shown(position),
+                _STATED_POSITION: shown(land.position),
+                _NOTE: "; ".join(say.sentence(part) for part in land.built),
                 _FITTED: next((repair.id for repair in repairs if repair.id in fitted), None),
                 _OPTIONS: "; ".join(f"{repair.id}: {repair.label}" for repair in repairs),
             },

@@ -19,26 +19,35 @@ from atleak.pressure_table import (
     applied,
     permitted,
     ranges_of,
-    tap_name,
     taps_of,
 )
-from atleak.views.gauge_rows import permissible_text
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+from atleak.views.gauge_rows import permissible_text, tap_text
+from atleak.wording import Wording
 from atleak.workshop_units import KPA
 
-PRESSURES = "Pressures"
+PRESSURES = Sentence("Pressures")
+_ENGINES = {
+    Engine.SLOW_IDLE: Sentence("slow idle"),
+    Engine.FAST_IDLE: Sentence("fast idle"),
+    Engine.STALL: Sentence("stall"),
+}
 HEADER = 5  # row of the headings, from 0
 _TEMPERATURE = (3, 2)  # row and column of the field
 _HIGHEST = 6000  # [kPa] that the cells take
 _WIDTHS = (8, 30, 16, 16, 16, 22, 22, 22)
 _HOW_TO = (
-    "What gauges show while the vehicle stands, the fluid warm. Yellow cells are to be filled in; leave empty what was "
-    "not measured. Stall for five seconds at most, brakes applied, wheels blocked.",
-    "Another unit may stand in a heading, [bar] or [psi], or behind a number. Gauge pressure, not absolute.",
+    Sentence(
+        "What gauges show while the vehicle stands, the fluid warm. Yellow cells are to be filled in; leave empty what "
+        "was not measured. Stall for five seconds at most, brakes applied, wheels blocked."
+    ),
+    Sentence("Another unit may stand in a heading, [bar] or [psi], or behind a number. Gauge pressure, not absolute."),
 )
 
 
 def write_pressures(
-    sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, table: PressureTable | None = None
+    sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, table: PressureTable | None, say: Wording
 ) -> None:
     """Write the tab, empty or with the first reading of each cell.
 
@@ -52,30 +61,40 @@ def write_pressures(
         whose ranges and circuits the rows name, with what its file permits beside them.
     table
         readings to fill in; of a cell that no row has none is written.
+    say
+        the reader's words and units.
     """
-    sheet.write_string(0, 0, f"Pressures of a standing vehicle: {controller.name}", formats["title"])
-    for row, text in enumerate(_HOW_TO, start=1):
-        sheet.write_string(row, 0, text)
-    sheet.write_string(_TEMPERATURE[0], 0, "ATF temperature [°C]", formats["label"])
+    unit = say.unit("pressure")
+    sheet.write_string(
+        0, 0, say.sentence(Sentence("Pressures of a standing vehicle: {name}", name=controller.name)), formats["title"]
+    )
+    for row, told in enumerate(_HOW_TO, start=1):
+        sheet.write_string(row, 0, say.sentence(told))
+    sheet.write_string(
+        _TEMPERATURE[0], 0, f"{say.sentence(Sentence('ATF temperature'))} [{say.unit('temperature')}]", formats["label"]
+    )
     sheet.write_blank(*_TEMPERATURE, None, formats["field"])
-    headings = ["Range", "Tap", *(f"{engine.label} [kPa]" for engine in Engine)]
-    headings += [f"Permissible at {engine.label} [kPa]" for engine in Engine]
+    headings = [Sentence("Range"), Sentence("Tap")]
+    headings += [Sentence("{engine} [{unit}]", engine=_ENGINES[engine], unit=unit) for engine in Engine]
+    headings += [Sentence("Permissible at {engine} [{unit}]", engine=_ENGINES[engine], unit=unit) for engine in Engine]
     for column, (heading, width) in enumerate(zip(headings, _WIDTHS, strict=True)):
-        sheet.write_string(HEADER, column, heading, formats["heading"])
+        sheet.write_string(HEADER, column, say.sentence(heading), formats["heading"])
         sheet.set_column(column, column, width)
     sheet.set_row(HEADER, 32)
     last = HEADER
     for last, (selected, tap) in enumerate(_rows(controller), start=HEADER + 1):
         sheet.write_string(last, 0, selected, formats["text"])
-        sheet.write_string(last, 1, tap_name(controller, tap), formats["text"])
+        sheet.write_string(last, 1, tap_text(controller, tap, say), formats["text"])
         for column, engine in enumerate(Engine, start=2):
             cell = Cell(selected, engine, tap)
             given = table.at(cell) if table is not None else ()
             if given:
-                sheet.write_number(last, column, round(given[0].pressure * KPA, 9), formats["pressure"])
+                sheet.write_number(
+                    last, column, round(float(say.convert(given[0].pressure * KPA, "pressure")), 9), formats["pressure"]
+                )
             else:
                 sheet.write_blank(last, column, None, formats["pressure"])
-            text = permissible_text(permitted(controller, cell)) or ""
+            text = permissible_text(permitted(controller, cell), say) or ""
             sheet.write_string(last, column + len(Engine), text, formats["origin"])
     sheet.freeze_panes(HEADER + 1, 2)
     sheet.data_validation(
@@ -87,9 +106,14 @@ def write_pressures(
             "validate": "decimal",
             "criteria": "between",
             "minimum": 0,
-            "maximum": _HIGHEST,
-            "error_title": "Not a pressure",
-            "error_message": "A number such as 412.5. Leave empty what was not measured.",
+            "maximum": float(say.convert(_HIGHEST, "pressure")),
+            "error_title": say.sentence(Sentence("Not a pressure")),
+            "error_message": say.sentence(
+                Sentence(
+                    "A number such as {example}. Leave empty what was not measured.",
+                    example=Quantity(412.5, "pressure", 1),
+                )
+            ),
         },
     )
     sheet.set_landscape()

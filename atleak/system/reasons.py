@@ -5,6 +5,7 @@ Both say it in English text alone. What is usual is known here; anything else st
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Mapping
 
@@ -44,6 +45,14 @@ _KNOWN = (
     Sentence("Invalid date or datetime"),
     Sentence("Invalid value"),
     Sentence("maximum recursion depth exceeded"),
+    # of a JSON file
+    Sentence("Expecting value"),
+    Sentence("Expecting property name enclosed in double quotes"),
+    Sentence("Expecting ',' delimiter"),
+    Sentence("Expecting ':' delimiter"),
+    Sentence("Extra data"),
+    Sentence("Unterminated string starting at"),
+    Sentence("Invalid control character at"),
 )
 _BY_TEXT = {str(reason): reason for reason in _KNOWN}
 _OF_ONE: Mapping[str, Callable[[str], Sentence]] = {  # of a TOML file too: what a single thing stands in
@@ -68,14 +77,22 @@ def reason_of(error: OSError) -> Sentence:
     return said if isinstance(said, Sentence) else _known(str(said))
 
 
-def toml_reason(error: Exception) -> Sentence:
-    """Return why a text is no TOML in UTF-8, as `tomllib` and `bytes.decode` say it.
+def text_reason(error: Exception) -> Sentence:
+    """Return why a text is no TOML or JSON in UTF-8, as `tomllib`, `json` and `bytes.decode` say it.
 
-    >>> toml_reason(ValueError("Invalid value (at line 1, column 5)"))
+    >>> text_reason(ValueError("Invalid value (at line 1, column 5)"))
     'Invalid value (at line 1, column 5)'
     """
     if isinstance(error, UnicodeDecodeError):
         return _undecoded(error)
+    if isinstance(error, json.JSONDecodeError):
+        return Sentence(
+            "{reason}: line {line} column {column} (char {position})",
+            reason=_known(error.msg),
+            line=error.lineno,
+            column=error.colno,
+            position=error.pos,
+        )
     text = str(error)
     at = _PLACE.fullmatch(text)
     if at is None or len(text) > _LONGEST:

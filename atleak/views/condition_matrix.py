@@ -11,9 +11,10 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import Rule
+from atleak.sentence import Name, Sentence
 from atleak.verdicts import Verdict
 
-ANOTHER_CIRCUIT = "another circuit"
+ANOTHER_CIRCUIT = Sentence("another circuit")
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class LandAtCondition:
     circuits: tuple[str | None, ...]
 
     @property
-    def elsewhere(self) -> str:
+    def elsewhere(self) -> Sentence:
         """Say into which circuits it leaks without drawing from the pump; an empty text where it does not."""
         return elsewhere(self.circuits)
 
@@ -64,12 +65,12 @@ class MatrixRow:
         return tuple(dict.fromkeys(circuit for cell in self.cells for circuit in cell.circuits))
 
     @property
-    def elsewhere(self) -> str:
+    def elsewhere(self) -> Sentence:
         """Say into which circuits it leaks at any condition without drawing from the pump; empty where it does not."""
         return elsewhere(self.circuits)
 
 
-def elsewhere(circuits: Iterable[str | None]) -> str:
+def elsewhere(circuits: Iterable[str | None]) -> Sentence:
     """Say that a land leaks into live circuits.
 
     >>> elsewhere(["p_m"])
@@ -77,8 +78,13 @@ def elsewhere(circuits: Iterable[str | None]) -> str:
     >>> elsewhere([])
     ''
     """
-    names = " and ".join(circuit or ANOTHER_CIRCUIT for circuit in circuits)
-    return f"leaks into {names}, not drawn from the pump" if names else ""
+    names = [Name(circuit) if circuit else ANOTHER_CIRCUIT for circuit in circuits]
+    if not names:
+        return Sentence("")
+    said: Sentence | Name = names[0]
+    for name in names[1:]:
+        said = Sentence("{first} and {second}", first=said, second=name)
+    return Sentence("leaks into {circuits}, not drawn from the pump", circuits=said)
 
 
 def condition_matrix(diagnosis: Diagnosis, projections: Sequence[Projection] | None = None) -> tuple[MatrixRow, ...]:

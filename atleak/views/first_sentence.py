@@ -39,7 +39,7 @@ def _parts(diagnosis: Diagnosis, say: Wording, named: Named) -> Iterator[str]:
     if diagnosis.without_sheet:
         yield say("findings.alone")
         return
-    yield from _lands(diagnosis, say)
+    yield lands_part(diagnosis, say)
     decided_by = diagnosis.decided_by
     if isinstance(decided_by, LandDiagnosis):
         rule = decided_by.deciding
@@ -52,22 +52,21 @@ def _parts(diagnosis: Diagnosis, say: Wording, named: Named) -> Iterator[str]:
         because = because_of(diagnosis, decided_by, say, named)
         yield because or say("diagnosis.by_rule", rule=rule_reached(decided_by, say, named))
     yield from _open(diagnosis, say)
-    yield _total(diagnosis, say, named)
+    yield total_part(diagnosis, say, named)
 
 
-def _lands(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
+def lands_part(diagnosis: Diagnosis, say: Wording) -> str:
     """Say how many of the measured lands are past a limit."""
     counts = {level: sum(land.verdict == level for land in diagnosis.lands) for level in reversed(FLAGGED)}
     flagged = [f"{count} {say.signed(level)}" for level, count in counts.items() if count]
     if flagged:
-        yield say("diagnosis.flagged", flagged=", ".join(flagged), measured=diagnosis.judged)
-    elif diagnosis.passed:
-        yield say("diagnosis.all_within", measured=diagnosis.judged)
-    elif diagnosis.judged:
-        yield say("diagnosis.none_past", measured=diagnosis.judged)
-    else:
-        none_counts = diagnosis.readings is not None and not diagnosis.readings.readings
-        yield say(f"diagnosis.nothing_{'counts' if none_counts else 'measured'}")
+        return say("diagnosis.flagged", flagged=", ".join(flagged), measured=diagnosis.judged)
+    if diagnosis.passed:
+        return say("diagnosis.all_within", measured=diagnosis.judged)
+    if diagnosis.judged:
+        return say("diagnosis.none_past", measured=diagnosis.judged)
+    none_counts = diagnosis.readings is not None and not diagnosis.readings.readings
+    return say(f"diagnosis.nothing_{'counts' if none_counts else 'measured'}")
 
 
 def _open(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
@@ -91,7 +90,7 @@ def _named(diagnosis: Diagnosis, lands: Iterable[LandDiagnosis], say: Wording) -
     return said if more <= 0 else say("diagnosis.and_more", named=said, count=more)
 
 
-def _total(diagnosis: Diagnosis, say: Wording, named: Named) -> str:
+def total_part(diagnosis: Diagnosis, say: Wording, named: Named) -> str:
     """Say what the unit leaks where that is worst, and which band that is."""
     worst = diagnosis.worst
     band, condition = diagnosis.band(worst), named(worst.condition)

@@ -10,6 +10,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.gauges.check import CheckedReading, PressureCheck
 from atleak.gauges.patterns import BELOW_LINE, Pattern
 from atleak.pressure_table import LINE, Cell, tap_name
+from atleak.sentence import Sentence
 from atleak.views.condition_record import finite, scaled, unit_rule_record
 from atleak.wording import Wording, wording
 from atleak.workshop_units import KPA, RPM
@@ -94,7 +95,7 @@ def _cell(cell: Cell) -> dict[str, Any]:
 
 
 def permissible_text(permissible: StandingPressure | None, say: Wording | None = None) -> str | None:
-    """Return what is permissible in kPa, in a language; None where nothing is stated.
+    """Return what is permissible in a reader's language and unit; None where nothing is stated.
 
     >>> permissible_text(StandingPressure(frozenset(), frozenset(), "idle", 412e3, None, ""))
     'from 412'
@@ -109,31 +110,39 @@ def permissible_text(permissible: StandingPressure | None, say: Wording | None =
 
 def _kpa(pressure: float, say: Wording) -> str:
     kpa = round(pressure * KPA, 1)
-    return say.number(kpa, 0 if kpa.is_integer() else 1)
+    return say.value(kpa, "pressure", 0 if kpa.is_integer() else 1)
 
 
 def tap_text(controller: Controller, tap: str, say: Wording) -> str:
-    """Return the name of a tap in a language; that of a circuit stands as its file says."""
-    return say("permissible.line") if tap == LINE else tap_name(controller, tap)
+    """Return the name of a tap in a language."""
+    return say("permissible.line") if tap == LINE else say.name(tap_name(controller, tap))
 
 
-def gauge_rows(check: PressureCheck) -> list[dict[str, Any]]:
-    """Return a row for every reading under headings for people, without its verdict; empty columns are left out."""
+def gauge_rows(check: PressureCheck, say: Wording | None = None) -> list[dict[str, Any]]:
+    """Return a row for every reading under headings for people, without its verdict; empty columns are left out.
+
+    Words are English unless those of another language are given; pressures are in kPa.
+    """
+    say = say or wording("en")
     circuits = any(each.cell.tap != LINE for each in check.readings)
     repeated = any(each.reading.repeat > 1 for each in check.readings)
     rows = [
         {
-            "Range": each.cell.range,
-            "State": each.cell.engine.label,
-            "Tap": each.tap_name if circuits else None,
-            "No.": each.reading.repeat if repeated else None,
-            "Gauge [kPa]": each.reading.pressure * KPA,
-            "Permitted [kPa]": permissible_text(each.permissible),
-            "Expected [kPa]": scaled(each.expected, KPA),
-            "Below line [kPa]": scaled(each.below_line, KPA),
-            "Decision": each.deciding.decision.replace("_", " ") if each.deciding else None,
+            Sentence("Range"): each.cell.range,
+            Sentence("State"): say.get("engine_states", each.cell.engine),
+            Sentence("Tap"): _tap(each, say) if circuits else None,
+            Sentence("No."): each.reading.repeat if repeated else None,
+            Sentence("Gauge [kPa]"): each.reading.pressure * KPA,
+            Sentence("Permitted [kPa]"): permissible_text(each.permissible, wording(say.language)),
+            Sentence("Expected [kPa]"): scaled(each.expected, KPA),
+            Sentence("Below line [kPa]"): scaled(each.below_line, KPA),
+            Sentence("Decision"): say.get("decisions", each.deciding.decision) if each.deciding else None,
         }
         for each in check.readings
     ]
     filled = [name for name in rows[0] if any(row[name] is not None for row in rows)] if rows else []
     return [{name: row[name] for name in filled} for row in rows]
+
+
+def _tap(each: CheckedReading, say: Wording) -> str:
+    return say("permissible.line") if each.cell.tap == LINE else say.name(each.tap_name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from atleak.diagnosis import Diagnosis
 from atleak.engine.profile import UNKNOWN, Profile
 from atleak.engine.projection import Projection
+from atleak.sentence import Sentence
 from atleak.workshop_units import PERCENT
 
 
@@ -18,8 +19,8 @@ def positions(diagnosis: Diagnosis, projection: Projection) -> str:
     return f"{spools_taken(diagnosis.profile)}, {low:.{digits}f} to {high:.{digits}f} % as they may lie"
 
 
-def spools_taken(profile: Profile) -> str:
-    """Say in English where a profile takes the spools to lie.
+def spools_taken(profile: Profile) -> Sentence:
+    """Say where a profile takes the spools to lie.
 
     >>> from atleak.engine.profile import WORKSHOP
     >>> spools_taken(WORKSHOP)
@@ -27,8 +28,10 @@ def spools_taken(profile: Profile) -> str:
     """
     eccentricity = profile.eccentricity
     if eccentricity == UNKNOWN:
-        return "mean over all positions of the spools"
-    return f"spools at e/c = {eccentricity:g}" if eccentricity else "spools concentric"
+        return Sentence("mean over all positions of the spools")
+    if eccentricity:
+        return Sentence("spools at e/c = {eccentricity:g}", eccentricity=eccentricity)
+    return Sentence("spools concentric")
 
 
 def position_band(diagnosis: Diagnosis, projection: Projection) -> tuple[float, float] | None:

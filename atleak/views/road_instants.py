@@ -9,6 +9,7 @@ from typing import Any
 
 from atleak.engine.extremes import Extremes, Instant
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.sentence import Sentence
 from atleak.uncertainty import UnitUncertainty
 from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
@@ -68,24 +69,32 @@ def instant_record(instant: Instant, uncertainty: UnitUncertainty | None) -> dic
 
 
 _HEADINGS = {
-    "time_s": "time [s]",
-    "leakage_dm3_min": "leakage [dm³/min]",
-    "leakage_low_dm3_min": "leakage from",
-    "leakage_high_dm3_min": "leakage to",
-    "pump_capacity_dm3_min": "pump capacity [dm³/min]",
-    "share_percent": "share [%]",
-    "share_low_percent": "share from",
-    "share_high_percent": "share to",
+    "time_s": Sentence("time [s]"),
+    "leakage_dm3_min": Sentence("leakage [dm³/min]"),
+    "leakage_low_dm3_min": Sentence("leakage from"),
+    "leakage_high_dm3_min": Sentence("leakage to"),
+    "pump_capacity_dm3_min": Sentence("pump capacity [dm³/min]"),
+    "share_percent": Sentence("share [%]"),
+    "share_low_percent": Sentence("share from"),
+    "share_high_percent": Sentence("share to"),
 }
 
 
-def instant_rows(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> list[dict[str, Any]]:
-    """Return one English row for every instant, in workshop units; columns without any value are left out."""
-    say, rows = wording("en"), road_instants(road)
+def instant_rows(
+    road: RoadLeakage, uncertainty: UnitUncertainty | None, say: Wording | None = None
+) -> list[dict[str, Any]]:
+    """Return one row for every instant, in workshop units; columns without any value are left out.
+
+    Parameters
+    ----------
+    say
+        the words of a language; English unless given.
+    """
+    say, rows = say or wording("en"), road_instants(road)
     records = [instant_record(row.instant, uncertainty) for row in rows]
     known = {name: heading for name, heading in _HEADINGS.items() if any(each[name] is not None for each in records)}
     return [
-        {"instant": row.label(say), **{heading: record[name] for name, heading in known.items()}}
+        {Sentence("instant"): row.label(say), **{heading: record[name] for name, heading in known.items()}}
         for row, record in zip(rows, records, strict=True)
     ]
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.sentence import Sentence
 from atleak.thinning import thinned
 from atleak.views.road_instants import RoadInstant, road_instants
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
@@ -17,7 +18,7 @@ class RoadSeries:
     """Columns of equal length by name, in workshop units; NaN where a sample is not usable."""
 
     columns: dict[str, np.ndarray]
-    labels: dict[str, tuple[str, str]]  # the same names → words and unit for people
+    labels: dict[str, tuple[Sentence, str]]  # the same names → words and unit for people
     samples: int  # of the log
     instants: tuple[RoadInstant, ...]
 
@@ -41,30 +42,32 @@ def road_series(road: RoadLeakage, points: int) -> RoadSeries:
     )
 
 
-def _columns(road: RoadLeakage) -> list[tuple[str, str, str, np.ndarray, float]]:
+def _columns(road: RoadLeakage) -> list[tuple[str, Sentence, str, np.ndarray, float]]:
     """Return name, words, unit, values in SI and the factor from SI to the unit."""
     columns = [
-        ("time_s", "time", "s", road.time, 1.0),
-        ("leakage_dm3_min", "leakage", "dm³/min", road.leakage, DM3_MIN),
+        ("time_s", Sentence("time"), "s", road.time, 1.0),
+        ("leakage_dm3_min", Sentence("leakage"), "dm³/min", road.leakage, DM3_MIN),
     ]
     share = road.share
     if road.pump_capacity is not None and share is not None:
-        columns.append(("pump_capacity_dm3_min", "pump capacity", "dm³/min", road.pump_capacity, DM3_MIN))
-        columns.append(("share_percent", "share", "%", share, PERCENT))
+        columns.append(("pump_capacity_dm3_min", Sentence("pump capacity"), "dm³/min", road.pump_capacity, DM3_MIN))
+        columns.append(("share_percent", Sentence("share"), "%", share, PERCENT))
     for section, flow in road.sections.items():
-        columns.append((f"leakage_{section}_dm3_min", f"leakage {section}", "dm³/min", flow, DM3_MIN))
+        columns.append(
+            (f"leakage_{section}_dm3_min", Sentence("leakage {section}", section=section), "dm³/min", flow, DM3_MIN)
+        )
     for circuit, pressure in road.circuits.items():
-        columns.append((f"{circuit}_kpa", f"{circuit}, computed", "kPa", pressure, KPA))
-    for quantity, name, label, unit, factor in (
-        ("main_pressure", "p_g_kpa", "p_g", "kPa", KPA),
-        ("converter_pressure", "p_k_kpa", "p_k", "kPa", KPA),
-        ("engine_speed", "engine_rpm", "engine", "1/min", RPM),
-        ("atf_temperature", "temperature_c", "temperature", "°C", 1.0),
-        ("gear", "gear", "gear", "", 1.0),
+        columns.append((f"{circuit}_kpa", Sentence("{circuit}, computed", circuit=circuit), "kPa", pressure, KPA))
+    for quantity, name, said, unit, factor in (
+        ("main_pressure", "p_g_kpa", Sentence("p_g"), "kPa", KPA),
+        ("converter_pressure", "p_k_kpa", Sentence("p_k"), "kPa", KPA),
+        ("engine_speed", "engine_rpm", Sentence("engine"), "1/min", RPM),
+        ("atf_temperature", "temperature_c", Sentence("temperature"), "°C", 1.0),
+        ("gear", "gear", Sentence("gear"), "", 1.0),
     ):
         values = road.road_test.values(quantity)
         if values is not None:
-            columns.append((name, label, unit, values, factor))
+            columns.append((name, said, unit, values, factor))
     return columns
 
 

@@ -173,7 +173,7 @@ def draw_faults(editing: Editing, found: Checked, say: Wording) -> None:
             with st.expander(head, expanded=len(lines) <= 5):
                 st.markdown("\n".join(f"- {line}" for line in [*lines[:_SHOWN], *more]))
         for note in found.notes:
-            st.caption(show.plain(say.sentence(note)))
+            st.caption(show.plain(note))
         if editing.unkept:
             st.caption(show.plain(say("typed_entries.unkept", why=editing.unkept)))
 
@@ -181,8 +181,7 @@ def draw_faults(editing: Editing, found: Checked, say: Wording) -> None:
 def _line(editing: Editing, sign: str, fault: Any, say: Wording) -> str:
     row = "" if fault.row is None else f", {say('typed_entries.in_row', number=fault.row)}"
     heading = "" if fault.heading is None else f", {editing.said(fault.heading, say)}"
-    text = f"{row}{heading}: {say.sentence(fault.text)}"
-    return f"{sign} **{editing.said(fault.table, say)}**{show.plain(text)}"
+    return f"{sign} **{editing.said(fault.table, say)}**{show.plain(row + heading)}: {show.plain(fault.text)}"
 
 
 # --- saving -------------------------------------------------------------------------------------------------------

@@ -53,9 +53,8 @@ def draw(editing: Editing, names: Iterable[str], found: Checked, aside: Collecti
 
 def _form(editing: Editing, sheet: Sheet, found: Checked, aside: Collection[str], say: Wording) -> None:
     """Draw a field for each line of a form, with what is wrong or in doubt beneath it."""
-    doubts, faults = found.doubted_in(sheet.name), found.of(sheet.name)
-    signs = {doubt.heading: f":orange[? {show.plain(say.sentence(doubt.text))}]" for doubt in doubts}
-    signs |= {fault.heading: f":red[✗ {show.plain(say.sentence(fault.text))}]" for fault in faults}
+    signs = {doubt.heading: f":orange[? {show.plain(doubt.text)}]" for doubt in found.doubted_in(sheet.name)}
+    signs |= {fault.heading: f":red[✗ {show.plain(fault.text)}]" for fault in found.of(sheet.name)}
     groups = _together(sheet.columns)
     _fields(editing, sheet, [group for group in groups if not _is_aside(group, aside)], signs, say)
     others = [group for group in groups if _is_aside(group, aside)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import streamlit as st
 from atleak.diagnosis import Diagnosis
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import to_json
-from pages.shared import show
+from pages.shared import reader, show
 from pages.shared.cases import PageCase
 from pages.shared.state import job
 
@@ -18,11 +19,13 @@ from pages.shared.state import job
 def take_along(case: PageCase, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """Offer JSON and workbook, and show the basis of the result."""
     st.subheader("Take it along")
-    with st.container(horizontal=True):
+    language, units = reader.pick_language(st.container(), "workbook-language"), reader.say().units
+    with st.container(horizontal=True, vertical_alignment="bottom"):
         source = case.readings or case.road_test
         name = named("diagnosis", job().number or (Path(source.name).stem if source else diagnosis.controller.id))
         st.download_button("JSON", lambda: to_json(record), f"{name}.json", on_click="ignore")
-        st.download_button("Excel workbook", lambda: write_workbook(diagnosis), f"{name}.xlsx", on_click="ignore")
+        workbook = partial(write_workbook, diagnosis, language=language, units=units)
+        st.download_button("Excel workbook", workbook, f"{name}.xlsx", on_click="ignore")
     show.basis(diagnosis, record)
 
 

@@ -10,6 +10,7 @@ from atleak.catalogue.controller_reading import checked_controller
 from atleak.errors import CatalogueError
 from atleak.intake.controller_workbook import read_controller_workbook
 from atleak.report.controller_workbook import write_controller_workbook
+from atleak.system.reasons import text_reason
 from atleak.views.controller_form import CONTROLLER
 from atleak.views.entry_form import Checked, draft_of
 from atleak.views.evidence_rows import evidence_counts, open_values
@@ -79,7 +80,8 @@ def _read_file(name: str, content: bytes) -> None:
             checked_controller(data, name)
             draft = draft_of(CONTROLLER, data)
     except (CatalogueError, ValueError, RecursionError) as error:
-        st.error(f"**{reader.say()('transmission.not_taken', name=show.plain(name))}** {show.plain(error)}")
+        why = error if isinstance(error, CatalogueError) else text_reason(error)
+        st.error(f"**{reader.say()('transmission.not_taken', name=show.plain(name))}** {show.plain(why)}")
         return
     DESK.take(draft)
     st.rerun()

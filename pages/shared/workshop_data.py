@@ -12,6 +12,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.errors import AtleakError, CatalogueError, OutputError
 from atleak.figures.fluid_figures import viscosity_curve
 from atleak.job.case import SLOTS, Slot, SourceFile
+from atleak.system.reasons import text_reason
 from atleak.views.entry_form import Checked, draft_of
 from atleak.views.workshop_data import SUBJECTS
 from atleak.wording import Wording
@@ -128,7 +129,8 @@ def _read(desk: Desk, name: str, content: bytes, say: Wording) -> None:
         data = tomllib.loads(content.decode("utf-8-sig"))
         desk.subject.load(data)
     except (CatalogueError, ValueError, RecursionError) as error:
-        st.error(f"**{show.plain(say('workshop_data.not_taken', file=name))}** {show.plain(error)}")
+        why = error if isinstance(error, CatalogueError) else text_reason(error)
+        st.error(f"**{show.plain(say('workshop_data.not_taken', file=name))}** {show.plain(why)}")
         return
     desk.take(draft_of(desk.subject, data))
     st.rerun()

@@ -16,6 +16,7 @@ from atleak.intake.plain_words import words
 from atleak.intake.sheets.sheet import Cell as SheetCell
 from atleak.intake.units import Unit, find_unit
 from atleak.pressure_table import LINE, Engine
+from atleak.wording import languages, wording
 from atleak.written_numbers import decimal_number
 
 ColumnKind = Literal["range", "engine", "tap", "temperature", "engine_speed", "repeat", "unit", "aside", "value"]
@@ -105,7 +106,8 @@ class Words:
         """Return the words for a controller."""
         taps: dict[Tokens, str] = dict.fromkeys(_phrases("line"), LINE)
         for circuit in controller.circuits:
-            taps |= {tuple(words(name).split()): circuit.id for name in (circuit.name, circuit.id)}
+            named = (circuit.id, *(wording(language).name(circuit.name) for language in languages()))
+            taps |= {tuple(words(name).split()): circuit.id for name in named}
         return cls(taps, (LINE, *(circuit.id for circuit in controller.circuits)))
 
     def said_by(self, cell: SheetCell, kind: str) -> Said | None:

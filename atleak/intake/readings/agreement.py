@@ -37,7 +37,9 @@ _ROUNDED = 1.5e-6  # [m] by which a clearance or mean of rounded diameters may d
 _SHOWN = 5  # rows that are named one by one
 _PAIRS = 400  # at most so many pairs of diameters are compared with a clearance
 _UNITS = ("mm", "µm", "inch")  # that a clearance without a unit may be in
-_CONTROLLER = re.compile(r"\bcontroller\b[\s:=]*([A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+)?", re.IGNORECASE)
+_CONTROLLER = re.compile(
+    r"\b(?:controller|schieberkasten|sterownik)\b[\s:=]*([A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+)?", re.IGNORECASE
+)
 _ID = re.compile(r"[A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+")
 
 
@@ -287,11 +289,11 @@ def other_controller(
     mine = {plain(name) for name in (controller.id, controller.name, made_for) if name is not None}
     for row in range(max(header.first, 0)):
         for index, cell in enumerate(sheet.rows[row]):
-            if not isinstance(cell, str) or not letters(cell) or "controller" not in plain(cell):
+            match = _CONTROLLER.search(cell) if isinstance(cell, str) else None
+            if not isinstance(cell, str) or match is None:
                 continue
-            match = _CONTROLLER.search(cell)
-            named = match[1] if match else None
-            if match and named is None and not cell[match.end() :].strip(" .:"):
+            named = match[1]
+            if named is None and not cell[match.end() :].strip(" .:"):
                 beside = text_of(sheet.cell(row, index + 1))
                 named = beside if _ID.fullmatch(beside) else None
             if named is None or plain(named) in mine or (plain(named) not in known and "_" not in named):

@@ -9,6 +9,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 from atleak.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
@@ -21,6 +22,7 @@ from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import NOMINAL_HEADING, REPEAT_TOLERANCE
 from atleak.sentence import Sentence, any_of
+from atleak.wording import languages, wording
 
 _WHY: dict[Role, Sentence] = {
     "specification": Sentence("what the diameter should be or was, not what was measured"),
@@ -173,7 +175,7 @@ class Account:
 
     def _is_of_controller(self, rows: Rows, index: int) -> bool:
         """Return whether this is the form's own column of nominal diameters, unchanged since it was written."""
-        if rows.table.heading(index) != " ".join(NOMINAL_HEADING.split()):
+        if rows.table.heading(index).partition(" [")[0] not in _nominal_headings():
             return False
         units = _units(rows.table, index) or self._units
         return all(
@@ -445,3 +447,9 @@ def _without_headings(sheet: Sheet, row: int, column: int) -> ReadingsError:
         value=sheet.cell(row, column),
         expected=Sentence("the row in the table, in the same columns, or headings above it"),
     )
+
+
+@cache
+def _nominal_headings() -> frozenset[str]:
+    """Return the heading of the form's own column of nominal diameters in every language, without its unit."""
+    return frozenset(" ".join(wording(each).sentence(NOMINAL_HEADING).split()) for each in languages())

@@ -10,6 +10,7 @@ from pathlib import Path
 from atleak.errors import Place, ReadingsError
 from atleak.intake.sheets.sheet import Sheet
 from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 
 WANTED = Sentence("a measuring sheet as .xlsx workbook or .csv text")
 
@@ -45,7 +46,7 @@ def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str
     try:
         return path.read_bytes(), name or path.name
     except OSError as error:
-        problem = Sentence("cannot be read ({reason})", reason=error.strerror)
+        problem = Sentence("cannot be read ({reason})", reason=reason_of(error))
         if isinstance(error, FileNotFoundError):
             problem = Sentence("no such file")
         raise ReadingsError(problem, place=Place(str(path)), expected=WANTED) from None

@@ -8,7 +8,7 @@ from typing import Any
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
-from atleak.errors import unknown
+from atleak.errors import Message, unknown
 from atleak.job.record import RepairDecision
 from atleak.report.estimate_words import open_words
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
@@ -414,16 +414,20 @@ class Body:
         yield {"kind": "list", "items": items or [say("texts.none_assumed")]}
 
     def _messages(self, charts: dict[str, str]) -> Iterable[Block]:
-        if self.diagnosis.messages and self.say("texts.messages_language"):
-            yield text(self.say("texts.messages_language"), small=True)
         items = [
-            f"{message.text} ({message.place})" if message.place and str(message.place) else message.text
+            self._said(message)
             for level in ("warning", "info")
             for message in self.diagnosis.messages
             if message.level == level and message.code not in _SAID_ELSEWHERE
         ]
         if items:
-            yield {"kind": "list", "items": items, "lang": "en"}
+            yield {"kind": "list", "items": items}
+
+    def _said(self, message: Message) -> str:
+        """Return a message, with its place where it has one."""
+        said = self.say.sentence(message.text)
+        place = self.say.sentence(message.place.sentence) if message.place else ""
+        return f"{said} ({place})" if place else said
 
     def _method(self, charts: dict[str, str]) -> Iterable[Block]:
         say, profile, diagnosis = self.say, self.diagnosis.profile, self.diagnosis

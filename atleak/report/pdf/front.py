@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
-from atleak.catalogue.limits import RuleKind
 from atleak.engine.profile import UNKNOWN
 from atleak.engine.projection import Projection
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.rules import Rule
 from atleak.verdicts import Verdict
 from atleak.views.caveats import caveat_marks, caveats
+from atleak.views.first_sentence import first_sentence
 from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import position_band
 from atleak.views.pressures import lowest_first, pressures_at
 from atleak.views.pump_words import pump_sentence
 from atleak.views.sentences import (
-    because_of,
     circuit_sentence,
     counted_in_speed,
     pressure_sentence,
@@ -77,39 +75,12 @@ class Front:
     def _sentence(self) -> str:
         """Return what the verdict is and what gave it."""
         diagnosis, say = self.diagnosis, self.say
-        decided_by, at = diagnosis.decided_by, diagnosis.worst
         verdict = say.level(diagnosis.verdict).capitalize()
         finding = measured_sentence(diagnosis, say)
         if finding is not None:
-            by = "of_log" if decided_by is None else "by_pressure"
+            by = "of_log" if diagnosis.decided_by is None else "by_pressure"
             return say(f"findings.{by}", verdict=verdict, finding=finding)
-        condition = self.names.condition(at.condition)
-        band = diagnosis.band(at)
-        if at.pump_capacity <= 0.0:
-            total = say("sentences.no_delivery", condition=condition)
-        elif band is None:
-            total = say("sentences.total_new", condition=condition, share=say.percent(at.share))
-        else:
-            total = say("sentences.total", condition=condition, share=say.percent(at.share), band=say.level(band))
-        key, because = diagnosis.verdict.value, ""
-        if isinstance(decided_by, Rule):
-            of_total = decided_by.kind is RuleKind.TOTAL_SHARE
-            key, because = ("by_total", "") if of_total else ("by_pressure", self._because(decided_by))
-        return say(
-            f"sentences.{key}",
-            verdict=verdict,
-            total=total,
-            because=because,
-            flagged=len(diagnosis.flagged),
-            repair=sum(land.verdict.calls_for_repair for land in diagnosis.lands),
-            watch=sum(land.verdict.flagged and not land.verdict.calls_for_repair for land in diagnosis.lands),
-            measured=diagnosis.judged,
-        )
-
-    def _because(self, rule: Rule) -> str:
-        """Return which pressure or reserve gave the verdict, with its numbers and the lands to look at."""
-        because = because_of(self.diagnosis, rule, self.say, self.names.condition)
-        return because or self.say("sentences.because", rule=self.names.reached(rule))
+        return f"{verdict}: {first_sentence(diagnosis, say, self.names.condition)}"
 
     def _without_sheet(self) -> list[str]:
         """Return that no land was measured, and where the limits of the log are from."""
@@ -122,9 +93,7 @@ class Front:
     def _more(self) -> list[str]:
         """Return what else is to be said of the lands and the totals."""
         diagnosis, say = self.diagnosis, self.say
-        decided_by, at, more = diagnosis.decided_by, diagnosis.worst, []
-        if decided_by is not None and not isinstance(decided_by, Rule):
-            more.append(say("sentences.decided_by", land=self.names.land_name(decided_by)))
+        at, more = diagnosis.worst, []
         tight = readings_in_doubt(diagnosis, say)
         if tight is not None:
             more.append(tight)
@@ -135,9 +104,6 @@ class Front:
         if measured is not None:
             more.append(measured)
         more += self._pressures()
-        missing = len(diagnosis.lands) - diagnosis.measured
-        if missing and diagnosis.judged:
-            more.append(say("sentences.unmeasured", unmeasured=missing, lands=len(diagnosis.lands)))
         return more
 
     def _pressures(self) -> list[str]:

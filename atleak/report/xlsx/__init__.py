@@ -15,16 +15,23 @@ from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.xlsx.book import Book
+from atleak.report.xlsx.circuits_sheet import CIRCUITS
+from atleak.report.xlsx.conditions_sheet import CONDITIONS
 from atleak.report.xlsx.estimate_sheet import SHEET as ESTIMATE
 from atleak.report.xlsx.estimate_sheet import write_estimate
 from atleak.report.xlsx.gauges_sheet import SHEET as GAUGES
 from atleak.report.xlsx.gauges_sheet import write_gauges
-from atleak.report.xlsx.live import LiveSheets
-from atleak.report.xlsx.road_sheet import RoadSheets
+from atleak.report.xlsx.limit_cells import LIMITS
+from atleak.report.xlsx.live import LANDS, LiveSheets
+from atleak.report.xlsx.readings_sheets import DIRECTIONS, READINGS
+from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets
+from atleak.report.xlsx.rules_sheet import RULES
 from atleak.report.xlsx.sheets import Sheets
+from atleak.sentence import Sentence
 from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
+from atleak.wording import wording
 
 __all__ = ["write_workbook"]
 
@@ -32,7 +39,14 @@ _UNDATED = dt.datetime(2000, 1, 1)  # of a job without a date: the same job give
 _OPTIONS = {"in_memory": True, "strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
 
 
-def write_workbook(diagnosis: Diagnosis, job: Job | None = None, *, paper: str = DEFAULT_PAPER) -> bytes:
+def write_workbook(
+    diagnosis: Diagnosis,
+    job: Job | None = None,
+    *,
+    language: str = "en",
+    units: str = "metric",
+    paper: str = DEFAULT_PAPER,
+) -> bytes:
     """Return the bytes of the workbook.
 
     Parameters
@@ -41,23 +55,33 @@ def write_workbook(diagnosis: Diagnosis, job: Job | None = None, *, paper: str =
         the frozen result; nothing is computed from it that it does not hold.
     job
         what the workshop wrote down; what is not filled in is left out.
+    language
+        one of `atleak.wording.languages`.
+    units
+        one of `atleak.unit_systems.SYSTEMS`, of what is said in sentences. Columns keep the units of their formulas,
+        which their headings name.
     paper
         one of `atleak.paper.PAPERS`, for printing.
 
     Raises
     ------
     InputError
-        if there is no such paper.
+        if there is no such paper, language or system of units.
     """
-    job, size = job or Job(), find_paper(paper)
+    job, size, say = job or Job(), find_paper(paper), wording(language, units)
     target = io.BytesIO()
     with xlsxwriter.Workbook(target, _OPTIONS) as workbook:
         created = dt.datetime.combine(job.date, dt.time()) if job.date else _UNDATED
         workbook.set_properties(
-            {"title": "Valve body leakage", "author": "", "comments": f"atleak {__version__}", "created": created}
+            {
+                "title": say.sentence(Sentence("Valve body leakage")),
+                "author": "",
+                "comments": f"atleak {__version__}",
+                "created": created,
+            }
         )
         workbook.set_custom_property(PROPERTY, unsealed("report workbook"))
-        _write(Book(workbook, size), diagnosis, job)
+        _write(Book(workbook, size, say), diagnosis, job)
     return sealed(target.getvalue())
 
 
@@ -65,7 +89,7 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     record = diagnosis_record(diagnosis)
     live = LiveSheets(book, diagnosis, record)
     rest = Sheets(book, diagnosis, record, job, live)
-    summary = book.sheet("Summary")
+    summary = book.sheet(Sentence("Summary"))
     rest.write_summary(summary)
     if not diagnosis.without_sheet:
         _write_unit(book, diagnosis, live, rest)
@@ -73,30 +97,30 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
         write_gauges(book, book.sheet(GAUGES, frozen=(1, 2)), diagnosis)
     if diagnosis.log is not None:
         road = RoadSheets(book, diagnosis, diagnosis.log)
-        road.write(book.sheet("Road test"))
-        road.write_events(book.sheet("Road test events", frozen=(1, 0)))
+        road.write(book.sheet(ROAD_TEST))
+        road.write_events(book.sheet(ROAD_EVENTS, frozen=(1, 0)))
     if not diagnosis.without_sheet:
-        live.write_conditions(book.sheet("Conditions", frozen=(1, 2)))
-        live.write_limits(book.sheet("Limits", frozen=(1, 1)))
+        live.write_conditions(book.sheet(CONDITIONS, frozen=(1, 2)))
+        live.write_limits(book.sheet(LIMITS, frozen=(1, 1)))
     if job.estimated and not diagnosis.without_sheet:
         write_estimate(book, book.sheet(ESTIMATE, frozen=(1, 1)), diagnosis, job)
     if not job.empty:
-        rest.write_job(book.sheet("Job", landscape=False))
-    rest.write_messages(book.sheet("Messages", frozen=(1, 0)))
-    rest.write_provenance(book.sheet("Provenance", landscape=False))
+        rest.write_job(book.sheet(Sentence("Job"), landscape=False))
+    rest.write_messages(book.sheet(Sentence("Messages"), frozen=(1, 0)))
+    rest.write_provenance(book.sheet(Sentence("Provenance"), landscape=False))
     summary.activate()
 
 
 def _write_unit(book: Book, diagnosis: Diagnosis, live: LiveSheets, rest: Sheets) -> None:
     """Write the sheets on the lands: a road test alone has none."""
-    live.write_lands(book.sheet("Lands", frozen=(1, 3)))
-    rest.write_matrix(book.sheet("Land by condition", frozen=(1, 3)))
+    live.write_lands(book.sheet(LANDS, frozen=(1, 3)))
+    rest.write_matrix(book.sheet(Sentence("Land by condition"), frozen=(1, 3)))
     for at in live.conditions:
         live.write_gaps(book.sheet(at.sheet, frozen=(1, 2)), at)
     if live.circuits.lines:
-        live.write_circuits(book.sheet("Circuits", frozen=(1, 3)))
-    live.write_rules(book.sheet("Rules", frozen=(1, 3)))
+        live.write_circuits(book.sheet(CIRCUITS, frozen=(1, 3)))
+    live.write_rules(book.sheet(RULES, frozen=(1, 3)))
     if diagnosis.readings:
-        live.write_readings(book.sheet("Readings", frozen=(1, 2)))
+        live.write_readings(book.sheet(READINGS, frozen=(1, 2)))
     if live.directions.lines:
-        live.write_directions(book.sheet("Directions", frozen=(1, 2)))
+        live.write_directions(book.sheet(DIRECTIONS, frozen=(1, 2)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import xlsxwriter
@@ -14,12 +14,13 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.job.record import clean_text
 from atleak.look import HEADING, LOOKS, look_of
 from atleak.paper import Paper
+from atleak.sentence import Name, Sentence
 from atleak.verdicts import Band, Verdict
-from atleak.wording import wording
+from atleak.wording import Wording
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
-
+_NOTHING, _DEMAND = Sentence("pump delivers nothing"), Sentence("demand")
 
 NUMBER_FORMATS = {
     "mm": "0.0000",
@@ -27,8 +28,8 @@ NUMBER_FORMATS = {
     "kpa": "0.0",
     "flow": "0.0000",
     "mm3": "0.000",
-    "percent": f'[>={NO_DELIVERY / 10:.0E}]"pump delivers nothing";[<0]-0.00;0.00',  # a negative keeps its sign
-    "share": f'[>={NO_DELIVERY / 10:.0E}]"pump delivers nothing";[>100]0.00" demand";0.00',  # never below 0
+    "percent": f'[>={NO_DELIVERY / 10:.0E}]"{_NOTHING}";[<0]-0.00;0.00',  # a negative keeps its sign
+    "share": f'[>={NO_DELIVERY / 10:.0E}]"{_NOTHING}";[>100]0.00" {_DEMAND}";0.00',  # never below 0
     "reserve": "0.000",
     "temperature": "0.0",
     "rpm": "0",
@@ -42,16 +43,18 @@ NUMBER_FORMATS = {
 
 
 class Book:
-    """The workbook with its formats; text is always written as text."""
+    """The workbook with its formats, in a reader's language; text is always written as text."""
 
-    def __init__(self, workbook: xlsxwriter.Workbook, paper: Paper) -> None:
-        self.workbook, self.paper = workbook, paper
+    def __init__(self, workbook: xlsxwriter.Workbook, paper: Paper, say: Wording) -> None:
+        self.workbook, self.paper, self.say = workbook, paper, say
         self._formats: dict[tuple[tuple[str, Any], ...], Format] = {}
-        self.sheets: dict[str, Worksheet] = {}
 
     def form(self, number: str = "plain", **properties: Any) -> Format:
         """Return the format for a kind of number; each is made once."""
-        wanted = {"num_format": NUMBER_FORMATS[number], "valign": "top", **properties}
+        said = NUMBER_FORMATS[number]
+        for words in (_NOTHING, _DEMAND):
+            said = said.replace(words, self.say.sentence(words))
+        wanted = {"num_format": said, "valign": "top", **properties}
         key = tuple(sorted(wanted.items()))
         if key not in self._formats:
             self._formats[key] = self.workbook.add_format(wanted)
@@ -75,8 +78,7 @@ class Book:
 
     def sheet(self, name: str, *, frozen: tuple[int, int] = (0, 0), landscape: bool = True) -> Worksheet:
         """Add a sheet, ready to print: one page wide, headings repeated, page numbers."""
-        sheet = self.workbook.add_worksheet(name)
-        self.sheets[name] = sheet
+        sheet = self.workbook.add_worksheet(self.words(name))
         sheet.set_paper(self.paper.excel)
         if landscape:
             sheet.set_landscape()
@@ -92,7 +94,7 @@ class Book:
         """Write a row of headings, high enough for so many lines."""
         sheet.set_row(row, 15.0 * lines)
         for column, name in enumerate(names):
-            sheet.write_string(row, column, name, self.heading)
+            sheet.write_string(row, column, self.words(name), self.heading)
 
     def pairs(self, sheet: Worksheet, row: int, pairs: Iterable[tuple[str, Any]], width: int | None = None) -> int:
         """Write names and values below one another, without unknown and empty values; return the next free row.
@@ -102,16 +104,16 @@ class Book:
         for name, value in pairs:
             if value is None or value in ("", [], ()):
                 continue
-            sheet.write_string(row, 0, clean_text(name), self.bold)
+            sheet.write_string(row, 0, clean_text(self.words(name)), self.bold)
             if isinstance(value, str):
-                row = put_text(sheet, row, 1, value, self.form() if width is None else self.wrapped, width)
+                row = self.put_text(sheet, row, 1, value, self.form() if width is None else self.wrapped, width)
             else:
-                put(sheet, row, 1, value, self.form(align="left"))
+                self.put(sheet, row, 1, value, self.form(align="left"))
             row += 1
         return row
 
     def records(
-        self, sheet: Worksheet, row: int, records: Sequence[dict[str, Any]], kinds: dict[str, str] | None = None
+        self, sheet: Worksheet, row: int, records: Sequence[Mapping[Any, Any]], kinds: Mapping[str, str] | None = None
     ) -> int:
         """Write a heading row and a row per record, numbers formatted by ``kinds``; return the next free row."""
         if not records:
@@ -120,7 +122,9 @@ class Book:
         self.headings(sheet, row, names)
         for line, record in enumerate(records, start=row + 1):
             for column, name in enumerate(names):
-                put(sheet, line, column, record.get(name), self.form((kinds or {}).get(name, "plain"), align="left"))
+                self.put(
+                    sheet, line, column, record.get(name), self.form((kinds or {}).get(name, "plain"), align="left")
+                )
         return row + len(records) + 1
 
     def colour_words(
@@ -134,41 +138,45 @@ class Book:
             form = self.workbook.add_format(
                 {"bg_color": look.tint, "font_color": look.on_tint, "bold": look is not LOOKS[Verdict.OK]}
             )
-            rule = {"type": "text", "criteria": "ends with", "value": wording("en").level(level), "format": form}
+            rule = {"type": "text", "criteria": "ends with", "value": self.say.level(level), "format": form}
             sheet.conditional_format(*first, *last, rule)
 
+    def words(self, value: Any) -> str:
+        """Return a text as its cell shows it: sentences and names of valves, circuits … in the reader's language."""
+        if isinstance(value, Sentence):
+            return self.say.sentence(value)
+        return self.say.name(value) if isinstance(value, Name) else str(value)
 
-def put(sheet: Worksheet, row: int, column: int, value: Any, form: Format | None = None) -> None:
-    """Write a value in a cell: numbers as numbers, everything else as text, an unknown value as an empty cell."""
-    if isinstance(value, bool):
-        sheet.write_string(row, column, "yes" if value else "no", form)
-    elif isinstance(value, int | float):
-        if math.isfinite(value):
-            sheet.write_number(row, column, value, form)
-        elif value > 0.0:
-            sheet.write_number(row, column, NO_DELIVERY, form)
-    elif isinstance(value, list | tuple):
-        put(sheet, row, column, ", ".join(map(str, value)), form)
-    elif value is not None:
-        sheet.write_string(row, column, clean_text(str(value))[:CELL_LIMIT], form)
+    def put(self, sheet: Worksheet, row: int, column: int, value: Any, form: Format | None = None) -> None:
+        """Write a value in a cell: numbers as numbers, everything else as text, an unknown value as an empty cell."""
+        if isinstance(value, bool):
+            sheet.write_string(row, column, self.say("estimate.yes" if value else "estimate.no"), form)
+        elif isinstance(value, int | float):
+            if math.isfinite(value):
+                sheet.write_number(row, column, value, form)
+            elif value > 0.0:
+                sheet.write_number(row, column, NO_DELIVERY, form)
+        elif isinstance(value, list | tuple):
+            self.put(sheet, row, column, ", ".join(map(self.words, value)), form)
+        elif value is not None:
+            sheet.write_string(row, column, clean_text(self.words(value))[:CELL_LIMIT], form)
 
+    def put_text(
+        self, sheet: Worksheet, row: int, column: int, text: str, form: Format | None = None, width: int | None = None
+    ) -> int:
+        """Write text of any length, continued below where one cell cannot hold it; return the last row used.
 
-def put_text(
-    sheet: Worksheet, row: int, column: int, text: str, form: Format | None = None, width: int | None = None
-) -> int:
-    """Write text of any length, continued in the cells below where one cell cannot hold it; return the last row used.
-
-    With a ``width`` in characters the row is made as high as the wrapped text needs.
-    """
-    text = clean_text(text)
-    parts = [text[start : start + CELL_LIMIT] for start in range(0, len(text), CELL_LIMIT)] or [""]
-    for line, part in enumerate(parts):
-        sheet.write_string(row + line, column, part, form)
-        if width is not None:
-            lines = sum(1 + len(each) // width for each in part.split("\n"))
-            if lines > 1:
-                sheet.set_row(row + line, min(15.0 * lines, 409.0))
-    return row + len(parts) - 1
+        With a ``width`` in characters the row is made as high as the wrapped text needs.
+        """
+        text = clean_text(self.words(text))
+        parts = [text[start : start + CELL_LIMIT] for start in range(0, len(text), CELL_LIMIT)] or [""]
+        for line, part in enumerate(parts):
+            sheet.write_string(row + line, column, part, form)
+            if width is not None:
+                lines = sum(1 + len(each) // width for each in part.split("\n"))
+                if lines > 1:
+                    sheet.set_row(row + line, min(15.0 * lines, 409.0))
+        return row + len(parts) - 1
 
 
 def formula(sheet: Worksheet, row: int, column: int, text: str, value: float | str, form: Format | None = None) -> None:
@@ -192,7 +200,7 @@ def span(first: int, last: int, column: int, sheet: str | None = None) -> str:
 
 
 def quoted(sheet: str) -> str:
-    return f"'{sheet}'" if not sheet.isidentifier() else sheet
+    return f"'{sheet}'" if not (sheet.isascii() and sheet.isidentifier()) else sheet
 
 
 def exact(value: float) -> str:

@@ -11,51 +11,51 @@ from atleak.diagnosis import Diagnosis
 from atleak.job.estimate import estimate
 from atleak.job.record import Job
 from atleak.report.estimate_words import EstimateWords
-from atleak.report.xlsx.book import Book, put
-from atleak.wording import wording
+from atleak.report.xlsx.book import Book
+from atleak.sentence import Sentence
 
-SHEET = "Estimate"
+SHEET = Sentence("Estimate")
 _WIDTHS = (30, 34, 18, 12, 10, 12, 12, 14, 30, 60)
 
 
 def write_estimate(book: Book, sheet: Worksheet, diagnosis: Diagnosis, job: Job) -> None:
     """Write lines and sums as numbers, rounded as in the printed estimate."""
-    words = EstimateWords(estimate(diagnosis, job), wording("en"))
+    words = EstimateWords(estimate(diagnosis, job), book.say, book.say.condition)
     for column, width in enumerate(_WIDTHS):
         sheet.set_column(column, column, width)
     currency = words.estimate.currency
-    lines: list[dict[str, Any]] = [
+    lines: list[dict[Sentence, Any]] = [
         {
-            "pair": words.pair(line),
-            "work": words.work(line),
-            "part no.": line.decision.part_number,
-            "price": _number(line.part),
-            "hours": line.hours,
-            "labour": _number(line.work),
-            "currency": currency,
-            "state": words.state(line),
-            "reason": line.decision.reason,
-            "without it": words.lacks(line),
+            Sentence("pair"): words.pair(line),
+            Sentence("work"): words.work(line),
+            Sentence("part no."): line.decision.part_number,
+            Sentence("price"): _number(line.part),
+            Sentence("hours"): line.hours,
+            Sentence("labour"): _number(line.work),
+            Sentence("currency"): currency,
+            Sentence("state"): words.state(line),
+            Sentence("reason"): line.decision.reason,
+            Sentence("without it"): words.lacks(line),
         }
         for line in words.estimate.lines
     ]
     row = book.records(sheet, 0, lines) + 1
-    sums: list[dict[str, Any]] = [
+    sums: list[dict[Sentence, Any]] = [
         {
-            "state": name,
-            "parts": _number(each.parts),
-            "labour": _number(each.work),
-            "net": _number(each.net),
-            "tax": _number(each.tax),
-            "total": _number(each.gross),
-            "currency": currency,
-            "complete": each.complete,
+            Sentence("state"): name,
+            Sentence("parts"): _number(each.parts),
+            Sentence("labour"): _number(each.work),
+            Sentence("net"): _number(each.net),
+            Sentence("tax"): _number(each.tax),
+            Sentence("total"): _number(each.gross),
+            Sentence("currency"): currency,
+            Sentence("complete"): each.complete,
         }
         for name, each in words.sums
     ]
     row = book.records(sheet, row, sums) + 1
     for sentence in (*words.chosen_by(), *words.missing(), *words.ends(), words.rounding()):
-        put(sheet, row, 0, sentence)
+        book.put(sheet, row, 0, sentence)
         row += 1
 
 

@@ -23,10 +23,10 @@ from atleak.report.xlsx.live_cells import (
     drop_between,
     warm_clearance,
 )
+from atleak.sentence import Sentence
 from atleak.views.condition_matrix import ANOTHER_CIRCUIT
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, MM3_S, UM
 
-DRAWN = "yes"  # of a gap that counts in what is drawn from the pump
 CONCENTRIC = "1"  # formula of the factor of a concentric spool
 
 
@@ -44,11 +44,12 @@ class GapRow:
 
 @dataclass(frozen=True)
 class GapColumn:
-    """A column of the sheets of gaps; ``{spools}`` in its heading says where the spools are taken to lie."""
+    """A column of the sheets of gaps; behind some headings is said where the spools are taken to lie."""
 
     key: str
-    heading: str
+    heading: Sentence
     cell: Callable[[GapRow], Cell]
+    says_spools: bool = False
 
 
 def _drop(row: GapRow) -> Cell:
@@ -110,8 +111,9 @@ def _flow(row: GapRow, factor: str, prefix: str = "") -> str:
 
 def _drawn(row: GapRow) -> Cell:
     if row.leak.drawn_from_pump:
-        return Cell("plain", DRAWN, look=AFTER_A_NUMBER)
-    return Cell("plain", f"no, it leaks into {row.leak.gap.low.section or ANOTHER_CIRCUIT}", look=AFTER_A_NUMBER)
+        return Cell("plain", True, look=AFTER_A_NUMBER)
+    section = row.leak.gap.low.section or ANOTHER_CIRCUIT
+    return Cell("plain", Sentence("no, it leaks into {section}", section=section), look=AFTER_A_NUMBER)
 
 
 def _reynolds(row: GapRow) -> Cell:
@@ -121,7 +123,7 @@ def _reynolds(row: GapRow) -> Cell:
 
 
 def _published(row: GapRow) -> Cell:
-    return Cell("plain", "yes" if row.leak.gap.published else "no", look=AFTER_A_NUMBER)
+    return Cell("plain", row.leak.gap.published, look=AFTER_A_NUMBER)
 
 
 def _text(value: Callable[[Gap], Any]) -> Callable[[GapRow], Cell]:
@@ -129,54 +131,60 @@ def _text(value: Callable[[Gap], Any]) -> Callable[[GapRow], Cell]:
 
 
 GAP_COLUMNS = (
-    GapColumn("component", "component", _text(lambda gap: gap.component)),
-    GapColumn("land", "land", _text(lambda gap: gap.land)),
-    GapColumn("section", "section", _text(lambda gap: gap.section)),
-    GapColumn("from", "from", _text(lambda gap: str(gap.high))),
-    GapColumn("to", "to", _text(lambda gap: str(gap.low))),
-    GapColumn("drop", "pressure drop Δp [kPa]", _drop),
-    GapColumn("length", "contact length l [mm]", lambda row: Cell("mm", row.leak.contact_length * MM, look=CHANGEABLE)),
+    GapColumn("component", Sentence("component"), _text(lambda gap: gap.component)),
+    GapColumn("land", Sentence("land"), _text(lambda gap: gap.land)),
+    GapColumn("section", Sentence("section"), _text(lambda gap: gap.section)),
+    GapColumn("from", Sentence("from"), _text(lambda gap: str(gap.high))),
+    GapColumn("to", Sentence("to"), _text(lambda gap: str(gap.low))),
+    GapColumn("drop", Sentence("pressure drop Δp [kPa]"), _drop),
+    GapColumn(
+        "length",
+        Sentence("contact length l [mm]"),
+        lambda row: Cell("mm", row.leak.contact_length * MM, look=CHANGEABLE),
+    ),
     GapColumn(
         "nu",
-        "kinematic viscosity ν [mm²/s]",
+        Sentence("kinematic viscosity ν [mm²/s]"),
         lambda row: Cell("nu", row.leak.kinematic_viscosity * MM2_S, row.at("nu")),
     ),
-    GapColumn("rho", "density ρ [g/cm³]", lambda row: Cell("rho", row.leak.density * G_CM3, row.at("rho"))),
+    GapColumn("rho", Sentence("density ρ [g/cm³]"), lambda row: Cell("rho", row.leak.density * G_CM3, row.at("rho"))),
     GapColumn(
         "diameter",
-        "diameter [mm]",
+        Sentence("diameter [mm]"),
         lambda row: Cell("mm", row.leak.diameter * MM, _diameter(row, row.of_land(("c_re", row.at.prefix)))),
     ),
-    GapColumn("clearance", "clearance of equal flow [µm]", _clearance),
+    GapColumn("clearance", Sentence("clearance of equal flow [µm]"), _clearance),
     GapColumn(
         "q",
-        "leakage q [mm³/s], {spools}",
+        Sentence("leakage q [mm³/s]"),
         lambda row: Cell("mm3", row.leak.leakage * MM3_S, _flow(row, _taken(row))),
+        says_spools=True,
     ),
     GapColumn(
         "q_concentric",
-        "leakage with the spool concentric [mm³/s]",
+        Sentence("leakage with the spool concentric [mm³/s]"),
         lambda row: Cell("mm3", row.leak.concentric_leakage * MM3_S, _flow(row, CONCENTRIC)),
     ),
     GapColumn(
         "q_touching",
-        "leakage with the spool touching its bore [mm³/s]",
+        Sentence("leakage with the spool touching its bore [mm³/s]"),
         lambda row: Cell("mm3", row.leak.touching_leakage * MM3_S, _flow(row, exact(FULLY_ECCENTRIC))),
     ),
-    GapColumn("drawn", "drawn from the pump", _drawn),
-    GapColumn("new_clearance", "effective clearance when new [µm]", _new_clearance),
+    GapColumn("drawn", Sentence("drawn from the pump"), _drawn),
+    GapColumn("new_clearance", Sentence("effective clearance when new [µm]"), _new_clearance),
     GapColumn(
         "new_diameter",
-        "diameter when new [mm]",
+        Sentence("diameter when new [mm]"),
         lambda row: Cell("mm", row.new.diameter * MM, _diameter(row, row.here("new_clearance"))),
     ),
-    GapColumn("new_drop", "pressure drop when new [kPa]", _new_drop),
+    GapColumn("new_drop", Sentence("pressure drop when new [kPa]"), _new_drop),
     GapColumn(
         "new_q",
-        "leakage when new [mm³/s], {spools}",
+        Sentence("leakage when new [mm³/s]"),
         lambda row: Cell("mm3", row.new.leakage * MM3_S, _flow(row, _taken(row), "new_")),
+        says_spools=True,
     ),
-    GapColumn("reynolds", "Reynolds number", _reynolds),
-    GapColumn("published", "pressure pair published", _published),
+    GapColumn("reynolds", Sentence("Reynolds number"), _reynolds),
+    GapColumn("published", Sentence("pressure pair published"), _published),
 )
 GAP_COLUMN_OF = {column.key: number for number, column in enumerate(GAP_COLUMNS)}

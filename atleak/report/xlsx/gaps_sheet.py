@@ -10,17 +10,19 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import GapLeakage
 from atleak.report.xlsx.book import Book, span
-from atleak.report.xlsx.gap_columns import DRAWN, GAP_COLUMN_OF, GAP_COLUMNS, GapRow
-from atleak.report.xlsx.live_cells import ColumnKey, SheetCondition, cells_of_row, component_width, write_cell
+from atleak.report.xlsx.gap_columns import GAP_COLUMN_OF, GAP_COLUMNS, GapRow
+from atleak.report.xlsx.live_cells import ColumnKey, SheetCondition, cells_of_row, component_width, quote, write_cell
 from atleak.rules import LandKey
+from atleak.sentence import Sentence
 from atleak.views.positions import spools_taken
+from atleak.wording import Wording
 
 
 class GapCells:
     """Where every gap stands on the sheet of its condition: sorted by land, so that a land's gaps are neighbours."""
 
-    def __init__(self, diagnosis: Diagnosis, conditions: Sequence[SheetCondition]) -> None:
-        self.diagnosis = diagnosis
+    def __init__(self, diagnosis: Diagnosis, conditions: Sequence[SheetCondition], say: Wording) -> None:
+        self.diagnosis, self._drawn = diagnosis, quote(say("estimate.yes"))
         places = {land.key: number for number, land in enumerate(diagnosis.lands)}
         self._gaps: Mapping[str, list[tuple[GapLeakage, GapLeakage]]] = {
             at.prefix: sorted(
@@ -46,14 +48,20 @@ class GapCells:
         if not rows:
             return None
         flows, counted = (span(rows[0], rows[-1], GAP_COLUMN_OF[name], at.sheet) for name in (key, "drawn"))
-        return f'SUMIF({counted},"{DRAWN}",{flows})*6E-5' if drawn else f"SUM({flows})*6E-5"
+        return f"SUMIF({counted},{self._drawn},{flows})*6E-5" if drawn else f"SUM({flows})*6E-5"
 
     def write(
         self, book: Book, sheet: Worksheet, at: SheetCondition, of_land: Callable[[LandKey, ColumnKey], str]
     ) -> None:
         """Write one row per gap of the condition's gear; ``of_land`` gives a cell of the sheet of lands."""
         spools = spools_taken(self.diagnosis.profile)
-        book.headings(sheet, 0, [column.heading.format(spools=spools) for column in GAP_COLUMNS], lines=4)
+        headings = (
+            Sentence("{heading}, {spools}", heading=column.heading, spools=spools)
+            if column.says_spools
+            else column.heading
+            for column in GAP_COLUMNS
+        )
+        book.headings(sheet, 0, headings, lines=4)
         law, gaps = self.diagnosis.model.law, self._gaps[at.prefix]
         for row, (leak, new) in enumerate(gaps, start=1):
             land = leak.gap.key

@@ -28,10 +28,22 @@ from atleak.report.xlsx.live_cells import (
 )
 from atleak.report.xlsx.readings_sheets import DirectionCells, ReadingCells
 from atleak.report.xlsx.rules_sheet import RuleCells
+from atleak.sentence import Sentence
 from atleak.verdicts import Verdict
 from atleak.views.sentences import replace_at
-from atleak.wording import signed, value_names, wording
+from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, MM, PERCENT, UM
+
+_STATUS = {
+    "measured": Sentence("measured"),
+    "spool_only": Sentence("spool only"),
+    "sleeve_only": Sentence("sleeve only"),
+    "not_measured": Sentence("not measured"),
+}
+_LEAKAGE_ENDS = {
+    "low": Sentence("leakage, low as issued [dm³/min], stated condition"),
+    "high": Sentence("leakage, high as issued [dm³/min], stated condition"),
+}
 
 
 @dataclass(frozen=True)
@@ -48,7 +60,7 @@ class LandColumn:
     """A column of the sheet of lands."""
 
     key: ColumnKey
-    heading: str
+    heading: Sentence
     width: int
     cell: Callable[[LandRow], Cell]
 
@@ -59,13 +71,14 @@ class LandSheet:
 
     lands: Sequence[LandDiagnosis]
     records: Sequence[Mapping[str, Any]]
-    components: Mapping[str, str]  # number → name
+    say: Wording
+    components: Mapping[str, str]  # number → name, in the reader's language
     conditions: Sequence[SheetCondition]
     gaps: GapCells
     rules: RuleCells
     readings: ReadingCells
     directions: DirectionCells
-    spools: str  # where they are taken to lie
+    spools: Sentence  # where they are taken to lie
 
 
 def land_columns(sheet: LandSheet) -> list[LandColumn]:
@@ -74,22 +87,36 @@ def land_columns(sheet: LandSheet) -> list[LandColumn]:
     columns = [*_names(sheet), *_clearances(sheet, uncertain=uncertain)]
     for condition in sheet.conditions:
         columns += _at_condition(sheet, condition)
-    return [*columns, *_as_issued(sheet, uncertain=uncertain)]
+    return [*columns, *_as_issued(sheet, uncertain=uncertain), _also_flagged(sheet)]
+
+
+def _also_flagged(sheet: LandSheet) -> LandColumn:
+    """Return the order in which the summary lists the lands that are flagged by now and were not as issued."""
+    places = {land.key: place for place, land in enumerate(sheet.lands, start=1)}
+
+    def order(row: LandRow) -> Cell:
+        ranks = None if row.land.verdict.flagged else sheet.rules.ranks_of(row.land.key)
+        rank = f"MAX({ranks})"
+        return Cell("plain", 0, None if ranks is None else f"IF({rank}>1,{rank}-{places[row.land.key]}*1E-4,0)")
+
+    return LandColumn("also", Sentence("order among those flagged since, as the summary lists them"), 14, order)
 
 
 def _names(sheet: LandSheet) -> Iterable[LandColumn]:
     def verdict(row: LandRow) -> Cell:
         land = row.land
         ranks = sheet.rules.ranks_of(land.key)
-        formula = None if ranks is None else verdict_of_rank(f"MAX({ranks})", fine_of(land))
-        return Cell("plain", signed(land.verdict), formula, {"bold": True})
+        formula = None if ranks is None else verdict_of_rank(f"MAX({ranks})", sheet.say, fine_of(land))
+        return Cell("plain", sheet.say.signed(land.verdict), formula, {"bold": True})
 
     width = component_width(sheet.components)
-    yield LandColumn("component", "component", width, lambda row: Cell("plain", row.land.key[0], look={"bold": True}))
-    yield LandColumn("name", "name", 26, lambda row: Cell("plain", sheet.components[row.land.key[0]]))
-    yield LandColumn("land", "land", 7, lambda row: Cell("plain", row.land.key[1], look={"align": "center"}))
-    yield LandColumn("verdict", "verdict", 15, verdict)
-    yield LandColumn("status", "measured", 13, lambda row: Cell("plain", row.land.state.status.replace("_", " ")))
+    yield LandColumn(
+        "component", Sentence("component"), width, lambda row: Cell("plain", row.land.key[0], look={"bold": True})
+    )
+    yield LandColumn("name", Sentence("name"), 26, lambda row: Cell("plain", sheet.components[row.land.key[0]]))
+    yield LandColumn("land", Sentence("land"), 7, lambda row: Cell("plain", row.land.key[1], look={"align": "center"}))
+    yield LandColumn("verdict", Sentence("verdict"), 15, verdict)
+    yield LandColumn("status", Sentence("measured"), 13, lambda row: Cell("plain", _STATUS[row.land.state.status]))
 
 
 def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
@@ -112,20 +139,20 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         worn = row.land.wear
         return Cell("percent", None if worn is None else worn * PERCENT, f"({row.here('c_r')}-{new})/{new}*100")
 
-    yield LandColumn("sleeve", "sleeve diameter D [mm]", 12, sleeve_diameter)
-    yield LandColumn("spool", "spool diameter d [mm]", 12, spool_diameter)
-    yield LandColumn("c_r", "radial clearance c_r [µm]", 12, radial_clearance)
+    yield LandColumn("sleeve", Sentence("sleeve diameter D [mm]"), 12, sleeve_diameter)
+    yield LandColumn("spool", Sentence("spool diameter d [mm]"), 12, spool_diameter)
+    yield LandColumn("c_r", Sentence("radial clearance c_r [µm]"), 12, radial_clearance)
     if uncertain:
-        heading = "standard uncertainty u(c_r) as issued [µm]"
+        heading = Sentence("standard uncertainty u(c_r) as issued [µm]")
         yield LandColumn("U", heading, 12, lambda row: Cell("um", row.record["uncertainty_um"]))
     yield from _when_new(sheet)
-    yield LandColumn("wear", "wear Z [%]", 10, wear)
+    yield LandColumn("wear", Sentence("wear Z [%]"), 10, wear)
     body = _changeable("plain", lambda land: land.state.land.body_expansion * PER_KELVIN)
-    yield LandColumn("beta_k", "expansion of body β_k [1e-6/K]", 12, body)
+    yield LandColumn("beta_k", Sentence("expansion of body β_k [1e-6/K]"), 12, body)
     spool = _changeable("plain", lambda land: land.state.land.spool_expansion * PER_KELVIN)
-    yield LandColumn("beta_s", "expansion of spool β_s [1e-6/K]", 12, spool)
+    yield LandColumn("beta_s", Sentence("expansion of spool β_s [1e-6/K]"), 12, spool)
     for power, sign in ((2, "²"), (3, "³")):
-        heading = f"form: mean of (c − c_r){sign} as measured [µm{sign}]"
+        heading = Sentence("form: mean of (c − c_r){sign} as measured [µm{sign}]", sign=sign)
         yield LandColumn(f"m{power}", heading, 12, _moment(sheet, power))
 
 
@@ -166,15 +193,17 @@ def _when_new(sheet: LandSheet) -> Iterable[LandColumn]:
         return Cell("plain", row.land.state.land.new_origin.label, look=AFTER_A_NUMBER)
 
     if a_range:
-        yield LandColumn("c_m_low", "mounting clearance, low end of a range [µm]", 12, low_end)
-    heading = "mounting clearance c_m" + (", high end of a range [µm]" if a_range else " [µm]")
+        yield LandColumn("c_m_low", Sentence("mounting clearance, low end of a range [µm]"), 12, low_end)
+    heading = Sentence("mounting clearance c_m [µm]")
+    if a_range:
+        heading = Sentence("mounting clearance c_m, high end of a range [µm]")
     yield LandColumn("c_m", heading, 12, _changeable("um", lambda land: land.state.land.mounting_high * UM))
     if any(land.mounting_tolerance is not None for land in lands):
-        heading = "tolerance of c_m, half width of 95 % [µm]"
+        heading = Sentence("tolerance of c_m, half width of 95 % [µm]")
         yield LandColumn("tolerance", heading, 12, tolerance)
-    yield LandColumn("c_n", "clearance of a new pair, of equal flow [µm]", 12, new_clearance)
-    yield LandColumn("c_u", "clearance that it may have had when new, given its reading [µm]", 12, unworn)
-    yield LandColumn("new_origin", "clearance when new is known from", 42, known_from)
+    yield LandColumn("c_n", Sentence("clearance of a new pair, of equal flow [µm]"), 12, new_clearance)
+    yield LandColumn("c_u", Sentence("clearance that it may have had when new, given its reading [µm]"), 12, unworn)
+    yield LandColumn("new_origin", Sentence("clearance when new is known from"), 42, known_from)
 
 
 def _moment(sheet: LandSheet, power: int) -> Callable[[LandRow], Cell]:
@@ -211,12 +240,17 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
         formula = None if new is None else share_of(new, condition("capacity"))
         return Cell("share", condition.new.share_drawn_by(row.land.key) * PERCENT, formula)
 
-    title = f", {condition.title}"
-    yield LandColumn(("c_re", prefix), f"effective clearance c_re [µm]{title}", 14, effective_clearance)
-    yield LandColumn(("q", prefix), f"leakage q [dm³/min], {sheet.spools}{title}", 14, leakage)
-    yield LandColumn(("drawn", prefix), f"of it drawn from the pump [dm³/min]{title}", 14, drawn)
-    yield LandColumn(("share", prefix), f"share of pump capacity [%]{title}", 14, share)
-    yield LandColumn(("new_share", prefix), f"the same share when new [%]{title}", 14, new_share)
+    at_title = {"condition": condition.title}
+    heading = Sentence("effective clearance c_re [µm], {condition}", **at_title)
+    yield LandColumn(("c_re", prefix), heading, 14, effective_clearance)
+    heading = Sentence("leakage q [dm³/min], {spools}, {condition}", spools=sheet.spools, **at_title)
+    yield LandColumn(("q", prefix), heading, 14, leakage)
+    heading = Sentence("of it drawn from the pump [dm³/min], {condition}", **at_title)
+    yield LandColumn(("drawn", prefix), heading, 14, drawn)
+    heading = Sentence("share of pump capacity [%], {condition}", **at_title)
+    yield LandColumn(("share", prefix), heading, 14, share)
+    heading = Sentence("the same share when new [%], {condition}", **at_title)
+    yield LandColumn(("new_share", prefix), heading, 14, new_share)
 
 
 def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
@@ -231,27 +265,31 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
 
     def decision(row: LandRow) -> Cell:
         name = row.record["decision"]
-        return Cell("plain", None if name is None else wording("en").get("decisions", name), look=AFTER_A_NUMBER)
+        return Cell("plain", None if name is None else sheet.say.get("decisions", name), look=AFTER_A_NUMBER)
 
     def because(row: LandRow) -> Cell:
         rule = row.land.deciding
         return Cell("plain", rule.label if rule and row.land.verdict != Verdict.OK else None, look=AFTER_A_NUMBER)
 
     def mileage(row: LandRow) -> Cell:
-        return Cell("plain", replace_at(row.land, wording("en")))
+        return Cell("plain", replace_at(row.land, sheet.say))
 
     def representative(row: LandRow) -> Cell:
-        return Cell("plain", value_names(row.land.state.land.representative) or None)
+        return Cell("plain", _value_names(row.land, sheet.say))
 
     if uncertain:
-        for end in ("low", "high"):
-            heading = f"leakage, {end} as issued [dm³/min], stated condition"
+        for end, heading in _LEAKAGE_ENDS.items():
             yield LandColumn(end, heading, 12, recorded(f"leakage_{end}_dm3_min", "flow"))
     if any(record["decision"] is not None for record in sheet.records):
-        yield LandColumn("decision", "decision as issued", 16, decision)
+        yield LandColumn("decision", Sentence("decision as issued"), 16, decision)
         over = recorded("probability_over_limit", "percent", PERCENT)
-        yield LandColumn("probability", "probability over the limit as issued [%]", 14, over)
+        yield LandColumn("probability", Sentence("probability over the limit as issued [%]"), 14, over)
     if any(land.replace_mileage is not None for land in sheet.lands):
-        yield LandColumn("mileage", "replace at (90 % interval), wear ∝ mileage, as issued", 30, mileage)
-    yield LandColumn("because", "rule that gave the verdict, as issued", 46, because)
-    yield LandColumn("representative", "representative values", 40, representative)
+        yield LandColumn("mileage", Sentence("replace at (90 % interval), wear ∝ mileage, as issued"), 30, mileage)
+    yield LandColumn("because", Sentence("rule that gave the verdict, as issued"), 46, because)
+    yield LandColumn("representative", Sentence("representative values"), 40, representative)
+
+
+def _value_names(land: LandDiagnosis, say: Wording) -> str | None:
+    """Name the values that are neither measured nor published; None where there are none."""
+    return ", ".join(say.get("parts", name) for name in land.state.land.representative) or None

@@ -13,38 +13,41 @@ from typing import Literal
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.limits import Level, Limits, RuleKind, Steps
-from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, put, put_text
+from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact
 from atleak.report.xlsx.live_cells import CHANGEABLE, largest_of
+from atleak.sentence import Sentence
 from atleak.verdicts import BANDS, FLAGGED
+from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
 
 Part = Literal["limit", "at_least", "growth", "added", "fall"]  # of a limit: each stands in a row of its own
-_SHEET = "Limits"
-_LABELS: dict[RuleKind, dict[Part, str]] = {
+LIMITS = Sentence("Limits")
+_LIMIT, _ORIGIN, _SOURCE = Sentence("limit"), Sentence("origin"), Sentence("source")
+_LABELS: dict[RuleKind, dict[Part, Sentence]] = {
     RuleKind.WEAR: {
-        "limit": "wear [%]",
-        "at_least": "and clearance over c_m and its tolerance [µm]",
+        "limit": Sentence("wear [%]"),
+        "at_least": Sentence("and clearance over c_m and its tolerance [µm]"),
     },
-    RuleKind.CLEARANCE: {"limit": "radial clearance [µm]"},
+    RuleKind.CLEARANCE: {"limit": Sentence("radial clearance [µm]")},
     RuleKind.PAIR_SHARE: {
-        "limit": "share of pump flow of one land [%]",
-        "growth": "and growth over the same land new [%]",
-        "added": "and points of pump flow added to it",
+        "limit": Sentence("share of pump flow of one land [%]"),
+        "growth": Sentence("and growth over the same land new [%]"),
+        "added": Sentence("and points of pump flow added to it"),
     },
     RuleKind.TOTAL_SHARE: {
-        "limit": "share of pump flow of the whole valve body [%]",
-        "growth": "and growth over the same unit new [%]",
-        "added": "and points of pump flow added to it",
+        "limit": Sentence("share of pump flow of the whole valve body [%]"),
+        "growth": Sentence("and growth over the same unit new [%]"),
+        "added": Sentence("and points of pump flow added to it"),
     },
     RuleKind.RESERVE: {
-        "limit": "reserve of the pump, under [-]",
-        "fall": "or, where the same unit new is under it, fall from that [%]",
+        "limit": Sentence("reserve of the pump, under [-]"),
+        "fall": Sentence("or, where the same unit new is under it, fall from that [%]"),
     },
-    RuleKind.CIRCUIT_LOSS: {"limit": "pressure that a circuit lost against new [kPa]"},
-    RuleKind.PERMISSIBLE_PRESSURE: {"limit": "main pressure below the permissible [%]"},
-    RuleKind.COMMANDED_PRESSURE: {"limit": "main pressure off the commanded [kPa]"},
+    RuleKind.CIRCUIT_LOSS: {"limit": Sentence("pressure that a circuit lost against new [kPa]")},
+    RuleKind.PERMISSIBLE_PRESSURE: {"limit": Sentence("main pressure below the permissible [%]")},
+    RuleKind.COMMANDED_PRESSURE: {"limit": Sentence("main pressure off the commanded [kPa]")},
 }
-_NOTE = (
+_NOTE = Sentence(
     "A level begins where all of its rows are reached; a level of wear never begins below the one before it. An empty "
     "field asks for nothing, and a number filled in there is not followed. A level of the reserve is reached under its "
     "limit, one of a limit of 0 by anything over it."
@@ -61,12 +64,13 @@ class _Row:
 class LimitCells:
     """Where every part of every limit stands on its sheet."""
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Limits, say: Wording) -> None:
         self.limits = limits
-        self.levels = list(dict.fromkeys([*FLAGGED, *BANDS[1:]]))  # a column each
+        sheet = say.sentence(LIMITS)
+        self.levels = list[Level](dict.fromkeys([*FLAGGED, *BANDS[1:]]))  # a column each
         self._rows = [row for kind, steps in limits.rules.items() for row in _rows(kind, steps)]
         self._cells = {
-            (row.kind, level, row.part): cell(number, 1 + self.levels.index(level), _SHEET)
+            (row.kind, level, row.part): cell(number, 1 + self.levels.index(level), sheet)
             for number, row in enumerate(self._rows, start=1)
             for level in row.values
         }
@@ -106,19 +110,19 @@ class LimitCells:
     def write(self, book: Book, sheet: Worksheet) -> None:
         """Write every limit with its origin; what is blue is followed."""
         origin = 1 + len(self.levels)
-        book.headings(sheet, 0, ["limit", *self.levels, "origin", "source"])
+        book.headings(sheet, 0, [_LIMIT, *(book.say.level(level) for level in self.levels), _ORIGIN, _SOURCE])
         for row, each in enumerate(self._rows, start=1):
             first = each.part == "limit"
-            put(sheet, row, 0, _LABELS[each.kind][each.part], book.form(bold=first, indent=0 if first else 1))
+            book.put(sheet, row, 0, _LABELS[each.kind][each.part], book.form(bold=first, indent=0 if first else 1))
             for level, value in each.values.items():
-                put(sheet, row, 1 + self.levels.index(level), value, book.form("um", **CHANGEABLE))
+                book.put(sheet, row, 1 + self.levels.index(level), value, book.form("um", **CHANGEABLE))
             if first:
                 steps = self.limits.rules[each.kind]
-                put(sheet, row, origin, steps.origin, book.wrapped)
-                put_text(sheet, row, origin + 1, steps.source, book.wrapped, 64)
+                book.put(sheet, row, origin, book.say.get("origins", steps.origin), book.wrapped)
+                book.put_text(sheet, row, origin + 1, steps.source, book.wrapped, 64)
         row = len(self._rows) + 2
-        put(sheet, row, 0, _NOTE)
-        book.pairs(sheet, row + 1, [("limit set", self.limits.name), ("note", self.limits.note)])
+        book.put(sheet, row, 0, _NOTE)
+        book.pairs(sheet, row + 1, [(Sentence("limit set"), self.limits.name), (Sentence("note"), self.limits.note)])
         sheet.set_column(0, 0, 46)
         sheet.set_column(1, origin - 1, 12)
         sheet.set_column(origin, origin, 24)

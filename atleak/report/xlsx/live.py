@@ -31,8 +31,11 @@ from atleak.report.xlsx.live_cells import (
 from atleak.report.xlsx.readings_sheets import DirectionCells, ReadingCells, write_directions, write_readings
 from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.rules import LandKey
+from atleak.sentence import Sentence
 from atleak.verdicts import VERDICTS
 from atleak.views.positions import spools_taken
+
+LANDS = Sentence("Lands")
 
 
 class LiveSheets:
@@ -40,21 +43,24 @@ class LiveSheets:
 
     def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         self.book, self.diagnosis, self.record = book, diagnosis, record
+        say = book.say
+        self.sheet = say.sentence(LANDS)
         self.lands = diagnosis.lands
         self.row_of = {land.key: row for row, land in enumerate(self.lands, start=1)}
-        self.conditions = sheet_conditions(diagnosis)
-        self.readings = ReadingCells(diagnosis)
-        self.directions = DirectionCells(self.lands)
-        self.gaps = GapCells(diagnosis, self.conditions)
-        self.limits = LimitCells(diagnosis.limits)
-        self.rules = RuleCells(diagnosis, self.conditions, self.limits)
-        self.circuits = CircuitCells(diagnosis, self.conditions, self.rules)
-        self.totals = ConditionsSheet(diagnosis, self.conditions, self.gaps, self.rules)
+        self.conditions = sheet_conditions(diagnosis, say)
+        self.readings = ReadingCells(diagnosis, say)
+        self.directions = DirectionCells(self.lands, say)
+        self.gaps = GapCells(diagnosis, self.conditions, say)
+        self.limits = LimitCells(diagnosis.limits, say)
+        self.rules = RuleCells(diagnosis, self.conditions, self.limits, say)
+        self.circuits = CircuitCells(diagnosis, self.conditions, self.rules, say)
+        self.totals = ConditionsSheet(diagnosis, self.conditions, self.gaps, self.rules, say)
         self.columns = land_columns(
             LandSheet(
                 lands=self.lands,
                 records=record["lands"],
-                components=diagnosis.controller.components,
+                say=say,
+                components={key: say.name(name) for key, name in diagnosis.controller.components.items()},
                 conditions=self.conditions,
                 gaps=self.gaps,
                 rules=self.rules,
@@ -73,7 +79,7 @@ class LiveSheets:
 
     def of_land(self, key: LandKey, column: ColumnKey) -> str:
         """Return the address of one of a land's cells, as other sheets ask for it."""
-        return cell(self.row_of[key], self.column_of[column], "Lands")
+        return cell(self.row_of[key], self.column_of[column], self.sheet)
 
     def write_lands(self, sheet: Worksheet) -> None:
         """Write one row per land: D, d → c_r → c_re → q → share → verdict."""

@@ -15,9 +15,10 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import INPUT
-from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, formula, put
+from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, formula
+from atleak.sentence import Sentence
 from atleak.verdicts import BANDS, VERDICTS, Verdict
-from atleak.wording import signed
+from atleak.wording import Wording
 from atleak.workshop_units import KPA
 
 CHANGEABLE: Mapping[str, Any] = {"font_color": INPUT}  # numbers that an auditor may change
@@ -44,9 +45,10 @@ def write_cell(book: Book, sheet: Worksheet, row: int, column: int, content: Cel
     """Write a cell; a formula that gives nothing known is left out."""
     form = book.form(content.kind, **content.look)
     if content.formula is None:
-        put(sheet, row, column, content.value, form)
+        book.put(sheet, row, column, content.value, form)
     elif content.value is not None:
-        formula(sheet, row, column, content.formula, content.value, form)
+        value = book.words(content.value) if isinstance(content.value, str) else content.value
+        formula(sheet, row, column, content.formula, value, form)
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,8 @@ class SheetCondition:
     new: Projection  # of the same unit as it may have been when new
     prefix: str
     sheet: str
-    title: str
+    label: str  # its name in the reader's language
+    title: str  # that, or which of them is the stated one
 
     def __call__(self, name: str) -> str:
         """Return the workbook's name for one of the condition's quantities."""
@@ -72,18 +75,19 @@ class SheetCondition:
         return self(section if section in SECTIONS else f"new_c_{section}")
 
 
-def sheet_conditions(diagnosis: Diagnosis) -> list[SheetCondition]:
+def sheet_conditions(diagnosis: Diagnosis, say: Wording) -> list[SheetCondition]:
     """Return every condition of a diagnosis with names that Excel takes, in the order in which people read them."""
     made: list[SheetCondition] = []
+    gaps = say.sentence(Sentence("Gaps"))
     for at in diagnosis.presented:
-        new = diagnosis.unworn_at(at)
+        new, label = diagnosis.unworn_at(at), say.condition(at.condition)
         if at is diagnosis.projection:
-            made.append(SheetCondition(at, new, "stated", "Gaps", "stated condition"))
+            made.append(SheetCondition(at, new, "stated", gaps, label, say.sentence(Sentence("stated condition"))))
             continue
         name = at.condition.name
         prefix = f"_{name}" if name[0].isdigit() else name
-        sheet = _free_name(f"Gaps {name.replace('_', ' ')}", made)
-        made.append(SheetCondition(at, new, prefix, sheet, at.condition.label))
+        sheet = _free_name(f"{gaps} {say.get('conditions', name).replace('_', ' ')}", made)
+        made.append(SheetCondition(at, new, prefix, sheet, label, label))
     return made
 
 
@@ -98,7 +102,7 @@ def _free_name(wanted: str, made: Iterable[SheetCondition]) -> str:
     return name
 
 
-def component_width(components: Mapping[str, str]) -> int:
+def component_width(components: Iterable[str]) -> int:
     """Return the width of a column with the components' numbers or names."""
     return max(12, *(len(each) + 3 for each in components))
 
@@ -111,16 +115,21 @@ def fine_of(land: LandDiagnosis) -> Verdict:
     return Verdict.OK if land.state.can_be_ok else Verdict.NOT_MEASURED
 
 
-def verdict_of_rank(rank: str, fine: Verdict = Verdict.OK) -> str:
+def quote(text: str) -> str:
+    """Return a text as a formula takes it."""
+    return '"' + text.replace('"', '""') + '"'
+
+
+def verdict_of_rank(rank: str, say: Wording, fine: Verdict = Verdict.OK) -> str:
     """Return the formula of a verdict's sign and word, by its rank among those that can be given."""
-    words = ",".join(f'"{signed(verdict)}"' for verdict in (fine, *RANKED[1:]))
+    words = ",".join(quote(say.signed(verdict)) for verdict in (fine, *RANKED[1:]))
     return f"CHOOSE({rank},{words})"
 
 
-def band_of_rank(rank: str) -> str:
+def band_of_rank(rank: str, say: Wording) -> str:
     """Return the formula of a total's band, by the rank of the verdict that it counts as."""
     bands = ([band for band in BANDS if band.verdict.rank <= verdict.rank][-1] for verdict in RANKED)
-    words = ",".join(f'"{band}"' for band in bands)
+    words = ",".join(quote(say.level(band)) for band in bands)
     return f"CHOOSE({rank},{words})"
 
 

@@ -17,7 +17,7 @@ from atleak.catalogue.instruments import Part
 from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import Reading, Station
-from atleak.report.xlsx.book import Book, exact, formula, put, span
+from atleak.report.xlsx.book import Book, exact, formula, span
 from atleak.report.xlsx.live_cells import (
     CHANGEABLE,
     EXPANSIONS,
@@ -29,10 +29,28 @@ from atleak.report.xlsx.live_cells import (
     write_cell,
 )
 from atleak.rules import LandKey
+from atleak.sentence import Sentence
+from atleak.wording import Wording
 from atleak.workshop_units import MM, UM
 
 _PARTS: tuple[Part, ...] = ("spool", "sleeve")
 _DIAMETER, _COORDINATES = 6, 7  # columns of the sheet of readings
+READINGS, DIRECTIONS = Sentence("Readings"), Sentence("Directions")
+_HEADINGS = (
+    Sentence("component"),
+    Sentence("land"),
+    Sentence("part"),
+    Sentence("plane"),
+    Sentence("direction [°]"),
+    Sentence("repeat"),
+    Sentence("diameter [mm]"),
+    Sentence("coordinate 1 [mm]"),
+    Sentence("coordinate 2 [mm]"),
+    Sentence("sheet"),
+    Sentence("row"),
+    Sentence("column"),
+)
+_PART_NAMES: dict[Part, Sentence] = {"spool": Sentence("spool"), "sleeve": Sentence("sleeve")}
 _Place = tuple[LandKey, Part, str, float | None]  # land, part, plane and direction of some readings
 
 
@@ -43,7 +61,8 @@ class ReadingCells:
     the cell of the part's coefficient [1e-6/K].
     """
 
-    def __init__(self, diagnosis: Diagnosis) -> None:
+    def __init__(self, diagnosis: Diagnosis, say: Wording) -> None:
+        self.sheet = say.sentence(READINGS)
         measured_at, uncertainty = diagnosis.measured_at, diagnosis.uncertainty
         self._gauges = uncertainty.instruments if uncertainty and measured_at and measured_at.corrects else None
         self._rise = measured_at.value - REFERENCE_TEMPERATURE if measured_at else 0.0  # [K]
@@ -64,12 +83,12 @@ class ReadingCells:
 
     def _of_plane(self, key: LandKey, part: Part, plane: str) -> str | None:
         rows = [rows for place, rows in self._rows.items() if place[:3] == (key, part, plane)]
-        return _average([_average([span(each[0], each[-1], _DIAMETER, "Readings")]) for each in rows])
+        return _average([_average([span(each[0], each[-1], _DIAMETER, self.sheet)]) for each in rows])
 
     def at(self, key: LandKey, part: Part, station: Station, expansion: str) -> str | None:
         """Return the formula of a part's diameter at one place, as far as it was read there; else in its plane."""
         rows = self._rows.get((key, part, station.plane, station.direction))
-        here = None if rows is None else _average([span(rows[0], rows[-1], _DIAMETER, "Readings")])
+        here = None if rows is None else _average([span(rows[0], rows[-1], _DIAMETER, self.sheet)])
         return self._corrected(here or self._of_plane(key, part, station.plane), part, expansion)
 
     def _corrected(self, mean: str | None, part: Part, expansion: str) -> str | None:
@@ -98,42 +117,45 @@ def _average(terms: Sequence[str | None]) -> str | None:
 
 def write_readings(book: Book, sheet: Worksheet, cells: ReadingCells) -> None:
     """Write every reading as entered, sorted by land."""
-    names = ["component", "land", "part", "plane", "direction [°]", "repeat", "diameter [mm]"]
-    names += ["coordinate 1 [mm]", "coordinate 2 [mm]", "sheet", "row", "column"]
-    book.headings(sheet, 0, names)
+    book.headings(sheet, 0, _HEADINGS)
     form, mm = book.form(), book.form("mm", **CHANGEABLE)
     for row, (reading, land) in enumerate(cells.lines, start=1):
-        values = (reading.component, land.land if land else None, reading.part, reading.plane, reading.direction)
+        values = (
+            reading.component,
+            land.land if land else None,
+            _PART_NAMES[reading.part],
+            reading.plane,
+            reading.direction,
+        )
         for column, value in enumerate((*values, reading.repeat)):
-            put(sheet, row, column, value, form)
+            book.put(sheet, row, column, value, form)
         if reading.coordinates is None:
-            put(sheet, row, _DIAMETER, reading.diameter * MM, mm)
+            book.put(sheet, row, _DIAMETER, reading.diameter * MM, mm)
         else:
             for column, coordinate in enumerate(reading.coordinates, start=_COORDINATES):
-                put(sheet, row, column, coordinate * MM, mm)
+                book.put(sheet, row, column, coordinate * MM, mm)
             ends = (address(row, _COORDINATES + end) for end in (0, 1))
             formula(sheet, row, _DIAMETER, f"ABS({'-'.join(ends)})", reading.diameter * MM, book.form("mm"))
         for column, value in enumerate((reading.place.sheet, reading.place.row, reading.place.column), start=9):
-            put(sheet, row, column, value, form)
-    sheet.set_column(0, len(names), 13)
-    sheet.autofilter(0, 0, max(len(cells.lines), 1), len(names) - 1)
+            book.put(sheet, row, column, value, form)
+    sheet.set_column(0, len(_HEADINGS), 13)
+    sheet.autofilter(0, 0, max(len(cells.lines), 1), len(_HEADINGS) - 1)
 
 
 # --- the clearance in every direction
 
-_DIRECTIONS = "Directions"
 _COLUMNS = {
-    "component": "component",
-    "land": "land",
-    "plane": "plane",
-    "direction": "direction [°]",
-    "sleeve": "sleeve diameter [mm]",
-    "spool": "spool diameter [mm]",
-    "c": "radial clearance c [µm]",
-    "weight": "weight: directions of a plane alike, planes alike",
-    "off": "c − mean of the land [µm]",
-    "m2": "weight · (c − mean)² [µm²]",
-    "m3": "weight · (c − mean)³ [µm³]",
+    "component": Sentence("component"),
+    "land": Sentence("land"),
+    "plane": Sentence("plane"),
+    "direction": Sentence("direction [°]"),
+    "sleeve": Sentence("sleeve diameter [mm]"),
+    "spool": Sentence("spool diameter [mm]"),
+    "c": Sentence("radial clearance c [µm]"),
+    "weight": Sentence("weight: directions of a plane alike, planes alike"),
+    "off": Sentence("c − mean of the land [µm]"),
+    "m2": Sentence("weight · (c − mean)² [µm²]"),
+    "m3": Sentence("weight · (c − mean)³ [µm³]"),
 }
 _COLUMN_OF = {key: number for number, key in enumerate(_COLUMNS)}
 
@@ -144,7 +166,8 @@ class DirectionCells:
     Lands whose form nobody can see, because no plane was measured in two directions, are left out.
     """
 
-    def __init__(self, lands: Sequence[LandDiagnosis]) -> None:
+    def __init__(self, lands: Sequence[LandDiagnosis], say: Wording) -> None:
+        self.sheet = say.sentence(DIRECTIONS)
         self.lines = [(land, each) for land in lands if _shows_form(land) for each in land.state.stations]
         self.rows: dict[LandKey, tuple[int, int]] = {}
         for row, (land, _) in enumerate(self.lines, start=1):
@@ -153,7 +176,7 @@ class DirectionCells:
     def moment(self, key: LandKey, power: int) -> str | None:
         """Return the formula of a land's second or third moment [µm², µm³]; None where its form was not seen."""
         rows = self.rows.get(key)
-        return None if rows is None else f"SUM({span(*rows, _COLUMN_OF[f'm{power}'], _DIRECTIONS)})"
+        return None if rows is None else f"SUM({span(*rows, _COLUMN_OF[f'm{power}'], self.sheet)})"
 
 
 def _shows_form(land: LandDiagnosis) -> bool:

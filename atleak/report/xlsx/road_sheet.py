@@ -10,15 +10,15 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.diagnosis import Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import CHART_GRID, PAPER
-from atleak.report.xlsx.book import Book, put, put_text, span
+from atleak.report.xlsx.book import Book, span
 from atleak.road_findings import RoadFindings
+from atleak.sentence import Name, Sentence
 from atleak.views.road_instants import instant_rows
 from atleak.views.road_series import road_series
 from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 from atleak.views.window import event_rows, place_rows
-from atleak.wording import wording
-from atleak.workshop_units import PERCENT
 
+ROAD_TEST, ROAD_EVENTS = Sentence("Road test"), Sentence("Road test events")
 ROAD_ROWS = 2000  # rows of the thinned road test
 _KINDS = {  # of numbers, by their unit
     "s": "time", "dm³/min": "flow", "%": "percent", "kPa": "kpa", "1/min": "rpm", "°C": "temperature", "": "count",
@@ -35,10 +35,10 @@ class RoadSheets:
         """Write what the log says by itself, then the leakage over it with two charts and the thinned series."""
         test, road = self.log.road_test, self.diagnosis.road
         rows: list[tuple[str, Any]] = [
-            ("file", test.file),
+            (Sentence("file"), test.file),
             ("sha256", test.sha256),
-            ("rows", test.rows),
-            ("duration [s]", test.duration),
+            (Sentence("rows"), test.rows),
+            (Sentence("duration [s]"), test.duration),
         ]
         row = self.book.pairs(sheet, 0, rows) + 1
         row = self.write_findings(sheet, row) + 1
@@ -50,14 +50,14 @@ class RoadSheets:
 
     def write_findings(self, sheet: Worksheet, row: int) -> int:
         """Write what the log says and what to check next, one sentence a row; return the next free row."""
-        say, log = wording("en"), self.log
+        say, log = self.book.say, self.log
         for sentence in (*pressure_sentences(log, say), *test_sentences(log, say), *log_sentences(log, say)):
-            row = put_text(sheet, row, 0, sentence) + 1
+            row = self.book.put_text(sheet, row, 0, sentence) + 1
         checks = check_sentences(self.diagnosis, say)
         if checks:
-            put(sheet, row, 0, say("findings.check_next"), self.book.bold)
+            self.book.put(sheet, row, 0, say("findings.check_next"), self.book.bold)
             for number, check in enumerate(checks, start=1):
-                put(sheet, row + number, 0, check)
+                self.book.put(sheet, row + number, 0, check)
             row += 1 + len(checks)
         return row
 
@@ -68,26 +68,26 @@ class RoadSheets:
             return row
         kinds = {"gear": "count", "lowest, lasting [kPa]": "kpa", "permitted at least [kPa]": "kpa"}
         kinds |= dict.fromkeys(("judged for [s]", "below for [s]", "above for [s]"), "time")
-        return self.book.records(sheet, row, place_rows(permitted), kinds | {"below by [%]": "percent"})
+        return self.book.records(sheet, row, place_rows(permitted, self.book.say), kinds | {"below by [%]": "percent"})
 
     def write_events(self, sheet: Worksheet) -> None:
         """Write every event of the log, one a row."""
         kinds = dict.fromkeys(("start [s]", "end [s]", "lasts [s]"), "time")
-        rows = event_rows(self.log.events)
+        rows = event_rows(self.log.events, self.book.say)
         if not rows:
-            put(sheet, 0, 0, wording("en")("findings.no_events"))
+            self.book.put(sheet, 0, 0, self.book.say("findings.no_events"))
         self.book.records(sheet, 0, rows, kinds)
         for column, width in enumerate((28, 10, 12, 12, 12, 12, 90)):
             sheet.set_column(column, column, width)
 
     def _leakage(self, sheet: Worksheet, row: int, road: RoadLeakage) -> None:
-        book, say = self.book, wording("en")
+        book, say = self.book, self.book.say
         if not self.diagnosis.judged:
-            put(sheet, row, 0, say("findings.unmeasured"), book.bold)
+            self.book.put(sheet, row, 0, say("findings.unmeasured"), book.bold)
             row += 1
-        rows: list[tuple[str, Any]] = [("gears", ", ".join(map(str, road.gears)))]
+        rows: list[tuple[str, Any]] = [(Sentence("gears"), ", ".join(map(str, road.gears)))]
         rows += [
-            (f"of the volume leaked from {name}", f"{share * PERCENT:.1f} %")
+            (Sentence("of the volume leaked from {name}", name=Name(name)), say.percent(share))
             for name, share in road.section_shares.items()
             if share is not None
         ]
@@ -95,16 +95,20 @@ class RoadSheets:
         kinds = {"time [s]": "time", "share [%]": "percent"}
         kinds |= dict.fromkeys(("leakage [dm³/min]", "leakage from", "leakage to", "pump capacity [dm³/min]"), "flow")
         kinds |= dict.fromkeys(("share from", "share to"), "percent")
-        row = book.records(sheet, row + 1, instant_rows(road, self.diagnosis.uncertainty), kinds) + 1
-        put(sheet, row - 1, 0, say("texts.sustained", seconds=f"{road.extremes.window:g}"))
+        row = book.records(sheet, row + 1, instant_rows(road, self.diagnosis.uncertainty, say), kinds) + 1
+        self.book.put(sheet, row - 1, 0, say("texts.sustained", seconds=say.plain(road.extremes.window)))
         series = road_series(road, ROAD_ROWS)
         kept = len(series.columns["time_s"])
         if series.thinned:
-            text = f"{kept} of {series.samples} samples: every stretch keeps its lowest and highest values."
-            put(sheet, row, 0, text)
+            text = Sentence(
+                "{kept} of {samples} samples: every stretch keeps its lowest and highest values.",
+                kept=kept,
+                samples=series.samples,
+            )
+            self.book.put(sheet, row, 0, text)
         row += 34  # the two charts take so many rows
         names = list(series.columns)
-        book.headings(sheet, row, [f"{label} [{unit}]" if unit else label for label, unit in series.labels.values()])
+        book.headings(sheet, row, [_with_unit(label, unit) for label, unit in series.labels.values()])
         for column, (name, values) in enumerate(series.columns.items()):
             form = book.form(_KINDS[series.labels[name][1]])
             for line, value in enumerate(values.tolist(), start=row + 1):
@@ -113,10 +117,10 @@ class RoadSheets:
         first, last = row + 1, row + kept
         flows = [name for name in ("pump_capacity_dm3_min", "leakage_dm3_min") if name in names]
         drawn = [(name, series.labels[name][0], names.index(name)) for name in flows]
-        self._chart(sheet, row - 33, "Flow [dm³/min]", drawn, first, last)
+        self._chart(sheet, row - 33, book.words(Sentence("Flow [dm³/min]")), drawn, first, last)
         if "share_percent" in names:
-            share = ("share_percent", "share", names.index("share_percent"))
-            self._chart(sheet, row - 16, "Share [%]", [share], first, last)
+            share = ("share_percent", Sentence("share"), names.index("share_percent"))
+            self._chart(sheet, row - 16, book.words(Sentence("Share [%]")), [share], first, last)
 
     def _chart(
         self, sheet: Worksheet, row: int, axis: str, series: Sequence[tuple[str, str, int]], first: int, last: int
@@ -127,16 +131,22 @@ class RoadSheets:
             colour, dash = dashes.get(name, (PAPER.share, "solid"))
             chart.add_series(
                 {
-                    "name": label,
-                    "categories": "=" + span(first, last, 0, "Road test"),
-                    "values": "=" + span(first, last, column, "Road test"),
+                    "name": self.book.words(label),
+                    "categories": "=" + span(first, last, 0, self.book.words(ROAD_TEST)),
+                    "values": "=" + span(first, last, column, self.book.words(ROAD_TEST)),
                     "line": {"color": colour, "width": 1.25, "dash_type": dash},
                 }
             )
-        chart.set_x_axis({"name": "time [s]", "min": 0, "label_position": "low"})
+        chart.set_x_axis({"name": self.book.words(Sentence("time [s]")), "min": 0, "label_position": "low"})
         chart.set_y_axis({"name": axis, "major_gridlines": {"visible": True, "line": {"color": CHART_GRID}}})
         chart.set_title({"none": True})
         chart.set_legend({"position": "top"} if len(series) > 1 else {"none": True})
         chart.show_blanks_as("gap")
         chart.set_size({"width": 980, "height": 320})
-        sheet.insert_chart(row, 0, chart, {"description": f"{axis} over the road test"})
+        sheet.insert_chart(
+            row, 0, chart, {"description": self.book.words(Sentence("{axis} over the road test", axis=axis))}
+        )
+
+
+def _with_unit(label: Sentence, unit: str) -> Sentence:
+    return Sentence("{label} [{unit}]", label=label, unit=unit) if unit else label

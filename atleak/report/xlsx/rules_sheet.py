@@ -11,7 +11,7 @@ from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.limits import ROUNDING, Level, RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.report.xlsx.book import Book, cell, formula, put, span
+from atleak.report.xlsx.book import Book, cell, formula, span
 from atleak.report.xlsx.limit_cells import LimitCells
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
@@ -24,15 +24,31 @@ from atleak.report.xlsx.live_cells import (
     verdict_of_rank,
 )
 from atleak.rules import LandKey, Rule
+from atleak.sentence import Sentence
 from atleak.verdicts import FLAGGED, VERDICTS, Band, Verdict
-from atleak.wording import signed, wording
+from atleak.wording import Wording
 
-_SHEET = "Rules"
+RULES = Sentence("Rules")
 _VALUE, _NEW, _FIRST_LEVEL = 4, 5, 6
 _VERDICT = _FIRST_LEVEL + len(FLAGGED)  # behind a limit for every level
 _RANK, _DECISION = _VERDICT + 1, _VERDICT + 2
 _FORMATS = {RuleKind.RESERVE: "reserve", RuleKind.PAIR_SHARE: "share", RuleKind.TOTAL_SHARE: "share"}
-OF_THE_UNIT = "whole unit"  # in place of a component
+OF_THE_UNIT = Sentence("whole unit")  # in place of a component
+_BEFORE_LEVELS = (
+    Sentence("component"),
+    Sentence("land"),
+    Sentence("rule"),
+    Sentence("unit"),
+    Sentence("value"),
+    Sentence("when new"),
+)
+_BEHIND_LEVELS = (
+    Sentence("verdict"),
+    Sentence("rank"),
+    Sentence("decision as issued"),
+    Sentence("origin of the limit"),
+    Sentence("source"),
+)
 
 
 @dataclass(frozen=True)
@@ -50,8 +66,11 @@ class _Line:
 class RuleCells:
     """Where every rule stands on its sheet: those of the whole unit first, then those of the lands."""
 
-    def __init__(self, diagnosis: Diagnosis, conditions: Sequence[SheetCondition], limits: LimitCells) -> None:
-        self.diagnosis, self.conditions, self.limits = diagnosis, conditions, limits
+    def __init__(
+        self, diagnosis: Diagnosis, conditions: Sequence[SheetCondition], limits: LimitCells, say: Wording
+    ) -> None:
+        self.diagnosis, self.conditions, self.limits, self.say = diagnosis, conditions, limits, say
+        self.sheet = say.sentence(RULES)
         self._of_unit = [diagnosis.total_rule(at.projection) for at in conditions]
         self._of_unit += [rule for at in conditions for rule in diagnosis.pressure_rules_at(at.projection)]
         rows = len(self._of_unit) + 1
@@ -65,26 +84,27 @@ class RuleCells:
     @property
     def ranks(self) -> str:
         """Return the stretch of cells with the ranks of all verdicts."""
-        return span(1, self.last, _RANK, _SHEET)
+        return span(1, self.last, _RANK, self.sheet)
 
     def ranks_of(self, key: LandKey) -> str | None:
         """Return the stretch of cells with the ranks of one land's verdicts; None where no rule judges it."""
         rows = self._of_land.get(key)
-        return None if rows is None else span(*rows, _RANK, _SHEET)
+        return None if rows is None else span(*rows, _RANK, self.sheet)
 
     def verdict(self, land: LandDiagnosis, rule: Rule) -> str:
         """Return the formula of what one rule says of a land; half a pair is never called ok."""
-        return verdict_of_rank(cell(self._of_land[land.key][0] + land.rules.index(rule), _RANK, _SHEET), fine_of(land))
+        rank = cell(self._of_land[land.key][0] + land.rules.index(rule), _RANK, self.sheet)
+        return verdict_of_rank(rank, self.say, fine_of(land))
 
     def limits_and_rank(self, rule: Rule) -> tuple[dict[Level, str], str]:
         """Return the cells with the limits of a rule of the unit, by level, and with its rank."""
         row = self._unit_row(rule)
-        limits = {level: cell(row, _column(level), _SHEET) for level, _ in rule.steps.levels}
-        return limits, cell(row, _RANK, _SHEET)
+        limits = {level: cell(row, _column(level), self.sheet) for level, _ in rule.steps.levels}
+        return limits, cell(row, _RANK, self.sheet)
 
     def of_unit(self, rule: Rule) -> str:
         """Return the formula of what one rule says of the unit; one that nobody measured is never called ok."""
-        return verdict_of_rank(cell(self._unit_row(rule), _RANK, _SHEET), self.diagnosis.within(rule))
+        return verdict_of_rank(cell(self._unit_row(rule), _RANK, self.sheet), self.say, self.diagnosis.within(rule))
 
     def _unit_row(self, rule: Rule) -> int:
         return 1 + next(number for number, each in enumerate(self._of_unit) if each is rule)
@@ -97,8 +117,8 @@ class RuleCells:
         held: Callable[[SheetCondition, Circuit], str],
     ) -> None:
         """Write what each rule says; ``of_land`` gives a cell of the sheet of lands, ``held`` that of a pressure."""
-        names = ["component", "land", "rule", "unit", "value", "when new", *(f"{level} from" for level in FLAGGED)]
-        names += ["verdict", "rank", "decision as issued", "origin of the limit", "source"]
+        levels = (Sentence("{level} from", level=self.say.level(level)) for level in FLAGGED)
+        names = [*_BEFORE_LEVELS, *levels, *_BEHIND_LEVELS]
         book.headings(sheet, 0, names)
         for row, rule in enumerate(self._of_unit, start=1):
             self._write(book, sheet, row, self._unit_line(rule, row, held))
@@ -153,18 +173,18 @@ class RuleCells:
         component, number = line.land.key if line.land else (OF_THE_UNIT, None)
         form = book.form(_FORMATS.get(rule.kind, rule.kind.suffix))
         for column, value in enumerate((component, number, _named(rule), rule.kind.unit)):
-            put(sheet, row, column, value, book.form(align="left"))
+            book.put(sheet, row, column, value, book.form(align="left"))
         formula(sheet, row, _VALUE, line.value, rule.value * factor, form)
         if line.new is not None and rule.new is not None:
             formula(sheet, row, _NEW, line.new, rule.new * factor, form)
         elif rule.circuit is not None:  # of a pressure, as issued
-            put(sheet, row, _NEW, None if rule.new is None else rule.new * factor, form)
+            book.put(sheet, row, _NEW, None if rule.new is None else rule.new * factor, form)
         rank = "1"
         for level, limit in rule.steps.levels:
             column = _column(level)
             text = self._limit(row, line, level)
             if text is None:  # of the land alone, by the valve body's file
-                put(sheet, row, column, limit * factor, book.form(rule.kind.suffix, **CHANGEABLE))
+                book.put(sheet, row, column, limit * factor, book.form(rule.kind.suffix, **CHANGEABLE))
             else:
                 formula(sheet, row, column, text, limit * factor, form)
             reached = RANKED.index(_verdict(level)) + 1
@@ -172,15 +192,16 @@ class RuleCells:
         fine = Verdict.OK if line.land is not None else self.diagnosis.within(rule)
         verdict = fine if rule.verdict == Verdict.OK else rule.verdict
         formula(sheet, row, _RANK, rank, RANKED.index(rule.verdict) + 1)
-        words = verdict_of_rank(cell(row, _RANK), fine)
-        formula(sheet, row, _VERDICT, words, signed(verdict), book.form(**AFTER_A_NUMBER))
-        for column, text in enumerate((self._decision(line), rule.origin, rule.source), start=_DECISION):
-            put(sheet, row, column, text, book.form(**AFTER_A_NUMBER))
+        words = verdict_of_rank(cell(row, _RANK), self.say, fine)
+        formula(sheet, row, _VERDICT, words, self.say.signed(verdict), book.form(**AFTER_A_NUMBER))
+        origin = self.say.get("origins", rule.origin)
+        for column, text in enumerate((self._decision(line), origin, rule.source), start=_DECISION):
+            book.put(sheet, row, column, text, book.form(**AFTER_A_NUMBER))
 
     def _decision(self, line: _Line) -> str | None:
         """Return how sure a rule of the unit is; those of lands stand beside the lands."""
         decided = None if line.land is not None else self.diagnosis.decided(line.rule)
-        return None if decided is None else wording("en").get("decisions", decided.decision)
+        return None if decided is None else self.say.get("decisions", decided.decision)
 
     def _limit(self, row: int, line: _Line, level: Level) -> str | None:
         """Return the formula of the limit at which a level begins; None where it is the land's own."""
@@ -200,7 +221,7 @@ class RuleCells:
 
 def _named(rule: Rule) -> str:
     """Name a rule; the headings say *from*, and a reserve reaches a level under its limit."""
-    return f"{rule.label}, reached under its limit" if rule.steps.falling else rule.label
+    return Sentence("{rule}, reached under its limit", rule=rule.label) if rule.steps.falling else rule.label
 
 
 def _reached(rule: Rule, value: str, limit: str) -> str:

@@ -6,35 +6,34 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
-from atleak.engine.projection import Projection
+from atleak.errors import MessageLevel
 from atleak.job.record import Job, Record
 from atleak.repair import RepairPlan, RepairStep, plan_repairs
 from atleak.report.estimate_words import open_words
-from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
+from atleak.report.xlsx.book import Book, cell, formula
 from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
+from atleak.report.xlsx.flagged_lands import OF_A_LAND, FlaggedLands
+from atleak.report.xlsx.headline import Headline
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
     RANKED,
-    ColumnKey,
     SheetCondition,
     component_width,
     verdict_of_rank,
 )
 from atleak.report.xlsx.road_sheet import RoadSheets
-from atleak.rules import Rule
-from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.sentence import Name, Sentence
+from atleak.verdicts import BANDS, VERDICTS, Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.condition_matrix import condition_matrix
+from atleak.views.first_sentence import first_sentence
 from atleak.views.measure_first import head, measure_first, reason
-from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import spools_taken
 from atleak.views.repair_options import option_rows
 from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.sentences import because_of, fluid_in_state, measuring_temperature
-from atleak.wording import signed, wording
+from atleak.views.sentences import fluid_in_state, measuring_temperature
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 #: columns of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
@@ -43,10 +42,23 @@ _TOTALS = (
     "share_touching", "capacity", "n_min", "reserve", "reserve_new", "p_g", "p_g_held", "T", "n",
 )  # fmt: skip
 _ISSUED = {
-    "decision": "decision as issued",
-    "low": "leakage, low as issued [dm³/min]",
-    "high": "leakage, high as issued [dm³/min]",
+    "decision": Sentence("decision as issued"),
+    "low": Sentence("leakage, low as issued [dm³/min]"),
+    "high": Sentence("leakage, high as issued [dm³/min]"),
 }
+_OF_AN_OPTION = (
+    Sentence("step"),
+    Sentence("repair"),
+    Sentence("use"),
+    Sentence("id"),
+    Sentence("price"),
+    Sentence("currency"),
+    Sentence("hours"),
+    Sentence("tool"),
+    Sentence("lands"),
+    Sentence("source"),
+)
+_LEVELS: dict[MessageLevel, Sentence] = {"info": Sentence("info"), "warning": Sentence("warning")}
 MEASURE_FIRST = 6  # lands named for a complaint
 
 
@@ -55,6 +67,10 @@ class Sheets:
 
     def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any], job: Job, live: LiveSheets) -> None:
         self.book, self.diagnosis, self.record, self.job, self.live = book, diagnosis, record, job, live
+        self.say = book.say
+        shown = dict.fromkeys(rule.verdict for rule in (*diagnosis.gauge_rules, *diagnosis.log_rules))
+        issued = "".join(f",{1 + RANKED.index(verdict)}" for verdict in shown)
+        self.headline = Headline(diagnosis, live, f"MAX({live.rules.ranks}{issued})", self.say)
 
     # --- summary
 
@@ -64,41 +80,51 @@ class Sheets:
         for column, width in enumerate((46, 28, 16)):
             sheet.set_column(column, column, width)
         sheet.set_column(3, len(_TOTALS), 14)
-        title = "Internal leakage of a valve body"
-        put(sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title)
+        title = self.say("title.report")
+        self.book.put(
+            sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title
+        )
         sheet.set_row(0, 24)
         self._verdict(sheet, 1)
         vehicle, box = self.job.vehicle, self.job.transmission
         rows: list[tuple[str, Any]] = [
-            ("job", self.job.number),
-            ("date", self.job.date.isoformat() if self.job.date else None),
-            ("customer", self.job.customer.name),
-            ("vehicle", " ".join(filter(None, (vehicle.make, vehicle.model, vehicle.registration)))),
-            ("VIN", vehicle.vin),
-            ("transmission", " ".join(filter(None, (box.maker, box.code, box.serial)))),
-            ("mileage [km]", record["mileage_km"] or vehicle.mileage_km),
-            ("valve body", record["controller"]["name"]),
-            ("fluid", fluid_in_state(diagnosis, wording("en"))),
-            ("limits", record["limits"]["name"]),
-            ("profile", diagnosis.profile.label),
-            ("measuring sheet", record["readings"]["file"]),
-            ("measured at", measuring_temperature(diagnosis, wording("en"))),
-            ("road test", record["road_test"]["file"] if record["road_test"] else None),
-            ("gauge readings", record["pressure_table"]["file"] if record["pressure_table"] else None),
-            ("representative", record["controller"]["representative_note"]),
+            (Sentence("job"), self.job.number),
+            (Sentence("date"), self.job.date.isoformat() if self.job.date else None),
+            (Sentence("customer"), self.job.customer.name),
+            (Sentence("vehicle"), " ".join(filter(None, (vehicle.make, vehicle.model, vehicle.registration)))),
+            (Sentence("VIN"), vehicle.vin),
+            (Sentence("transmission"), " ".join(filter(None, (box.maker, box.code, box.serial)))),
+            (Sentence("mileage [km]"), record["mileage_km"] or vehicle.mileage_km),
+            (Sentence("valve body"), record["controller"]["name"]),
+            (Sentence("fluid"), fluid_in_state(diagnosis, self.say)),
+            (Sentence("limits"), record["limits"]["name"]),
+            (Sentence("profile"), diagnosis.profile.label),
+            (Sentence("measuring sheet"), record["readings"]["file"]),
+            (Sentence("measured at"), measuring_temperature(diagnosis, self.say)),
+            (Sentence("road test"), record["road_test"]["file"] if record["road_test"] else None),
+            (Sentence("gauge readings"), record["pressure_table"]["file"] if record["pressure_table"] else None),
+            (Sentence("representative"), record["controller"]["representative_note"]),
             *self._complaint(),
         ]
-        row = book.pairs(sheet, 4, rows) + 1
+        row = book.pairs(sheet, 5, rows) + 1
         if diagnosis.without_sheet:
-            put(sheet, row, 0, wording("en")("findings.alone"))
+            self.book.put(sheet, row, 0, self.say("findings.alone"))
             if diagnosis.log is not None:
                 RoadSheets(book, diagnosis, diagnosis.log).write_findings(sheet, row + 1)
             return
         row = self._totals(sheet, row) + 1
-        row = self._flagged(sheet, row) + 1
+        row = FlaggedLands(book, diagnosis, self.live, self.headline).write(sheet, row) + 1
         row = self._repair(sheet, row) + 1
-        put(sheet, row, 0, "Blue numbers may be changed: everything in black follows from them.", book.form())
-        put(sheet, row + 1, 0, "What is marked “as issued” is atleak's result and does not follow.", book.form())
+        self.book.put(
+            sheet, row, 0, Sentence("Blue numbers may be changed: everything in black follows from them."), book.form()
+        )
+        self.book.put(
+            sheet,
+            row + 1,
+            0,
+            Sentence("What is marked “as issued” is atleak's result and does not follow."),
+            book.form(),
+        )
 
     def _complaint(self) -> list[tuple[str, Any]]:
         """Return the customer's complaint, where it shows and which lands to measure first."""
@@ -106,61 +132,37 @@ class Sheets:
         if diagnosis.complaint is None:
             return []
         ranked = measure_first(diagnosis)
-        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each)}" for each in ranked[:MEASURE_FIRST]]
+        say = self.say
+        lands = [
+            f"{each.land.key[0]}/{each.land.key[1]}: {reason(each, say, say.condition)}"
+            for each in ranked[:MEASURE_FIRST]
+        ]
         return [
-            ("complaint", diagnosis.complaint.label),
-            ("shows at", "; ".join(each.condition.label for each in diagnosis.complained)),
-            ("lands behind it", head(ranked)),
+            (Sentence("complaint"), say.name(diagnosis.complaint.label)),
+            (Sentence("shows at"), "; ".join(say.condition(each.condition) for each in diagnosis.complained)),
+            (Sentence("lands behind it"), head(ranked, say)),
             *((f"{number}.", land) for number, land in enumerate(lands, start=1)),
         ]
 
     def _verdict(self, sheet: Worksheet, row: int) -> None:
         """Write the verdict of the unit as it follows from the workbook's rules, and below it the one issued."""
         book, diagnosis = self.book, self.diagnosis
-        put(sheet, row, 0, "verdict of the unit", book.bold)
+        self.book.put(sheet, row, 0, Sentence("verdict of the unit"), book.bold)
         if diagnosis.judged:  # half a pair is never called ok
             fine = Verdict.OK if any(land.state.can_be_ok for land in diagnosis.lands) else Verdict.NOT_MEASURED
-            shown = (*diagnosis.gauge_rules, *diagnosis.log_rules)
-            issued = "".join(
-                f",{1 + RANKED.index(verdict)}" for verdict in dict.fromkeys(each.verdict for each in shown)
-            )
-            verdict = verdict_of_rank(f"MAX({self.live.rules.ranks}{issued})", fine)
-            formula(sheet, row, 1, verdict, signed(diagnosis.verdict), book.bold)
+            verdict = verdict_of_rank(self.headline.rank, self.say, fine)
+            formula(sheet, row, 1, verdict, self.say.signed(diagnosis.verdict), book.bold)
         else:
-            put(sheet, row, 1, signed(diagnosis.verdict), book.bold)
+            self.book.put(sheet, row, 1, self.say.signed(diagnosis.verdict), book.bold)
         book.colour_words(sheet, (row, 1), (row, 1), VERDICTS)
-        put(sheet, row + 1, 0, "as issued", book.bold)
-        marks = caveat_marks(diagnosis, wording("en"))
-        marked = f"{', '.join(marks).capitalize()}. " if marks else ""
-        put(sheet, row + 1, 1, " ".join([f"{marked}{self._sentence()}", *caveats(diagnosis, wording("en"))]))
-
-    def _sentence(self) -> str:
-        diagnosis, flagged = self.diagnosis, self.diagnosis.flagged
-        decided_by = diagnosis.decided_by
-        measured = measured_sentence(diagnosis, wording("en"))
-        if measured is not None:
-            return f"{signed(diagnosis.verdict)}: {measured}"
-        worst, band = diagnosis.worst, diagnosis.band(diagnosis.worst)
-        total = f"At “{worst.condition.label}” {self._taken(worst)}" + (f" ({band})." if band else ".")
-        if diagnosis.verdict == Verdict.NOT_MEASURED:
-            return f"No land was measured. With mounting clearances: {total}"
-        lands = f"{len(flagged)} of {diagnosis.judged} measured lands have reached a limit"
-        if isinstance(decided_by, Rule) and decided_by.kind is RuleKind.TOTAL_SHARE:
-            return f"{signed(diagnosis.verdict)} because of the total: {total} {lands}."
-        if isinstance(decided_by, Rule):
-            because = because_of(diagnosis, decided_by, wording("en")) or f"because of the {decided_by.label}."
-            return f"{signed(diagnosis.verdict)} {because} {lands}. {total}"
-        if decided_by is not None:
-            component, number = decided_by.key
-            lands += f"; {component}/{number} {diagnosis.controller.components[component]} decides"
-        return f"{signed(diagnosis.verdict)}: {lands}. {total}"
-
-    def _taken(self, at: Projection) -> str:
-        """Say what leakage takes of the pump's flow; what the pump cannot deliver is a demand."""
-        if at.pump_capacity <= 0.0:
-            return "leakage takes all the pump delivers"
-        verb = "demands" if at.share > 1.0 else "takes"
-        return f"leakage {verb} {at.share * PERCENT:.1f} % of the pump's flow"
+        said = f"{self.say.signed(diagnosis.verdict)}: {first_sentence(diagnosis, self.say, self.say.condition)}"
+        marks = caveat_marks(diagnosis, self.say)
+        marked = [f"{', '.join(marks).capitalize()}."] if marks else []
+        if diagnosis.judged:
+            book.put(sheet, row + 1, 0, Sentence("by the numbers of this workbook"), book.bold)
+            formula(sheet, row + 1, 1, self.headline.formula(cell(row, 1)), self.headline.issued)
+        book.put(sheet, row + 2, 0, Sentence("as issued"), book.bold)
+        book.put(sheet, row + 2, 1, " ".join([*marked, said, *caveats(diagnosis, self.say)]))
 
     def _totals(self, sheet: Worksheet, row: int) -> int:
         """Write each condition's total beside the same unit new, how sure its band is, and as the spools may lie."""
@@ -170,18 +172,26 @@ class Sheets:
             quantities, issued = live.totals.quantities(at), self._issued(at)
             if row == first:
                 headings = [_ISSUED.get(name) or quantities[name].heading for name in _TOTALS]
-                book.headings(sheet, first - 1, ["condition", *headings], lines=5)
+                book.headings(sheet, first - 1, [self.say("printed.condition"), *headings], lines=5)
             worst = at.projection is self.diagnosis.worst and len(live.conditions) > 1
-            put(sheet, row, 0, at.projection.condition.label + "; the worst, as issued" * worst)
+            self.book.put(
+                sheet, row, 0, Sentence("{condition}; the worst, as issued", condition=at.label) if worst else at.label
+            )
             for column, name in enumerate(_TOTALS, start=1):
                 if name in _ISSUED:
-                    put(sheet, row, column, issued.get(name), book.form("flow", **left))
+                    self.book.put(sheet, row, column, issued.get(name), book.form("flow", **left))
                 else:
                     now = quantities[name]
                     formula(sheet, row, column, at(name), now.value, book.form(now.kind, **left))
         book.colour_words(sheet, (first, 1), (row, 1), BANDS)
-        put(sheet, row + 1, 0, f"Flows: {spools_taken(self.diagnosis.profile)}. {AS_SPOOLS_MAY_LIE} {DEMAND}")
-        put(sheet, row + 2, 0, covers(self.diagnosis))
+        flows = Sentence(
+            "Flows: {spools}. {lie} {demand}",
+            spools=spools_taken(self.diagnosis.profile),
+            lie=AS_SPOOLS_MAY_LIE,
+            demand=DEMAND,
+        )
+        self.book.put(sheet, row + 1, 0, flows)
+        self.book.put(sheet, row + 2, 0, covers(self.diagnosis, self.say))
         return row + 3
 
     def _issued(self, at: SheetCondition) -> dict[str, Any]:
@@ -191,49 +201,21 @@ class Sheets:
         if total is None:
             return {}
         low, high = (end * DM3_MIN for end in total.leakage_interval)
-        return {"decision": wording("en").get("decisions", total.decision.decision), "low": low, "high": high}
-
-    def _flagged(self, sheet: Worksheet, row: int) -> int:
-        book, live, flagged = self.book, self.live, self.diagnosis.flagged
-        put(sheet, row, 0, "Flagged lands as issued, the worst first", book.bold)
-        verdicts = span(1, len(live.lands), live.column_of["verdict"], "Lands")
-        put(sheet, row, 2, "flagged now", book.bold)
-        count = "+".join(f'COUNTIF({verdicts},"{signed(level)}")' for level in FLAGGED)
-        formula(sheet, row, 3, count, len(flagged), book.form("count", align="left"))
-        if not flagged:
-            put(sheet, row, 1, "none")
-            return row + 1
-        shown = [at for at in live.conditions if any(at.projection is each for each in self.diagnosis.reported)]
-        keys: list[ColumnKey] = ["c_r", "c_m", "wear", *(("share", at.prefix) for at in shown)]
-        headings = [live.columns[live.column_of[key]].heading for key in keys]
-        headings = ["component", "name", "verdict", "land", *headings, "because, as issued"]
-        book.headings(sheet, row + 1, headings, lines=4)
-        first = row + 2
-        for row, flag in enumerate(flagged, start=first):
-            (component, number), at = flag.key, live.row_of[flag.key]
-            put(sheet, row, 0, component, book.bold)
-            put(sheet, row, 1, self.diagnosis.controller.components[component])
-            verdict = cell(at, live.column_of["verdict"], "Lands")
-            formula(sheet, row, 2, verdict, signed(flag.verdict), book.bold)
-            put(sheet, row, 3, number, book.form(align="left"))
-            for column, key in enumerate(keys, start=4):
-                content = live.land_cell(flag, key)
-                if content.value is not None:
-                    address = cell(at, live.column_of[key], "Lands")
-                    formula(sheet, row, column, address, content.value, book.form(content.kind, align="left"))
-            if flag.deciding is not None:
-                put(sheet, row, 4 + len(keys), f"{flag.deciding.label} ({flag.deciding.origin})")
-        book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
-        return row + 1
+        return {"decision": self.say.get("decisions", total.decision.decision), "low": low, "high": high}
 
     def _repair(self, sheet: Worksheet, row: int) -> int:
         plan, book = plan_repairs(self.diagnosis), self.book
-        as_left = "as its repair leaves it, or as new," if plan.cost else "made as new"
-        put(sheet, row, 0, f"Order of repair as issued: each land is {as_left} after those before it", book.bold)
+        order = Sentence("Order of repair as issued: each land is made as new after those before it")
+        if plan.cost:
+            order = Sentence(
+                "Order of repair as issued: each land is as its repair leaves it, or as new, after those before it"
+            )
+        book.put(sheet, row, 0, order, book.bold)
         row += 1
         if plan.steps:
-            names = ["component", "name", "verdict", "land", "total before [%]", "total after [%]", "band after"]
-            names += [*(f"total after [%], {total.condition.label}" for total in plan.ends), "helps most at"]
+            names = [*OF_A_LAND, Sentence("total before [%]"), Sentence("total after [%]"), Sentence("band after")]
+            names += [Sentence("total after [%], {condition}", condition=total.condition) for total in plan.ends]
+            names.append(Sentence("helps most at"))
             book.headings(sheet, row, names, lines=3)
             first = row + 1
             for row, step in enumerate(plan.steps, start=first):
@@ -241,62 +223,82 @@ class Sheets:
             book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
             book.colour_words(sheet, (first, 6), (row, 6), BANDS)
             row = self._options(sheet, row + 1, plan)
-        for sentence in (*plan_ends(plan), *open_words(self.diagnosis, self.job, wording("en"), closing=True)):
-            put(sheet, row, 0, sentence)
+        for sentence in (
+            *plan_ends(plan, self.say, self.say.condition),
+            *open_words(self.diagnosis, self.job, self.say, closing=True),
+        ):
+            self.book.put(sheet, row, 0, sentence)
             row += 1
         return row
 
     def _options(self, sheet: Worksheet, row: int, plan: RepairPlan) -> int:
         """Write the repairs that the valve body's file names for the plan's lands; return the next free row."""
-        rows, book, say = option_rows(plan), self.book, wording("en")
+        rows, book, say = option_rows(plan), self.book, self.say
         if not rows:
             return row
-        names = ["step", "repair", "use", "id", "leaves [µm]", "price", "currency", "hours", "tool", "lands", "source"]
-        book.headings(sheet, row, names)
+        leaves = Sentence("leaves [{unit}]", unit=say.unit("clearance"))
+        book.headings(sheet, row, [*_OF_AN_OPTION[:4], leaves, *_OF_AN_OPTION[4:]])
         for at, each in enumerate(rows, start=row + 1):
             repair = each.option.repair
             values: list[Any] = [each.number, each.name(say), each.use(say), repair.id, each.leaves(say), repair.price]
             values += [repair.currency, repair.hours, repair.tool, each.lands, repair.source]
             for column, value in enumerate(values):
                 if value is not None:
-                    put(sheet, at, column, value, book.form(align="left"))
+                    self.book.put(sheet, at, column, value, book.form(align="left"))
         return row + len(rows) + 1
 
     def _step(self, sheet: Worksheet, row: int, step: RepairStep) -> None:
         book, (component, land) = self.book, step.land.key
-        words = (component, self.diagnosis.controller.components[component], signed(step.land.verdict), land)
+        words = (
+            component,
+            Name(self.diagnosis.controller.components[component]),
+            self.say.signed(step.land.verdict),
+            land,
+        )
         for column, value in enumerate(words):
-            put(sheet, row, column, value, book.form(align="left"))
+            self.book.put(sheet, row, column, value, book.form(align="left"))
         if step.helps:
             for column, total in enumerate((step.at.before, step.at.after), start=4):
-                put(sheet, row, column, total.share * PERCENT, book.form("share", align="left"))
-            put(sheet, row, 6, step.at.after.band)
+                self.book.put(sheet, row, column, total.share * PERCENT, book.form("share", align="left"))
+            self.book.put(sheet, row, 6, self.say.level(step.at.after.band))
         for column, each in enumerate(step.conditions, start=7):
-            put(sheet, row, column, each.after.share * PERCENT, book.form("share", align="left"))
-        put(sheet, row, 7 + len(step.conditions), step.at.condition.label if step.helps else no_help(step))
+            self.book.put(sheet, row, column, each.after.share * PERCENT, book.form("share", align="left"))
+        self.book.put(
+            sheet,
+            row,
+            7 + len(step.conditions),
+            self.say.condition(step.at.condition) if step.helps else no_help(step, self.say),
+        )
 
     # --- matrix
 
     def write_matrix(self, sheet: Worksheet) -> None:
         """Write every land at every condition: its share of the pump's flow and the verdict of that share."""
         book, live = self.book, self.live
-        names = ["component", "name", "land"]
+        names = [Sentence("component"), Sentence("name"), Sentence("land")]
         for at in live.conditions:
-            label = at.projection.condition.label
-            names += [f"share of pump capacity [%], {label}", f"verdict of the share, {label}"]
-        book.headings(sheet, 0, [*names, "elsewhere, as issued"], lines=4)
+            names.append(Sentence("share of pump capacity [%], {condition}", condition=at.label))
+            names.append(Sentence("verdict of the share, {condition}", condition=at.label))
+        book.headings(sheet, 0, [*names, Sentence("elsewhere, as issued")], lines=4)
         rows = condition_matrix(self.diagnosis, [at.projection for at in live.conditions])
         for row, each in enumerate(rows, start=1):
             (component, number), place = each.land.key, live.row_of[each.land.key]
-            for column, value in enumerate((component, self.diagnosis.controller.components[component], number)):
-                put(sheet, row, column, value, book.form(align="left"))
+            for column, value in enumerate((component, Name(self.diagnosis.controller.components[component]), number)):
+                self.book.put(sheet, row, column, value, book.form(align="left"))
             for column, (at, judged) in enumerate(zip(live.conditions, each.cells, strict=True)):
-                share = cell(place, live.column_of["share", at.prefix], "Lands")
+                share = cell(place, live.column_of["share", at.prefix], live.sheet)
                 formula(sheet, row, 3 + 2 * column, share, judged.share * PERCENT, book.form("share"))
                 if judged.rule is not None and judged.verdict is not None:
                     verdict = live.rules.verdict(each.land, judged.rule)
-                    formula(sheet, row, 4 + 2 * column, verdict, signed(judged.verdict), book.form(**AFTER_A_NUMBER))
-            put(sheet, row, len(names), each.elsewhere or None)
+                    formula(
+                        sheet,
+                        row,
+                        4 + 2 * column,
+                        verdict,
+                        self.say.signed(judged.verdict),
+                        book.form(**AFTER_A_NUMBER),
+                    )
+            self.book.put(sheet, row, len(names), each.elsewhere or None)
         book.colour_words(sheet, (1, 4), (len(rows), len(names) - 1), VERDICTS)
         sheet.set_column(0, 0, component_width(self.diagnosis.controller.components))
         sheet.set_column(1, 1, 28)
@@ -317,67 +319,61 @@ class Sheets:
             if value in (None, "", ()) or (isinstance(value, Record) and value.empty):
                 continue
             if isinstance(value, Record):
-                put(sheet, row, 0, _words(name), self.book.heading)
-                row = self.book.pairs(sheet, row + 1, _pairs(value), 84) + 1
+                self.book.put(sheet, row, 0, self._field(name), self.book.heading)
+                row = self.book.pairs(sheet, row + 1, self._pairs(value), 84) + 1
             elif isinstance(value, tuple):
                 for item in value:
-                    put(sheet, row, 0, _words(name), self.book.heading)
+                    self.book.put(sheet, row, 0, self._field(name), self.book.heading)
                     if isinstance(item, Record):
-                        row = self.book.pairs(sheet, row + 1, _pairs(item), 84) + 1
+                        row = self.book.pairs(sheet, row + 1, self._pairs(item), 84) + 1
                     else:
-                        put(sheet, row, 1, item, self.book.wrapped)
+                        self.book.put(sheet, row, 1, item, self.book.wrapped)
                         row += 1
             else:
-                put(sheet, row, 0, _words(name), self.book.heading)
-                row = put_text(sheet, row, 1, str(value), self.book.wrapped, 84) + 2
+                self.book.put(sheet, row, 0, self._field(name), self.book.heading)
+                row = self.book.put_text(sheet, row, 1, str(value), self.book.wrapped, 84) + 2
 
     def write_messages(self, sheet: Worksheet) -> None:
-        rows = [
-            {"level": message.level, "code": message.code, "text": message.text, "place": str(message.place or "")}
-            for message in self.diagnosis.messages
-        ]
+        """Write what is to be known about the result, warnings among it."""
+        book, say = self.book, self.say
         for column, width in enumerate((10, 30, 110, 40)):
             sheet.set_column(column, column, width)
-        self.book.headings(sheet, 0, ["level", "code", "text", "place"], lines=1)
-        for line, row in enumerate(rows, start=1):
-            for column, value in enumerate(row.values()):
-                put(sheet, line, column, value, self.book.wrapped)
-            put_text(sheet, line, 2, row["text"], self.book.wrapped, 100)
+        headings = [Sentence("level"), Sentence("code"), Sentence("text"), Sentence("place")]
+        book.headings(sheet, 0, headings, lines=1)
+        for line, message in enumerate(self.diagnosis.messages, start=1):
+            place = say.sentence(message.place.sentence) if message.place else ""
+            for column, value in enumerate((_LEVELS[message.level], message.code, message.text, place)):
+                book.put(sheet, line, column, value, book.wrapped)
+            book.put_text(sheet, line, 2, message.text, book.wrapped, 100)
 
     def write_provenance(self, sheet: Worksheet) -> None:
         """Write which program, options and files gave the result, with their SHA-256."""
         record = self.record
-        row = self.book.pairs(sheet, 0, [("atleak", record["atleak"]), ("format", str(record["format"]))]) + 1
+        row = self.book.pairs(sheet, 0, [("atleak", record["atleak"]), (Sentence("format"), str(record["format"]))]) + 1
         for name in ("profile", "controller", "fluid", "limits", "readings", "road_test"):
             entry = record[name]
             if not entry:
                 continue
-            put(sheet, row, 0, _words(name), self.book.heading)
+            self.book.put(sheet, row, 0, self._field(name), self.book.heading)
             wanted = {key: value for key, value in entry.items() if isinstance(value, str | int | float | bool | list)}
             if name == "road_test":
                 wanted = {key: entry[key] for key in ("file", "sha256", "rows", "duration_s")}
-            pairs = [(key.replace("_", " "), _plain(value)) for key, value in wanted.items()]
+            pairs = [(self._field(key), self._plain(key, value)) for key, value in wanted.items()]
             row = self.book.pairs(sheet, row + 1, pairs, 94) + 1
         sheet.set_column(0, 0, 24)
         sheet.set_column(1, 1, 100)
 
+    def _pairs(self, record: Record) -> list[tuple[str, Any]]:
+        fields = ((name, getattr(record, name)) for name in type(record).model_fields)
+        return [(self._field(name), self._plain(name, value)) for name, value in fields]
 
-def _pairs(record: Record) -> list[tuple[str, Any]]:
-    fields = ((name, getattr(record, name)) for name in type(record).model_fields)
-    return [(_words(name), _plain(value)) for name, value in fields]
+    def _field(self, name: str) -> str:
+        """Return a field's name as people read it: ``mileage_km`` → ``mileage [km]``."""
+        return self.say.get("record_fields", name)
 
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, list | tuple):
-        return ", ".join(map(str, value))
-    return value if value is None or isinstance(value, int | float | str) else str(value)
-
-
-def _words(name: str) -> str:
-    """Return a field's name as people read it: ``mileage_km`` → ``mileage [km]``."""
-    for ending, unit in (("_km", "km"), ("_c", "°C")):
-        if name.endswith(ending):
-            name = f"{name.removesuffix(ending)} [{unit}]"
-    return name.replace("_", " ")
+    def _plain(self, name: str, value: Any) -> Any:
+        if isinstance(value, list | tuple):
+            return ", ".join(map(str, value))
+        if name in ("grade", "decision") and isinstance(value, str):
+            return self.say.get("grades" if name == "grade" else "job_decisions", value)
+        return value if value is None or isinstance(value, bool | int | float | str) else str(value)

@@ -60,3 +60,12 @@ def test_a_file_written_by_a_process_reads_back(tmp_path: Path, four_speed: Cont
     assert finished.returncode == 0
     with pytest.raises(Exception, match="sheet"):  # nothing is filled in yet
         read_readings(tmp_path / "sheet.xlsx", four_speed)
+
+
+def test_a_template_has_the_language_and_units_that_are_asked_for(run: Run, tmp_path: Path) -> None:
+    sheet = tmp_path / "sheet.xlsx"
+    status, _, _ = run("template", "--controller", "minimal_example", "--language", "pl", "--units", "us", "-o", sheet)
+    assert status == 0
+    book = openpyxl.load_workbook(sheet, read_only=True)
+    assert book.sheetnames == ["Pomiary", "Stopnie", "Ciśnienia", "Jak mierzyć"]
+    assert "Średnica [in]" in [cell.value for cell in book["Pomiary"][7]]

@@ -25,6 +25,7 @@ from atleak.report.pdf import report_data, write_pdf
 from atleak.report.xlsx import write_workbook
 from atleak.rules import Rule
 from atleak.verdicts import Band, Verdict
+from atleak.views.first_sentence import first_sentence
 from atleak.wording import languages, signed, wording
 
 UM = 1e-6
@@ -551,8 +552,8 @@ def test_the_summary_says_so_too_and_its_verdict_follows_the_rules(
     found, numbers = decided
     sheets = calculator(write_workbook(found))
     assert sheets.value("Summary", "B2") == signed(found.verdict)
-    issued = sheets.book["Summary"]["B3"].value
-    assert issued.startswith(f"{signed(found.verdict)} because of ")
+    issued = sheets.book["Summary"]["B4"].value
+    assert issued == f"{signed(found.verdict)}: {first_sentence(found, wording('en'))}"
     assert [number for number in numbers if f"{number:g}" not in issued] == []
 
 

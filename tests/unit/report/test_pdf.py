@@ -217,7 +217,7 @@ def test_nothing_is_printed_for_what_was_not_filled_in(unmeasured):
         "Road test",
     ):
         assert label not in text
-    assert "Nothing was measured" in text
+    assert "nothing was measured" in text
     assert is_archival(write_pdf(unmeasured))
 
 
@@ -315,7 +315,7 @@ def test_languages_have_the_same_keys_and_places():
     english = wording("en").texts
 
     def places(texts: dict) -> dict[tuple[str, str], list[str]]:
-        tables = {name: table for name, table in texts.items() if isinstance(table, dict)}
+        tables = {name: table for name, table in texts.items() if isinstance(table, dict) and name != "messages"}
         return {
             (name, key): sorted(re.findall(r"\{(\w+)\}", text))
             for name, table in tables.items()

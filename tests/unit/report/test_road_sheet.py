@@ -25,4 +25,4 @@ def test_the_verdict_of_a_sheet_and_a_log_follows_from_the_workbooks_cells(
     assert (both.verdict == Verdict.CRITICAL) == (factor < 1.0)
     sheets = calculator(write_workbook(both))
     assert sheets.value("Summary", "B2") == signed(both.verdict)
-    assert sheets.value("Summary", "B3").startswith(f"Provisional. {signed(both.verdict)}: ")
+    assert sheets.value("Summary", "B4").startswith(f"Provisional. {signed(both.verdict)}: ")

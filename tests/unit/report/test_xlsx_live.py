@@ -311,7 +311,7 @@ def test_a_share_over_the_pumps_flow_is_called_a_demand(units, readings_of):
     wide = {land.key: (land.nominal_diameter, land.nominal_diameter + 200 * UM) for land in unit.controller.lands}
     content = write_workbook(replace(unit, readings=readings_of(unit.controller, wide)).diagnose())
     summary = openpyxl.load_workbook(io.BytesIO(content), data_only=True)["Summary"]
-    assert "leakage demands" in summary["B3"].value
+    assert "✖ critical: " in summary["B4"].value
     formats = [cell for row in summary.iter_rows() for cell in row if cell.number_format == NUMBER_FORMATS["share"]]
     assert max(cell.value for cell in formats) > 100.0
     assert '[>100]0.00" demand"' in NUMBER_FORMATS["share"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import tomllib
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from atleak.catalogue.limits import load_limits
 from atleak.errors import CatalogueError, OutputError
 from atleak.system.files import replace_file
-from atleak.system.reasons import reason_of, toml_reason
+from atleak.system.reasons import reason_of, text_reason
 from atleak.wording import wording
 
 BROKEN = (
@@ -24,17 +25,26 @@ BROKEN = (
 def test_where_a_toml_file_is_wrong_is_said_in_every_language(text: str) -> None:
     with pytest.raises(tomllib.TOMLDecodeError) as caught:
         tomllib.loads(text)
-    said = toml_reason(caught.value)
+    said = text_reason(caught.value)
     assert said == str(caught.value)
     german = wording("de").sentence(said)
     assert "Zeile" in german or "am Ende der Datei" in german
+
+
+@pytest.mark.parametrize("text", ["{", "[1", '{"a" 1}', '{"a": 1,, }', "1 2", '"x', '["\n"]', ""])
+def test_where_a_json_file_is_wrong_is_said_in_every_language(text: str) -> None:
+    with pytest.raises(json.JSONDecodeError) as caught:
+        json.loads(text)
+    said = text_reason(caught.value)
+    assert said == str(caught.value)
+    assert not {"line", "Expecting", "data"} & set(wording("de").sentence(said).split())
 
 
 @pytest.mark.parametrize("content", [b"a\xff", b"\xe2\x82", b"\xe2a"])
 def test_a_text_that_is_no_utf_8_is_said_in_every_language(content: bytes) -> None:
     with pytest.raises(UnicodeDecodeError) as caught:
         content.decode("utf-8")
-    said = toml_reason(caught.value)
+    said = text_reason(caught.value)
     assert said == str(caught.value)
     assert "kein Text in utf-8: " in wording("de").sentence(said).replace("sind", "ist")
     assert not {"byte", "codec", "position"} & set(wording("pl").sentence(said).split())

@@ -16,6 +16,7 @@ from typing import Literal
 
 from atleak.errors import Place, RoadTestError
 from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 
 HEAD = 1 << 16
 """Bytes that show what a file is."""
@@ -57,7 +58,7 @@ class Digest:
 
     def __init__(self, source: bytes | Path) -> None:
         self._hash, self._source = hashlib.sha256(), source
-        self._error = ""
+        self._error: Sentence | None = None
         self.has_nul_unpacked = False
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._started = False
@@ -84,7 +85,7 @@ class Digest:
             ):
                 self._hash.update(mapped)
         except OSError as error:
-            self._error = str(error.strerror)
+            self._error = reason_of(error)
 
     def __str__(self) -> str:
         self._finish()
@@ -176,7 +177,7 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
                 return LogFile(file, Digest(path), head, "text", size, path)
             data = head + stream.read()
     except OSError as error:
-        problem = Sentence("cannot be opened: {reason}", reason=str(error.strerror))
+        problem = Sentence("cannot be opened: {reason}", reason=reason_of(error))
         raise RoadTestError(problem, place=Place(file=file)) from error
     return _packed_or_not(data, file, Digest(data), path)
 

@@ -16,6 +16,7 @@ from atleak.intake.plain_words import words
 from atleak.sentence import Sentence
 from atleak.system.files import PRIVATE, replace_file
 from atleak.system.home import earlier_file, home, made
+from atleak.system.reasons import reason_of
 
 _PATIENCE = 30  # [s] to wait for other writers
 _POLL = 0.01  # [s]
@@ -162,7 +163,8 @@ def _rewritten(path: Path) -> Iterator[dict[str, object]]:
         problem = Sentence("another program has kept it locked for {seconds} s", seconds=_PATIENCE)
         raise OutputError(problem, place=place) from None
     except (OSError, NotImplementedError) as error:  # the latter: a file system without locks
-        problem = Sentence("cannot be written: {reason}", reason=str(getattr(error, "strerror", None) or error))
+        reason = reason_of(error) if isinstance(error, OSError) and error.strerror else str(error)
+        problem = Sentence("cannot be written: {reason}", reason=reason)
         raise OutputError(problem, place=place) from error
 
 

@@ -24,119 +24,50 @@ from atleak.measuring.plan import DIRECTIONS, PARTS, REPEATS
 from atleak.own_lands import OwnLands
 from atleak.pressure_table import PressureTable
 from atleak.readings import NOMINAL_HEADING, Reading
-from atleak.report.lands_sheet import LANDS, write_lands
+from atleak.report.lands_sheet import AS_STATED, LANDS, REPRESENTATIVE, write_lands
+from atleak.report.measuring_sheet.instructions import INSTRUCTIONS, write_instructions
+from atleak.report.measuring_sheet.words import PART_NAMES, PUMP_SIDE, PUMP_TIP, SHEET, UNWORN_END
 from atleak.report.pressure_sheet import PRESSURES, write_pressures
+from atleak.sentence import Sentence
 from atleak.system.marks import PROPERTY, sealed, unsealed
+from atleak.unit_systems import Quantity
+from atleak.wording import Wording, wording
+from atleak.workshop_units import MM, UM
 
-SHEET = "Measurements"
-INSTRUCTIONS = "How to measure"
+__all__ = ["FIELDS", "INSTRUCTIONS", "PUMP_SIDE", "PUMP_TIP", "SHEET", "UNWORN_END", "write_readings", "write_template"]
 
-_HEADINGS = (  # heading, width in characters
-    ("No.", 8),
-    ("Component", 24),
-    ("Part", 9),
-    ("Plane", 7),
-    ("Direction", 10),
-    ("Repeat", 8),
-    ("Coordinate\nx1 (y1) [mm]", 14),
-    ("Coordinate\nx2 (y2) [mm]", 14),
-    ("Diameter [mm]", 14),
-    (NOMINAL_HEADING, 13),
-    ("Mounting\nclearance [µm]", 13),
-    ("Nominal values\nare", 24),
-    ("Deviation from\nnominal [µm]", 14),
-    ("Taken at", 13),
+_HEADINGS = (  # heading, kind of quantity that its unit is of, width in characters
+    (Sentence("No."), None, 8),
+    (Sentence("Component"), None, 24),
+    (Sentence("Part"), None, 9),
+    (Sentence("Plane"), None, 7),
+    (Sentence("Direction"), None, 10),
+    (Sentence("Repeat"), None, 8),
+    (Sentence("Coordinate\nx1 (y1)"), "length", 14),
+    (Sentence("Coordinate\nx2 (y2)"), "length", 14),
+    (Sentence("Diameter"), "length", 14),
+    (NOMINAL_HEADING, "length", 13),
+    (Sentence("Mounting\nclearance"), "clearance", 13),
+    (Sentence("Nominal values\nare"), None, 24),
+    (Sentence("Deviation from\nnominal"), "clearance", 14),
+    (Sentence("Taken at"), None, 13),
 )
-PUMP_SIDE, PUMP_TIP = "Pump side clearance [µm]", "Pump tip clearance [µm]"  # `atleak.intake.readings.head` reads them
 _FIELD_PLACES = {  # row, column of the label, first and last column of the field; from 0
-    "Job": (3, 0, 1, 1),
-    "Vehicle": (3, 3, 5, 6),
-    "Mileage": (3, 8, 9, 10),
-    "Date": (4, 0, 1, 1),
-    "Measured by": (4, 3, 5, 6),
-    "Instrument": (4, 8, 9, 10),
-    "Measuring temperature": (4, 11, 12, 12),
+    Sentence("Job"): (3, 0, 1, 1),
+    Sentence("Vehicle"): (3, 3, 5, 6),
+    Sentence("Mileage"): (3, 8, 9, 10),
+    Sentence("Date"): (4, 0, 1, 1),
+    Sentence("Measured by"): (4, 3, 5, 6),
+    Sentence("Instrument"): (4, 8, 9, 10),
+    Sentence("Measuring temperature"): (4, 11, 12, 12),
     PUMP_SIDE: (3, 11, 12, 12),
     PUMP_TIP: (5, 11, 12, 12),
 }
-FIELDS = tuple(_FIELD_PLACES)
+FIELDS: tuple[Sentence, ...] = tuple(_FIELD_PLACES)
 _HEADER = 6  # row of the headings, from 0
 _TAKEN_AT = 13  # column, from 0
-UNWORN_END = "unworn end"  # what marks a reading there; the intake's vocabulary knows it
 _FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
 _CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same controller gives the same bytes
-
-_HOW_TO = (
-    ("Before", "Clean and dry spools and bores. Let the parts and the instrument lie together at 20 °C for an hour."),
-    (
-        "Temperature",
-        "Where the room is not at 20 °C, write the temperature of parts and instrument at the head of the sheet, in "
-        "°C: the diameters are corrected to 20 °C. A bore of 15 mm in aluminium reads 2 µm more at 35 °C.",
-    ),
-    (
-        "Pump",
-        "Where the head asks for them: the side clearance is the whole axial play, by straightedge and feeler gauge "
-        "between the faces of gears or rotors and the body; the tip clearance is that between the tips and what they "
-        "seal against. Other units than µm are written behind the number: 0.0033 in.",
-    ),
-    (
-        "Where",
-        "Every row of the sheet names a component, its part (spool or piston, sleeve), a plane and a direction. "
-        "A plane is half-way along a cylindrical section; 0° and 90° are two directions at right angles.",
-    ),
-    (
-        "How often",
-        "Measure twice. Lift the part off and set it up afresh in between: writing the same two coordinates in the "
-        "other order is no second measurement.",
-    ),
-    (
-        "What to write",
-        "With a microscope the two coordinates, with a micrometer or bore gauge the diameter: one of the two is "
-        "enough. Millimetres, to 0.001. Decimal point or comma, as your program writes them. In "
-        "inches: write [inch] in the heading in place of [mm]; the deviation from the nominal diameter follows.",
-    ),
-    (
-        "Bores",
-        "A bore wears to one side. Measured in one direction only, its wear may be missed; the report then says "
-        "that the clearance is a lower bound.",
-    ),
-    (
-        "Unworn ends",
-        "A bore is as new where its spool never runs. A diameter from there tells what the pair was when new: add a "
-        f"row for it and choose {UNWORN_END!r} in its last column. It does not count for wear; the mounting clearance "
-        "is learned from it, beside the spool as it is.",
-    ),
-    (
-        "Not measured",
-        "Leave the cells empty, or delete the rows. Such a pair is computed with its mounting clearance and marked "
-        "as not measured. With only one part measured the other one's nominal diameter is taken, and that is said too.",
-    ),
-    (
-        "More rows",
-        "For a third repeat or another direction insert a row inside the block and number the repeat. Columns may "
-        "stand in any order; their headings must stay.",
-    ),
-    (
-        "Lands",
-        "The tab Lands takes the contact length of a land and where it begins on its spool, if you measured them, and "
-        "which repair a component was given earlier. Left empty, what the valve body's file states counts.",
-    ),
-    (
-        "Pressures",
-        "The tab Pressures takes what gauges show while the vehicle stands, range by range: for a job of its own or "
-        "beside the diameters. Left empty, it is no table.",
-    ),
-    (
-        "Check",
-        "The last column shows how far each diameter is from the nominal one. It turns red from 500 µm on: another "
-        "plane, a slip of the pen, or inches.",
-    ),
-    (
-        "Refused",
-        "A sleeve smaller than its spool, a clearance over 0.5 mm, a number that is off by 10, 25.4 or 1000, and a "
-        "component that the valve body does not have. The message names sheet, row and column.",
-    ),
-)
 
 
 @dataclass(frozen=True)
@@ -154,20 +85,24 @@ class _Row:
         return self.land.nominal_of(self.part)
 
 
-def write_template(controller: Controller) -> bytes:
+def write_template(controller: Controller, *, language: str = "en", units: str = "metric") -> bytes:
     """Return an empty measuring sheet: two directions and two repeats in every plane of every land.
 
     Parameters
     ----------
     controller
         whose lands are to be measured.
+    language
+        one of `atleak.wording.languages`; a sheet in any of them is read back.
+    units
+        one of `atleak.unit_systems.SYSTEMS`; the headings name them.
 
     Returns
     -------
     bytes
         of an .xlsx workbook; the same controller gives the same bytes.
     """
-    return write_readings(controller, ())
+    return write_readings(controller, (), language=language, units=units)
 
 
 def write_readings(
@@ -178,6 +113,8 @@ def write_readings(
     blank_rows: bool = True,
     pressures: PressureTable | None = None,
     own_lands: OwnLands = OwnLands(),  # noqa: B008  frozen, so safe to share
+    language: str = "en",
+    units: str = "metric",
 ) -> bytes:
     """Return a measuring sheet with readings filled in.
 
@@ -196,13 +133,15 @@ def write_readings(
         gauge readings to fill in on the tab of pressures, the first of each cell.
     own_lands
         lengths and fitted repairs to fill in on the tab of lands.
+    language, units
+        as `write_template`.
 
     Returns
     -------
     bytes
         of an .xlsx workbook. Texts stay texts: nothing a user wrote becomes a formula.
     """
-    readings = list(readings)
+    readings, say = list(readings), wording(language, units)
     empty = not readings and not fields and pressures is None and own_lands == OwnLands()
     rows = list(_rows(controller, readings, blank_rows))
     buffer = io.BytesIO()
@@ -213,17 +152,17 @@ def write_readings(
         "strings_to_numbers": False,
     }
     with xlsxwriter.Workbook(buffer, options) as book:
-        book.set_properties({"title": f"Measuring sheet: {controller.name}", "created": _CREATED})
+        book.set_properties({"title": _title(controller, say), "created": _CREATED})
         if empty:
             book.set_custom_property(PROPERTY, unsealed("measuring sheet"))
-        formats = _formats(book)
-        sheet = _Sheet(book.add_worksheet(SHEET), formats, controller)
+        formats = _formats(book, say)
+        sheet = _Sheet(book.add_worksheet(say.sentence(SHEET)), formats, controller, say)
         sheet.head(fields or {})
         sheet.body(rows)
         sheet.set_up(len(rows))
-        write_lands(book.add_worksheet(LANDS), formats, controller, own_lands)
-        write_pressures(book.add_worksheet(PRESSURES), formats, controller, pressures)
-        _instructions(book.add_worksheet(INSTRUCTIONS), formats, controller)
+        write_lands(book.add_worksheet(say.sentence(LANDS)), formats, controller, own_lands, say)
+        write_pressures(book.add_worksheet(say.sentence(PRESSURES)), formats, controller, pressures, say)
+        write_instructions(book.add_worksheet(say.sentence(INSTRUCTIONS)), formats, controller, _FAR, say)
     return sealed(buffer.getvalue()) if empty else buffer.getvalue()
 
 
@@ -251,7 +190,12 @@ def _rows(controller: Controller, readings: Iterable[Reading], blank_rows: bool)
                             yield _Row(land, part, plane, direction, repeat, repeats.get(repeat))
 
 
-def _formats(book: xlsxwriter.Workbook) -> dict[str, Format]:
+def _title(controller: Controller, say: Wording) -> str:
+    return say.sentence(Sentence("Measuring sheet: {name}", name=controller.name))
+
+
+def _formats(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
+    length = f"0.{'0' * say.digits('length', 3)}"
     cell = {"border": 1, "border_color": SHEET_COLOURS["border"], "valign": "vcenter"}
     given = {**cell, "bg_color": SHEET_COLOURS["given"]}
     return {
@@ -272,9 +216,9 @@ def _formats(book: xlsxwriter.Workbook) -> dict[str, Format]:
         "text": book.add_format({**given, "text_wrap": True, "align": "left"}),
         "number": book.add_format({**given, "align": "center"}),
         "angle": book.add_format({**given, "align": "center", "num_format": '0"°"'}),
-        "input": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.000", "locked": False}),
+        "input": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": length, "locked": False}),
         "choice": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "locked": False}),
-        "nominal": book.add_format({**given, "num_format": "0.000", "font_color": SHEET_COLOURS["soft"]}),
+        "nominal": book.add_format({**given, "num_format": length, "font_color": SHEET_COLOURS["soft"]}),
         "clearance": book.add_format({**given, "num_format": "0.0", "font_color": SHEET_COLOURS["soft"]}),
         "pressure": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.0", "locked": False}),
         "origin": book.add_format({**given, "font_color": SHEET_COLOURS["soft"], "italic": True}),
@@ -290,13 +234,18 @@ def _formats(book: xlsxwriter.Workbook) -> dict[str, Format]:
 class _Sheet:
     """Writes the sheet of measurements."""
 
-    def __init__(self, sheet: Worksheet, formats: Mapping[str, Format], controller: Controller) -> None:
-        self.sheet, self.formats, self.controller = sheet, formats, controller
+    def __init__(self, sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, say: Wording) -> None:
+        self.sheet, self.formats, self.controller, self.say = sheet, formats, controller, say
 
     def head(self, fields: Mapping[str, str]) -> None:
-        sheet, formats, controller = self.sheet, self.formats, self.controller
-        sheet.write_string(0, 0, f"Measuring sheet: {controller.name}", formats["title"])
-        sheet.write_string(1, 0, f"Controller {controller.id}. Yellow cells are to be filled in. All dimensions in mm")
+        sheet, formats, controller, say = self.sheet, self.formats, self.controller, self.say
+        sheet.write_string(0, 0, _title(controller, say), formats["title"])
+        told = Sentence(
+            "Controller {id}. Yellow cells are to be filled in. All dimensions in {unit}",
+            id=controller.id,
+            unit=say.unit("length"),
+        )
+        sheet.write_string(1, 0, say.sentence(told))
         if controller.representative:
             sheet.write_string(2, 0, controller.representative, formats["note"])
         gaps = controller.pump.gaps
@@ -304,27 +253,40 @@ class _Sheet:
         for field, (row, label, first, last) in _FIELD_PLACES.items():
             if field in left_out - fields.keys():
                 continue  # the file does not say what would slip through it
-            sheet.write_string(row, label, field, formats["label"])
+            sheet.write_string(row, label, say.sentence(field), formats["label"])
             if last > first:
                 sheet.merge_range(row, first, row, last, "", formats["field"])
             sheet.write_string(row, first, fields.get(field, ""), formats["field"])
-        for column, (heading, width) in enumerate(_HEADINGS):
-            sheet.write_string(_HEADER, column, heading, formats["heading"])
-            sheet.set_column(column, column, width)
+        for column, (heading, kind, width) in enumerate(_HEADINGS):
+            said = say.sentence(heading) + (f" [{say.unit(kind)}]" if kind else "")
+            sheet.write_string(_HEADER, column, said, formats["heading"])
+            sheet.set_column(column, column, max(width, 2 + max(map(len, said.split()))))
         sheet.set_row(_HEADER, 32)
 
     def body(self, rows: Sequence[_Row]) -> None:
         numbered = list(enumerate(rows, start=_HEADER + 1))
         for first, last, entry in _blocks(numbered, _component):
             self._label(first, last, 0, entry.land.component, "text")
-            self._label(first, last, 1, self.controller.components[entry.land.component], "text")
+            self._label(first, last, 1, self.say.name(self.controller.components[entry.land.component]), "text")
         for first, last, entry in _blocks(numbered, _part):
-            self._label(first, last, 2, entry.land.part_name if entry.part == "spool" else "sleeve", "text")
+            self._label(
+                first,
+                last,
+                2,
+                self.say.sentence(PART_NAMES[entry.land.part_name if entry.part == "spool" else "sleeve"]),
+                "text",
+            )
         for first, last, entry in _blocks(numbered, _plane):
             self._label(first, last, 3, entry.plane, "number")
-            self._label(first, last, 9, _mm(entry.nominal), "nominal")
-            self._label(first, last, 10, round(entry.land.mounting_high * 1e6, 6), "clearance")
-            self._label(first, last, 11, _origin(entry.land), "origin")
+            self._label(first, last, 9, self._shown(entry.nominal), "nominal")
+            self._label(
+                first,
+                last,
+                10,
+                round(float(self.say.convert(entry.land.mounting_high * UM, "clearance")), 6),
+                "clearance",
+            )
+            self._label(first, last, 11, self.say.sentence(_origin(entry.land)), "origin")
             for row in range(first, last + 1):
                 self._deviation(row, first, rows[row - _HEADER - 1])
         for first, last, entry in _blocks(numbered, _direction):
@@ -336,7 +298,7 @@ class _Sheet:
                 if metres is None:
                     self.sheet.write_blank(row, column, None, self.formats["input"])
                 else:
-                    self.sheet.write_number(row, column, _mm(metres), self.formats["input"])
+                    self.sheet.write_number(row, column, self._shown(metres), self.formats["input"])
 
     def _label(self, first: int, last: int, column: int, value: str | float | None, name: str) -> None:
         """Write one value over several rows, merged as in Table 1."""
@@ -350,18 +312,26 @@ class _Sheet:
         else:
             self.sheet.write_number(first, column, float(value), form)
 
+    def _shown(self, metres: float) -> float:
+        """Return a length in the unit of the headings, to a tenth of a nanometre: the decimal digits as typed."""
+        return round(float(self.say.convert(metres * MM, "length")), 7 if self.say.unit("length") == "mm" else 8)
+
     def _deviation(self, row: int, first: int, entry: _Row) -> None:
-        one, other, size, nominal = f"G{row + 1}", f"H{row + 1}", f"I{row + 1}", f"$J${first + 1}"
+        one, other, size, given = f"G{row + 1}", f"H{row + 1}", f"I{row + 1}", f"$J${first + 1}"
+        nominal = given if self.say.unit("length") == "mm" else _in_mm(given)
         measured = f"IF(ISNUMBER({size}),{_in_mm(size)},ABS({_in_mm(one)}-{_in_mm(other)}))"
+        factor = round(float(self.say.convert(UM / MM, "clearance")), 6)
         filled = f"OR(ISNUMBER({size}),AND(ISNUMBER({one}),ISNUMBER({other})))"
-        known = "" if entry.reading is None else round((entry.reading.diameter - entry.nominal) * 1e6, 6)
+        off = None if entry.reading is None else (entry.reading.diameter - entry.nominal) * UM
+        known = "" if off is None else round(float(self.say.convert(off, "clearance")), 6)
         self.sheet.write_formula(
-            row, 12, f'=IF({filled},1000*({measured}-{nominal}),"")', self.formats["deviation"], known
+            row, 12, f'=IF({filled},{factor:.10g}*({measured}-{nominal}),"")', self.formats["deviation"], known
         )
 
     def set_up(self, rows: int) -> None:
         """Add what a person needs who fills it in on a screen or on paper."""
-        sheet, first, last = self.sheet, _HEADER + 1, _HEADER + max(rows, 1)
+        sheet, say, first, last = self.sheet, self.say, _HEADER + 1, _HEADER + max(rows, 1)
+        far = float(say.convert(_FAR, "clearance"))
         sheet.freeze_panes(first, 3)
         sheet.data_validation(
             first,
@@ -372,13 +342,20 @@ class _Sheet:
                 "validate": "decimal",
                 "criteria": ">",
                 "value": 0,
-                "error_title": "Not a dimension",
-                "error_message": "A number in the unit of the heading, larger than 0, such as 9.939. "
-                "Leave empty what was not measured.",
+                "error_title": say.sentence(Sentence("Not a dimension")),
+                "error_message": say.sentence(
+                    Sentence(
+                        "A number in the unit of the heading, larger than 0, such as {example}. Leave empty what was "
+                        "not measured.",
+                        example=Quantity(9.939, "length", 3),
+                    )
+                ),
             },
         )
-        sheet.data_validation(first, _TAKEN_AT, last, _TAKEN_AT, {"validate": "list", "source": [UNWORN_END]})
-        alarm = {"type": "cell", "criteria": "not between", "minimum": -_FAR, "maximum": _FAR}
+        sheet.data_validation(
+            first, _TAKEN_AT, last, _TAKEN_AT, {"validate": "list", "source": [say.sentence(UNWORN_END)]}
+        )
+        alarm = {"type": "cell", "criteria": "not between", "minimum": -far, "maximum": far}
         empty = {"type": "formula", "criteria": f"=NOT(ISNUMBER($M{first + 1}))", "stop_if_true": True}
         sheet.conditional_format(first, 12, last, 12, empty)
         sheet.conditional_format(first, 12, last, 12, {**alarm, "format": self.formats["alarm"]})
@@ -388,28 +365,14 @@ class _Sheet:
         sheet.repeat_rows(_HEADER)
         sheet.print_area(0, 0, last, len(_HEADINGS) - 1)
         sheet.set_margins(left=0.4, right=0.4, top=0.5, bottom=0.6)
-        sheet.set_footer(f"&L{self.controller.name.replace('&', '&&')[:120]}&RPage &P of &N")
+        page = say("title.page", page="&P", pages="&N")
+        sheet.set_footer(f"&L{self.controller.name.replace('&', '&&')[:120]}&R{page}")
         sheet.ignore_errors({"number_stored_as_text": f"A{first + 1}:E{last + 1}"})
 
 
 def _in_mm(cell: str) -> str:
     """Return the formula of a cell's length in mm, whether its heading says [mm] or [inch]."""
-    return f'{cell}*IF(ISNUMBER(FIND("[in",LOWER({cell[0]}${_HEADER + 1}))),25.4,1)'
-
-
-def _instructions(sheet: Worksheet, formats: Mapping[str, Format], controller: Controller) -> None:
-    sheet.set_column(0, 0, 18)
-    sheet.set_column(1, 1, 96)
-    sheet.write_string(0, 0, INSTRUCTIONS, formats["title"])
-    rows = list(_HOW_TO)
-    if controller.representative:
-        rows.append(("Nominal values", f"{controller.representative} They are there for orientation only."))
-    for row, (topic, text) in enumerate(rows, start=2):
-        sheet.write_string(row, 0, topic, formats["topic"])
-        sheet.write_string(row, 1, text, formats["wrap"])
-    sheet.set_landscape()
-    sheet.set_paper(9)
-    sheet.fit_to_pages(1, 0)
+    return f'{cell}*IF(ISNUMBER(FIND("[in",LOWER({cell.lstrip("$")[0]}${_HEADER + 1}))),25.4,1)'
 
 
 def _component(entry: _Row) -> tuple[Any, ...]:
@@ -445,14 +408,10 @@ def _values(reading: Reading | None) -> tuple[float | None, float | None, float 
     return None, None, reading.diameter
 
 
-def _mm(metres: float) -> float:
-    return round(metres * 1e3, 7)  # a tenth of a nanometre: the decimal digits as they were typed
-
-
-def _origin(land: Land) -> str:
+def _origin(land: Land) -> Sentence:
     diameter, clearance = (key in land.representative for key in ("nominal_diameter_mm", "mounting_clearance_um"))
     if diameter and clearance:
-        return "representative"
-    if diameter or clearance:
-        return f"{'diameter' if diameter else 'clearance'} representative"
-    return "as stated"
+        return REPRESENTATIVE
+    if diameter:
+        return Sentence("diameter representative")
+    return Sentence("clearance representative") if clearance else AS_STATED

@@ -1,0 +1,184 @@
+"""Write the tab of a measuring sheet that says how to measure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from xlsxwriter.format import Format
+from xlsxwriter.worksheet import Worksheet
+
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
+from atleak.report.lands_sheet import LANDS
+from atleak.report.measuring_sheet.words import UNWORN_END
+from atleak.report.pressure_sheet import PRESSURES
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+from atleak.wording import Wording
+
+INSTRUCTIONS = Sentence("How to measure")
+_WIDTHS = (18, 96)
+_LINE = 15.0  # [pt] height of a line of text
+_REFERENCE = Quantity(REFERENCE_TEMPERATURE, "temperature")
+
+
+def write_instructions(
+    sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, far: float, say: Wording
+) -> None:
+    """Write a row for every topic, as high as its text is long.
+
+    Parameters
+    ----------
+    sheet
+        of a workbook that is being written.
+    formats
+        of the measuring sheet.
+    controller
+        whose representative values are named as such.
+    far
+        how far from the nominal diameter a cell is coloured [µm].
+    say
+        the reader's words and units.
+    """
+    for column, width in enumerate(_WIDTHS):
+        sheet.set_column(column, column, width)
+    sheet.write_string(0, 0, say.sentence(INSTRUCTIONS), formats["title"])
+    for row, (topic, text) in enumerate(_topics(controller, far, say), start=2):
+        said = say.sentence(text)
+        sheet.write_string(row, 0, say.sentence(topic), formats["topic"])
+        sheet.write_string(row, 1, said, formats["wrap"])
+        sheet.set_row(row, _LINE * (1 + len(said) // (_WIDTHS[1] - 10)))  # programs that do not fit rows themselves
+    sheet.set_landscape()
+    sheet.set_paper(9)  # A4
+    sheet.fit_to_pages(1, 0)
+
+
+def _topics(controller: Controller, far: float, say: Wording) -> Iterator[tuple[Sentence, Sentence]]:
+    """Yield topics and texts, in the order in which they are needed."""
+    yield (
+        Sentence("Before"),
+        Sentence(
+            "Clean and dry spools and bores. Let the parts and the instrument lie together at {reference} "
+            "{reference.unit} for an hour.",
+            reference=_REFERENCE,
+        ),
+    )
+    yield (
+        Sentence("Temperature"),
+        Sentence(
+            "Where the room is not at {reference} {reference.unit}, write the temperature of parts and instrument at "
+            "the head of the sheet, in {reference.unit}: the diameters are corrected to {reference} {reference.unit}. "
+            "A bore of {bore:g} {bore.unit} in aluminium reads {more:g} {more.unit} more at {warm} {warm.unit}.",
+            reference=_REFERENCE,
+            bore=Quantity(15.0, "length"),
+            more=Quantity(2.0, "clearance"),
+            warm=Quantity(35.0, "temperature"),
+        ),
+    )
+    yield (
+        Sentence("Pump"),
+        Sentence(
+            "Where the head asks for them: the side clearance is the whole axial play, by straightedge and feeler "
+            "gauge between the faces of gears or rotors and the body; the tip clearance is that between the tips and "
+            "what they seal against. Other units than µm are written behind the number: 0.0033 in."
+        ),
+    )
+    yield (
+        Sentence("Where"),
+        Sentence(
+            "Every row of the sheet names a component, its part (spool or piston, sleeve), a plane and a direction. "
+            "A plane is half-way along a cylindrical section; 0° and 90° are two directions at right angles."
+        ),
+    )
+    yield (
+        Sentence("How often"),
+        Sentence(
+            "Measure twice. Lift the part off and set it up afresh in between: writing the same two coordinates in "
+            "the other order is no second measurement."
+        ),
+    )
+    if say.unit("length") == "mm":
+        yield (
+            Sentence("What to write"),
+            Sentence(
+                "With a microscope the two coordinates, with a micrometer or bore gauge the diameter: one of the two "
+                "is enough. Millimetres, to 0.001. Decimal point or comma, as your program writes them. In inches: "
+                "write [inch] in the heading in place of [mm]; the deviation from the nominal diameter follows."
+            ),
+        )
+    else:
+        yield (
+            Sentence("What to write"),
+            Sentence(
+                "With a microscope the two coordinates, with a micrometer or bore gauge the diameter: one of the two "
+                "is enough. Inches, to 0.00005. Decimal point or comma, as your program writes them. In millimetres: "
+                "write [mm] in the heading in place of [in]; the deviation from the nominal diameter follows."
+            ),
+        )
+    yield (
+        Sentence("Bores"),
+        Sentence(
+            "A bore wears to one side. Measured in one direction only, its wear may be missed; the report then says "
+            "that the clearance is a lower bound."
+        ),
+    )
+    yield (
+        Sentence("Unworn ends"),
+        Sentence(
+            "A bore is as new where its spool never runs. A diameter from there tells what the pair was when new: add "
+            "a row for it and choose {choice!r} in its last column. It does not count for wear; the mounting clearance "
+            "is learned from it, beside the spool as it is.",
+            choice=say.sentence(UNWORN_END),
+        ),
+    )
+    yield (
+        Sentence("Not measured"),
+        Sentence(
+            "Leave the cells empty, or delete the rows. Such a pair is computed with its mounting clearance and marked "
+            "as not measured. With only one part measured the other one's nominal diameter is taken, and that is said "
+            "too."
+        ),
+    )
+    yield (
+        Sentence("More rows"),
+        Sentence(
+            "For a third repeat or another direction insert a row inside the block and number the repeat. Columns may "
+            "stand in any order; their headings must stay."
+        ),
+    )
+    yield (
+        Sentence("Lands"),
+        Sentence(
+            "The tab {tab} takes the contact length of a land and where it begins on its spool, if you measured them, "
+            "and which repair a component was given earlier. Left empty, what the valve body's file states counts.",
+            tab=LANDS,
+        ),
+    )
+    yield (
+        Sentence("Pressures"),
+        Sentence(
+            "The tab {tab} takes what gauges show while the vehicle stands, range by range: for a job of its own or "
+            "beside the diameters. Left empty, it is no table.",
+            tab=PRESSURES,
+        ),
+    )
+    yield (
+        Sentence("Check"),
+        Sentence(
+            "The last column shows how far each diameter is from the nominal one. It turns red from {far:g} {far.unit} "
+            "on: another plane, a slip of the pen, or inches.",
+            far=Quantity(far, "clearance"),
+        ),
+    )
+    yield (
+        Sentence("Refused"),
+        Sentence(
+            "A sleeve smaller than its spool, a clearance over {most:g} {most.unit}, a number that is off by 10, 25.4 "
+            "or 1000, and a component that the valve body does not have. The message names sheet, row and column.",
+            most=Quantity(0.5, "length"),
+        ),
+    )
+    if controller.representative:
+        yield (
+            Sentence("Nominal values"),
+            Sentence("{representative} They are there for orientation only.", representative=controller.representative),
+        )

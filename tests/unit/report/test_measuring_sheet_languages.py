@@ -1,0 +1,103 @@
+"""The measuring sheet in the reader's language and units is read back as the same readings."""
+
+from __future__ import annotations
+
+import datetime as dt
+import io
+from dataclasses import replace
+
+import openpyxl
+import pytest
+
+from atleak.catalogue.controller_reading import load_controller
+from atleak.errors import ReadingsError
+from atleak.intake.readings import read_readings
+from atleak.own_lands import OwnLands, OwnLength
+from atleak.pressure_table import Cell, Engine, GaugeReading, PressureTable
+from atleak.readings import Reading, Readings
+from atleak.report.measuring_sheet import SHEET, UNWORN_END, write_readings, write_template
+from atleak.wording import languages, wording
+
+READERS = [(language, units) for language in languages() for units in ("metric", "us")]
+UM = 1e-6
+
+
+@pytest.fixture(scope="module")
+def unit():
+    """A valve body with circuits, spools and pistons."""
+    return load_controller("five_speed_2005")
+
+
+def written(unit, language: str, units: str) -> bytes:
+    """Six lands measured, their lengths, and gauges at the line and at a circuit."""
+    found = [
+        Reading(land.component, part, plane, angle, repeat, nominal + repeat * UM)
+        for land in unit.lands[:6]
+        for part, nominal in (("spool", land.nominal_diameter), ("sleeve", land.nominal_sleeve_diameter + 9 * UM))
+        for plane in land.planes
+        for angle in (0.0, 90.0)
+        for repeat in (1, 2)
+    ]
+    gauges = (
+        GaugeReading(Cell("D", Engine.SLOW_IDLE), 412e3),
+        GaugeReading(Cell("R", Engine.STALL), 912e3),
+        GaugeReading(Cell("D", Engine.FAST_IDLE, "forward_clutch"), 500e3),
+    )
+    lands = unit.lands[:2]
+    lengths = tuple(OwnLength(*land.key, land.contact_length + 0.1e-3, 5e-3) for land in lands)
+    return write_readings(
+        unit,
+        found,
+        fields={"Date": "2026-04-17", "Measuring temperature": "26.5 °C"},
+        pressures=PressureTable("", "", None, (), gauges),
+        own_lands=OwnLands(lengths=lengths),
+        language=language,
+        units=units,
+    )
+
+
+def values_of(found: Readings) -> tuple:
+    """What was read, without places; lengths to a tenth of a nanometre, pressures to a pascal."""
+    readings = [replace(each, place=None, diameter=round(each.diameter, 9)) for each in found.readings]
+    gauges = [(each.cell, round(each.pressure)) for each in found.pressures.readings]
+    lengths = [(each.key, round(each.contact_length, 9), round(each.position, 9)) for each in found.own_lands.lengths]
+    return readings, gauges, lengths, found.temperature, found.date
+
+
+@pytest.mark.parametrize(("language", "units"), READERS)
+def test_a_sheet_of_any_language_and_units_is_read_back_as_the_same(unit, language, units):
+    back = read_readings(written(unit, language, units), unit)
+    assert values_of(back) == values_of(read_readings(written(unit, "en", "metric"), unit))
+    assert (back.unit, back.date, back.temperature) == (
+        "mm" if units == "metric" else "inch",
+        dt.date(2026, 4, 17),
+        26.5,
+    )
+    assert [message.code for message in back.messages] == ["rows_not_measured", "contact_length_measured"]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_what_is_chosen_for_an_unworn_end_is_read_in_every_language(unit, language):
+    say = wording(language)
+    book = openpyxl.load_workbook(io.BytesIO(written(unit, language, "metric")))
+    sheet = book[say.sentence(SHEET)]
+    row = next(row for row in sheet.iter_rows(min_row=8) if row[8].value is not None and row[8].value > 0)
+    row[13].value = say.sentence(UNWORN_END)
+    target = io.BytesIO()
+    book.save(target)
+    assert len(read_readings(target.getvalue(), unit).unworn) == 1
+
+
+@pytest.mark.parametrize("language", languages())
+def test_the_head_names_its_valve_body_in_every_language(unit, language):
+    land = unit.lands[0]
+    found = Reading(land.component, "spool", land.planes[0], 0.0, 1, land.nominal_diameter)
+    with pytest.raises(ReadingsError, match=f"made for controller {unit.id}, not for minimal_example"):
+        read_readings(write_readings(unit, [found], language=language), load_controller("minimal_example"))
+
+
+def test_headings_say_the_reader_s_units(unit):
+    sheets = openpyxl.load_workbook(io.BytesIO(write_template(unit, language="de", units="us")))
+    headings = [cell.value for cell in sheets["Messungen"][7]]
+    assert {"Durchmesser [in]", "Einbauspiel [0.0001 in]"} <= set(headings)
+    assert "Leerlauf [psi]" in [cell.value for cell in sheets["Drücke"][6]]

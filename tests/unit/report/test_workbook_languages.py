@@ -1,0 +1,55 @@
+"""The report workbook in the reader's language: every word of it, with formulas that give the same."""
+
+from __future__ import annotations
+
+import io
+import tomllib
+from importlib import resources
+
+import openpyxl
+import pytest
+
+from atleak.report.xlsx import write_workbook
+from atleak.wording import wording
+
+
+@pytest.fixture(scope="module")
+def german(worn_clutch) -> bytes:
+    return write_workbook(worn_clutch, language="de")
+
+
+def texts_of(content: bytes) -> set[str]:
+    book = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
+    cells = (cell.value for sheet in book for row in sheet.iter_rows() for cell in row)
+    return {value for value in cells if isinstance(value, str)} | set(book.sheetnames)
+
+
+def test_every_formula_of_another_language_gives_its_cached_value(german, calculator):
+    assert calculator(german).wrong() == []
+
+
+@pytest.mark.parametrize("language", ["de", "pl"])
+def test_no_cell_stays_in_english(worn_clutch, language):
+    file = resources.files("atleak").joinpath("texts", language, "messages_workbook.toml")
+    messages = tomllib.loads(file.read_text(encoding="utf-8"))["messages"]
+    english = {template for template, said in messages.items() if template != said and "{" not in template}
+    shown = texts_of(write_workbook(worn_clutch, language=language))
+    assert shown & english - set(messages.values()) == set()
+    assert not [text for text in shown if " kPa], as issued" in text or "spools concentric" in text]
+
+
+def test_sheets_verdicts_and_conditions_have_the_words_of_the_report(worn_clutch, german):
+    say, book = wording("de"), openpyxl.load_workbook(io.BytesIO(german), data_only=True)
+    assert book.sheetnames[:3] == ["Übersicht", "Bunde", "Bund je Zustand"]
+    summary = book["Übersicht"]
+    assert summary["B2"].value == say.signed(worn_clutch.verdict)
+    assert summary["B4"].value.startswith(f"{say.signed(worn_clutch.verdict)}: ")
+    headings = {str(cell.value) for cell in book["Bund je Zustand"][1]}
+    assert f"Befund des Anteils, {say.condition(worn_clutch.worst.condition)}" in headings
+
+
+def test_sentences_have_the_reader_s_units_and_columns_those_of_their_formulas(worn):
+    american = texts_of(write_workbook(worn, units="us"))
+    metric = texts_of(write_workbook(worn))
+    assert any("°F" in text for text in american - metric)
+    assert {text for text in metric if text.endswith("[kPa]")} <= american
