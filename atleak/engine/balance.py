@@ -70,19 +70,41 @@ class Circuits(Protocol):
     def feeds(self) -> tuple[Branch[Orifice], ...]: ...
 
 
-def balance(network: Circuits, sections: Mapping[str, Any]) -> Balance:
-    """Find the pressures of the circuits, and add up what flows at them."""
+def balance(network: Circuits, sections: Mapping[str, Any], after: Balance | None = None) -> Balance:
+    """Find the pressures of the circuits, and add up what flows at them.
+
+    ``after`` is a balance of the same network at other pressures of the sections: where none of these has changed it is
+    taken over, and elsewhere the circuits start from its pressures.
+    """
     whole = _Columns.of(network, sections)
     structure, count = whole.structure, len(network.applied)
+    names = [*(circuit.id for circuit in network.applied), *structure.vented]
     pressures = np.empty((count, whole.size))
     feeds = np.empty((count, whole.size))
     relief = np.empty((count + len(structure.vented), whole.size))
     converged = np.empty(whole.size, bool)
     block = max(_BLOCK // max(len(structure.branches), 1), 1)
-    for start in range(0, whole.size, block):
-        part = slice(start, start + block)
-        columns = whole.part(part) if whole.size > block else whole
-        balanced = _solve(columns) if network.solved else np.ones(columns.size, bool)
+    parts: list[Any] = [slice(start, start + block) for start in range(0, whole.size, block)]
+    if after is not None:
+        for number, name in enumerate(names):
+            relief[number] = whole.flat(after.relief[name])
+            if number < count:
+                pressures[number], feeds[number] = whole.flat(after.pressures[name]), whole.flat(after.feeds[name])
+        converged[:] = whole.flat(after.converged)
+        changed = whole.changed_from(after)
+        if not changed.all():
+            moved = np.flatnonzero(changed)
+            parts = [moved[start : start + block] for start in range(0, len(moved), block)]
+    for part in parts:
+        columns = whole.part(part) if len(parts) > 1 or after is not None else whole
+        if network.solved:
+            if after is None:
+                columns.start_near()
+            else:
+                columns.start_from(pressures[:, part])
+            balanced = _solve(columns)
+        else:
+            balanced = np.ones(columns.size, bool)
         converged[part] = balanced & np.isfinite(columns.pressures).all(axis=0)
         state = _State(columns)
         pressures[:, part] = columns.pressures[:count]
@@ -94,7 +116,6 @@ def balance(network: Circuits, sections: Mapping[str, Any]) -> Balance:
     def shaped(values: np.ndarray) -> Any:
         return values.reshape(whole.shape) if whole.shape else values.item()
 
-    names = [*(circuit.id for circuit in network.applied), *structure.vented]
     held = {circuit.id: shaped(each) for circuit, each in zip(network.applied, pressures, strict=True)}
     return Balance(
         dict(sections) | dict.fromkeys(network.vented, 0.0) | held,
@@ -267,6 +288,19 @@ class _Columns:
             Orifice(of(orifices.coefficient), of(orifices.transition)),
         )
 
+    def flat(self, value: Any) -> np.ndarray:
+        """Return a number for each column from a number or an array of the network's shape."""
+        return np.broadcast_to(value, self.shape).reshape(-1)
+
+    def changed_from(self, other: Balance) -> np.ndarray:
+        """Return in which columns any section has another pressure than in a balance."""
+        rows, first = self.structure.rows, self.structure.last + len(self.structure.vented)
+        changed = np.zeros(self.size, bool)
+        for name, row in rows.items():
+            if name is not None and row >= first:
+                changed |= self.pressures[row] != np.maximum(self.flat(other.pressures[name]), 0.0)
+        return changed
+
     def pressure(self, number: int) -> np.ndarray:
         """Return the pressure of a circuit [Pa]."""
         return self.pressures[number]
@@ -338,6 +372,12 @@ class _Columns:
                 highest = self.pressures[[structure.rows[feed.source] for feed in circuit.feeds]].max(axis=0)
             limit = self.limit(number)
             self.pressures[number] = highest if limit is None else np.minimum(limit.value, highest)
+
+    def start_from(self, pressures: np.ndarray) -> None:
+        """Give every circuit that is solved the pressure that it had [Pa], shape (circuits, columns)."""
+        for number, circuit in enumerate(self.structure.circuits):
+            if circuit.id in self.structure.network.solved:
+                self.pressures[number] = np.minimum(pressures[number], self.top)
 
     def start_near(self) -> None:
         """Bring every circuit from above near to its balance: that of a turbulent feed against a laminar leak.
@@ -464,7 +504,6 @@ class _State:
 
 def _solve(columns: _Columns) -> np.ndarray:
     """Bring the circuits to the pressures at which they balance, by Newton's steps; return in which columns they do."""
-    columns.start_near()
     still = np.zeros((columns.structure.last, columns.size))
     return _newton(columns, _STEPS, still, still + np.inf)
 

@@ -13,7 +13,7 @@ vented one. Pressures, conductances and all else may be arrays of one shape: con
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -82,14 +82,33 @@ class Network:
         drop = branch.drop(pressures)
         return branch.restriction.flow(drop if leaks_both_ways(branch, self.solved) else np.maximum(drop, 0.0))
 
-    def balance(self, sections: Mapping[str, Any]) -> Balance:
-        """Find the pressures that the circuits hold at given pressures of the sections [Pa]."""
-        return balance(self, sections) if self.has_circuits else Balance(dict(sections), {}, {}, True)
+    def balance(self, sections: Mapping[str, Any], after: Balance | None = None) -> Balance:
+        """Find the pressures that the circuits hold at given pressures of the sections [Pa].
+
+        ``after`` is this network's balance at others, near to which the new one is soon found.
+        """
+        return balance(self, sections, after) if self.has_circuits else Balance(dict(sections), {}, {}, True)
 
     def drawn_from_pump(self, balance: Balance) -> Any:
         """Return what all gaps and leaks that count draw from the pump, and what is relieved [m³/s]."""
-        flows = [self.flow(branch, balance.pressures) for branch in self.branches if branch.counts]
-        return sum(flows) + sum(balance.relief.values())
+        gaps = [branch for branch in self.lands if branch.counts]
+        leaks = [self.flow(branch, balance.pressures) for branch in self.leaks if branch.counts]
+        return sum([*self._through(gaps, balance.pressures), *leaks]) + sum(balance.relief.values())
+
+    def _through(self, gaps: Sequence[Branch[Gap]], pressures: Mapping[str, Any]) -> Iterable[Any]:
+        """Return the flow of each gap [m³/s]: those of one shape at once."""
+        drops = [branch.drop(pressures) for branch in gaps]
+        drops = [
+            drop if leaks_both_ways(branch, self.solved) else np.maximum(drop, 0.0)
+            for branch, drop in zip(gaps, drops, strict=True)
+        ]
+        stacked = [
+            (each.restriction.conductance, each.restriction.bend, drop) for each, drop in zip(gaps, drops, strict=True)
+        ]
+        if len({np.shape(value) for row in stacked for value in row}) != 1:
+            return [branch.restriction.flow(drop) for branch, drop in zip(gaps, drops, strict=True)]
+        conductance, bend, drop = np.moveaxis(np.array(stacked, float), 1, 0)
+        return list(Gap(conductance, bend).flow(drop))
 
     def beside_lands(self, balance: Balance) -> Any:
         """Return the part of it that no land leaks [m³/s]: rings, check balls and what is relieved."""

@@ -351,16 +351,52 @@ class LeakageModel:
     def _in_gear(self, gear: int) -> list[GapGeometry]:
         return [geometry for geometry in self.geometries if gear in geometry.gap.gears]
 
+    @cached_property
+    def _numbers_by_gear(self) -> dict[int, np.ndarray]:
+        return {}
+
+    def _numbers_in(self, gear: int) -> np.ndarray:
+        """Return what `_factors` asks of every gap of a gear; shape (6, gaps), and more where clearances are arrays."""
+        if gear not in self._numbers_by_gear:
+            rows = [
+                (each.spool_diameter, each.contact_length, each.radial_clearance, *each.form_moments, each.thermal_rate)
+                for each in self._in_gear(gear)
+            ]
+            if all(isinstance(value, float) for row in rows for value in row):
+                numbers = np.array(rows, float).reshape(-1, 6)
+            else:
+                shape = np.broadcast_shapes(*(np.shape(value) for row in rows for value in row))
+                wide = [[np.broadcast_to(value, shape) for value in row] for row in rows]
+                numbers = np.array(wide, float).reshape(-1, 6, *shape)
+            self._numbers_by_gear[gear] = np.moveaxis(numbers, 1, 0)
+        return self._numbers_by_gear[gear]
+
+    @cached_property
+    def _last_factors(self) -> dict[tuple[int, float], _Factors]:
+        return {}
+
     def _factors(self, gear: int, temperature: Any) -> _Factors:
-        """Return the factors of the gap law of every gap of a gear; gaps come first where temperatures are several."""
+        """Return the factors of the gap law of every gap of a gear; gaps come first where temperatures are several.
+
+        Those of one temperature are kept until another one is asked for: one condition asks for them twice.
+        """
+        if np.ndim(temperature):
+            return self._factors_at(gear, temperature)
+        if (gear, temperature) not in self._last_factors:
+            factors = self._factors_at(gear, temperature)
+            self._last_factors.clear()
+            self._last_factors[gear, temperature] = factors
+        return self._last_factors[gear, temperature]
+
+    def _factors_at(self, gear: int, temperature: Any) -> _Factors:
         viscosity, density = self._fluid_at(temperature)
-        rows = [
-            (each.spool_diameter, each.contact_length, each.radial_clearance, *each.form_moments, each.thermal_rate)
-            for each in self._in_gear(gear)
-        ]
-        shape = np.broadcast_shapes(np.shape(temperature), *(np.shape(value) for row in rows for value in row))
-        wide = [[np.broadcast_to(value, shape) for value in row] for row in rows] if shape else rows
-        spool, length, radial, m2, m3, rate = np.moveaxis(np.array(wide, float).reshape(-1, 6, *shape), 1, 0)
+        numbers = self._numbers_in(gear)
+        own = numbers.shape[2:]
+        shape = np.broadcast_shapes(np.shape(temperature), own)
+        if shape != own:
+            numbers = numbers.reshape(*numbers.shape[:2], *(1,) * (len(shape) - len(own)), *own)
+            numbers = np.broadcast_to(numbers, (*numbers.shape[:2], *shape))
+        spool, length, radial, m2, m3, rate = numbers
         rise = temperature - REFERENCE_TEMPERATURE
         mean = clearance_equations.effective_clearance(radial, rate, rise)
         uneven = (m2 != 0.0) | (m3 != 0.0)

@@ -51,7 +51,9 @@ def consumed(controller: Controller, point: OperatingPoint, *, after_line: bool 
     return sum(each.at(point) for each in chosen)
 
 
-def hold(network: Network, point: OperatingPoint, pump: PumpFlow, dynamic_viscosity: Any) -> Held:
+def hold(
+    network: Network, point: OperatingPoint, pump: PumpFlow, dynamic_viscosity: Any, near: Balance | None = None
+) -> Held:
     """Find the line pressure that holds in a network at an operating point, coming down from the required one.
 
     Parameters
@@ -60,6 +62,8 @@ def hold(network: Network, point: OperatingPoint, pump: PumpFlow, dynamic_viscos
         of the gear of ``point``; its conductances may be arrays.
     pump, dynamic_viscosity
         the pump, and μ [Pa·s] of the fluid for its slip.
+    near
+        the network's balance at or near the required line pressure, where it is known: the search starts from it.
 
     Returns
     -------
@@ -72,19 +76,22 @@ def hold(network: Network, point: OperatingPoint, pump: PumpFlow, dynamic_viscos
         return Held(required, required, balance, True)
     before_line = consumed(controller, point, after_line=False)
 
-    def at(main: Any) -> tuple[Balance, Any]:
-        balance = network.balance(sections_held(controller, main, point.converter_pressure))
-        supply = pump.capacity(point.engine_speed, main, dynamic_viscosity)
-        return balance, network.drawn_from_pump(balance) + before_line - supply
+    def at(main: Any, near: Balance | None) -> Balance:
+        return network.balance(sections_held(controller, main, point.converter_pressure), near)
 
-    balance, lacking = at(required)
-    main = np.full(np.shape(lacking), float(required)) if np.ndim(lacking) else float(required)
-    if np.any(lacking > 0.0):
-        main = _where_balanced(lambda main: at(main)[1], main, lacking)
-        balance = at(main)[0]
+    def lacking(main: Any, balance: Balance) -> Any:
+        supply = pump.capacity(point.engine_speed, main, dynamic_viscosity)
+        return network.drawn_from_pump(balance) + before_line - supply
+
+    first = balance = at(required, near)
+    lacks = lacking(required, first)
+    main = np.full(np.shape(lacks), float(required)) if np.ndim(lacks) else float(required)
+    if np.any(lacks > 0.0):
+        main = _where_balanced(lambda main: lacking(main, at(main, first)), main, lacks)
+        balance = at(main, first)
     converged: Any = True
     if controller.line is not None and controller.line.following is not None:
-        main, balance, converged = _following(controller.line, point, main, balance, lambda main: at(main)[0])
+        main, balance, converged = fall_to_set_pressure(controller.line, point, main, balance, at)
     return Held(main, required, balance, converged & np.asarray(balance.converged))
 
 
@@ -118,20 +125,40 @@ def _where_balanced(lacking: Callable[[Any], Any], main: Any, at_main: Any) -> A
     return root if np.ndim(main) else root.item()
 
 
-def _following(
-    line: SetPressure, point: OperatingPoint, main: Any, balance: Balance, at: Callable[[Any], Balance]
+def fall_to_set_pressure(
+    line: SetPressure,
+    point: OperatingPoint,
+    main: Any,
+    balance: Balance,
+    at: Callable[[Any, Balance], Balance],
+    factor: Any = 1.0,
 ) -> tuple[Any, Balance, Any]:
     """Bring the line down to its set pressure where that follows a circuit, which the line itself may feed.
 
+    Parameters
+    ----------
+    main, balance
+        the line pressure that the pump holds [Pa], and the balance there.
+    at
+        gives the balance at a lower line pressure, near to another one.
+    factor
+        on the set pressure, where that is uncertain.
+
+    Returns
+    -------
+    tuple
+        the line pressure [Pa], the balance there, and whether the search came to its end.
+
+    Notes
+    -----
     The line falls until its set pressure falls no more. Secants hasten this; where one leads too far, the line falls
     to its set pressure and no further. A circuit's pressure rises ever less with that of the line, so that hardly one
     does.
     """
-
     one, highest = np.ndim(main) == 0, np.asarray(main, float)
 
     def set_pressure(balance: Balance) -> Any:
-        return np.minimum(line.with_pressures(point, balance.pressures), highest)
+        return np.minimum(line.with_pressures(point, balance.pressures) * factor, highest)
 
     before: tuple[Any, Any] | None = None
     main, slope = highest, np.asarray(np.inf)
@@ -149,6 +176,6 @@ def _following(
         target = np.where(too_far, plain, np.where(with_secant, np.clip(secant, 0.0, lower), lower))
         before, plain = (main, lower), np.where(too_far, plain, lower)
         main = np.where(settled, main, target)
-        balance = at(main.item() if one else main)
+        balance = at(main.item() if one else main, balance)
         lower = set_pressure(balance)
     return main.item() if one else main, balance, settled

@@ -141,7 +141,7 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     leakage = sum(gap.leakage for gap in drawn) + other
     capacity = float(model.pump_capacity(condition.engine_speed, *where))
     consumers = consumed(controller, condition)
-    held = hold(network, condition, model.pump, model.dynamic_viscosity(condition.temperature))
+    held = hold(network, condition, model.pump, model.dynamic_viscosity(condition.temperature), demanded)
     left = capacity - leakage - consumed(controller, condition, after_line=False)
     main_held = float(held.main_pressure)
     return Projection(

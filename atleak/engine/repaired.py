@@ -60,24 +60,28 @@ class LandStates:
     @cached_property
     def gaps(self) -> tuple[Branch[Gap], ...]:
         """Return the gaps of the network in every state at once: arrays of shape (states,)."""
-        numbers = range(len(self.keys))
-        return tuple(self._in_states(gap, np.arange(len(self.networks))) for gap in numbers)
+        return self.network([dict.fromkeys(self.keys, state) for state in range(len(self.networks))]).lands
 
-    def _in_states(self, gap: int, states: np.ndarray) -> Branch[Gap]:
-        each = [network.lands[gap].restriction for network in self.networks]
-        conductance, bend = (
-            np.array([part(one) for one in each], float)[states]
-            for part in (lambda one: one.conductance, lambda one: one.bend)
+    @cached_property
+    def _numbers(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return conductance and bend of every gap in every state, shapes (states, gaps)."""
+        restricted = [[land.restriction for land in network.lands] for network in self.networks]
+        return (
+            np.array([[each.conductance for each in row] for row in restricted], float),
+            np.array([[each.bend for each in row] for row in restricted], float),
         )
-        return replace(self.networks[0].lands[gap], restriction=Gap(conductance, bend))
 
     def network(self, choices: Sequence[Mapping[LandKey, int]]) -> Network:
         """Return the network of several choices at once: restrictions of shape (choices,)."""
-        lands = (
-            self._in_states(gap, np.array([choice.get(key, 0) for choice in choices], int))
-            for gap, key in enumerate(self.keys)
+        lands = self.networks[0].lands
+        states = np.array([[choice.get(key, 0) for choice in choices] for key in self.keys], int)
+        of_gap = np.arange(len(lands))[:, None]
+        conductances, bends = (part[states, of_gap] if lands else () for part in self._numbers)
+        restricted = (Gap(*each) for each in zip(conductances, bends, strict=True))
+        return replace(
+            self.networks[0],
+            lands=tuple(replace(land, restriction=each) for land, each in zip(lands, restricted, strict=True)),
         )
-        return replace(self.networks[0], lands=tuple(lands))
 
     @cached_property
     def sections(self) -> dict[str, float]:
@@ -87,8 +91,9 @@ class LandStates:
     def repaired(self, choices: Sequence[Mapping[LandKey, int]]) -> Repaired:
         """Compute the unit for several choices of the states of its lands."""
         network, model = self.network(choices), self.model
-        held = hold(network, self.point, model.pump, model.dynamic_viscosity(self.point.temperature))
-        leakage = network.drawn_from_pump(network.balance(self.sections))
+        required = network.balance(self.sections)
+        held = hold(network, self.point, model.pump, model.dynamic_viscosity(self.point.temperature), required)
+        leakage = network.drawn_from_pump(required)
         names = (circuit.id for circuit in model.controller.circuits)
         pressures = {LINE: held.main_pressure, **{name: held.balance.pressures[name] for name in names}}
 

@@ -88,7 +88,7 @@ def _most(value: Any) -> Any:
 
 def result(computed: Any) -> Any:
     """Return a Python float where everything given was a scalar, the array otherwise."""
-    return float(computed) if np.ndim(computed) == 0 else computed
+    return float(computed) if isinstance(computed, float) or np.ndim(computed) == 0 else computed
 
 
 def refuse(name: str, value: NDArray[np.float64], bad: NDArray[np.bool_], expected: Sentence, unit: str) -> None:
@@ -113,6 +113,8 @@ def _with_unit(number: Sentence, unit: str) -> Sentence:
 
 def positive(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     """Return the values, all of them above zero."""
+    if isinstance(given, float) and given > 0.0:
+        return np.float64(given)  # type: ignore[return-value]
     value = values(given)
     if value.size and not _least(value) > 0.0:
         refuse(name, value, value <= 0.0, POSITIVE, unit)
@@ -121,6 +123,8 @@ def positive(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]
 
 def not_negative(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     """Return the values, none of them below zero."""
+    if isinstance(given, float) and given >= 0.0:
+        return np.float64(given)  # type: ignore[return-value]
     value = values(given)
     if value.size and not _least(value) >= 0.0:
         refuse(name, value, value < 0.0, _NOT_NEGATIVE, unit)

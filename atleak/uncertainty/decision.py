@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal
 
 from atleak.catalogue.limits import Level, reaches
@@ -134,7 +135,7 @@ def decide(
     """
     over = reaches(value, limit)
     if probability_over is not None:
-        risk = float(normal_cdf(-guard_factor))
+        risk = _risk_of(guard_factor)
         over = probability_over >= 0.5
         sure = probability_over >= 1.0 - risk or probability_over <= risk
     elif math.isfinite(standard_uncertainty):
@@ -145,6 +146,12 @@ def decide(
     if over:
         return "fail" if sure else "conditional_fail"
     return "pass" if sure else "conditional_pass"
+
+
+@lru_cache(maxsize=8)
+def _risk_of(guard_factor: float) -> float:
+    """Return the part of a normal distribution beyond k standard deviations."""
+    return float(normal_cdf(-guard_factor))
 
 
 def _number_of(limit: float, levels: Sequence[LevelDecision]) -> int:

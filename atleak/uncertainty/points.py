@@ -120,7 +120,7 @@ class Draws:
     def _values(self, name: Hashable, table: Callable[[int], np.ndarray]) -> np.ndarray:
         values = self._cube.values(self._next, name, table)
         self._next += 1
-        return values.copy() if self._order is None else values[self._order]
+        return values.copy() if self._order is None else values.take(self._order)
 
     def normal(self) -> np.ndarray:
         """Draw from the standard normal distribution."""

@@ -13,7 +13,7 @@ from atleak.catalogue.limits import Limits
 from atleak.engine.balance import Balance
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel, PumpFlow
-from atleak.engine.line import consumed, sections_held
+from atleak.engine.line import consumed, fall_to_set_pressure, sections_held
 from atleak.engine.projection import Projection
 from atleak.uncertainty.spread import Spread, interval_of, spread_of
 
@@ -21,8 +21,6 @@ Interval = tuple[float, float]
 
 _GRID = np.linspace(0.0, 1.0, 17)  # fractions of the required pressure at which the demand is worked out
 _HALVINGS = 40  # of the pressure that holds
-_ROUNDS = 30  # in which a line comes down to a set pressure that follows a circuit
-_STILL = 1e-9  # relative change of a line pressure with which they end
 
 
 @dataclass(frozen=True)
@@ -88,17 +86,16 @@ class DrawnUnit:
                 over = lacking(middle) > 0.0
                 low, high = np.where(over, low, middle), np.where(over, middle, high)
             held = np.where(falls, low * main, main)
-        pressures = self.balance.pressures
-        line = self.network.controller.line
-        follows = line is not None and line.following is not None
-        for _ in range(_ROUNDS):
-            if follows and line is not None:  # what the line is set to is as uncertain as what is required
-                held = np.minimum(held, line.with_pressures(point, pressures) * (main / point.main_pressure))
-            if not np.any(np.abs(held - pressures["p_g"]) > _STILL * main):
-                break
-            sections = sections_held(self.network.controller, held, converter)
-            pressures = self.network.balance(sections).pressures
-        return held, pressures
+
+        def at(main: Any, near: Balance) -> Balance:
+            return self.network.balance(sections_held(self.network.controller, main, converter), near)
+
+        balance, line = at(held, self.balance), self.network.controller.line
+        if line is not None and line.following is not None:
+            # what the line is set to is as uncertain as what is required
+            factor = main / point.main_pressure
+            held, balance, _ = fall_to_set_pressure(line, point, held, balance, at, factor)
+        return held, balance.pressures
 
 
 def demand_shape(model: LeakageModel, point: OperatingPoint) -> np.ndarray:

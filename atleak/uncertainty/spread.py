@@ -40,8 +40,10 @@ def spread_of(values: np.ndarray, limits: Sequence[Any], coverage: float, *, fal
 
 def _standard_deviation(values: np.ndarray) -> float:
     """Return it; infinite where a value is no finite number. Several times as quick as NumPy's own."""
-    with np.errstate(invalid="ignore"):
-        from_mean = values - values.mean()
+    mean = float(np.add.reduce(values)) / values.size
+    if not math.isfinite(mean):
+        return math.inf
+    from_mean = values - mean
     variance = float(np.dot(from_mean, from_mean)) / values.size
     return math.sqrt(variance) if math.isfinite(variance) else math.inf
 

@@ -258,8 +258,8 @@ def chart(
     """Show a figure with words and error bars in the theme's ink, where the usual grey is too pale to read.
 
     A finger that starts on it scrolls the page; the figure's own toolbar zooms. With ``on_span``, dragging the mouse
-    across it marks a stretch of its x axis and calls that with its ends. Of a figure without a point ``empty`` is said, or
-    that there is nothing to draw yet.
+    across it marks a stretch of its x axis and calls that with its ends. Of a figure without a point ``empty`` is said,
+    or that there is nothing to draw yet.
     """
     ink = (DARK if dark() else SCREEN).ink
     spec = figure.to_dict()

@@ -41,8 +41,11 @@ class PrintedColumn:
         return f"{self.title}\n{self.unit}" if self.unit else self.title
 
 
-def table(columns: Sequence[PrintedColumn], items: Iterable[Any], *, empty: bool = True) -> Block:
-    """Return a table with one row per item; with ``empty`` False, empty columns are left out."""
+def table(columns: Sequence[PrintedColumn], items: Iterable[Any], *, empty: bool = True, whole: bool = False) -> Block:
+    """Return a table with one row per item; with ``empty`` False, empty columns are left out.
+
+    One that is ``whole`` stands on one page, and is to be short.
+    """
     rows = [[column.cell(item) for column in columns] for item in items]
     kept = [
         index for index in range(len(columns)) if rows and (empty or any(row[index] not in ("", "–") for row in rows))
@@ -55,6 +58,7 @@ def table(columns: Sequence[PrintedColumn], items: Iterable[Any], *, empty: bool
         "rows": [[row[index] for index in kept] for row in rows],
         "widths": [columns[index].width for index in kept],
         "aligned": "".join(columns[index].side for index in kept),
+        "whole": whole,
     }
 
 

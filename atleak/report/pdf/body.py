@@ -9,9 +9,12 @@ from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
 from atleak.errors import Message, unknown
+from atleak.job.doubts import record_doubts
 from atleak.job.record import RepairDecision
 from atleak.report.estimate_words import open_words
+from atleak.report.pdf.annex import Annex
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
+from atleak.report.pdf.budget import Budget
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.estimate import estimate_blocks
 from atleak.report.pdf.gauges import GaugeSection
@@ -44,14 +47,29 @@ SECTIONS = (
     "notes",
     "conditions",
     "limits",
+    "decisions",
     "assumptions",
     "messages",
     "method",
+    "readings",
+    "budget",
     "provenance",
     "signatures",
 )
 # those that say what was measured of lands, and what follows from it
-OF_LANDS = ("picture", "flagged", "matrix", "pressures", "repair_order", "all", "shares", "again")
+OF_LANDS = (
+    "picture",
+    "flagged",
+    "matrix",
+    "pressures",
+    "repair_order",
+    "all",
+    "shares",
+    "again",
+    "decisions",
+    "readings",
+    "budget",
+)
 BARS = 16  # largest number of bars in the chart of shares
 
 
@@ -83,7 +101,7 @@ class Body:
     def __init__(self, names: PrintedNames, series: RoadSeries | None, pictures: dict[str, str]) -> None:
         self.names, self.series, self.pictures = names, series, pictures
         self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
-        self.conditions, self.pressures = Conditions(names), Pressures(names)
+        self.conditions, self.pressures, self.annex = Conditions(names), Pressures(names), Annex(names)
 
     # --- sections
 
@@ -95,6 +113,8 @@ class Body:
             blocks = [block for block in build(charts) if block]
             if blocks:
                 filled.append({"name": name, "title": self.say(f"sections.{name}"), "blocks": blocks})
+        if filled:
+            filled[-1]["blocks"].append(self.annex.end())
         return filled
 
     def _picture(self, charts: dict[str, str]) -> Iterable[Block]:
@@ -151,11 +171,7 @@ class Body:
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """Name what to measure again where the readings leave open on which side of a limit a land lies."""
         say, names = self.say, self.names
-        items = [
-            f"{names.land_name(land)}: {names.advice(land)}"
-            for land in self.diagnosis.flagged
-            if land.decision in _CONDITIONAL
-        ]
+        items = names.advice_by_group(land for land in self.diagnosis.flagged if land.decision in _CONDITIONAL)
         if items:
             yield {"kind": "list", "items": items}
         within = [land for land in self.diagnosis.lands if land.verdict == Verdict.OK and land.decision in _CONDITIONAL]
@@ -414,10 +430,11 @@ class Body:
         yield {"kind": "list", "items": items or [say("texts.none_assumed")]}
 
     def _messages(self, charts: dict[str, str]) -> Iterable[Block]:
+        messages = (*record_doubts(self.job, self.diagnosis), *self.diagnosis.messages)
         items = [
             self._said(message)
             for level in ("warning", "info")
-            for message in self.diagnosis.messages
+            for message in messages
             if message.level == level and message.code not in _SAID_ELSEWHERE
         ]
         if items:
@@ -450,8 +467,18 @@ class Body:
         ]
         yield {"kind": "list", "items": list(dict.fromkeys(source for source in sources if source))}
 
+    def _decisions(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from self.annex.decisions()
+
+    def _readings(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from self.annex.readings()
+
+    def _budget(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from Budget(self.names).blocks()
+
     def _provenance(self, charts: dict[str, str]) -> Iterable[Block]:
         say, record = self.say, self.record
+        yield from self.annex.issue()
         profile = self.diagnosis.profile.label
         yield text(say("texts.made_with", version=__version__, profile=profile, language=say.texts["language"]))
         columns = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from atleak.catalogue.controller import OperatingPoint
@@ -11,7 +12,7 @@ from atleak.job.record import Job
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.pdf.blocks import joined
 from atleak.rules import Rule
-from atleak.uncertainty import Decision
+from atleak.uncertainty import Decision, Remedy
 from atleak.views.condition_matrix import MatrixRow
 from atleak.views.road_instants import instant_record
 from atleak.views.sentences import rule_value
@@ -134,24 +135,44 @@ class PrintedNames:
 
     def advice(self, land: LandDiagnosis) -> str:
         """Return what would make an open decision clear; an empty text where it is clear already."""
+        return " ".join(self._advised(land))
+
+    def advice_by_group(self, lands: Iterable[LandDiagnosis]) -> list[str]:
+        """Return the same for several lands, with those together of which the same is advised."""
+        groups: dict[str, list[str]] = {}
+        for land in lands:
+            doubt, way = self._advised(land)
+            if doubt:
+                groups.setdefault(way, []).append(f"{self.land_name(land)}: {doubt}")
+        return [" ".join([*doubts, way]) for way, doubts in groups.items()]
+
+    def _advised(self, land: LandDiagnosis) -> tuple[str, str]:
+        """Return what is open about a land, and what would settle it; empty texts where it is clear."""
         uncertainty = land.uncertainty
         decided = uncertainty.deciding if uncertainty else None
         remedy = uncertainty.remedy(decided) if uncertainty and decided else None
         rule = land.deciding
         if uncertainty is None or decided is None or remedy is None or rule is None:
-            return ""
+            return "", ""
         say = self.say
         side = "over" if decided.decision == "conditional_fail" else "under"
-        guard = self._value(rule, uncertainty.guard_factor * decided.standard_uncertainty)
-        limit = self._value(rule, decided.limit)
-        name = self._rule(rule)
+        guard = self.rule_value(rule, uncertainty.guard_factor * decided.standard_uncertainty)
+        limit = self.rule_value(rule, decided.limit)
+        name = self.rule_name(rule)
         said = side if remedy.measurable else "not_measurable"
-        sentence = say(f"advice.{said}", rule=name, value=self._value(rule, decided.value), limit=limit, guard=guard)
+        doubt = say(f"advice.{said}", rule=name, value=self.rule_value(rule, decided.value), limit=limit, guard=guard)
         if remedy.measurable and remedy.reading_part < _MOSTLY:
-            return f"{sentence} {say('advice.elsewhere', fraction=say.percent(remedy.reading_part, 0))}"
+            return doubt, say("advice.elsewhere", fraction=say.percent(remedy.reading_part, 0))
+        if not remedy.decides:
+            return doubt, say("advice.judgement")
+        return doubt, " ".join(self._ways(remedy))
+
+    def _ways(self, remedy: Remedy) -> Iterable[str]:
+        """Return which measurements would decide it."""
+        say = self.say
         if remedy.measurable and remedy.first is not None:
             part, fraction = say(f"advice.{remedy.first}"), say.percent(remedy.fraction, 0)
-            sentence += f" {say('advice.first', part=part, fraction=fraction)}"
+            yield say("advice.first", part=part, fraction=fraction)
         ways = []
         if remedy.repeats is not None:
             parts = say("advice.and").join(say(f"advice.{part}") for part in remedy.repeat_parts)
@@ -163,10 +184,9 @@ class PrintedNames:
             tools = (say("advice.tool", instrument=tool, part=say(f"advice.{part}")) for part, tool in choice)
             ways.append(say("advice.and").join(tools))
         if ways:
-            return f"{sentence} {say('advice.settled', ways=say('advice.or').join(ways))}"
-        if remedy.form > _MOSTLY:
-            return f"{sentence} {say('advice.form', fraction=say.percent(remedy.form, 0))}"
-        return f"{sentence} {say('advice.judgement')}"
+            yield say("advice.settled", ways=say("advice.or").join(ways))
+        else:
+            yield say("advice.form", fraction=say.percent(remedy.form, 0))
 
     def reason(self, land: LandDiagnosis) -> str:
         """Return the rule that gave the verdict with its limit's origin, then every other rule that reached a limit."""
@@ -186,16 +206,18 @@ class PrintedNames:
         say = self.say
         return say(
             key,
-            rule=self._rule(rule),
-            value=self._value(rule, rule.value),
-            limit=self._value(rule, rule.limit),
+            rule=self.rule_name(rule),
+            value=self.rule_value(rule, rule.value),
+            limit=self.rule_value(rule, rule.limit),
             origin=say.get("origins", rule.origin),
         )
 
-    def _value(self, rule: Rule, value: float) -> str:
+    def rule_value(self, rule: Rule, value: float) -> str:
+        """Return a value or a limit of a rule, with its unit."""
         return rule_value(value, rule.kind, self.say)
 
-    def _rule(self, rule: Rule) -> str:
+    def rule_name(self, rule: Rule) -> str:
+        """Return what a rule is about, with its condition and its circuit."""
         if rule.kind.is_share and rule.condition is not None:
             return self.say("rules.share_at", condition=self.condition(rule.condition))
         at = "" if rule.condition is None else self.condition(rule.condition)

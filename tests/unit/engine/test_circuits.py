@@ -244,6 +244,31 @@ def test_arrays_of_any_shape_give_what_numbers_give_one_by_one(
     assert np.all(stacked.converged)
 
 
+@given(seeds)
+def test_a_balance_near_another_one_is_the_same_as_anew(three_circuits: Controller, seed: int) -> None:
+    """Whatever the other one was: some columns stay as they are, and some lose all pressure or gain some."""
+    builder, sections = drawn(three_circuits, seed)
+    network = builder.network()
+    factors = np.array([1.0, 0.999, 0.0, 0.5, 1.3])
+    at_once = {name: pressure * np.ones(len(factors)) for name, pressure in sections.items()}
+    changed = {name: pressure * factors for name, pressure in sections.items()}
+    anew, near = network.balance(changed), network.balance(changed, network.balance(at_once))
+    for kind in ("pressures", "feeds", "relief"):
+        scale = max(sections.values()) if kind == "pressures" else max(anew.feeds[name].max() for name in anew.feeds)
+        for name, values in getattr(anew, kind).items():
+            assert getattr(near, kind)[name] == pytest.approx(values, rel=0.0, abs=1e-9 * scale)
+    assert np.all(near.converged)
+
+
+def test_where_no_section_changes_a_balance_is_taken_over(three_circuits: Controller, hipol: Fluid) -> None:
+    model = LeakageModel(three_circuits, clearances(None, three_circuits), hipol, WORKSHOP)
+    network = model.network(three_circuits.operating_points[0])
+    known = network.balance(LINE)
+    marked = replace(known, feeds={name: feed + 1.0 for name, feed in known.feeds.items()})
+    assert network.balance(LINE, marked).feeds == marked.feeds
+    assert network.balance({**LINE, "p_g": 400e3}, marked).feeds != marked.feeds
+
+
 def test_numbers_give_numbers_and_an_array_gives_arrays_of_its_shape(three_circuits: Controller, hipol: Fluid) -> None:
     model = LeakageModel(three_circuits, clearances(None, three_circuits), hipol, WORKSHOP)
     network = model.network(three_circuits.operating_points[0])
