@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import io
 import os
@@ -56,6 +57,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             given = getattr(item, "callspec", None)  # of a test with parameters
             if given is not None and given.params.get("language", "en") not in LANGUAGES:
                 item.add_marker("slow")
+
+
+def pytest_collection_finish() -> None:
+    """Let later collections of garbage pass over the tests themselves and what was imported for them."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_unconfigure() -> None:

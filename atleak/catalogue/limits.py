@@ -178,9 +178,6 @@ class Steps:
         if level not in self.growth:
             return limit
         fraction, added = self.growth[level]
-        most = float(np.max(new))
-        if max((1.0 + fraction) * most, most + added) <= limit:
-            return limit  # whatever it has when new
         grown = np.maximum(np.maximum((1.0 + fraction) * new, new + added), limit)
         return float(grown) if np.ndim(grown) == 0 else grown
 

@@ -24,20 +24,27 @@ def components_looked_for_once() -> Iterator[None]:
 
 
 @pytest.fixture
-def app(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
+def app(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[AppTest]:
     """The dashboard, run once: on the page that the test's mark names, else on the diagnosis.
 
-    The diagnosis is the page that takes longest: a test of what every page has starts on a quicker one. The harness
-    takes a main script beside a ``pages`` folder for an app without `st.navigation`, so it is given one that stands
-    elsewhere and runs ``app.py``.
+    The diagnosis is the page that takes longest: a test of what every page has starts on a quicker one.
     """
-    monkeypatch.syspath_prepend(str(ROOT))
-    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
-    main = tmp_path / "main.py"
-    main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
-    opened = AppTest.from_file(str(main), default_timeout=240)
     mark = request.node.get_closest_marker("page")
-    return go(opened, *(mark.args if mark else ("4_Diagnosis",)))
+    yield from opened(tmp_path, *(mark.args if mark else ("4_Diagnosis",)))
+
+
+def opened(folder: Path, page: str) -> Iterator[AppTest]:
+    """Open the dashboard on a page, with the user's folder in another one, until the fixture that yields from it ends.
+
+    The harness takes a main script beside a ``pages`` folder for an app without `st.navigation`, so it is given one
+    that stands elsewhere and runs ``app.py``.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(ROOT))
+        patch.setenv("ATLEAK_HOME", str(folder / "home"))
+        main = folder / "main.py"
+        main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
+        yield go(AppTest.from_file(str(main), default_timeout=240), page)
 
 
 def go(app: AppTest, page: str) -> AppTest:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller_reading import load_controller
 
-from .conftest import choice, go, texts, unfold, uploader
+from .conftest import choice, go, opened, texts, unfold, uploader
 
 pytestmark = pytest.mark.page("2_Readings")
 
@@ -25,13 +27,22 @@ def chart_names(app: AppTest) -> list[set[str]]:
     ]
 
 
-@pytest.fixture
-def five_speed(app: AppTest, root: Path) -> AppTest:
-    """The dashboard with the shipped sheet of a valve body with circuits."""
-    choice(app, "Valve body").select("five_speed_2005").run()
-    sheet = root / "sample_data" / "measuring_sheet_five_speed.xlsx"
-    uploader(app, "Measuring sheet").upload(sheet.name, sheet.read_bytes(), "application/x").run()
-    return unfold(go(app, "4_Diagnosis"), "pressures-in-full")
+def in_full_at(app: AppTest) -> Any:
+    return next(widget for widget in app.selectbox if widget.label == "Pressures in full at")
+
+
+def leaks_alone(app: AppTest) -> Any:
+    return next(widget for widget in app.toggle if widget.label.startswith("The leaks alone"))
+
+
+@pytest.fixture(scope="module")
+def five_speed(tmp_path_factory: pytest.TempPathFactory, root: Path) -> Iterator[AppTest]:
+    """The dashboard with the shipped sheet of a valve body with circuits; whoever chooses something undoes it."""
+    for app in opened(tmp_path_factory.mktemp("five_speed"), "2_Readings"):
+        choice(app, "Valve body").select("five_speed_2005").run()
+        sheet = root / "sample_data" / "measuring_sheet_five_speed.xlsx"
+        uploader(app, "Measuring sheet").upload(sheet.name, sheet.read_bytes(), "application/x").run()
+        yield unfold(go(app, "4_Diagnosis"), "pressures-in-full")
 
 
 def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed: AppTest) -> None:
@@ -61,10 +72,9 @@ def test_the_first_sentence_names_the_pressure_and_the_lands_to_look_at(five_spe
 
 
 def test_another_condition_is_chosen_for_the_charts(five_speed: AppTest) -> None:
-    picked = next(widget for widget in five_speed.selectbox if widget.label == "Pressures in full at")
-    labels = list(picked.options)
+    labels = list(in_full_at(five_speed).options)
     assert labels[0] == "stall in drive, 90 °C"  # the worst first
-    picked.select_index(labels.index("hot idle in reverse, 100 °C")).run()
+    in_full_at(five_speed).select_index(labels.index("hot idle in reverse, 100 °C")).run()
     assert not five_speed.exception
     circuits = set(frame_with(five_speed, "Lands that cost it")["Circuit"])
     assert {"main pressure", "direct clutch", "low and reverse band servo"} <= circuits
@@ -72,16 +82,18 @@ def test_another_condition_is_chosen_for_the_charts(five_speed: AppTest) -> None
     assert "Not applied in this gear: forward clutch" in texts(five_speed)
     assert any({"new", "set, or required"} <= names for names in chart_names(five_speed))
     assert any({"pump", "covered from here", "taken at 100 °C"} <= names for names in chart_names(five_speed))
+    in_full_at(five_speed).select_index(0).run()
 
 
 def test_the_flow_is_drawn_and_stands_as_a_table(five_speed: AppTest) -> None:
     rows = frame_with(five_speed, "Flow [dm³/min]")
     assert "pump" in set(rows["From"])
-    next(widget for widget in five_speed.toggle if widget.label.startswith("The leaks alone")).set_value(True).run()
+    leaks_alone(five_speed).set_value(True).run()
     assert not five_speed.exception
     rows = frame_with(five_speed, "Flow [dm³/min]")
     assert "pump" not in set(rows["From"])
     assert rows["From"].str.startswith("main pressure p_g").any()
+    leaks_alone(five_speed).set_value(False).run()
 
 
 @pytest.mark.page("4_Diagnosis")

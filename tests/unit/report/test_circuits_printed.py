@@ -482,7 +482,7 @@ def test_the_matrix_says_what_leaks_beside_the_lands(unit: Unit) -> None:
     found = unit(TOO_MUCH)
     text = text_of(write_pdf(found, sections=["matrix"])).replace("\u00a0", " ")
     at = found.projection
-    others = f"{at.share_of(at.other_leakage) * 100:.1f} % (hot idle, 100 °C)"
+    others = f"{at.share_of(at.other_leakage) * 100:.1f} % ({wording('en').condition(at.condition)})"
     assert "together with what leaks beside them" in text
     assert others in text
 

@@ -30,6 +30,7 @@ from atleak.report.pdf.body import SECTIONS
 from atleak.report.pictures import printable_picture
 from atleak.uncertainty import Assumptions
 from atleak.views.condition_matrix import leaking_worst_first
+from atleak.views.first_sentence import lands_part
 from atleak.wear_line import Crossing
 from atleak.wording import languages, wording
 
@@ -119,8 +120,7 @@ def test_says_every_flagged_pair_with_its_numbers(worn, printed):
         assert say.number(land.share * 100, 2) in text
     for word in ("replace", "watch", "not measured", "fail", "published"):
         assert word in text
-    repair = sum(land.verdict in {"replace", "critical"} for land in worn.lands)
-    assert f"{repair} of {worn.measured} measured lands" in text
+    assert lands_part(worn, say).replace("\u00a0", " ") in text.replace("\u00a0", " ")
 
 
 @pytest.mark.parametrize("language", languages())
@@ -148,7 +148,7 @@ def test_a_complaint_stands_on_the_first_page(worn, language):
         r"\s+", " ", pages_of(write_pdf(replace(worn, complaint=complaint), language=language, sections=[]))[0]
     )
     say = wording(language)
-    name = say("conditions.at", name=say("conditions.hot_idle"), temperature="100")
+    name = say.condition(worn.hot_idle.condition)
     assert say("complaint.shows", label=complaint.label, conditions=name).replace("\u00a0", " ") in first
     assert say("complaint.first") in first
     assert first.index(say("conditions.hot_idle")) < first.index(say("conditions.driving_second"))

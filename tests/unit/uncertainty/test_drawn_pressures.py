@@ -31,10 +31,10 @@ def test_in_every_draw_the_line_falls_as_far_as_small_steps_say(three_circuits: 
     leakage = 1e-3 * network.drawn_from_pump(balance)  # the pump keeps up what is required
     unit = DrawnUnit(network, balance, leakage, sections, model.pump, viscosity)
     held, pressures = unit.held(point, demand_shape(model, point))
-    fallen = required
+    fallen, falling = required, balance
     for _ in range(150):
-        falling = network.balance(sections_held(controller, fallen, point.converter_pressure)).pressures
-        fallen = np.minimum(fallen, line.with_pressures(point, falling) * required / point.main_pressure)
+        falling = network.balance(sections_held(controller, fallen, point.converter_pressure), falling)
+        fallen = np.minimum(fallen, line.with_pressures(point, falling.pressures) * required / point.main_pressure)
     assert held == pytest.approx(fallen, rel=1e-9, abs=0.0)
     assert np.all(held < 0.999 * required)
     assert pressures["p_g"] == pytest.approx(held, rel=1e-12, abs=0.0)
