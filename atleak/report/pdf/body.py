@@ -107,7 +107,7 @@ class Body:
 
     def sections(self, names: Iterable[str], charts: dict[str, str]) -> list[dict[str, Any]]:
         """Return title and blocks of every section that has any content."""
-        filled = []
+        filled: list[dict[str, Any]] = []
         for name in names:
             build: Callable[[dict[str, str]], Iterable[Block]] = getattr(self, f"_{name}")
             blocks = [block for block in build(charts) if block]
