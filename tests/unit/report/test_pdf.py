@@ -446,10 +446,12 @@ def test_a_doubtful_verdict_says_what_would_settle_it(worn, language):
     for land in doubtful:
         component = land.state.land.component
         assert f"{component} {say.name(worn.controller.components[component])}" in text
-    assert (
-        say.percent(doubtful[0].uncertainty.remedy(doubtful[0].uncertainty.deciding).fraction, 0).replace("\u00a0", " ")
-        in text
-    )
+    ways = [land.uncertainty.remedy(land.uncertainty.deciding) for land in doubtful]
+    assert not all(way.decides for way in ways)
+    for way in ways:
+        if way.decides:
+            assert say.percent(way.fraction, 0).replace("\u00a0", " ") in text
+    assert text.count(say("advice.judgement")) == 1, "one sentence for all that only judgement decides"
 
 
 def in_doubt_for_its_form(worn, ovality, residual):
@@ -472,10 +474,12 @@ def in_doubt_for_its_form(worn, ovality, residual):
 @pytest.mark.parametrize("language", languages())
 def test_a_verdict_that_the_form_leaves_open_asks_for_more_directions(worn, language):
     oval, remedies = in_doubt_for_its_form(worn, 6e-6, 0.4)
+    say = wording(language)
     formed = [each for each in remedies if each.directions or (each.form > 0.5 and not each.instruments)]
     assert formed
     text = text_of(write_pdf(oval, language=language, sections=["again"]))
-    assert text.count("(0, 45, 90") == len(formed)
+    advised = {each.directions or say.percent(each.form, 0) for each in formed}
+    assert 0 < text.count("(0, 45, 90") <= len(advised) < len(formed), "lands of which the same is advised together"
 
 
 @pytest.mark.parametrize("language", languages())
