@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from atleak.catalogue.instruments import Instrument, Part
 from atleak.diagnosis import Diagnosis
-from atleak.errors import Message, Place, unknown
+from atleak.errors import InputError, Message, Place, unknown
 from atleak.job.decisions import decision_faults
 from atleak.job.record import InstrumentUsed, Job
 from atleak.sentence import Name, Sentence
@@ -26,15 +26,19 @@ def record_doubts(job: Job, diagnosis: Diagnosis) -> tuple[Message, ...]:
 def _unknown_parts(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:
     """Doubt decisions, scratches and photos of parts that the valve body does not have, with the nearest name."""
     controller = diagnosis.controller
-    for fault in decision_faults(job, controller):
-        yield Message("warning", "record_unknown_part", fault.sentence)
-    for table, rows in (("scratches", job.scratches), ("photos", job.photos)):
-        for number, row in enumerate(rows, start=1):
-            if row.component and row.component not in controller.components:
+    for each in decision_faults(job, controller):
+        yield Message("warning", "record_unknown_part", each.sentence)
+    stated = {
+        "scratches": [each.component for each in job.scratches],
+        "photos": [each.component for each in job.photos],
+    }
+    for table, components in stated.items():
+        for number, component in enumerate(components, start=1):
+            if component and component not in controller.components:
                 place = Place(file="job record", table=f"{table} {number}")
                 problem = Sentence("{controller} has no such component", controller=controller.name)
-                said = unknown(problem, row.component, controller.components, place=place).sentence
-                yield Message("warning", "record_unknown_part", said)
+                fault: InputError = unknown(problem, component, controller.components, place=place)
+                yield Message("warning", "record_unknown_part", fault.sentence)
 
 
 def _other_instruments(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:
