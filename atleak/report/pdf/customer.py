@@ -173,7 +173,7 @@ class CustomerPage:
         condition, band = self.names.condition(at.condition), self.diagnosis.band(at)
         new = say.percent(self.diagnosis.new_at(at).share)
         if at.pump_capacity <= 0.0:
-            yield f"{say('sentences.no_delivery', condition=condition)}.".capitalize()
+            yield f"{say('diagnosis.no_delivery', condition=condition)}.".capitalize()
         elif band is None:
             if not self.diagnosis.without_sheet:
                 yield say("customer.lost_new", condition=condition, new=new)
