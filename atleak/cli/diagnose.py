@@ -14,6 +14,7 @@ from atleak.cli.shared import (
     check_targets,
     doubt_option,
     print_options,
+    say_doubts,
     say_written,
     write,
     write_json,
@@ -84,6 +85,10 @@ def run(options: argparse.Namespace) -> int:
 
         print_diagnosis(diagnosis)
         say_written(written)
+    if job is not None:
+        from atleak.job.doubts import record_doubts
+
+        say_doubts(record_doubts(job, diagnosis))
     past = options.fail_on and diagnosis.verdict.rank >= Verdict(options.fail_on).rank
     return 1 if past else 0
 

@@ -181,8 +181,8 @@ def _print_rows(rows: list[JobRow], count: int) -> None:
 
 def _show(options: argparse.Namespace) -> int:
     from atleak.job.issued import issued_record
+    from atleak.job.judged_anew import judged_otherwise
     from atleak.jobs.book import open_book
-    from atleak.jobs.judged_anew import judged_otherwise
     from atleak.jobs.named import named_job
 
     check_targets(options, [], [("record", options.json)])

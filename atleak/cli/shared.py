@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.cli.parser import Options
-from atleak.errors import InputError, Place, unknown
+from atleak.errors import InputError, Message, Place, unknown
 from atleak.paper import DEFAULT_PAPER, PAPERS
 from atleak.sentence import Sentence
 from atleak.system.files import replace_file
@@ -278,3 +278,9 @@ def say_written(names: Iterable[object]) -> None:
     """Print one line for every file that was written."""
     for name in names:
         print(f"written: {name}")
+
+
+def say_doubts(doubts: Iterable[Message]) -> None:
+    """Print what is doubtful about a job record, a line each, beside the result."""
+    for doubt in doubts:
+        print(f"atleak: {doubt.text}", file=sys.stderr)

@@ -15,6 +15,7 @@ from atleak.errors import InputError, Place
 from atleak.faults import validated
 from atleak.job.case import OWN_FILES, SLOTS, Case
 from atleak.job.parts import JobFile, entry_of, job_parts, json_of
+from atleak.job.photo_notes import without_notes
 from atleak.job.record import Job, picture_name
 from atleak.sentence import Sentence
 from atleak.system.marks import NO_SOUND_ZIP, PACKINGS
@@ -111,7 +112,7 @@ def packed_job(
         for slot in sorted(sources, key=[*OWN_FILES, *SLOTS].index):
             _add(bundle, entry_of(slot), sources[slot])
         for name, content in sorted(pictures.items()):
-            _add(bundle, f"pictures/{name}", content)
+            _add(bundle, f"pictures/{name}", without_notes(content))
     return target.getvalue()
 
 
@@ -158,7 +159,7 @@ def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
     pictures = {
         entry.removeprefix("pictures/"): content for entry, content in entries.items() if entry.startswith("pictures/")
     }
-    return JobFile.of(entries["job.json"], sources, pictures, result, name=name)
+    return JobFile.of(entries["job.json"], sources, pictures, result if isinstance(result, dict) else {}, name=name)
 
 
 # --- in and out of the zip

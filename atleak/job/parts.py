@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,6 +20,7 @@ from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
 from atleak.faults import validated
 from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
+from atleak.job.photo_notes import without_notes
 from atleak.job.record import (
     Job,
     MeasuringCelsius,
@@ -226,7 +228,8 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
         files=_names(own, entries),
     )
     sources = {slot: source for slot, source in {**own, **entries}.items() if source is not None}
-    return JobParts(choices, sources, job.pictures, case, diagnosis)
+    pictures = {name: without_notes(content) for name, content in job.pictures.items()}
+    return JobParts(choices, sources, pictures, case, diagnosis)
 
 
 @dataclass(frozen=True)
@@ -237,6 +240,11 @@ class JobFile:
     case: Case
     result: dict[str, Any]
     name: str = "job file"  # for messages
+
+    @property
+    def result_by(self) -> str:
+        """Return the version of atleak that made the result."""
+        return str(self.result.get("atleak", "?"))
 
     def diagnose(self) -> Diagnosis:
         """Diagnose this job anew, with the installed version of atleak.
@@ -285,10 +293,17 @@ class JobFile:
         data = json_of(choices, _within(name, "job.json"))
         made = data.get("format") if isinstance(data, dict) else None
         if made != FORMAT:
+            if _is_newer(made):
+                raise _made_by_newer(data, name)
             problem = Sentence("job file of another format")
             expected = Sentence("format {format}", format=FORMAT)
             raise InputError(problem, place=Place(file=name), value=made, expected=expected)
-        stated = validated(Choices, data, _within(name, "job.json"))
+        try:
+            stated = validated(Choices, data, _within(name, "job.json"))
+        except InputError as error:
+            if _version(data.get("atleak")) > _version(__version__):
+                raise _made_by_newer(data, name) from error  # with choices that this version does not know
+            raise
         files = {}
         for slot, called in stated.files.items():
             if slot not in sources:
@@ -304,6 +319,24 @@ class JobFile:
 
 def _within(name: str, file: str) -> Sentence:
     return Sentence("{name}: {file}", name=name, file=file)
+
+
+def _is_newer(made: Any) -> bool:
+    return isinstance(made, int) and not isinstance(made, bool) and made > FORMAT
+
+
+def _version(stated: Any) -> tuple[int, ...]:
+    """Return the numbers of a version, to be compared; none where there are none."""
+    return tuple(map(int, re.findall(r"\d+", str(stated))[:3])) if isinstance(stated, str) else ()
+
+
+def _made_by_newer(data: Mapping[str, Any], name: str) -> InputError:
+    version = data.get("atleak")
+    made_by = version if isinstance(version, str) else "?"
+    problem = Sentence(
+        "made by atleak {made_by}, newer than this {version}: update", made_by=made_by, version=__version__
+    )
+    return InputError(problem, place=Place(file=name))
 
 
 def entry_of(slot: str) -> str:

@@ -243,7 +243,12 @@ class Job(Record):
 
     number: CleanText = ""
     date: dt.date | None = None
-    technician: CleanText = ""
+    measured_on: dt.date | None = None  # as the measuring sheet says unless given
+    issued_on: dt.date | None = None  # of the report
+    revision: CleanText = ""  # of the report
+    replaces: CleanText = ""  # number, revision or date of the report that this one takes the place of
+    technician: CleanText = ""  # who measured
+    approved_by: CleanText = ""
     workshop: Workshop = Workshop()
     customer: Customer = Customer()
     vehicle: Vehicle = Vehicle()

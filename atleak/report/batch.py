@@ -8,9 +8,11 @@ from pathlib import Path
 
 from atleak.catalogue.limits import Verdict
 from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError, InputError, Place
+from atleak.errors import AtleakError, InputError, Message, Place
+from atleak.job.doubts import record_doubts
 from atleak.job.file import read_job_file
 from atleak.job.issued import issued_record
+from atleak.job.judged_anew import JudgedOtherwise, differs
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER
 from atleak.report.pdf import write_pdf
@@ -18,7 +20,7 @@ from atleak.report.xlsx import write_workbook
 from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.marks import Kind
-from atleak.views.diagnosis_record import to_json
+from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.wording import Wording, wording
 
 KINDS: dict[str, Kind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}
@@ -32,6 +34,9 @@ class Reported:
     written: tuple[Path, ...] = ()
     verdict: Verdict | None = None
     error: AtleakError | None = None
+    result_by: str = ""  # the version of atleak by which the job file's result was made
+    differs: tuple[JudgedOtherwise, ...] = ()  # from that result
+    doubts: tuple[Message, ...] = ()  # about the record
 
 
 def report_paths(sources: Sequence[Path], folder: Path, formats: Iterable[str] = ("pdf",)) -> list[dict[str, Path]]:
@@ -76,7 +81,14 @@ def write_reports(
             for form, path in paths.items():
                 replace_file(path, _report(form, diagnosis, job_file.job, wording(language, units), paper))
                 written.append(path)
-            reported = Reported(source, tuple(written), diagnosis.verdict)
+            reported = Reported(
+                source,
+                tuple(written),
+                diagnosis.verdict,
+                result_by=job_file.result_by,
+                differs=differs(job_file.result, diagnosis_record(diagnosis)),
+                doubts=record_doubts(job_file.job, diagnosis),
+            )
         except AtleakError as error:
             reported = Reported(source, tuple(written), error=error)
         except (KeyboardInterrupt, SystemExit):

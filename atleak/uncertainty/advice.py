@@ -14,6 +14,7 @@ from atleak.sentence import Name, Sentence, all_of
 from atleak.uncertainty.decision import RuleDecision
 from atleak.uncertainty.sources import PARTS, LandSources
 
+FORM_LEADS = 0.5  # fraction of the clearance's variance from which on the form of the parts is what to measure better
 _MOST_REPEATS = 10  # of one place: beyond that a better instrument is the answer
 _SYMBOL: dict[Part, str] = {"spool": "d", "sleeve": "D"}
 
@@ -41,6 +42,11 @@ class Remedy:
     directions: tuple[Part, ...]
     form: float
     measurable: bool
+
+    @property
+    def decides(self) -> bool:
+        """Return whether measuring again can decide it, or comes nearest to that where the form leaves most open."""
+        return bool(self.repeats is not None or self.directions or self.instruments or self.form > FORM_LEADS)
 
 
 def remedy(
@@ -143,6 +149,8 @@ def advise(rule: RuleDecision, name: str, way: Remedy, land: LandSources, limit_
         )
     if way.first is None:
         return f"{text}: nothing of this pair was measured."
+    if not way.decides:
+        return f"{text}. {_ways_to_decide(way)}"
     text += (
         f": measure again, {_SYMBOL[way.first]} first, it carries {_percent(way.fraction)} of the uncertainty "
         "of the clearance."
@@ -160,7 +168,7 @@ def _ways_to_decide(way: Remedy) -> str:
     ways += [_gauges(choice) for choice in way.instruments]
     if ways:
         return f"It would be decided by {', or by '.join(ways)}, if the value stays where it is."
-    if way.form > 0.5:
+    if way.form > FORM_LEADS:
         return (
             f"The form of the parts carries {_percent(way.form)} of the uncertainty of the clearance: measure in four "
             "directions (0, 45, 90 and 135°), which narrows it most, then decide."

@@ -34,7 +34,7 @@ def gauge_table_rows(check: PressureCheck, say: Wording) -> list[dict[str, Any]]
         {
             "verdict": each.verdict,
             "range": each.cell.range,
-            "engine_state": say.get("engine_states", each.cell.engine),
+            "engine_state": say.sentence(each.cell.engine.label),
             "tap": _tap(each, say) if circuits else None,
             "reading_number": each.reading.repeat if repeated else None,
             "gauge": each.reading.pressure * KPA,

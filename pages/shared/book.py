@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import streamlit as st
 
 from atleak.errors import AtleakError, ChangedElsewhere
+from atleak.job.judged_anew import judged_otherwise
 from atleak.job.parts import job_parts
 from atleak.job.record import Job
-from atleak.jobs.judged_anew import judged_otherwise
 from atleak.sentence import Sentence
 from atleak.system.home import home
 from pages.shared import reader

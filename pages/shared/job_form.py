@@ -47,6 +47,13 @@ def draw(controller: Controller) -> Job:
         values["technician"] = first[2].text_input(
             say("job_form.technician"), **fields.kept(key("technician"), record.technician)
         )
+        second = st.columns(5)
+        for place, name in zip(second, ("measured_on", "issued_on"), strict=False):
+            values[name] = place.date_input(
+                say(f"job_form.{name}"), format="YYYY-MM-DD", **fields.kept(key(name), getattr(record, name))
+            )
+        for place, name in zip(second[2:], ("revision", "replaces", "approved_by"), strict=True):
+            values[name] = place.text_input(say(f"job_form.{name}"), **fields.kept(key(name), getattr(record, name)))
         with first[3]:
             values["measuring_temperature_c"] = fields.number(
                 say("job_form.measuring_temperature"),

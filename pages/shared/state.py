@@ -19,9 +19,10 @@ from atleak.errors import (
 )
 from atleak.job.case import SLOTS, Choice, SourceFile
 from atleak.job.file import read_job_file
+from atleak.job.judged_anew import JudgedOtherwise, differs
 from atleak.job.record import Job
-from atleak.jobs.judged_anew import JudgedOtherwise
 from atleak.system.memory import give_back_soon
+from atleak.views.diagnosis_record import diagnosis_record
 from pages.shared import reader
 from pages.shared.cases import (
     FITTED,
@@ -231,12 +232,12 @@ def open_job(name: str, content: bytes) -> bool:
     try:
         job_file = read_job_file(content, name=name)
         case = opened_case(job_file.case)
-        diagnosis_of(case)
+        otherwise = differs(job_file.result, diagnosis_record(diagnosis_of(case)))
     except AtleakError as error:
         now.refused["job"] = Refusal(name, error)
         return False
     remember(reader.say()("done.opened", name=name))
-    show_job(case, job_file.job, InBook(new=True))
+    show_job(case, job_file.job, InBook(new=True, result_by=job_file.result_by, judged_otherwise=otherwise))
     return True
 
 

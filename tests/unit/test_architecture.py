@@ -88,7 +88,8 @@ FLOORS = (
         "report.controller_workbook",
         "report.lands_sheet",
     ),
-    ("job.decisions", "job.issued", "job.kinds", "job.steps"),
+    ("job.decisions", "job.issued", "job.judged_anew", "job.kinds", "job.photo_notes", "job.steps"),
+    ("job.doubts",),
     ("job.estimate",),
     ("report.estimate_words", "report.pictures", "job.repair_set"),
     (

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from itertools import groupby
 from typing import Any
 
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
 from atleak.errors import Message, unknown
+from atleak.job.doubts import record_doubts
 from atleak.job.record import RepairDecision
 from atleak.report.estimate_words import open_words
-from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
+from atleak.report.pdf.annex import Annex
+from atleak.report.pdf.blocks import Block, PrintedColumn, facts, grouped_table, joined, table, text, with_notes
+from atleak.report.pdf.budget import Budget
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.estimate import estimate_blocks
 from atleak.report.pdf.gauges import GaugeSection
@@ -44,14 +48,29 @@ SECTIONS = (
     "notes",
     "conditions",
     "limits",
+    "decisions",
     "assumptions",
     "messages",
     "method",
+    "readings",
+    "budget",
     "provenance",
     "signatures",
 )
 # those that say what was measured of lands, and what follows from it
-OF_LANDS = ("picture", "flagged", "matrix", "pressures", "repair_order", "all", "shares", "again")
+OF_LANDS = (
+    "picture",
+    "flagged",
+    "matrix",
+    "pressures",
+    "repair_order",
+    "all",
+    "shares",
+    "again",
+    "decisions",
+    "readings",
+    "budget",
+)
 BARS = 16  # largest number of bars in the chart of shares
 
 
@@ -83,18 +102,22 @@ class Body:
     def __init__(self, names: PrintedNames, series: RoadSeries | None, pictures: dict[str, str]) -> None:
         self.names, self.series, self.pictures = names, series, pictures
         self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
-        self.conditions, self.pressures = Conditions(names), Pressures(names)
+        self.conditions, self.pressures, self.annex = Conditions(names), Pressures(names), Annex(names)
 
     # --- sections
 
     def sections(self, names: Iterable[str], charts: dict[str, str]) -> list[dict[str, Any]]:
         """Return title and blocks of every section that has any content."""
-        filled = []
+        filled: list[dict[str, Any]] = []
         for name in names:
+            if name == "signatures":  # stands at the foot of the first page
+                continue
             build: Callable[[dict[str, str]], Iterable[Block]] = getattr(self, f"_{name}")
-            blocks = [block for block in build(charts) if block]
+            blocks = list(with_notes(build(charts)))
             if blocks:
                 filled.append({"name": name, "title": self.say(f"sections.{name}"), "blocks": blocks})
+        if filled:
+            filled[-1]["blocks"].append(self.annex.end())
         return filled
 
     def _picture(self, charts: dict[str, str]) -> Iterable[Block]:
@@ -151,11 +174,7 @@ class Body:
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """Name what to measure again where the readings leave open on which side of a limit a land lies."""
         say, names = self.say, self.names
-        items = [
-            f"{names.land_name(land)}: {names.advice(land)}"
-            for land in self.diagnosis.flagged
-            if land.decision in _CONDITIONAL
-        ]
+        items = names.advice_by_group(land for land in self.diagnosis.flagged if land.decision in _CONDITIONAL)
         if items:
             yield {"kind": "list", "items": items}
         within = [land for land in self.diagnosis.lands if land.verdict == Verdict.OK and land.decision in _CONDITIONAL]
@@ -167,8 +186,7 @@ class Body:
     def _all(self, charts: dict[str, str]) -> Iterable[Block]:
         say, names = self.say, self.names
         columns = [
-            PrintedColumn(names.column("pair"), names.pair, width=1),
-            PrintedColumn(names.column("land"), names.land, side="c"),
+            PrintedColumn(names.column("land"), names.land, width=1),
             PrintedColumn(
                 names.column("sleeve"),
                 lambda at: say.value(at.state.sleeve_diameter * MM, "length", 4),
@@ -190,11 +208,12 @@ class Body:
                 say.unit("clearance"),
                 side="r",
             ),
-            PrintedColumn(names.column("leakage"), names.leakage, say.unit("flow"), side="r"),
+            PrintedColumn(names.column("leakage"), lambda at: names.flow(at.leakage, 3), say.unit("flow"), side="r"),
+            PrintedColumn(names.column("interval"), names.leakage_interval, say.unit("flow"), side="r"),
             PrintedColumn(names.column("share"), names.share, "%", side="r"),
             PrintedColumn(names.column("verdict"), names.verdict),
         ]
-        yield table(columns, self.diagnosis.lands)
+        yield grouped_table(columns, ((pair, list(lands)) for pair, lands in groupby(self.diagnosis.lands, names.pair)))
         at = self.names.condition(self.diagnosis.projection.condition)
         yield text(say("texts.all_at", condition=at), small=True)
 
@@ -225,10 +244,9 @@ class Body:
             PrintedColumn(
                 say("printed.decision"),
                 lambda each: say.get("job_decisions", each.decision) if each.decision else "–",
-                width=2,
             ),
             PrintedColumn(say("printed.reason"), lambda each: each.reason, width=6),
-            PrintedColumn(say("printed.date"), lambda each: say.date(each.date) if each.date else "", width=2),
+            PrintedColumn(say("printed.date"), lambda each: say.date(each.date) if each.date else ""),
         ]
         yield table(columns, [each for each in self.job.repair_decisions if not each.empty], empty=False)
         for sentence in open_words(self.diagnosis, self.job, say, closing=True):
@@ -414,10 +432,11 @@ class Body:
         yield {"kind": "list", "items": items or [say("texts.none_assumed")]}
 
     def _messages(self, charts: dict[str, str]) -> Iterable[Block]:
+        messages = (*record_doubts(self.job, self.diagnosis), *self.diagnosis.messages)
         items = [
             self._said(message)
             for level in ("warning", "info")
-            for message in self.diagnosis.messages
+            for message in messages
             if message.level == level and message.code not in _SAID_ELSEWHERE
         ]
         if items:
@@ -450,8 +469,18 @@ class Body:
         ]
         yield {"kind": "list", "items": list(dict.fromkeys(source for source in sources if source))}
 
+    def _decisions(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from self.annex.decisions()
+
+    def _readings(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from self.annex.readings()
+
+    def _budget(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from Budget(self.names).blocks()
+
     def _provenance(self, charts: dict[str, str]) -> Iterable[Block]:
         say, record = self.say, self.record
+        yield from self.annex.issue()
         profile = self.diagnosis.profile.label
         yield text(say("texts.made_with", version=__version__, profile=profile, language=say.texts["language"]))
         columns = [
@@ -463,17 +492,6 @@ class Body:
         ]
         used = ("readings", "road_test", "pressure_table", "controller", "fluid", "limits")
         yield table(columns, [name for name in used if record[name] and record[name].get("sha256")])
-
-    def _signatures(self, charts: dict[str, str]) -> Iterable[Block]:
-        say = self.say
-        yield {
-            "kind": "signatures",
-            "line": say("texts.sign_place"),
-            "people": [
-                [say("texts.sign_technician"), self.job.technician],
-                [say("texts.sign_customer"), self.job.customer.name],
-            ],
-        }
 
 
 _SAID_ELSEWHERE = ("controller_representative",)  # stands among the representative values

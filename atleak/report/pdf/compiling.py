@@ -38,6 +38,7 @@ def common_data(
         "lang": say.language,
         "paper": paper.typst,
         "title": title,
+        "name": joined((title, job.number, job.vehicle.registration or job.vehicle.vin), " · "),
         "author": job.workshop.name or "atleak",
         "description": subject,
         "keywords": KEYWORD,
@@ -112,7 +113,7 @@ def compile_pdf(template: str, folder: Path, data: dict[str, Any], date: dt.date
         inputs = {"data": json.dumps({**data, **changes}, ensure_ascii=False)}
         pdf = compiler.compile(format="pdf", sys_inputs=inputs, pdf_standards=list(standards), timestamp=moment)
         assert isinstance(pdf, bytes)  # typst returns bytes for one document that it writes to no file
-        return pdf
+        return _made_by_atleak(pdf)
 
     try:
         return run(bundled_fonts(), STANDARDS)
@@ -126,6 +127,20 @@ def compile_pdf(template: str, folder: Path, data: dict[str, Any], date: dt.date
             include_system_fonts=False, include_embedded_fonts=False, font_paths=[str(FONTS), str(folder)]
         )
         return run(fonts, (), note=_note(missing, say), **{"more-fonts": [BOX_FONT]})
+
+
+def _made_by_atleak(pdf: bytes) -> bytes:
+    """Name atleak as the program that made the file, in its information and its metadata alike; its size stays."""
+    for before, after in ((b"/Creator(", b")"), (b"<xmp:CreatorTool>", b"</xmp:CreatorTool>")):
+        start = pdf.find(before)
+        end = pdf.find(after, start)
+        if start < 0 or end < 0:
+            continue
+        room = end - start - len(before)
+        name = next(each for each in (f"atleak {__version__}", "atleak", "") if len(each) <= room).encode()
+        if name:
+            pdf = pdf[:start] + before + name + after + b" " * (room - len(name)) + pdf[end + len(after) :]
+    return pdf
 
 
 def _note(missing: list[str], say: Wording) -> str:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import cached_property
 from typing import Any
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.extremes import Instant
+from atleak.job.estimate import estimate
 from atleak.job.record import Job
 from atleak.land_diagnosis import LandDiagnosis
+from atleak.repair import RepairPlan, plan_repairs
+from atleak.report.estimate_words import EstimateWords
 from atleak.report.pdf.blocks import joined
 from atleak.rules import Rule
-from atleak.uncertainty import Decision
+from atleak.uncertainty import Decision, Remedy
 from atleak.views.condition_matrix import MatrixRow
 from atleak.views.road_instants import instant_record
 from atleak.views.sentences import rule_value
@@ -27,6 +32,25 @@ class PrintedNames:
     def __init__(self, diagnosis: Diagnosis, record: dict[str, Any], job: Job, say: Wording) -> None:
         self.diagnosis, self.record, self.job, self.say = diagnosis, record, job, say
         self.rows = {(row["component"], row["land"]): row for row in record["lands"]}
+
+    @cached_property
+    def plan(self) -> RepairPlan:
+        """Return the repairs that the diagnosis calls for."""
+        return plan_repairs(self.diagnosis)
+
+    @cached_property
+    def estimate(self) -> EstimateWords | None:
+        """Return the estimate; None where the job states no terms and no price, or there is nothing to list."""
+        if self.diagnosis.without_sheet or not self.job.estimated:
+            return None
+        words = EstimateWords(estimate(self.diagnosis, self.job), self.say, self.condition)
+        return words if words.estimate.lines else None
+
+    @property
+    def mileage(self) -> float | None:
+        """Return the mileage [km] that the diagnosis was made with, or else the one of the job."""
+        computed = self.record["mileage_km"]
+        return self.job.vehicle.mileage_km if computed is None else computed
 
     def condition(self, point: OperatingPoint) -> str:
         """Return the name of a condition in the reader's language."""
@@ -91,11 +115,11 @@ class PrintedNames:
             return "–"
         return f"{self.say.number(worst.share * PERCENT, 2)}\n{self.condition(worst.projection.condition)}"
 
-    def leakage(self, land: LandDiagnosis) -> str:
-        """Return the leakage [dm³/min] with its interval where the uncertainty is known and the land leaks at all."""
+    def leakage_interval(self, land: LandDiagnosis) -> str:
+        """Return the interval of the leakage [dm³/min]; a dash where it is not known, or the land does not leak."""
         row = self.rows[land.key]
         interval = self.interval(row["leakage_low_dm3_min"], row["leakage_high_dm3_min"], 3, "flow")
-        return self.flow(land.leakage, 3) + interval * (land.leakage > 0.0)
+        return interval.strip("\n()") or "–" if land.leakage > 0.0 else "–"
 
     def interval(self, low: float | None, high: float | None, digits: int, kind: str = "percent") -> str:
         """Return an interval on a separate line; an empty text where it is not known."""
@@ -134,24 +158,44 @@ class PrintedNames:
 
     def advice(self, land: LandDiagnosis) -> str:
         """Return what would make an open decision clear; an empty text where it is clear already."""
+        return " ".join(self._advised(land))
+
+    def advice_by_group(self, lands: Iterable[LandDiagnosis]) -> list[str]:
+        """Return the same for several lands, with those together of which the same is advised."""
+        groups: dict[str, list[str]] = {}
+        for land in lands:
+            doubt, way = self._advised(land)
+            if doubt:
+                groups.setdefault(way, []).append(f"{self.land_name(land)}: {doubt}")
+        return [" ".join([*doubts, way]) for way, doubts in groups.items()]
+
+    def _advised(self, land: LandDiagnosis) -> tuple[str, str]:
+        """Return what is open about a land, and what would settle it; empty texts where it is clear."""
         uncertainty = land.uncertainty
         decided = uncertainty.deciding if uncertainty else None
         remedy = uncertainty.remedy(decided) if uncertainty and decided else None
         rule = land.deciding
         if uncertainty is None or decided is None or remedy is None or rule is None:
-            return ""
+            return "", ""
         say = self.say
         side = "over" if decided.decision == "conditional_fail" else "under"
-        guard = self._value(rule, uncertainty.guard_factor * decided.standard_uncertainty)
-        limit = self._value(rule, decided.limit)
-        name = self._rule(rule)
+        guard = self.rule_value(rule, uncertainty.guard_factor * decided.standard_uncertainty)
+        limit = self.rule_value(rule, decided.limit)
+        name = self.rule_name(rule)
         said = side if remedy.measurable else "not_measurable"
-        sentence = say(f"advice.{said}", rule=name, value=self._value(rule, decided.value), limit=limit, guard=guard)
+        doubt = say(f"advice.{said}", rule=name, value=self.rule_value(rule, decided.value), limit=limit, guard=guard)
         if remedy.measurable and remedy.reading_part < _MOSTLY:
-            return f"{sentence} {say('advice.elsewhere', fraction=say.percent(remedy.reading_part, 0))}"
+            return doubt, say("advice.elsewhere", fraction=say.percent(remedy.reading_part, 0))
+        if not remedy.decides:
+            return doubt, say("advice.judgement")
+        return doubt, " ".join(self._ways(remedy))
+
+    def _ways(self, remedy: Remedy) -> Iterable[str]:
+        """Return which measurements would decide it."""
+        say = self.say
         if remedy.measurable and remedy.first is not None:
             part, fraction = say(f"advice.{remedy.first}"), say.percent(remedy.fraction, 0)
-            sentence += f" {say('advice.first', part=part, fraction=fraction)}"
+            yield say("advice.first", part=part, fraction=fraction)
         ways = []
         if remedy.repeats is not None:
             parts = say("advice.and").join(say(f"advice.{part}") for part in remedy.repeat_parts)
@@ -163,10 +207,9 @@ class PrintedNames:
             tools = (say("advice.tool", instrument=tool, part=say(f"advice.{part}")) for part, tool in choice)
             ways.append(say("advice.and").join(tools))
         if ways:
-            return f"{sentence} {say('advice.settled', ways=say('advice.or').join(ways))}"
-        if remedy.form > _MOSTLY:
-            return f"{sentence} {say('advice.form', fraction=say.percent(remedy.form, 0))}"
-        return f"{sentence} {say('advice.judgement')}"
+            yield say("advice.settled", ways=say("advice.or").join(ways))
+        else:
+            yield say("advice.form", fraction=say.percent(remedy.form, 0))
 
     def reason(self, land: LandDiagnosis) -> str:
         """Return the rule that gave the verdict with its limit's origin, then every other rule that reached a limit."""
@@ -186,16 +229,18 @@ class PrintedNames:
         say = self.say
         return say(
             key,
-            rule=self._rule(rule),
-            value=self._value(rule, rule.value),
-            limit=self._value(rule, rule.limit),
+            rule=self.rule_name(rule),
+            value=self.rule_value(rule, rule.value),
+            limit=self.rule_value(rule, rule.limit),
             origin=say.get("origins", rule.origin),
         )
 
-    def _value(self, rule: Rule, value: float) -> str:
+    def rule_value(self, rule: Rule, value: float) -> str:
+        """Return a value or a limit of a rule, with its unit."""
         return rule_value(value, rule.kind, self.say)
 
-    def _rule(self, rule: Rule) -> str:
+    def rule_name(self, rule: Rule) -> str:
+        """Return what a rule is about, with its condition and its circuit."""
         if rule.kind.is_share and rule.condition is not None:
             return self.say("rules.share_at", condition=self.condition(rule.condition))
         at = "" if rule.condition is None else self.condition(rule.condition)

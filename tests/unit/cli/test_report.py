@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -41,3 +42,24 @@ def test_unknown_report_format_is_refused(run: Run, tmp_path: Path) -> None:
     status, _, err = run("report", tmp_path / "x.zip", "-o", tmp_path, "--formats", "docx")
     assert status == 2
     assert "'docx' is not one of pdf, xlsx, json" in err
+
+
+def test_what_is_doubtful_about_a_job_is_said_beside_its_reports(
+    run: Run, small_sheet: Callable[..., Path], tmp_path: Path
+) -> None:
+    record, bundle = tmp_path / "job.toml", tmp_path / "job.zip"
+    record.write_text('[[scratches]]\ncomponent = "77"\n[[instruments]]\nname = "air gauge"\n', encoding="utf-8")
+    _, _, err = run("diagnose", small_sheet(), "--controller", "minimal_example", "--job", record, "--job-file", bundle)
+    assert "[scratches 1]" in err
+    assert "the uncertainty of the sleeves is computed with Two-point bore gauge" in err
+    with zipfile.ZipFile(bundle) as whole:
+        entries = {name: whole.read(name) for name in whole.namelist()}
+    result = json.loads(entries["result.json"])
+    entries["result.json"] = json.dumps({**result, "verdict": "ok", "atleak": "0.1.0"}).encode()
+    with zipfile.ZipFile(bundle, "w") as changed:
+        for name, content in entries.items():
+            changed.writestr(name, content)
+    status, _, err = run("report", bundle, "-o", tmp_path / "out", "--formats", "json")
+    assert status == 0
+    assert "[scratches 1]" in err
+    assert "job.zip: differs from its result, made by atleak 0.1.0:\n  the unit: ok" in err

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.entries import catalogue_files
@@ -24,10 +25,13 @@ from atleak.intake.readings import read_readings
 from atleak.intake.road_test import read_road_test
 from atleak.job.case import Case, SourceFile
 from atleak.job.file import read_job_file, write_job_file
+from atleak.job.judged_anew import differs
 from atleak.job.parts import FORMAT
 from atleak.job.record import Job
 from atleak.uncertainty import DEFAULTS
+from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
+from atleak.wording import wording
 
 SHEET = b"""component;part;plane;direction;diameter 1 [mm];diameter 2 [mm]
 6;spool;1;0;9,939;9,940
@@ -207,7 +211,7 @@ def test_an_incomplete_job_is_refused(content, entries, said):
 
 def test_a_record_from_elsewhere_is_checked(content):
     with pytest.raises(InputError, match="another format"):
-        read_job_file(with_choices(content, format=FORMAT + 1))
+        read_job_file(with_choices(content, format=FORMAT - 1))
     with pytest.raises(InputError, match="unknown key"):
         read_job_file(with_choices(content, formulas="x"))
     job_file = read_job_file(
@@ -216,6 +220,53 @@ def test_a_record_from_elsewhere_is_checked(content):
     assert job_file.case.readings.name == "x.csv"
     with pytest.raises(InputError, match="no such profile"):
         read_job_file(with_choices(content, profile="mine")).diagnose()
+
+
+@pytest.mark.parametrize("newer", [{"format": FORMAT + 1}, {"format": FORMAT + 1, "tone": "x"}, {"tone": "x"}])
+def test_a_job_file_of_a_newer_atleak_asks_for_an_update(content, newer):
+    with pytest.raises(InputError) as refused:
+        read_job_file(with_choices(content, atleak="99.1.0", **newer), name="job.zip")
+    assert str(refused.value) == f"job.zip: made by atleak 99.1.0, newer than this {__version__}: update"
+    assert "bitte aktualisieren" in wording("de").sentence(refused.value)
+
+
+def test_a_result_that_was_changed_is_told_with_what_differs(diagnosis, content):
+    today = diagnosis_record(diagnosis)
+    assert differs(read_job_file(content).result, today) == ()
+    with zipfile.ZipFile(io.BytesIO(content)) as bundle:
+        result = json.loads(bundle.read("result.json"))
+    land = next(each for each in result["lands"] if (each["component"], each["land"]) == ("8", 1))
+    other = next(each for each in result["lands"] if (each["component"], each["land"]) == ("6", 1))
+    kept = land["verdict"]
+    land["verdict"] = "critical" if kept == "ok" else "ok"
+    other["share_percent"] += 0.5
+    other["leakage_dm3_min"] *= 1.0 + 1e-9  # the last digits of another computer
+    job_file = read_job_file(changed(content, **{"result.json": json.dumps({**result, "atleak": "0.1.0"}).encode()}))
+    assert job_file.result_by == "0.1.0"
+    first, second = differs(job_file.result, today)
+    assert str(first).startswith(f"8/1: {land['verdict']}")
+    assert f"today {kept}" in str(first)
+    assert (str(second.what), str(second.stored)) == ("6/1", f"share_percent {other['share_percent']:.6g}")
+
+
+@pytest.mark.parametrize(
+    "result", [b"[]", b"7", b'{"lands": 3, "unit": [], "conditions": [1, {"circuits": {}}], "verdict": {"a": []}}']
+)
+def test_a_result_that_is_none_does_no_harm(content, diagnosis, result):
+    job_file = read_job_file(changed(content, **{"result.json": result}))
+    assert all(str(each) for each in differs(job_file.result, diagnosis_record(diagnosis)))
+
+
+def test_photos_leave_without_the_place_where_they_were_taken(unmeasured):
+    exif = Image.Exif()
+    exif.get_ifd(0x8825)[1] = "N"
+    target = io.BytesIO()
+    Image.new("RGB", (8, 6), "red").save(target, "JPEG", exif=exif)
+    job = Job(photos=[{"file": "a.jpg"}]).with_pictures({"a.jpg": target.getvalue()})
+    content = write_job_file(unmeasured, job)
+    again = read_job_file(content)
+    assert not Image.open(io.BytesIO(again.job.pictures["a.jpg"])).getexif()
+    assert write_job_file(unmeasured, again.job) == content
 
 
 def _record(content: bytes) -> bytes:

@@ -13,10 +13,10 @@ import sqlalchemy as sa
 
 from atleak.errors import BookError, ChangedElsewhere
 from atleak.job.case import Case, SourceFile
+from atleak.job.judged_anew import judged_otherwise
 from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
-from atleak.jobs.judged_anew import judged_otherwise
 from atleak.jobs.opening import database_url
 from atleak.jobs.search import Query
 from atleak.jobs.tables import files, jobs, lands, log_tables, results, units, visits

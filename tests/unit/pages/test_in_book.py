@@ -7,12 +7,13 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.errors import InputError
 from atleak.job.case import Case
+from atleak.job.file import packed_job
 from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
 from pages.shared.files import named
 
-from .conftest import go, number, texts
+from .conftest import go, number, texts, uploader
 
 pytestmark = pytest.mark.page("1_Job")
 
@@ -122,6 +123,18 @@ def test_a_job_that_is_judged_otherwise_today_says_so(
     app.query_params["job"] = saved.id
     app.run()
     assert "Judged otherwise than when it was stored" in texts(app)
+    assert "the unit: ok" in texts(app)
+
+
+def test_a_job_file_whose_result_was_changed_says_so_when_it_is_opened(app: AppTest) -> None:
+    case = Case(controller="minimal_example")
+    parts = job_parts(case.diagnose(), Job(), case)
+    sources = {slot: source.content for slot, source in parts.sources.items()}
+    result = {**parts.result, "verdict": "ok", "atleak": "0.1.9"}
+    content = packed_job(parts.choices.model_dump_json().encode(), sources, {}, result)
+    uploader(app).upload("job.zip", content, "application/zip").run()
+    assert "Judged otherwise than when it was stored" in texts(app)
+    assert "0.1.9" in texts(app)
     assert "the unit: ok" in texts(app)
 
 

@@ -482,7 +482,7 @@ def test_the_matrix_says_what_leaks_beside_the_lands(unit: Unit) -> None:
     found = unit(TOO_MUCH)
     text = text_of(write_pdf(found, sections=["matrix"])).replace("\u00a0", " ")
     at = found.projection
-    others = f"{at.share_of(at.other_leakage) * 100:.1f} % (hot idle, 100 °C)"
+    others = f"{at.share_of(at.other_leakage) * 100:.1f} % ({wording('en').condition(at.condition)})"
     assert "together with what leaks beside them" in text
     assert others in text
 
@@ -585,5 +585,5 @@ def test_drawings_say_in_words_what_they_show(unit: Unit, language: str) -> None
 def test_without_circuits_only_the_pump_is_drawn_and_nothing_where_pressures_are_given(
     unit: Unit, worn: Diagnosis
 ) -> None:
-    assert set(printed(worn)["charts"]) == {"pump"}
-    assert printed(unit(WORN, profile=PAPER))["charts"] == {}
+    assert set(printed(worn)["charts"]) == {"pump", "worn_valves"}
+    assert set(printed(unit(WORN, profile=PAPER))["charts"]) == {"worn_valves"}

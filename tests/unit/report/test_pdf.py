@@ -30,6 +30,7 @@ from atleak.report.pdf.body import SECTIONS
 from atleak.report.pictures import printable_picture
 from atleak.uncertainty import Assumptions
 from atleak.views.condition_matrix import leaking_worst_first
+from atleak.views.first_sentence import lands_part
 from atleak.wear_line import Crossing
 from atleak.wording import languages, wording
 
@@ -119,8 +120,7 @@ def test_says_every_flagged_pair_with_its_numbers(worn, printed):
         assert say.number(land.share * 100, 2) in text
     for word in ("replace", "watch", "not measured", "fail", "published"):
         assert word in text
-    repair = sum(land.verdict in {"replace", "critical"} for land in worn.lands)
-    assert f"{repair} of {worn.measured} measured lands" in text
+    assert lands_part(worn, say).replace("\u00a0", " ") in text.replace("\u00a0", " ")
 
 
 @pytest.mark.parametrize("language", languages())
@@ -142,13 +142,13 @@ def test_says_what_each_land_draws_at_each_condition_and_what_repairs_bring(worn
 
 
 @pytest.mark.parametrize("language", languages())
-def test_a_complaint_stands_on_the_first_page(worn, language):
+def test_what_to_measure_for_a_complaint_stands_where_the_annex_begins(worn, language):
     complaint = worn.controller.complaint("slips_hot")
     first = re.sub(
-        r"\s+", " ", pages_of(write_pdf(replace(worn, complaint=complaint), language=language, sections=[]))[0]
+        r"\s+", " ", pages_of(write_pdf(replace(worn, complaint=complaint), language=language, sections=[]))[1]
     )
     say = wording(language)
-    name = say("conditions.at", name=say("conditions.hot_idle"), temperature="100")
+    name = say.condition(worn.hot_idle.condition)
     assert say("complaint.shows", label=complaint.label, conditions=name).replace("\u00a0", " ") in first
     assert say("complaint.first") in first
     assert first.index(say("conditions.hot_idle")) < first.index(say("conditions.driving_second"))
@@ -364,7 +364,7 @@ def test_sections_can_be_chosen(worn, job):
     text = text_of(write_pdf(worn, job, sections=["flagged", "signatures"]))
     say = wording("en")
     assert say("sections.flagged") in text
-    assert say("sections.signatures") in text
+    assert say("texts.sign_customer") in pages_of(write_pdf(worn, job, sections=["signatures"]))[0]
     assert say("sections.all") not in text
     assert say("sections.road_test") not in text
     with pytest.raises(InputError, match="did you mean 'road_test'"):
@@ -446,10 +446,12 @@ def test_a_doubtful_verdict_says_what_would_settle_it(worn, language):
     for land in doubtful:
         component = land.state.land.component
         assert f"{component} {say.name(worn.controller.components[component])}" in text
-    assert (
-        say.percent(doubtful[0].uncertainty.remedy(doubtful[0].uncertainty.deciding).fraction, 0).replace("\u00a0", " ")
-        in text
-    )
+    ways = [land.uncertainty.remedy(land.uncertainty.deciding) for land in doubtful]
+    assert not all(way.decides for way in ways)
+    for way in ways:
+        if way.decides:
+            assert say.percent(way.fraction, 0).replace("\u00a0", " ") in text
+    assert text.count(say("advice.judgement")) == 1, "one sentence for all that only judgement decides"
 
 
 def in_doubt_for_its_form(worn, ovality, residual):
@@ -472,10 +474,12 @@ def in_doubt_for_its_form(worn, ovality, residual):
 @pytest.mark.parametrize("language", languages())
 def test_a_verdict_that_the_form_leaves_open_asks_for_more_directions(worn, language):
     oval, remedies = in_doubt_for_its_form(worn, 6e-6, 0.4)
+    say = wording(language)
     formed = [each for each in remedies if each.directions or (each.form > 0.5 and not each.instruments)]
     assert formed
     text = text_of(write_pdf(oval, language=language, sections=["again"]))
-    assert text.count("(0, 45, 90") == len(formed)
+    advised = {each.directions or say.percent(each.form, 0) for each in formed}
+    assert 0 < text.count("(0, 45, 90") <= len(advised) < len(formed), "lands of which the same is advised together"
 
 
 @pytest.mark.parametrize("language", languages())
@@ -531,12 +535,13 @@ def test_numbers_beside_a_name_from_right_to_left_keep_their_order(worn):
         vehicle={"registration": "12-345-67"},
         transmission={"maker": "אבג", "code": "4G-22"},
     )
-    first, *others = pages_of(write_pdf(worn, job))
+    first, annex, *others = pages_of(write_pdf(worn, job))
+    assert "Job 2026-0417 · " in first
     assert len(others) > 2
-    for page in others:
+    for page in (annex, *others):
         assert page.splitlines()[0].split(" · ")[1:3] == ["2026-0417", "12-345-67 Internal leakage of a valve body"]
     for numbers in (", 44-17, somebody@example.org", "Transmission אבג 4G-22"):
-        assert numbers in first
+        assert numbers in annex
 
 
 @pytest.mark.parametrize(

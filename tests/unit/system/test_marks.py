@@ -15,6 +15,7 @@ import pytest
 from atleak import cli
 from atleak.catalogue.controller import Controller
 from atleak.errors import OutputError
+from atleak.job import case  # noqa: F401  # it takes `diagnose` by name, so before that is replaced here
 from atleak.report.measuring_sheet import write_readings, write_template
 from atleak.system.marks import Kind, check_targets
 

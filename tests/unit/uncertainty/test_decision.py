@@ -306,3 +306,14 @@ def test_more_directions_are_advised_where_form_carries_the_uncertainty(
     assert remedy.directions == ("sleeve",)
     assert land.advice is not None
     assert "D in four directions (0, 45, 90 and 135°)" in land.advice
+
+
+def test_a_value_that_no_measurement_can_decide_is_not_asked_to_be_measured_again(
+    judge: Callable, four_speed: Controller, limits: Limits
+) -> None:
+    sheet = a_sheet(four_speed, clearance=30.01 * UM)
+    land = judge(sheet, controller=new_at(four_speed, 24 * UM), limits=_limits(limits, 30 * UM)).unit.lands[0]
+    assert land.decision == "conditional_fail"
+    assert not land.remedy(land.deciding).decides
+    assert "decide by judgement" in land.advice
+    assert "measure again" not in land.advice

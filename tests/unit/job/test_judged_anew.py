@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from atleak.jobs.judged_anew import judged_otherwise
+from atleak.job.judged_anew import judged_otherwise
 from atleak.wording import wording
 
 BEFORE = {

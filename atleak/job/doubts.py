@@ -1,0 +1,71 @@
+"""Doubt what a job record says beside a result: unknown parts, other instruments."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+
+from atleak.catalogue.instruments import Instrument, Part
+from atleak.diagnosis import Diagnosis
+from atleak.errors import InputError, Message, Place, unknown
+from atleak.job.decisions import decision_faults
+from atleak.job.record import InstrumentUsed, Job
+from atleak.sentence import Name, Sentence
+from atleak.wording import languages, wording
+
+_WORD = re.compile(r"[^\W\d_]{3,}")  # neither a size nor a serial number tells instruments apart
+_PARTS: Mapping[Part, Sentence] = MappingProxyType({"spool": Sentence("spools"), "sleeve": Sentence("sleeves")})
+
+
+def record_doubts(job: Job, diagnosis: Diagnosis) -> tuple[Message, ...]:
+    """Return what is doubtful about a record, each a warning: nothing of it changes the result."""
+    return (*_unknown_parts(job, diagnosis), *_other_instruments(job, diagnosis))
+
+
+def _unknown_parts(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:
+    """Doubt decisions, scratches and photos of parts that the valve body does not have, with the nearest name."""
+    controller = diagnosis.controller
+    for each in decision_faults(job, controller):
+        yield Message("warning", "record_unknown_part", each.sentence)
+    stated = {
+        "scratches": [each.component for each in job.scratches],
+        "photos": [each.component for each in job.photos],
+    }
+    for table, components in stated.items():
+        for number, component in enumerate(components, start=1):
+            if component and component not in controller.components:
+                place = Place(file="job record", table=f"{table} {number}")
+                problem = Sentence("{controller} has no such component", controller=controller.name)
+                fault: InputError = unknown(problem, component, controller.components, place=place)
+                yield Message("warning", "record_unknown_part", fault.sentence)
+
+
+def _other_instruments(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:
+    """Doubt that the instruments of the record are those by which the uncertainty was computed."""
+    used = tuple(each for each in job.instruments if each.name)
+    uncertainty = diagnosis.uncertainty
+    if not used or uncertainty is None:
+        return
+    for part, what in _PARTS.items():
+        taken = uncertainty.instruments.of(part)
+        if not any(_alike(each, taken) for each in used):
+            text = Sentence(
+                "The record names {used}, but the uncertainty of the {parts} is computed with {taken}: choose the "
+                "instrument with which they were measured, or name it in the record.",
+                used=tuple(each.name for each in used),
+                parts=what,
+                taken=Name(taken.name),
+            )
+            yield Message("warning", "instruments_differ", text)
+
+
+def _alike(used: InstrumentUsed, taken: Instrument) -> bool:
+    """Tell whether a name of the record can be an instrument's in any language: one has all words of the other."""
+    mine = _words(used.name)
+    names = (taken.id, taken.name, *(wording(language).name(taken.name) for language in languages()))
+    return any(mine <= words or words <= mine for words in map(_words, names) if words and mine)
+
+
+def _words(name: str) -> frozenset[str]:
+    return frozenset(word.casefold() for word in _WORD.findall(name.replace("_", " ")))

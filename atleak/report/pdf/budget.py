@@ -1,0 +1,145 @@
+"""Print the uncertainty budget of flagged lands: what makes each clearance uncertain, row by row."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from atleak.catalogue.limits import RuleKind
+from atleak.land_diagnosis import LandDiagnosis
+from atleak.report.pdf.annex import coverage_factor
+from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
+from atleak.report.pdf.printed_names import PrintedNames
+from atleak.uncertainty import LandUncertainty, UnitUncertainty
+from atleak.uncertainty.budget import BudgetLine, budget_lines, combined
+from atleak.workshop_units import PERCENT, UM
+
+BUDGETS = 12  # lands whose budget is printed in full, the worst first
+_OF_SHARE = 6  # of the sources of a share that are named
+
+
+@dataclass(frozen=True)
+class _Whole:
+    """The last row of a budget."""
+
+    u: float  # [m]
+
+
+class Budget:
+    """The budgets of one report."""
+
+    def __init__(self, names: PrintedNames) -> None:
+        self.names, self.diagnosis, self.say = names, names.diagnosis, names.say
+
+    def blocks(self) -> Iterable[Block]:
+        """Return a table for every flagged land that was measured, the worst first."""
+        uncertainty, say = self.diagnosis.uncertainty, self.say
+        flagged = [land for land in self.diagnosis.flagged if land.uncertainty and land.uncertainty.u_clearance]
+        if uncertainty is None or not flagged:
+            return
+        yield text(say("annex.model"))
+        for land in flagged[:BUDGETS]:
+            assert land.uncertainty is not None
+            yield from self._of_land(land, land.uncertainty, uncertainty)
+        if len(flagged) > BUDGETS:
+            others = joined(map(self.names.land_number, flagged[BUDGETS:]))
+            yield text(say("annex.more_budgets", lands=others))
+        yield text(say("annex.about_budgets"), small=True)
+
+    def _of_land(self, land: LandDiagnosis, its: LandUncertainty, unit: UnitUncertainty) -> Iterable[Block]:
+        say, lines = self.say, budget_lines(its.sources)
+        u = combined(lines)
+        k = coverage_factor(unit)
+        yield text(
+            say(
+                "annex.of_land",
+                land=self.names.land_name(land),
+                clearance=say.quantity(land.state.radial_clearance * UM, "clearance", 1),
+                u=say.quantity(u * UM, "clearance", 2),
+                expanded=say.quantity(k * u * UM, "clearance", 1),
+                k=say.number(k, 2),
+                coverage=say.percent(unit.coverage, 0),
+            ),
+            leads=True,
+        )
+        columns = [
+            PrintedColumn(say("annex.source"), self._source, width=5),
+            PrintedColumn(say("annex.distribution"), self._distribution, width=3),
+            PrintedColumn(say("annex.degrees"), self._degrees, side="r"),
+            PrintedColumn("u(x)", self._input, width=2, side="r"),
+            PrintedColumn("c", self._sensitivity, width=2, side="r"),
+            PrintedColumn("c · u(x)", self._contribution, say.unit("clearance"), side="r"),
+            PrintedColumn(say("annex.part_of_variance"), self._fraction, "%", side="r"),
+        ]
+        yield table(columns, [*lines, _Whole(u)], whole=True)
+        said = [self._of_wear(land, its), self._of_share(its)]
+        if any(said):
+            yield text(" ".join(filter(None, said)), small=True)
+
+    def _source(self, line: BudgetLine | _Whole) -> str:
+        if isinstance(line, _Whole):
+            return self.say("annex.combined")
+        return self.say.get("uncertainty_sources", line.source.label)
+
+    def _distribution(self, line: BudgetLine | _Whole) -> str:
+        if isinstance(line, _Whole):
+            return ""
+        return f"{self.say(f'annex.{line.source.shape}')}, {'A' if line.statistical else 'B'}"
+
+    def _degrees(self, line: BudgetLine | _Whole) -> str:
+        return "" if isinstance(line, _Whole) else self.say.number(line.degrees_of_freedom, 0)
+
+    def _input(self, line: BudgetLine | _Whole) -> str:
+        if isinstance(line, _Whole):
+            return ""
+        if line.input_kind == "temperature":
+            return f"{self.say.plain(line.input_uncertainty, 3)}\u00a0K"
+        return self.say.quantity(line.input_uncertainty * UM, "clearance", 2)
+
+    def _sensitivity(self, line: BudgetLine | _Whole) -> str:
+        if isinstance(line, _Whole):
+            return ""
+        if line.input_kind == "temperature":
+            return f"{self.say.value(line.sensitivity * UM, 'clearance', 3)}\u00a0{self.say.unit('clearance')}/K"
+        return self.say.number(line.sensitivity, 1)
+
+    def _contribution(self, line: BudgetLine | _Whole) -> str:
+        return self.say.value((line.u if isinstance(line, _Whole) else abs(line.contribution)) * UM, "clearance", 2)
+
+    def _fraction(self, line: BudgetLine | _Whole) -> str:
+        return self.say.number((1.0 if isinstance(line, _Whole) else line.fraction) * PERCENT, 1)
+
+    def _of_wear(self, land: LandDiagnosis, its: LandUncertainty) -> str:
+        """Return what the wear adds: the uncertainty of what the pair was when new."""
+        rule = its.deciding
+        if land.wear is None or rule is None or rule.rule.kind is not RuleKind.WEAR:
+            return ""
+        if isinstance(land.state.land.mounting_clearance, tuple):
+            return self.say("annex.of_wear_range", u=self.say.percent(rule.standard_uncertainty))
+        return self.say(
+            "annex.of_wear",
+            mounting=self.say.quantity(its.sources.u_mounting * UM, "clearance", 2),
+            limit=self.say.percent(rule.limit),
+            u=self.say.percent(rule.standard_uncertainty),
+        )
+
+    def _of_share(self, its: LandUncertainty) -> str:
+        """Return what makes a share uncertain where a share decides."""
+        rule = its.deciding
+        if rule is None or rule.rule.kind is not RuleKind.PAIR_SHARE or rule.rule.condition is None:
+            return ""
+        name = rule.rule.condition.name
+        at = next((each for each in its.conditions if each.condition == name), None)
+        if at is None or not math.isfinite(at.u_share) or not at.budget:
+            return ""
+        named = (
+            f"{self.say.get('uncertainty_sources', source)} {self.say.percent(fraction, 0)}"
+            for source, fraction in at.budget[:_OF_SHARE]
+        )
+        return self.say(
+            "annex.of_share",
+            condition=self.names.condition(rule.rule.condition),
+            u=self.say.percent(at.u_share, 2),
+            parts=joined(named),
+        )

@@ -1,0 +1,51 @@
+"""What a job record says beside its result is doubted where the two cannot both be so."""
+
+from __future__ import annotations
+
+import pytest
+
+from atleak.diagnosis import Diagnosis
+from atleak.job.doubts import record_doubts
+from atleak.job.record import Job
+from atleak.wording import languages, wording
+
+
+def instruments(*names: str) -> Job:
+    return Job(instruments=[{"name": name, "serial": "0042"} for name in names])
+
+
+def test_instruments_of_the_record_that_are_not_those_of_the_uncertainty_are_told(worn: Diagnosis) -> None:
+    job = instruments("bore gauge BG-1188", "micrometer 0-25 mm")
+    (doubt,) = record_doubts(job, worn)
+    assert (doubt.level, doubt.code) == ("warning", "instruments_differ")
+    assert "the uncertainty of the spools is computed with Workshop microscope" in doubt.text
+    assert "bore gauge BG-1188, micrometer 0-25 mm" in doubt.text
+    assert "Werkstattmikroskop" in wording("de").sentence(doubt.text)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [(), ("Two-point bore gauge", "WORKSHOP MICROSCOPE 12"), ("workshop_microscope", "bore gauge")],
+)
+def test_the_same_instruments_in_other_words_are_not_doubted(worn: Diagnosis, names: tuple[str, ...]) -> None:
+    assert record_doubts(instruments(*names), worn) == ()
+
+
+@pytest.mark.parametrize("language", languages())
+def test_an_instrument_may_be_named_in_any_language(worn: Diagnosis, language: str) -> None:
+    taken = worn.uncertainty.instruments
+    names = [wording(language).name(each.name) for each in (taken.spool, taken.sleeve)]
+    assert record_doubts(instruments(*names), worn) == ()
+
+
+def test_parts_that_the_valve_body_does_not_have_are_told_with_the_nearest(worn: Diagnosis) -> None:
+    job = Job(
+        scratches=[{"component": "8"}, {"component": "255"}, {"description": "all over"}],
+        photos=[{"file": "a.png", "component": "266"}],
+        repair_decisions=[{"component": "99"}],
+    )
+    said = [doubt.text for doubt in record_doubts(job, worn)]
+    assert all("has no such component" in text for text in said)
+    assert [text.split("]")[0].split("[")[1] for text in said] == ["repair_decisions 1", "scratches 2", "photos 1"]
+    assert "did you mean '25'?" in said[1]
+    assert "did you mean '26'?" in said[2]

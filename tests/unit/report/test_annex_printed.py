@@ -1,0 +1,145 @@
+"""What a report shows an auditor: the rule and every decision, every reading, the budgets, who and when."""
+
+from __future__ import annotations
+
+import datetime as dt
+import re
+from dataclasses import replace
+from typing import Any
+
+import pypdfium2
+import pytest
+
+from atleak.diagnosis import Diagnosis
+from atleak.equations.uncertainty import normal_cdf
+from atleak.job.record import Job
+from atleak.report.pdf import write_pdf
+from atleak.report.pdf.annex import Annex
+from atleak.report.pdf.budget import BUDGETS, Budget
+from atleak.report.pdf.printed_names import PrintedNames
+from atleak.views.diagnosis_record import diagnosis_record
+from atleak.wording import languages, wording
+from atleak.workshop_units import UM
+
+JOB = Job(
+    number="2026-0417",
+    date="2026-03-14",
+    measured_on="2026-03-12",
+    issued_on="2026-03-15",
+    revision="2",
+    replaces="revision 1",
+    technician="B. Nowak",
+    approved_by="K. Lis",
+    vehicle={"registration": "KR 1234"},
+)
+
+
+def names_of(diagnosis: Diagnosis, job: Job = JOB, language: str = "en") -> PrintedNames:
+    return PrintedNames(diagnosis, diagnosis_record(diagnosis), job, wording(language))
+
+
+def of_kind(blocks: Any, kind: str) -> list[dict[str, Any]]:
+    return [block for block in blocks if block and block["kind"] == kind]
+
+
+def column(table: dict[str, Any], name: str) -> list[str]:
+    at = next(number for number, each in enumerate(table["names"]) if each.startswith(name))
+    return [row[at] for row in table["rows"]]
+
+
+def test_every_measured_land_stands_with_its_decision_the_good_ones_too(worn: Diagnosis) -> None:
+    names = names_of(worn)
+    unit, lands = of_kind(Annex(names).decisions(), "table")
+    decided = [land for land in worn.lands if land.decision is not None]
+    assert len(decided) > len(worn.flagged) > 0
+    assert column(lands, "land") == [names.land_number(land) for land in decided]
+    assert column(lands, "decision") == [names.say.get("decisions", land.decision) for land in decided]
+    totals = [names.rule_name(rule) for rule in worn.total_rules]
+    assert set(totals) <= set(column(unit, "rule"))
+    first = column(unit, "decision")[column(unit, "rule").index(totals[0])]
+    assert first == names.say.get("decisions", worn.uncertainty.totals[0].decision.decision)
+
+
+@pytest.mark.parametrize("language", languages())
+def test_rule_risk_and_expanded_uncertainty_are_said(worn: Diagnosis, language: str) -> None:
+    texts = [block["text"] for block in of_kind(Annex(names_of(worn, language=language)).decisions(), "text")]
+    said = " ".join(texts)
+    assert "ISO/IEC 17025:2017, 7.8.6" in said
+    assert worn.limits.name in said
+    assert f"k = {wording(language).number(1.96, 2)}" in said
+    assert wording(language).percent(float(normal_cdf(-worn.uncertainty.guard_factor)), 0) in said
+
+
+def test_every_reading_is_printed_once_with_its_direction(worn: Diagnosis) -> None:
+    (table,) = of_kind(Annex(names_of(worn)).readings(), "table")
+    printed = [number for cell in column(table, "readings") for number in re.findall(r"\d+\.\d{4}", cell)]
+    assert len(printed) == len(worn.readings.readings)
+    assert sorted(map(float, printed)) == sorted(float(f"{each.diameter * 1e3:.4f}") for each in worn.readings.readings)
+    assert all("0°: " in cell and "90°: " in cell for cell in column(table, "readings"))
+
+
+def test_a_reading_that_does_not_count_stands_in_brackets(worn: Diagnosis) -> None:
+    land = worn.lands[0]
+    doubt = next((each for each in land.state.doubts), None)
+    assert doubt is None
+    readings = list(worn.readings.readings)
+    third = replace(readings[0], repeat=3, diameter=readings[0].diameter + 30e-6)
+    with_slip = replace(worn.readings, readings=(*readings, third))
+    again = judged(worn, with_slip)
+    (table,) = of_kind(Annex(names_of(again)).readings(), "table")
+    cell = column(table, "readings")[0]
+    assert f"({third.diameter * 1e3:.4f})" in cell
+    assert column(table, "mean")[0] == of_mean(worn)
+
+
+def judged(worn: Diagnosis, readings: Any) -> Diagnosis:
+    from atleak.diagnosis import diagnose
+
+    return diagnose(worn.controller, worn.fluid, worn.limits, readings=readings)
+
+
+def of_mean(worn: Diagnosis) -> str:
+    (table,) = of_kind(Annex(names_of(worn)).readings(), "table")
+    return column(table, "mean")[0]
+
+
+def test_the_budget_of_every_flagged_land_adds_up_to_its_uncertainty(worn: Diagnosis) -> None:
+    flagged = [land for land in worn.flagged if land.uncertainty.u_clearance][:BUDGETS]
+    tables = of_kind(Budget(names_of(worn)).blocks(), "table")
+    assert len(tables) == len(flagged) > 1
+    for land, table in zip(flagged, tables, strict=True):
+        *parts, whole = map(float, column(table, "c · u(x)"))
+        assert whole == pytest.approx(land.uncertainty.u_clearance * UM, abs=0.006)
+        assert sum(part**2 for part in parts) ** 0.5 == pytest.approx(whole, abs=0.02)
+        assert column(table, "part")[-1] == "100.0"
+
+
+def test_dates_revision_and_who_are_told_apart_and_the_end_is_marked(worn: Diagnosis) -> None:
+    content = write_pdf(worn, JOB, sections=["readings", "provenance"])
+    with pypdfium2.PdfDocument(content) as document:
+        text = "\n".join(page.get_textpage().get_text_bounded() for page in document)
+        assert document.get_metadata_dict()["Title"] == "Internal leakage of a valve body · 2026-0417 · KR 1234"
+        assert document.get_metadata_dict()["Creator"].startswith("atleak")
+    for said in (
+        "Measured on",
+        "2026-03-12",
+        "Measured by",
+        "B. Nowak",
+        "Issued on",
+        "2026-03-15",
+        "Approved by",
+        "K. Lis",
+    ):
+        assert said in text
+    assert "revision 1" in text
+    assert re.search(r"End of report 2026-0417 · 2 –\s*(atleak|$)", text.replace("\r", ""))
+    assert content.count(b"<xmp:CreatorTool>atleak") == 1
+
+
+def test_the_sheet_s_own_date_is_that_of_the_measurement_unless_the_record_has_one(worn: Diagnosis) -> None:
+    dated = replace(worn, readings=replace(worn.readings, date=dt.date(2026, 2, 1)))
+    for job, said in ((JOB, "2026-03-12"), (Job(), "2026-02-01")):
+        (facts,) = of_kind(Annex(names_of(dated, job)).readings(), "facts")
+        assert ["Measured on", said] in facts["rows"]
+    (facts,) = of_kind(Annex(names_of(worn, Job())).readings(), "facts")
+    assert ["Measured by", "not stated"] in facts["rows"]
