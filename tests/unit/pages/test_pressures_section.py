@@ -59,7 +59,7 @@ def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed
     assert shown[shown["Circuit"] == "solenoid feed"]["Lands that cost it"].isna().all()
     table = next(frame for frame in five_speed.dataframe if "Lands that cost it" in frame.value)
     assert table.proto.placeholder == "–"  # not "None"
-    assert clutch["Lands that cost it"].startswith("forward_engagement/1 forward engagement valve: ")
+    assert clutch["Lands that cost it"].startswith("forward engagement valve/1: ")
     assert "Main pressure at “stall in drive, 90 °C”: the required 1 615 kPa is held" in texts(five_speed).replace(
         "\u00a0", " "
     )
@@ -68,7 +68,7 @@ def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed
 def test_the_first_sentence_names_the_pressure_and_the_lands_to_look_at(five_speed: AppTest) -> None:
     said = five_speed.error[0].value.replace("\\", "").replace("\u00a0", " ")
     assert "■ replace because of the pressure lost by forward clutch at “stall in drive, 90 °C”: " in said
-    assert "Look first at forward_engagement/1 forward engagement valve, manual_valve/3 manual valve;" in said
+    assert "Look first at forward engagement valve/1, manual valve/3;" in said
 
 
 def test_another_condition_is_chosen_for_the_charts(five_speed: AppTest) -> None:
@@ -81,7 +81,7 @@ def test_another_condition_is_chosen_for_the_charts(five_speed: AppTest) -> None
     assert "forward clutch" not in circuits
     assert "Not applied in this gear: forward clutch" in texts(five_speed)
     assert any({"new", "set, or required"} <= names for names in chart_names(five_speed))
-    assert any({"pump", "covered from here", "taken at 100 °C"} <= names for names in chart_names(five_speed))
+    assert any({"pump", "covered from here", "taken at 100\u00a0°C"} <= names for names in chart_names(five_speed))
     in_full_at(five_speed).select_index(0).run()
 
 
