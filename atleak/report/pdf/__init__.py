@@ -86,6 +86,7 @@ def report_data(
     charts = _draw_charts(names, series, chosen, body.pressures)
     return {
         **common_data(say("title.report"), say("title.subject"), job, paper, say, pictures),
+        "end": body.annex.end(),
         "facts": front.facts(),
         "verdict": front.verdict(),
         "sections": body.sections(chosen, {name: name for name in charts}),

@@ -158,10 +158,10 @@ class Annex:
         yield facts([[say(f"annex.{name}"), value] for name, value in rows if value])
         yield text(say("annex.whole"), small=True)
 
-    def end(self) -> Block:
-        """Return the mark behind the last line."""
+    def end(self) -> str:
+        """Return the mark at the end of the last page."""
         number = joined((self.job.number, self.job.revision), " · ")
-        return text(self.say("annex.end_of", report=number) if number else self.say("annex.end"), small=True)
+        return self.say("annex.end_of", report=number) if number else self.say("annex.end")
 
     # --- readings
 

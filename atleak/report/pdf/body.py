@@ -107,14 +107,12 @@ class Body:
 
     def sections(self, names: Iterable[str], charts: dict[str, str]) -> list[dict[str, Any]]:
         """Return title and blocks of every section that has any content."""
-        filled: list[dict[str, Any]] = []
+        filled = []
         for name in names:
             build: Callable[[dict[str, str]], Iterable[Block]] = getattr(self, f"_{name}")
             blocks = [block for block in build(charts) if block]
             if blocks:
                 filled.append({"name": name, "title": self.say(f"sections.{name}"), "blocks": blocks})
-        if filled:
-            filled[-1]["blocks"].append(self.annex.end())
         return filled
 
     def _picture(self, charts: dict[str, str]) -> Iterable[Block]:
