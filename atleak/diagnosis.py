@@ -97,8 +97,11 @@ class Diagnosis:
     @property
     def complained(self) -> tuple[Projection, ...]:
         """Return the projections at which the customer's complaint can show; none without one."""
-        names = self.complaint.conditions if self.complaint is not None else ()
-        return tuple(each for name in names for each in self.projections if each.condition.name == name)
+        return () if self.complaint is None else self.complained_of(self.complaint)
+
+    def complained_of(self, complaint: Complaint) -> tuple[Projection, ...]:
+        """Return the projections at which a complaint that the valve body's file maps can show."""
+        return tuple(each for name in complaint.conditions for each in self.projections if each.condition.name == name)
 
     @property
     def presented(self) -> tuple[Projection, ...]:

@@ -16,7 +16,7 @@ from atleak.measuring.doubts import Judged
 from atleak.measuring.plan import Cell
 from atleak.measuring.typed import Typed
 from atleak.views.drawing import measuring_svg, on_dark
-from atleak.views.land_names import component_words
+from atleak.views.land_names import component_words, has_number
 from atleak.wording import Wording
 from atleak.workshop_units import MM, UM
 
@@ -101,6 +101,7 @@ def _component(grid: Grid, name: str, say: Wording, dark: bool) -> dict[str, Any
     drawing = measuring_svg(grid.controller, name, angles, verdicts, say)
     return {
         "name": name,
+        "label": name if has_number(grid.controller, name) else say.name(grid.controller.components[name]),
         "title": component_words(grid.controller, name, say),
         "drawing": on_dark(drawing) if dark else drawing,
         "lands": [_land(grid, land, say) for land in lands],

@@ -50,6 +50,12 @@ class EstimateWords:
         decision = line.decision.decision
         return self.say("estimate.open") if decision is None else self.say.get("job_decisions", decision)
 
+    def agreed(self, line: Line) -> dict[str, list[str]] | str:
+        """Return the boxes in which to agree to a line or not, as a cell holds them; else what was decided."""
+        if line.decision.decision in (None, "proposed"):
+            return {"boxes": [self.say("estimate.yes"), self.say("estimate.no")]}
+        return self.state(line)
+
     def money(self, value: Decimal | None) -> str:
         """Write an amount with the currency's decimals; a dash where it is unknown."""
         return self.say.number(None if value is None else float(value), decimals(self.estimate.currency))

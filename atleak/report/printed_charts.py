@@ -40,7 +40,7 @@ _SETTINGS: dict[RcKeyType, Any] = {
     "svg.hashsalt": "atleak",
     "svg.fonttype": "none",
     "font.family": ["Noto Sans", "DejaVu Sans"],
-    "font.size": 8.0,
+    "font.size": 9.0,
     "axes.edgecolor": PAPER.ink,
     "axes.labelcolor": PAPER.ink,
     "axes.linewidth": 0.6,
@@ -89,16 +89,21 @@ def road_chart(
         figure = Figure(figsize=(7.0, 2.3 if share is None else 3.7), layout="constrained")
         axes = figure.subplots(1 if share is None else 2, 1, sharex=True, squeeze=False)[:, 0]
         flow, time = axes[0], columns["time_s"]
+        curves = []
         if share is not None:
-            flow.plot(
+            capacity = flow.twinx()  # the pump displaces many times what leaks: each has a scale of its own
+            curves += capacity.plot(
                 time,
                 say.convert(columns["pump_capacity_dm3_min"], "flow"),
                 color=PAPER.pump,
                 lw=0.9,
                 ls=(0, (5, 2)),
-                label=say("charts.capacity"),
+                label=say("charts.capacity_right"),
             )
-        flow.plot(
+            capacity.set_ylim(bottom=0.0)
+            _plain(capacity, say)
+            capacity.spines["right"].set_visible(True)
+        curves += flow.plot(
             time,
             say.convert(columns["leakage_dm3_min"], "flow"),
             color=PAPER.leakage,
@@ -107,7 +112,7 @@ def road_chart(
         )
         flow.set_ylabel(say("charts.flow"))
         flow.set_ylim(bottom=0.0)
-        figure.legend(*flow.get_legend_handles_labels(), loc="outside upper left", ncols=2, frameon=False, fontsize=8)
+        figure.legend(handles=curves, loc="outside upper left", ncols=2, frameon=False)
         if share is not None:
             below = axes[1]
             below.plot(time, share, color=PAPER.ink, lw=1.0)
@@ -157,7 +162,7 @@ def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
                 xytext=(4, 0),
                 textcoords="offset points",
                 va="center",
-                fontsize=7,
+                fontsize=8,
             )
         axes.set_yticks(places, [""] * len(bars))
         for place, bar in zip(places, bars, strict=True):
@@ -168,7 +173,7 @@ def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
                 textcoords="offset points",
                 ha="right",
                 va="center",
-                fontsize=7.5,
+                fontsize=8,
                 parse_math=False,
             )
         axes.tick_params(axis="y", length=0)
@@ -223,7 +228,7 @@ def two_visits_chart(rows: Sequence[TwoBars], label: str, say: Wording) -> str:
                     xytext=(5, 0),
                     textcoords="offset points",
                     va="center",
-                    fontsize=7,
+                    fontsize=8,
                 )
             axes.plot([row.new] * 2, [place - 0.4, place + 0.4], color=PAPER.ink, lw=1.6, zorder=4)
             for band, begins in row.levels:
@@ -285,7 +290,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
                 rotation=90,
                 ha="right",
                 va="top",
-                fontsize=6.5,
+                fontsize=8,
                 parse_math=False,
             )
         axes.set_xlim(0.0, float(data.speeds[-1]) * RPM)
@@ -294,7 +299,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
         axes.set_ylabel(say("charts.flow"))
         _plain(axes, say)
         axes.grid(color=PAPER.rule, lw=0.5)
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=5, frameon=False, fontsize=7)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=5, frameon=False, fontsize=8)
         return _svg(figure)
 
 
@@ -340,7 +345,7 @@ def pressures_chart(at: PressuresAt, say: Wording) -> str:
                 xytext=(10, 0),
                 textcoords="offset points",
                 va="center",
-                fontsize=7,
+                fontsize=8,
             )
             name = say("held.line") if each.circuit is None else each.circuit.name
             _row_name(axes, name, place)
@@ -384,7 +389,7 @@ def _row_name(axes: Axes, name: str, place: float) -> None:
         textcoords="offset points",
         ha="right",
         va="center",
-        fontsize=7.5,
+        fontsize=8,
         parse_math=False,
     )
 
@@ -408,7 +413,7 @@ def _bands(axes: Axes, bands: Sequence[tuple[Band, float]], top: float, say: Wor
                 textcoords="offset points",
                 ha="right",
                 va="bottom",
-                fontsize=6.5,
+                fontsize=8,
                 bbox={"boxstyle": "square,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.85},
                 zorder=4,
             )
@@ -421,7 +426,7 @@ def _mark(axes: Axes, time: float, value: float | None, number: int) -> None:
         [time], [value], marker="o", ms=10.5, mfc="white", mec=PAPER.ink, mew=0.9, ls="none", zorder=5, clip_on=False
     )
     axes.annotate(
-        str(number), (time, value), ha="center", va="center_baseline", fontsize=7, zorder=6, annotation_clip=False
+        str(number), (time, value), ha="center", va="center_baseline", fontsize=8, zorder=6, annotation_clip=False
     )
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from html import escape
 
 from atleak.catalogue.controller import Controller, Land
@@ -44,6 +44,9 @@ def controller_svg(
     *,
     columns: int = 5,
     title: str = "",
+    only: Collection[str] = (),
+    named: Callable[[str], str] = str,
+    letters: float = 1.0,
 ) -> str:
     """Draw every component that has lands, each land in the shade and with the sign of its verdict.
 
@@ -57,18 +60,29 @@ def controller_svg(
         components side by side.
     title
         read by a screen reader; the controller's name unless given.
+    only
+        the components that are drawn, none of them wider for being few; all of them unless given.
+    named
+        writes a component's name in the reader's language.
+    letters
+        size of the words against the usual one.
     """
     components = [name for name in controller.components if controller.lands_of(name)]
-    columns = max(min(columns, len(components)), 1)
+    if only:
+        components = [name for name in components if name in only]
+    else:
+        columns = max(min(columns, len(components)), 1)
     cell = _WIDTH / columns
+    row = _ROW * (1.0 + 0.5 * (letters - 1.0))
     rows = -(-len(components) // columns)
     longest = max(_length(controller.lands_of(name)) for name in components)
     thickest = max(land.nominal_diameter for land in controller.lands) * MM
     scale = _scale(cell - 32.0, longest, 36.0, thickest)
-    parts = [svg_head(_WIDTH, rows * _ROW, title or controller.name)]
+    parts = [svg_head(_WIDTH, rows * row, title or controller.name)]
     for number, name in enumerate(components):
-        x, y = (number % columns) * cell, (number // columns) * _ROW
-        parts.append(_component(controller, name, verdicts or {}, x, y, cell, scale))
+        x, y = (number % columns) * cell, (number // columns) * row
+        words = name, named(controller.components[name]), letters
+        parts.append(_component(controller.lands_of(name), words, verdicts or {}, (x, y, cell, row), scale))
     return "".join((*parts, "</svg>"))
 
 
@@ -204,30 +218,31 @@ def _card(inks: Inks) -> str:
 
 
 def _component(
-    controller: Controller,
-    name: str,
+    lands: tuple[Land, ...],
+    words: tuple[str, str, float],  # number and name, and the size of their letters
     verdicts: Mapping[tuple[str, int], str],
-    x: float,
-    y: float,
-    cell: float,
+    place: tuple[float, float, float, float],  # left and top edge, width and height
     scale: tuple[float, float],
 ) -> str:
-    lands = controller.lands_of(name)
+    number, name, letters = words
+    x, y, cell, row = place
     reached = worst(Verdict(verdicts[land.key]) for land in lands if land.key in verdicts)
     edge, thick = (look_of(reached).line, look_of(reached).width) if reached.flagged else (EDGE, 0.8)
-    beside = len(name) <= _NUMBER  # the name stands beside a short number, beneath a long one
-    short = name if beside else shortened(name, int((cell - 24.0) / 9.5))
-    left, down, most = (20.0 + 9.5 * len(short), 20, 2) if beside else (12.0, 36, 1)
-    lines = _wrapped(controller.components[name], max(int((cell - 10.0 - left) / 5.8), 6), most)
+    beside = len(number) <= _NUMBER  # the name stands beside a short number, beneath a long one
+    short = number if beside else shortened(number, int((cell - 24.0) / (9.5 * letters)))
+    left = 20.0 + 9.5 * letters * len(short) if beside else 12.0
+    down, most = (8.0 + 12.0 * letters, 2) if beside else (8.0 + 28.0 * letters, 1)
+    lines = _wrapped(name, max(int((cell - 10.0 - left) / (5.8 * letters)), 6), most)
     label = "".join(
-        svg_text(x + left, y + down + 13 * number, line, 11.5, anchor="start") for number, line in enumerate(lines)
+        svg_text(x + left, y + down + 13.0 * letters * line, each, 11.5 * letters, anchor="start")
+        for line, each in enumerate(lines)
     )
     return (
-        f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{_ROW - 8:.1f}"{_card(PAPER)} '
+        f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{row - 8:.1f}"{_card(PAPER)} '
         f'stroke="{edge}" stroke-width="{thick}"/>'
-        + svg_text(x + 12, y + 21, short, 15, bold=True, anchor="start")
+        + svg_text(x + 12, y + 8.0 + 13.0 * letters, short, 15 * letters, bold=True, anchor="start")
         + label
-        + _spool(lands, verdicts, x + cell / 2.0, y + 66.0, scale, thick=1.0)
+        + _spool(lands, verdicts, x + cell / 2.0, y + row - 38.0, scale, thick=1.0)
     )
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection, project
 from atleak.errors import DomainError, InputError
+from atleak.sentence import Sentence
 from atleak.variants import VARIANTS, Variant
 from atleak.what_if.settings import WhatIf
 
@@ -20,7 +21,7 @@ class StudyTrial:
 
     variant: Variant
     here: Projection | None  # None where it cannot be tried
-    why_not: str  # "" where it can
+    why_not: Sentence  # "" where it can
 
 
 def like_the_study(diagnosis: Diagnosis, settings: WhatIf) -> tuple[StudyTrial, ...]:
@@ -45,9 +46,9 @@ def _trials(diagnosis: Diagnosis, settings: WhatIf) -> Iterator[StudyTrial]:
         )
         try:
             here = project(as_variant.model(diagnosis), as_variant.condition(diagnosis))
-            yield StudyTrial(variant, here, "")
+            yield StudyTrial(variant, here, Sentence(""))
         except (DomainError, InputError) as error:
-            yield StudyTrial(variant, None, str(error))
+            yield StudyTrial(variant, None, error.sentence)
 
 
 def is_the_study_s(diagnosis: Diagnosis) -> bool:

@@ -18,14 +18,15 @@ from pages.shared.state import job
 
 def take_along(case: PageCase, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """Offer JSON and workbook, and show the basis of the result."""
-    st.subheader("Take it along")
-    language, units = reader.pick_language(st.container(), "workbook-language"), reader.say().units
+    say = reader.say()
+    st.subheader(say("take_along.title"))
+    language = reader.pick_language(st.container(), "workbook-language")
     with st.container(horizontal=True, vertical_alignment="bottom"):
         source = case.readings or case.road_test
         name = named("diagnosis", job().number or (Path(source.name).stem if source else diagnosis.controller.id))
         st.download_button("JSON", lambda: to_json(record), f"{name}.json", on_click="ignore")
-        workbook = partial(write_workbook, diagnosis, language=language, units=units)
-        st.download_button("Excel workbook", workbook, f"{name}.xlsx", on_click="ignore")
+        workbook = partial(write_workbook, diagnosis, language=language, units=say.units)
+        st.download_button(say("take_along.workbook"), workbook, f"{name}.xlsx", on_click="ignore")
     show.basis(diagnosis, record)
 
 

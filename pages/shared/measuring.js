@@ -294,7 +294,7 @@ class Grid {
             autocorrect: "off",
             spellcheck: "false",
             readonly,
-            "aria-label": [component.name, part, place, `${words.repeat} ${this.cells.get(name).repeat}`].join(", "),
+            "aria-label": [component.label, part, place, `${words.repeat} ${this.cells.get(name).repeat}`].join(", "),
             onkeydown: event => this.key(event, name),
             onpaste: event => this.paste(event, name),
             oninput: () => this.hold(),
@@ -348,7 +348,7 @@ class Grid {
                     title: component.title,
                     onclick: () => this.go(names.find(name => !this.text_of(name)) ?? names[0]),
                 },
-                `${sign}${component.name} `,
+                `${sign}${component.label} `,
                 made("small", {}, `${done}/${names.length}`),
             )
         })
@@ -420,7 +420,7 @@ class Grid {
 
     where(name) {
         const cell = this.cells.get(name)
-        const { name: component } = this.data.components[cell.component]
+        const { label: component } = this.data.components[cell.component]
         return [component, cell.part, cell.place, `${this.data.words.repeat} ${cell.repeat}`].join(", ")
     }
 
@@ -452,6 +452,7 @@ class Grid {
         const cell = name && this.cells.get(name)
         const text = !cell ? "" : name === this.now ? this.doubt(name) : `${this.where(name)}: ${this.doubt(name)}`
         if (place.textContent !== text) place.textContent = text
+        place.dataset.now = this.now ? this.where(this.now) : "" // shown while there is no doubt
         place.className = `said ${cell ? (cell.counts ? "doubted" : "refused") : ""}`
         place.onclick = () => name && this.go(name)
     }

@@ -146,7 +146,7 @@ def _study(case: PageCase, diagnosis: Diagnosis, settings: WhatIf) -> None:
     st.caption(say("what_if.study_own" if is_the_study_s(diagnosis) else "what_if.study_other"))
     for trial in trials:
         if trial.here is None:
-            st.caption(say("what_if.why_not", variant=trial.variant.name, why=show.plain(trial.why_not)))
+            st.caption(say("what_if.why_not", variant=trial.variant.name, why=show.plain(say.sentence(trial.why_not))))
 
 
 @st.cache_resource(max_entries=16, show_spinner=False)

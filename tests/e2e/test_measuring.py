@@ -63,19 +63,21 @@ def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[s
         page.keyboard.press("Tab")
         if page.evaluate("document.activeElement.shadowRoot?.activeElement?.tagName") == "INPUT":
             break
-    expect(cell(page, "pressure_regulator, Spool, plane 1, 0°, Repeat 1")).to_be_focused()
+    expect(cell(page, "pressure regulator valve, Spool, plane 1, 0°, Repeat 1")).to_be_focused()
 
     values = entries()
     for number, value in enumerate(values[:40]):
         slip = value.replace(",", "") if number == 5 else value
         written(page, slip, "Tab" if number % 2 else "Enter")
     said = page.locator(".measuring .said")
-    expect(said).to_contain_text("pressure_regulator, Spool, plane 2, 0°, Repeat 2: 12501: the diameter is 1000 times")
+    expect(said).to_contain_text(
+        "pressure regulator valve, Spool, plane 2, 0°, Repeat 2: 12501: the diameter is 1000 times"
+    )
     written(page, "99")
     page.keyboard.press("Shift+Tab")
     expect(state).to_have_text("41/48 · all in the job")
     page.keyboard.press("Control+z")
-    expect(cell(page, "accumulator, Bore, plane 1, 0°, Repeat 1")).to_have_value("")
+    expect(cell(page, "accumulator piston, Bore, plane 1, 0°, Repeat 1")).to_have_value("")
 
     block = "\\r\\n".join("\\t".join(values[at : at + 2]) for at in range(40, 48, 2))
     page.evaluate(
@@ -87,7 +89,7 @@ def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[s
     )
     expect(state).to_have_text("48/48 · all in the job")
     page.keyboard.press("F8")
-    slipped = cell(page, "pressure_regulator, Spool, plane 2, 0°, Repeat 2")
+    slipped = cell(page, "pressure regulator valve, Spool, plane 2, 0°, Repeat 2")
     expect(slipped).to_be_focused()
     expect(slipped).to_have_attribute("aria-invalid", "true")
     written(page, values[5])
@@ -100,8 +102,8 @@ def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[s
     page.wait_for_url("**job=*")
     page.reload()
     expect(state).to_have_text("48/48 · all in the job")
-    expect(cell(page, "pressure_regulator, Spool, plane 2, 90°, Repeat 1")).to_have_value("12,3")
+    expect(cell(page, "pressure regulator valve, Spool, plane 2, 90°, Repeat 1")).to_have_value("12,3")
     second = visit(page.url)
     expect(second.locator(".measuring .state")).to_have_text("48/48 · all in the job")
-    expect(cell(second, "pressure_regulator, Bore, plane 1, 0°, Repeat 1")).to_have_value(values[24])
-    expect(cell(second, "pressure_regulator, Spool, plane 2, 90°, Repeat 1")).to_have_value("12,3")
+    expect(cell(second, "pressure regulator valve, Bore, plane 1, 0°, Repeat 1")).to_have_value(values[24])
+    expect(cell(second, "pressure regulator valve, Spool, plane 2, 90°, Repeat 1")).to_have_value("12,3")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import datetime
 import io
+from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +19,8 @@ from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import Controller, Land
-from atleak.catalogue.instruments import Part
+from atleak.catalogue.entries import shipped_files
+from atleak.catalogue.instruments import Part, load_instrument
 from atleak.look import SHEET_COLOURS
 from atleak.measuring.plan import DIRECTIONS, PARTS, REPEATS
 from atleak.own_lands import OwnLands
@@ -26,6 +28,7 @@ from atleak.pressure_table import PressureTable
 from atleak.readings import NOMINAL_HEADING, Reading
 from atleak.report.lands_sheet import AS_STATED, LANDS, REPRESENTATIVE, write_lands
 from atleak.report.measuring_sheet.instructions import INSTRUCTIONS, write_instructions
+from atleak.report.measuring_sheet.paging import BOTTOM, LEFT, RIGHT, TOP, Block, Paging
 from atleak.report.measuring_sheet.words import PART_NAMES, PUMP_SIDE, PUMP_TIP, SHEET, UNWORN_END
 from atleak.report.pressure_sheet import PRESSURES, write_pressures
 from atleak.sentence import Sentence
@@ -37,34 +40,39 @@ from atleak.workshop_units import MM, UM
 __all__ = ["FIELDS", "INSTRUCTIONS", "PUMP_SIDE", "PUMP_TIP", "SHEET", "UNWORN_END", "write_readings", "write_template"]
 
 _HEADINGS = (  # heading, kind of quantity that its unit is of, width in characters
-    (Sentence("No."), None, 8),
-    (Sentence("Component"), None, 24),
-    (Sentence("Part"), None, 9),
+    (Sentence("No."), None, 5),
+    (Sentence("Component"), None, 20),
+    (Sentence("Part"), None, 8),
     (Sentence("Plane"), None, 7),
-    (Sentence("Direction"), None, 10),
+    (Sentence("Direction"), None, 9),
     (Sentence("Repeat"), None, 8),
-    (Sentence("Coordinate\nx1 (y1)"), "length", 14),
-    (Sentence("Coordinate\nx2 (y2)"), "length", 14),
-    (Sentence("Diameter"), "length", 14),
-    (NOMINAL_HEADING, "length", 13),
-    (Sentence("Mounting\nclearance"), "clearance", 13),
-    (Sentence("Nominal values\nare"), None, 24),
-    (Sentence("Deviation from\nnominal"), "clearance", 14),
-    (Sentence("Taken at"), None, 13),
+    (Sentence("Coordinate\nx1 (y1)"), "length", 12),
+    (Sentence("Coordinate\nx2 (y2)"), "length", 12),
+    (Sentence("Diameter"), "length", 12),
+    (NOMINAL_HEADING, "length", 10),
+    (Sentence("Mounting\nclearance"), "clearance", 10),
+    (Sentence("Nominal values\nare"), None, 14),
+    (Sentence("Deviation from\nnominal"), "clearance", 11),
+    (Sentence("Taken at"), None, 11),
 )
+_INSTRUMENT = Sentence("Instrument")
 _FIELD_PLACES = {  # row, column of the label, first and last column of the field; from 0
-    Sentence("Job"): (3, 0, 1, 1),
-    Sentence("Vehicle"): (3, 3, 5, 6),
-    Sentence("Mileage"): (3, 8, 9, 10),
-    Sentence("Date"): (4, 0, 1, 1),
-    Sentence("Measured by"): (4, 3, 5, 6),
-    Sentence("Instrument"): (4, 8, 9, 10),
-    Sentence("Measuring temperature"): (4, 11, 12, 12),
-    PUMP_SIDE: (3, 11, 12, 12),
-    PUMP_TIP: (5, 11, 12, 12),
+    Sentence("Job"): (3, 0, 2, 3),
+    Sentence("Vehicle"): (3, 4, 6, 7),
+    Sentence("Date"): (3, 8, 9, 10),
+    PUMP_SIDE: (3, 11, 13, 13),
+    Sentence("Mileage"): (4, 0, 2, 3),
+    Sentence("Measured by"): (4, 4, 6, 7),
+    Sentence("VIN"): (4, 8, 9, 10),
+    PUMP_TIP: (4, 11, 13, 13),
+    Sentence("Serial number"): (5, 0, 2, 3),
+    Sentence("Measuring temperature"): (5, 4, 6, 7),
+    _INSTRUMENT: (5, 8, 9, 10),
 }
 FIELDS: tuple[Sentence, ...] = tuple(_FIELD_PLACES)
 _HEADER = 6  # row of the headings, from 0
+_ABOVE = (20.0, 15.0, 15.0, 18.0, 18.0, 18.0, 54.0)  # [pt] heights of the rows down to the headings
+_Key = Callable[["_Row"], tuple[Any, ...]]
 _TAKEN_AT = 13  # column, from 0
 _FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
 _CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same controller gives the same bytes
@@ -150,6 +158,7 @@ def write_readings(
         "strings_to_formulas": False,
         "strings_to_urls": False,
         "strings_to_numbers": False,
+        "default_format_properties": {"font_name": "Arial", "font_size": 10},  # as wide in every program
     }
     with xlsxwriter.Workbook(buffer, options) as book:
         book.set_properties({"title": _title(controller, say), "created": _CREATED})
@@ -158,6 +167,7 @@ def write_readings(
         formats = _formats(book, say)
         sheet = _Sheet(book.add_worksheet(say.sentence(SHEET)), formats, controller, say)
         sheet.head(fields or {})
+        sheet.lay_out(rows)
         sheet.body(rows)
         sheet.set_up(len(rows))
         write_lands(book.add_worksheet(say.sentence(LANDS)), formats, controller, own_lands, say)
@@ -236,6 +246,13 @@ class _Sheet:
 
     def __init__(self, sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, say: Wording) -> None:
         self.sheet, self.formats, self.controller, self.say = sheet, formats, controller, say
+        widths = (
+            max(width, 1 + max(map(len, self._heading(heading, kind).split()))) for heading, kind, width in _HEADINGS
+        )
+        self.paging, self.breaks = Paging(tuple(widths), _ABOVE), list[int]()
+
+    def _heading(self, heading: Sentence, kind: str | None) -> str:
+        return self.say.sentence(heading) + (f" [{self.say.unit(kind)}]" if kind else "")
 
     def head(self, fields: Mapping[str, str]) -> None:
         sheet, formats, controller, say = self.sheet, self.formats, self.controller, self.say
@@ -257,18 +274,26 @@ class _Sheet:
             if last > first:
                 sheet.merge_range(row, first, row, last, "", formats["field"])
             sheet.write_string(row, first, fields.get(field, ""), formats["field"])
-        for column, (heading, kind, width) in enumerate(_HEADINGS):
-            said = say.sentence(heading) + (f" [{say.unit(kind)}]" if kind else "")
-            sheet.write_string(_HEADER, column, said, formats["heading"])
-            sheet.set_column(column, column, max(width, 2 + max(map(len, said.split()))))
-        sheet.set_row(_HEADER, 32)
+        for column, (heading, kind, _) in enumerate(_HEADINGS):
+            sheet.write_string(_HEADER, column, self._heading(heading, kind), formats["heading"])
+            sheet.set_column(column, column, self.paging.widths[column])
+        for row, height in enumerate(self.paging.above):
+            sheet.set_row(row, height)
+
+    def lay_out(self, rows: Sequence[_Row]) -> None:
+        """Find where pages begin, so that none cuts a component, or a part or plane of a large one."""
+        self.breaks = self.paging.breaks(_nested(list(rows), (_component, _part, _plane)))
+        for row in range(len(rows)):
+            self.sheet.set_row(_HEADER + 1 + row, self.paging.row_height)
 
     def body(self, rows: Sequence[_Row]) -> None:
+        """Write a row for every reading; what several rows share is merged, on each page anew."""
+        pages = [bisect_right(self.breaks, row) for row in range(len(rows))]
         numbered = list(enumerate(rows, start=_HEADER + 1))
-        for first, last, entry in _blocks(numbered, _component):
+        for first, last, entry in _runs(numbered, pages, _component):
             self._label(first, last, 0, entry.land.component, "text")
             self._label(first, last, 1, self.say.name(self.controller.components[entry.land.component]), "text")
-        for first, last, entry in _blocks(numbered, _part):
+        for first, last, entry in _runs(numbered, pages, _part):
             self._label(
                 first,
                 last,
@@ -276,7 +301,7 @@ class _Sheet:
                 self.say.sentence(PART_NAMES[entry.land.part_name if entry.part == "spool" else "sleeve"]),
                 "text",
             )
-        for first, last, entry in _blocks(numbered, _plane):
+        for first, last, entry in _runs(numbered, pages, _plane):
             self._label(first, last, 3, entry.plane, "number")
             self._label(first, last, 9, self._shown(entry.nominal), "nominal")
             self._label(
@@ -289,7 +314,7 @@ class _Sheet:
             self._label(first, last, 11, self.say.sentence(_origin(entry.land)), "origin")
             for row in range(first, last + 1):
                 self._deviation(row, first, rows[row - _HEADER - 1])
-        for first, last, entry in _blocks(numbered, _direction):
+        for first, last, entry in _runs(numbered, pages, _direction):
             self._label(first, last, 4, entry.direction, "angle")
         for row, entry in numbered:
             self.sheet.write_number(row, 5, entry.repeat, self.formats["number"])
@@ -315,6 +340,10 @@ class _Sheet:
     def _shown(self, metres: float) -> float:
         """Return a length in the unit of the headings, to a tenth of a nanometre: the decimal digits as typed."""
         return round(float(self.say.convert(metres * MM, "length")), 7 if self.say.unit("length") == "mm" else 8)
+
+    def _instruments(self) -> list[str]:
+        """Return the instruments to choose from, those that come with atleak; another may be typed."""
+        return [self.say.name(load_instrument(each).name) for each in sorted(shipped_files("instruments"))]
 
     def _deviation(self, row: int, first: int, entry: _Row) -> None:
         one, other, size, given = f"G{row + 1}", f"H{row + 1}", f"I{row + 1}", f"$J${first + 1}"
@@ -355,16 +384,20 @@ class _Sheet:
         sheet.data_validation(
             first, _TAKEN_AT, last, _TAKEN_AT, {"validate": "list", "source": [say.sentence(UNWORN_END)]}
         )
+        gauges = {"validate": "list", "source": self._instruments(), "error_type": "information"}
+        row, _, column, _ = _FIELD_PLACES[_INSTRUMENT]
+        sheet.data_validation(row, column, row, column, gauges)
         alarm = {"type": "cell", "criteria": "not between", "minimum": -far, "maximum": far}
         empty = {"type": "formula", "criteria": f"=NOT(ISNUMBER($M{first + 1}))", "stop_if_true": True}
         sheet.conditional_format(first, 12, last, 12, empty)
         sheet.conditional_format(first, 12, last, 12, {**alarm, "format": self.formats["alarm"]})
         sheet.set_landscape()
         sheet.set_paper(9)  # A4
-        sheet.fit_to_pages(1, 0)
+        sheet.set_print_scale(self.paging.scale)
+        sheet.set_h_pagebreaks([first + row for row in self.breaks])
         sheet.repeat_rows(_HEADER)
         sheet.print_area(0, 0, last, len(_HEADINGS) - 1)
-        sheet.set_margins(left=0.4, right=0.4, top=0.5, bottom=0.6)
+        sheet.set_margins(left=LEFT, right=RIGHT, top=TOP, bottom=BOTTOM)
         page = say("title.page", page="&P", pages="&N")
         sheet.set_footer(f"&L{self.controller.name.replace('&', '&&')[:120]}&R{page}")
         sheet.ignore_errors({"number_stored_as_text": f"A{first + 1}:E{last + 1}"})
@@ -391,13 +424,18 @@ def _direction(entry: _Row) -> tuple[Any, ...]:
     return *_plane(entry), entry.direction
 
 
-def _blocks(
-    numbered: Sequence[tuple[int, _Row]], key: Callable[[_Row], tuple[Any, ...]]
-) -> Iterator[tuple[int, int, _Row]]:
-    """Return first row, last row and first entry of every run of entries with the same key."""
-    for _, block in groupby(numbered, key=lambda pair: key(pair[1])):
-        inside = list(block)
+def _runs(numbered: Sequence[tuple[int, _Row]], pages: Sequence[int], key: _Key) -> Iterator[tuple[int, int, _Row]]:
+    """Return first row, last row and first entry of every run of entries with the same key on the same page."""
+    for _, block in groupby(zip(numbered, pages, strict=True), key=lambda each: (each[1], key(each[0][1]))):
+        inside = [entry for entry, _ in block]
         yield inside[0][0], inside[-1][0], inside[0][1]
+
+
+def _nested(rows: Sequence[_Row], keys: Sequence[_Key]) -> list[Block]:
+    """Return the numbers of rows of components, within them of parts, within them of planes."""
+    key, *finer = keys
+    groups = [list(block) for _, block in groupby(rows, key=key)]
+    return [_nested(group, finer) if finer else len(group) for group in groups]
 
 
 def _values(reading: Reading | None) -> tuple[float | None, float | None, float | None]:

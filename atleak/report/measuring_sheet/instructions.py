@@ -90,6 +90,13 @@ def _topics(controller: Controller, far: float, say: Wording) -> Iterator[tuple[
         ),
     )
     yield (
+        Sentence("In which order"),
+        Sentence(
+            "Down the rows: a component's spool in all its planes, then its bore, then the next component. Or all "
+            "spools first and then all bores, to change gauges once."
+        ),
+    )
+    yield (
         Sentence("How often"),
         Sentence(
             "Measure twice. Lift the part off and set it up afresh in between: writing the same two coordinates in "

@@ -16,6 +16,7 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.paper import DEFAULT_PAPER, Paper, find_paper
 from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.compiling import common_data, compile_pdf
+from atleak.report.pdf.customer import DRAWING, CustomerPage
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
@@ -28,6 +29,7 @@ from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 _ROAD_POINTS = 1200
+_LARGE = 28  # valves of which a drawing with large words fits a page
 _LABEL = 48  # characters that fit beside a bar
 
 
@@ -83,10 +85,14 @@ def report_data(
     series = road_series(diagnosis.road, _ROAD_POINTS) if diagnosis.road and "road_test" in chosen else None
     names = PrintedNames(diagnosis, diagnosis_record(diagnosis), job, say)
     front, body = Front(names), Body(names, series, pictures)
+    customer = CustomerPage(names, signed="signatures" in chosen)
     charts = _draw_charts(names, series, chosen, body.pressures)
+    worn = customer.drawing()
+    charts |= {} if worn is None else {DRAWING: worn}
     return {
         **common_data(say("title.report"), say("title.subject"), job, paper, say, pictures),
         "end": body.annex.end(),
+        "customer": customer.data(),
         "facts": front.facts(),
         "verdict": front.verdict(),
         "sections": body.sections(chosen, {name: name for name in charts}),
@@ -103,7 +109,11 @@ def _draw_charts(
     charts = {}
     if "picture" in chosen:
         verdicts = {land.key: land.verdict for land in diagnosis.lands}
-        charts["picture"] = controller_svg(diagnosis.controller, verdicts, columns=6)
+        valves = {land.component for land in diagnosis.controller.lands}
+        columns, letters = (4, 1.6) if len(valves) <= _LARGE else (6, 1.0)
+        charts["picture"] = controller_svg(
+            diagnosis.controller, verdicts, columns=columns, named=say.name, letters=letters
+        )
     if "shares" in chosen and at.leakage > 0.0 and at.pump_capacity > 0.0:
         label = say("charts.share_of_pump", condition=names.condition(at.condition))
         charts["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)

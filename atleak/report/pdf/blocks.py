@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from atleak.wording import isolated
 
 Block = dict[str, Any]
+
+_NOTE = 1500  # letters of a note that a page can hold together with the last rows of its table
 
 
 def text(content: str, *, small: bool = False, leads: bool = False) -> Block:
@@ -60,6 +63,36 @@ def table(columns: Sequence[PrintedColumn], items: Iterable[Any], *, empty: bool
         "aligned": "".join(columns[index].side for index in kept),
         "whole": whole,
     }
+
+
+def grouped_table(columns: Sequence[PrintedColumn], groups: Iterable[tuple[str, Sequence[Any]]]) -> Block:
+    """Return a table in which every group of rows has a heading of its own across all columns and stays on one page."""
+    titled = [(title, list(items)) for title, items in groups]
+    if not titled:
+        return {}
+    made = table(columns, [item for _, items in titled for item in items])
+    rows = iter(made["rows"])
+    made["rows"] = [row for title, items in titled for row in ([title], *itertools.islice(rows, len(items)))]
+    made["groups"] = [1 + len(items) for _, items in titled]
+    return made
+
+
+def with_notes(blocks: Iterable[Block]) -> Iterator[Block]:
+    """Give small text that follows a table to the table as its note, so that no page parts them; leave out nothing."""
+    table: Block = {}  # that still waits for a note
+    for block in blocks:
+        if not block:
+            continue
+        notes = table and block["kind"] == "text" and block["small"] and len(block["text"]) <= _NOTE
+        if table:
+            yield {**table, "note": block["text"]} if notes else table
+            table = {}
+        if block["kind"] == "table":
+            table = block
+        elif not notes:
+            yield block
+    if table:
+        yield table
 
 
 def joined(parts: Iterable[str], between: str = ", ") -> str:

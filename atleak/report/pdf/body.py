@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from itertools import groupby
 from typing import Any
 
 from atleak.catalogue.fluid import USED_THINNER
@@ -13,7 +14,7 @@ from atleak.job.doubts import record_doubts
 from atleak.job.record import RepairDecision
 from atleak.report.estimate_words import open_words
 from atleak.report.pdf.annex import Annex
-from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
+from atleak.report.pdf.blocks import Block, PrintedColumn, facts, grouped_table, joined, table, text, with_notes
 from atleak.report.pdf.budget import Budget
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.estimate import estimate_blocks
@@ -109,8 +110,10 @@ class Body:
         """Return title and blocks of every section that has any content."""
         filled = []
         for name in names:
+            if name == "signatures":  # stands at the foot of the first page
+                continue
             build: Callable[[dict[str, str]], Iterable[Block]] = getattr(self, f"_{name}")
-            blocks = [block for block in build(charts) if block]
+            blocks = list(with_notes(build(charts)))
             if blocks:
                 filled.append({"name": name, "title": self.say(f"sections.{name}"), "blocks": blocks})
         return filled
@@ -181,8 +184,7 @@ class Body:
     def _all(self, charts: dict[str, str]) -> Iterable[Block]:
         say, names = self.say, self.names
         columns = [
-            PrintedColumn(names.column("pair"), names.pair, width=1),
-            PrintedColumn(names.column("land"), names.land, side="c"),
+            PrintedColumn(names.column("land"), names.land, width=1),
             PrintedColumn(
                 names.column("sleeve"),
                 lambda at: say.value(at.state.sleeve_diameter * MM, "length", 4),
@@ -204,11 +206,12 @@ class Body:
                 say.unit("clearance"),
                 side="r",
             ),
-            PrintedColumn(names.column("leakage"), names.leakage, say.unit("flow"), side="r"),
+            PrintedColumn(names.column("leakage"), lambda at: names.flow(at.leakage, 3), say.unit("flow"), side="r"),
+            PrintedColumn(names.column("interval"), names.leakage_interval, say.unit("flow"), side="r"),
             PrintedColumn(names.column("share"), names.share, "%", side="r"),
             PrintedColumn(names.column("verdict"), names.verdict),
         ]
-        yield table(columns, self.diagnosis.lands)
+        yield grouped_table(columns, ((pair, list(lands)) for pair, lands in groupby(self.diagnosis.lands, names.pair)))
         at = self.names.condition(self.diagnosis.projection.condition)
         yield text(say("texts.all_at", condition=at), small=True)
 
@@ -239,10 +242,9 @@ class Body:
             PrintedColumn(
                 say("printed.decision"),
                 lambda each: say.get("job_decisions", each.decision) if each.decision else "–",
-                width=2,
             ),
             PrintedColumn(say("printed.reason"), lambda each: each.reason, width=6),
-            PrintedColumn(say("printed.date"), lambda each: say.date(each.date) if each.date else "", width=2),
+            PrintedColumn(say("printed.date"), lambda each: say.date(each.date) if each.date else ""),
         ]
         yield table(columns, [each for each in self.job.repair_decisions if not each.empty], empty=False)
         for sentence in open_words(self.diagnosis, self.job, say, closing=True):
@@ -488,17 +490,6 @@ class Body:
         ]
         used = ("readings", "road_test", "pressure_table", "controller", "fluid", "limits")
         yield table(columns, [name for name in used if record[name] and record[name].get("sha256")])
-
-    def _signatures(self, charts: dict[str, str]) -> Iterable[Block]:
-        say = self.say
-        yield {
-            "kind": "signatures",
-            "line": say("texts.sign_place"),
-            "people": [
-                [say("texts.sign_technician"), self.job.technician],
-                [say("texts.sign_customer"), self.job.customer.name],
-            ],
-        }
 
 
 _SAID_ELSEWHERE = ("controller_representative",)  # stands among the representative values

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
+from atleak.repair import RepairPlan, RepairStep, Total
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, leaking_worst_first
@@ -54,7 +54,7 @@ class Conditions:
         for first in range(0, len(self.diagnosis.presented), ABREAST):
             numbers = range(len(self.diagnosis.presented))[first : first + ABREAST]
             columns = [
-                PrintedColumn(names.column("pair"), lambda row: names.pair(row.land), width=3),
+                PrintedColumn(names.column("pair"), lambda row: names.pair(row.land), width=5),
                 PrintedColumn(names.column("land"), lambda row: names.land(row.land), side="c"),
             ]
             for number in numbers:
@@ -98,7 +98,7 @@ class Conditions:
 
     def repair_order(self) -> Iterable[Block]:
         """Return the repairs in their order, with what each brings at every condition, and where they end."""
-        say, plan = self.say, plan_repairs(self.diagnosis)
+        say, plan = self.say, self.names.plan
         steps = list(enumerate(plan.steps, start=1))
         if steps:
             yield text(say("texts.repair_order_by_options" if plan.cost else "texts.repair_order"), leads=True)

@@ -5,26 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable
 from operator import itemgetter
 
-from atleak.job.estimate import Line, estimate
-from atleak.report.estimate_words import EstimateWords
+from atleak.job.estimate import Line
 from atleak.report.pdf.blocks import Block, PrintedColumn, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 
 
 def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
     """Return lines, sums and what is open; nothing where the job states no terms and no price."""
-    job, say = names.job, names.say
-    if names.diagnosis.without_sheet or not job.estimated:
-        return
-    words = EstimateWords(estimate(names.diagnosis, job), say, names.condition)
-    lines = words.estimate.lines
-    if not lines:
+    say, words = names.say, names.estimate
+    if words is None:
         return
     yield text(" ".join(words.chosen_by()), leads=True)
-
-    def decided(line: Line) -> object:
-        asked = line.decision.decision in (None, "proposed")
-        return {"boxes": [say("estimate.yes"), say("estimate.no")]} if asked else words.state(line)
 
     def done(line: Line) -> str:
         return "\n".join(filter(None, (words.work(line), line.decision.part_number, line.decision.reason)))
@@ -38,9 +29,9 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
             PrintedColumn(say("printed.labour"), lambda line: words.money(line.work), side="r"),
             PrintedColumn(say("printed.amount"), words.amount, side="r"),
             PrintedColumn(say("printed.lacks"), words.lacks, width=5),
-            PrintedColumn(say("printed.agreed"), decided, width=3),
+            PrintedColumn(say("printed.agreed"), words.agreed, width=3),
         ],
-        lines,
+        words.estimate.lines,
     )
     names_of_sums = ("state", "parts", "labour", "net", "tax", "gross")
     yield table(

@@ -6,7 +6,7 @@ from typing import Any
 
 from atleak.engine.profile import UNKNOWN
 from atleak.engine.projection import Projection
-from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
+from atleak.report.pdf.blocks import Block, PrintedColumn, grouped_table, joined
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import Verdict
@@ -37,7 +37,7 @@ class Front:
         """Return owner, vehicle and transmission; fields that were not filled in are left out."""
         job, say = self.job, self.say
         customer, vehicle, box = job.customer, job.vehicle, job.transmission
-        mileage = self.record["mileage_km"] if self.record["mileage_km"] is not None else vehicle.mileage_km
+        mileage = self.names.mileage
         contact = [customer.name, customer.number, *customer.address.splitlines(), customer.phone, customer.email]
         rows = [
             ("number", job.number),
@@ -123,11 +123,11 @@ class Front:
     def _totals(self) -> Block:
         say, diagnosis = self.say, self.diagnosis
         columns = [
-            PrintedColumn(say("printed.condition"), lambda at: self.names.condition(at.condition), width=1),
             PrintedColumn(
                 say("printed.temperature"),
                 lambda at: say.plain_value(at.condition.temperature, "temperature"),
                 say.unit("temperature"),
+                width=1,
                 side="r",
             ),
             PrintedColumn(
@@ -156,7 +156,7 @@ class Front:
             PrintedColumn(say("printed.reserve"), lambda at: say.number(at.reserve, 2), side="r"),
             PrintedColumn(say("printed.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
         ]
-        return table(columns, diagnosis.reported)
+        return grouped_table(columns, ((self.names.condition(at.condition), [at]) for at in diagnosis.reported))
 
     def _share_new(self, at: Projection) -> str:
         return self.say.number(self.diagnosis.new_at(at).share * PERCENT, 1)

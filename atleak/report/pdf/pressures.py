@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import Any
 
-from atleak.repair import plan_repairs
-from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
+from atleak.report.pdf.blocks import Block, PrintedColumn, grouped_table, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.printed_charts import pressures_chart, pump_chart
 from atleak.views.flow_diagram import FlowDiagram, flow_diagram, flow_words
@@ -32,7 +31,7 @@ class Pressures:
     @cached_property
     def conditions(self) -> list[PressuresAt]:
         """Return reserve and pressures at every condition, also as the planned repairs leave them."""
-        plan = plan_repairs(self.diagnosis)
+        plan = self.names.plan
         ends = plan.ends if plan.steps else ()
         return [pressures_at(self.diagnosis, each, ends) for each in self.diagnosis.presented]
 
@@ -141,10 +140,9 @@ class Pressures:
 
     def _line(self, conditions: Sequence[PressuresAt]) -> Block:
         column, unit = self.names.column, self.say.unit("pressure")
-        return table(
+        return grouped_table(
             [
-                PrintedColumn(column("condition"), self._condition, width=3),
-                PrintedColumn(column("required"), self._required, unit, side="r"),
+                PrintedColumn(column("required"), self._required, unit, width=1, side="r"),
                 PrintedColumn(column("held"), lambda at: self._held(at.line), unit, side="r"),
                 PrintedColumn(column("held_new"), lambda at: self._kpa(at.line.new), unit, side="r"),
                 *self._repaired(lambda at: at.line.repaired, conditions),
@@ -153,7 +151,7 @@ class Pressures:
                 PrintedColumn(column("decision"), lambda at: self._decision(at.line.decided)),
                 PrintedColumn(column("costs"), lambda at: self._causes(at.line), width=2),
             ],
-            conditions,
+            ((self._condition(at), [at]) for at in conditions),
         )
 
     def _required(self, at: PressuresAt) -> str:
@@ -177,8 +175,7 @@ class Pressures:
 
         unit = self.say.unit("flow")
         columns = [
-            PrintedColumn(column("condition"), self._condition, width=3),
-            PrintedColumn(column("supply"), lambda at: flow(at.projection.pump_supply), unit, side="r"),
+            PrintedColumn(column("supply"), lambda at: flow(at.projection.pump_supply), unit, width=1, side="r"),
             PrintedColumn(column("leakage"), lambda at: flow(at.projection.leakage), unit, side="r"),
             PrintedColumn(column("slip"), lambda at: flow(at.projection.slip), unit, side="r"),
             PrintedColumn(column("consumers"), lambda at: flow(at.projection.consumers), unit, side="r"),
@@ -192,7 +189,7 @@ class Pressures:
         if any(at.reserve_rule is not None for at in conditions):
             columns.append(PrintedColumn(column("band"), self._reserve_band))
             columns.append(PrintedColumn(column("decision"), lambda at: self._decision(at.reserve_decided)))
-        return table(columns, conditions)
+        return grouped_table(columns, ((self._condition(at), [at]) for at in conditions))
 
     def _reserve_band(self, at: PressuresAt) -> dict[str, str] | str:
         rule, verdict = at.reserve_rule, at.reserve_verdict

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cached_property
 from typing import Any
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.extremes import Instant
+from atleak.job.estimate import estimate
 from atleak.job.record import Job
 from atleak.land_diagnosis import LandDiagnosis
+from atleak.repair import RepairPlan, plan_repairs
+from atleak.report.estimate_words import EstimateWords
 from atleak.report.pdf.blocks import joined
 from atleak.rules import Rule
 from atleak.uncertainty import Decision, Remedy
@@ -28,6 +32,25 @@ class PrintedNames:
     def __init__(self, diagnosis: Diagnosis, record: dict[str, Any], job: Job, say: Wording) -> None:
         self.diagnosis, self.record, self.job, self.say = diagnosis, record, job, say
         self.rows = {(row["component"], row["land"]): row for row in record["lands"]}
+
+    @cached_property
+    def plan(self) -> RepairPlan:
+        """Return the repairs that the diagnosis calls for."""
+        return plan_repairs(self.diagnosis)
+
+    @cached_property
+    def estimate(self) -> EstimateWords | None:
+        """Return the estimate; None where the job states no terms and no price, or there is nothing to list."""
+        if self.diagnosis.without_sheet or not self.job.estimated:
+            return None
+        words = EstimateWords(estimate(self.diagnosis, self.job), self.say, self.condition)
+        return words if words.estimate.lines else None
+
+    @property
+    def mileage(self) -> float | None:
+        """Return the mileage [km] that the diagnosis was made with, or else the one of the job."""
+        computed = self.record["mileage_km"]
+        return self.job.vehicle.mileage_km if computed is None else computed
 
     def condition(self, point: OperatingPoint) -> str:
         """Return the name of a condition in the reader's language."""
@@ -92,11 +115,11 @@ class PrintedNames:
             return "–"
         return f"{self.say.number(worst.share * PERCENT, 2)}\n{self.condition(worst.projection.condition)}"
 
-    def leakage(self, land: LandDiagnosis) -> str:
-        """Return the leakage [dm³/min] with its interval where the uncertainty is known and the land leaks at all."""
+    def leakage_interval(self, land: LandDiagnosis) -> str:
+        """Return the interval of the leakage [dm³/min]; a dash where it is not known, or the land does not leak."""
         row = self.rows[land.key]
         interval = self.interval(row["leakage_low_dm3_min"], row["leakage_high_dm3_min"], 3, "flow")
-        return self.flow(land.leakage, 3) + interval * (land.leakage > 0.0)
+        return interval.strip("\n()") or "–" if land.leakage > 0.0 else "–"
 
     def interval(self, low: float | None, high: float | None, digits: int, kind: str = "percent") -> str:
         """Return an interval on a separate line; an empty text where it is not known."""

@@ -7,6 +7,10 @@ from pathlib import Path
 import pytest
 
 from atleak.job.case import SourceFile
+from atleak.variants import VARIANTS
+from atleak.variants.article import ERRATA, STATED_POINTS
+from atleak.variants.run import OPTION_STEPS
+from atleak.wording import wording
 
 testing = pytest.importorskip("streamlit.testing.v1")
 
@@ -49,3 +53,12 @@ def test_a_job_of_ones_own_runs_through_the_same_variants(page, root: Path) -> N
     table_3 = page.dataframe[1].value
     assert table_3["q computed"].iloc[3] < 2.0  # W4 of the small controller, not the study's 8.56
     assert "every number" in " ".join(widget.value for widget in page.caption).lower()
+
+
+def test_what_the_article_s_tables_say_is_said_in_every_language() -> None:
+    words = wording("en").texts["study_words"]
+    said = {text for each in ERRATA for text in (each.article, each.finding, each.here)}
+    said |= {each.note for each in VARIANTS if each.note} | {label for label, _ in OPTION_STEPS}
+    said |= {f"{each.variant or 'pump'}: {each.quantity}" for each in STATED_POINTS}
+    assert sorted(said - set(words)) == []
+    assert all(text == english for text, english in words.items())

@@ -51,3 +51,19 @@ def test_a_temperature_outside_the_fluid_s_data_is_said_and_the_maps_stay(app: A
     assert "160 °C is outside the fluid's data" in "\n".join(error.value for error in app.main.error)
     assert not app.metric
     assert "Computed at 31 temperatures" in texts(app)
+
+
+@pytest.mark.page("5_What_if")
+def test_what_is_tried_stands_in_the_address_and_comes_back_from_it(app: AppTest) -> None:
+    slider(app, "Wear").set_value(2.0).run()
+    field(app, "Temperature").set_value("101,5").run()
+    tried = share(app)
+    assert app.query_params["tried"] == "temperature:101.5;wear:2.0"
+    for kept in ("what-if", "in-address", "taken-numbers", "typed"):  # the page loaded anew
+        del app.session_state[kept]
+    app.query_params["tried"] = "temperature:101.5;wear:2.0;growth:9999;gear:x;nothing:1"
+    app.run()
+    assert not app.exception
+    assert (share(app), slider(app, "Wear").value, field(app, "Temperature").value) == (tried, 2.0, "101,5")
+    reset(app)
+    assert "tried" not in app.query_params

@@ -585,5 +585,5 @@ def test_drawings_say_in_words_what_they_show(unit: Unit, language: str) -> None
 def test_without_circuits_only_the_pump_is_drawn_and_nothing_where_pressures_are_given(
     unit: Unit, worn: Diagnosis
 ) -> None:
-    assert set(printed(worn)["charts"]) == {"pump"}
-    assert printed(unit(WORN, profile=PAPER))["charts"] == {}
+    assert set(printed(worn)["charts"]) == {"pump", "worn_valves"}
+    assert set(printed(unit(WORN, profile=PAPER))["charts"]) == {"worn_valves"}

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
+from itertools import pairwise
 
 import openpyxl
 import pytest
 from openpyxl.cell import MergedCell
+from openpyxl.utils import get_column_letter
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
@@ -94,10 +96,8 @@ def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
     assert sheet.freeze_panes == f"D{HEADER + 1}"
     assert sheet.print_title_rows == f"${HEADER}:${HEADER}"
     assert sheet.page_setup.orientation == "landscape"
-    assert sheet.sheet_properties.pageSetUpPr.fitToPage
-    assert sheet.page_setup.fitToWidth in (None, 1)  # 1 is what a missing attribute means
-    assert sheet.page_setup.fitToHeight == 0  # as many pages as it takes
-    validation, taken_at = sheet.data_validations.dataValidation
+    validation, taken_at, instrument = sheet.data_validations.dataValidation
+    assert instrument.formula1 == '"Air gauge,Two-point bore gauge,Outside micrometer,Workshop microscope"'
     assert (taken_at.type, taken_at.formula1) == ("list", '"unworn end"')
     assert str(taken_at.sqref) == f"N{HEADER + 1}:N{sheet.max_row}"
     assert (validation.type, validation.operator, validation.formula1) == ("decimal", "greaterThan", "0")
@@ -108,6 +108,26 @@ def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
     headings = " ".join(str(cell.value) for cell in sheet[HEADER])
     assert headings.count("[mm]") == 4
     assert "[µm]" in headings
+
+
+@pytest.mark.parametrize(("language", "units"), [("en", "metric"), ("de", "us")])
+def test_on_paper_rows_take_a_pencil_columns_fit_a_page_and_no_part_of_a_component_is_cut(controller, language, units):
+    sheet = openpyxl.load_workbook(io.BytesIO(write_template(controller, language=language, units=units))).worksheets[0]
+    scale = sheet.page_setup.scale / 100
+    heights = [sheet.row_dimensions[row].height or 15.0 for row in range(1, sheet.max_row + 1)]
+    assert min(heights[HEADER:]) * scale * 25.4 / 72 >= 7.0
+    widths = [sheet.column_dimensions[get_column_letter(column)].width for column in range(1, sheet.max_column + 1)]
+    assert sum(7 * width for width in widths) / 96 * 25.4 * scale < 297 - 0.8 * 25.4
+    ends = [mark.id for mark in sheet.row_breaks.brk]  # last rows of pages
+    room = (210 - 1.1 * 25.4) / 25.4 * 72 / scale  # [pt]
+    for first, last in pairwise([0, *ends, sheet.max_row]):
+        repeated = heights[HEADER - 1] if first else 0
+        assert repeated + sum(heights[first:last]) <= room
+    before, behind = (
+        [tuple(merged_value(sheet, last + on, column) for column in (COMPONENT, PART)) for last in ends]
+        for on in (0, 1)
+    )
+    assert [one for one, other in zip(before, behind, strict=True) if one == other] == []
 
 
 def test_the_instructions_are_there(controller, template):

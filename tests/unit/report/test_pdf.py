@@ -142,10 +142,10 @@ def test_says_what_each_land_draws_at_each_condition_and_what_repairs_bring(worn
 
 
 @pytest.mark.parametrize("language", languages())
-def test_a_complaint_stands_on_the_first_page(worn, language):
+def test_what_to_measure_for_a_complaint_stands_where_the_annex_begins(worn, language):
     complaint = worn.controller.complaint("slips_hot")
     first = re.sub(
-        r"\s+", " ", pages_of(write_pdf(replace(worn, complaint=complaint), language=language, sections=[]))[0]
+        r"\s+", " ", pages_of(write_pdf(replace(worn, complaint=complaint), language=language, sections=[]))[1]
     )
     say = wording(language)
     name = say.condition(worn.hot_idle.condition)
@@ -364,7 +364,7 @@ def test_sections_can_be_chosen(worn, job):
     text = text_of(write_pdf(worn, job, sections=["flagged", "signatures"]))
     say = wording("en")
     assert say("sections.flagged") in text
-    assert say("sections.signatures") in text
+    assert say("texts.sign_customer") in pages_of(write_pdf(worn, job, sections=["signatures"]))[0]
     assert say("sections.all") not in text
     assert say("sections.road_test") not in text
     with pytest.raises(InputError, match="did you mean 'road_test'"):
@@ -535,12 +535,13 @@ def test_numbers_beside_a_name_from_right_to_left_keep_their_order(worn):
         vehicle={"registration": "12-345-67"},
         transmission={"maker": "אבג", "code": "4G-22"},
     )
-    first, *others = pages_of(write_pdf(worn, job))
+    first, annex, *others = pages_of(write_pdf(worn, job))
+    assert "Job 2026-0417 · " in first
     assert len(others) > 2
-    for page in others:
+    for page in (annex, *others):
         assert page.splitlines()[0].split(" · ")[1:3] == ["2026-0417", "12-345-67 Internal leakage of a valve body"]
     for numbers in (", 44-17, somebody@example.org", "Transmission אבג 4G-22"):
-        assert numbers in first
+        assert numbers in annex
 
 
 @pytest.mark.parametrize(

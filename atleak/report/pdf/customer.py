@@ -1,0 +1,385 @@
+"""Build the first page, for the customer: the verdict, his complaint beside the finding, which valves, what to do.
+
+A reader who repairs no cars must be able to say after 20 seconds what is wrong, how bad it is and what to do. The page
+stays one page: lists and the complaint are built in several lengths, and the template takes the longest that fits.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from atleak.repair import Total
+from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
+from atleak.report.pdf.printed_names import PrintedNames
+from atleak.verdicts import Verdict
+from atleak.views.drawing import controller_svg, shortened
+from atleak.views.first_sentence import shown_verdict
+from atleak.views.measured_words import measured_sentence
+from atleak.views.pressures import HeldPressure, lowest_first, pressures_at
+from atleak.views.worn_valves import WORTH_SAYING, WornValve, part_of_leakage, worn_valves
+from atleak.wording import isolated
+from atleak.workshop_units import KPA
+
+DRAWING = "worn_valves"  # name of the drawing among a report's charts
+NAMED = 4  # valves that a sentence names
+FELT = 2  # complaints that are named for one valve
+_ROW = 6  # valves that are drawn, beside one another
+_ABREAST = 4  # for which there is room beside one another at the least, so that few are not drawn larger
+_LETTERS = 1.6  # against those of the drawing of all valves
+_SHORT = 4  # most letters of a component's number that says more to a customer than the name alone
+
+
+@dataclass(frozen=True)
+class Length:
+    """How much of everything that can be long stands on the page."""
+
+    valves: int
+    letters: int  # of the complaint
+    lines: int  # of the estimate
+
+
+LENGTHS = tuple(
+    itertools.starmap(
+        Length,
+        ((8, 700, 10), (6, 480, 8), (5, 320, 6), (4, 240, 5), (4, 180, 4), (3, 150, 3), (2, 120, 3), (2, 100, 2)),
+    )
+)
+
+
+class CustomerPage:
+    """The first page of one report; ``signed`` puts the signatures on it."""
+
+    def __init__(self, names: PrintedNames, *, signed: bool) -> None:
+        self.names, self.signed = names, signed
+        self.diagnosis, self.job, self.say = names.diagnosis, names.job, names.say
+        self.verdict = shown_verdict(names.diagnosis)
+
+    @cached_property
+    def valves(self) -> tuple[WornValve, ...]:
+        """Return the valves that have reached a limit, the worst first."""
+        return worn_valves(self.diagnosis, self.names.plan.choice) if self.diagnosis.flagged else ()
+
+    def data(self) -> dict[str, Any]:
+        """Return everything that the template places; ``shortened`` holds one block for each of the lengths."""
+        say = self.say
+        return {
+            "title": say("customer.title"),
+            "about": self._about(),
+            "key": self.verdict,
+            "headline": say(f"customer.{self.verdict}"),
+            "urgency": [say("customer.urgency"), say(f"customer.urgent_{self.verdict}")],
+            "caveats": list(self._caveats()),
+            "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in LENGTHS]},
+            "found": {"title": say("customer.found"), "items": list(self._found())},
+            "valves": self._valves(),
+            "drawing": self._drawing(),
+            "do": {"title": say("customer.do"), "items": list(self._do())},
+            "cost": self._cost(),
+            "signatures": self._signatures() if self.signed else None,
+            "annex": say("customer.annex"),
+            "annex_follows": say("customer.annex_follows"),
+            "lengths": len(LENGTHS),
+        }
+
+    def drawing(self) -> str | None:
+        """Return the drawing of the valves that have reached a limit as SVG; None where none has."""
+        if not self.valves:
+            return None
+        drawn = self._drawn
+        verdicts = {land.key: land.verdict for each in self.valves for land in each.lands}
+        say = self.say
+        return controller_svg(
+            self.diagnosis.controller,
+            verdicts,
+            columns=max(len(drawn), _ABREAST),
+            only=drawn,
+            named=say.name,
+            letters=_LETTERS,
+        )
+
+    @property
+    def _drawn(self) -> list[str]:
+        return [each.component for each in self.valves[:_ROW]]
+
+    # --- who, and how bad
+
+    def _about(self) -> str:
+        """Return whose vehicle it is, in a line."""
+        job, say = self.job, self.say
+        mileage = self.names.mileage
+        return joined(
+            (
+                f"{say('facts.number')} {isolated(job.number)}" if job.number else "",
+                say.date(job.date) if job.date else "",
+                job.customer.name,
+                joined((job.vehicle.make, job.vehicle.model, job.vehicle.year), " "),
+                job.vehicle.registration or job.vehicle.vin,
+                "" if mileage is None else say("texts.mileage", value=say.value(mileage, "distance", 0)),
+            ),
+            " · ",
+        )
+
+    def _caveats(self) -> Iterator[str]:
+        if self.diagnosis.provisional:
+            yield self.say("customer.provisional")
+        if self.diagnosis.upper_bound:
+            yield self.say("customer.upper_bound")
+
+    # --- complaint and finding
+
+    def _told(self, letters: int) -> str:
+        """Return what the customer complained of in so many letters, or as the valve body's file words it."""
+        say, complaint = self.say, self.diagnosis.complaint
+        words = " ".join(self.job.complaint.split()) or (say.name(complaint.label) if complaint is not None else "")
+        if len(words) <= letters:
+            return words
+        return say("customer.cut", text=words[:letters].rsplit(" ", 1)[0].rstrip(" ,;."))
+
+    def _found(self) -> Iterator[str]:
+        """Say what was measured, what is lost by it, which pressure falls, and what the complaint has to do with it."""
+        say, diagnosis = self.say, self.diagnosis
+        finding = measured_sentence(diagnosis, say)
+        if diagnosis.without_sheet:
+            yield say("customer.no_sheet")
+        elif diagnosis.judged:
+            yield self._measured()
+        if finding is not None:
+            yield finding
+        yield from self._lost()
+        yield from (self._held(each) for each in self._past)
+        yield from self._explained()
+        missing = len(diagnosis.unmeasured)
+        if missing and diagnosis.judged:
+            yield say("customer.open", missing=missing, lands=len(diagnosis.lands))
+        if diagnosis.in_doubt:
+            yield say("customer.doubt", count=len(diagnosis.in_doubt))
+
+    def _measured(self) -> str:
+        flagged = self.diagnosis.flagged
+        repair = sum(land.verdict.calls_for_repair for land in flagged)
+        return self.say(
+            f"customer.{'worn' if flagged else 'within'}",
+            measured=self.diagnosis.judged,
+            repair=repair,
+            watch=len(flagged) - repair,
+        )
+
+    def _lost(self) -> Iterator[str]:
+        say, at = self.say, self.diagnosis.worst
+        condition, band = self.names.condition(at.condition), self.diagnosis.band(at)
+        new = say.percent(self.diagnosis.new_at(at).share)
+        if at.pump_capacity <= 0.0:
+            yield f"{say('sentences.no_delivery', condition=condition)}.".capitalize()
+        elif band is None:
+            if not self.diagnosis.without_sheet:
+                yield say("customer.lost_new", condition=condition, new=new)
+        else:
+            yield say("customer.lost", condition=condition, share=say.percent(at.share), band=say.level(band), new=new)
+
+    @cached_property
+    def _past(self) -> tuple[HeldPressure, ...]:
+        """Return the pressures past a limit where they are judged worst, the worst first, two at the most."""
+        at = pressures_at(self.diagnosis, lowest_first(self.diagnosis)[0])
+        past = [each for each in at.applied if each.verdict is not None and each.verdict.flagged]
+        return tuple(sorted(past, key=lambda each: -(each.verdict or Verdict.OK).rank)[:2])
+
+    def _held(self, each: HeldPressure) -> str:
+        say = self.say
+        return say(
+            "customer.holds",
+            circuit=self._pressure(each.id),
+            condition=self.names.condition(lowest_first(self.diagnosis)[0].condition),
+            held=say.value(each.now * KPA, "pressure", 0),
+            new=say.value(each.new * KPA, "pressure", 0),
+        )
+
+    def _explained(self) -> Iterator[str]:
+        """Say which part of what leaks where the complaint shows goes past the worn valves."""
+        say, diagnosis = self.say, self.diagnosis
+        if diagnosis.complaint is None or not diagnosis.complained or not diagnosis.judged:
+            return
+        keys = {land.key for land in diagnosis.flagged}
+        at = max(diagnosis.complained, key=lambda each: part_of_leakage(keys, each))
+        part, condition = part_of_leakage(keys, at), self.names.condition(at.condition)
+        label = say.name(diagnosis.complaint.label)
+        if part > 0.0:
+            yield say("customer.explains", label=label, condition=condition, part=say.percent(part, 0))
+        else:
+            yield say("customer.explains_nothing", label=label, condition=condition)
+
+    # --- the valves
+
+    def _valve(self, component: str) -> str:
+        """Name a valve by its name, and behind it by its number, where that is short; by what it was typed as."""
+        name = isolated(self.say.name(self.diagnosis.controller.components.get(component, component)))
+        return f"{name} ({component})" if len(component) <= _SHORT and name != component else name
+
+    def _named(self, components: Sequence[str]) -> str:
+        named = joined(map(self._valve, components[:NAMED]))
+        more = len(components) - NAMED
+        return named if more <= 0 else self.say("diagnosis.and_more", named=named, count=more)
+
+    def _valves(self) -> Block | None:
+        if not self.valves:
+            return None
+        say, at = self.say, self.diagnosis.worst
+        columns = [
+            PrintedColumn(say("customer.valve"), lambda each: self._valve(each.component), width=5),
+            PrintedColumn(say("printed.verdict"), lambda each: self._signed(each.verdict)),
+            PrintedColumn(say("customer.from_to"), self._paths, width=5),
+            PrintedColumn(say("customer.felt"), self._felt, width=6),
+            PrintedColumn(say("customer.alone"), self._alone, width=4),
+        ]
+        shortened_to = [self.valves[: each.valves] for each in LENGTHS]
+        condition, part = self.names.condition(at.condition), say.percent(WORTH_SAYING, 0)
+        note = say("customer.alone_at", condition=condition, part=part)
+        more = (len(self.valves) - len(each) for each in shortened_to)
+        return {
+            "title": say("customer.valves"),
+            "tables": [table(columns, each, empty=False) for each in shortened_to],
+            "notes": [f"{say('customer.more', count=count)} {note}" if count else note for count in more],
+        }
+
+    def _signed(self, verdict: Verdict) -> dict[str, str]:
+        return {"sign": verdict, "text": self.say.level(verdict)}
+
+    def _paths(self, valve: WornValve) -> str:
+        ends = ((self._pressure(high), self._pressure(low)) for high, low in valve.paths)
+        return joined(
+            dict.fromkeys(self.say("customer.from_to_value", before=high, after=low) for high, low in ends), "; "
+        )
+
+    def _pressure(self, section: str | None) -> str:
+        """Name a section as people say it; the sump where there is none."""
+        if section is None:
+            return self.say("customer.sump")
+        letters = f" {section}"
+        return self.names.section(section).removesuffix(letters)
+
+    def _felt(self, valve: WornValve) -> str:
+        say = self.say
+        complaints = [say.name(each.label) for each in valve.complaints[:FELT]]
+        losses = [
+            say(
+                "customer.less_pressure",
+                circuit=self._pressure(held.id),
+                loss=say.value(loss * KPA, "pressure", 0),
+            )
+            for held, loss in valve.costs
+        ]
+        return joined((*complaints, *losses), "; ")
+
+    def _alone(self, valve: WornValve) -> Any:
+        brings = valve.brings(self.diagnosis.worst)
+        if brings is None:
+            return ""
+        say = self.say
+        shares = (say.number(total.share * 100.0, 1) for total in (brings.before, brings.after))
+        before, after = shares
+        words = say("customer.from_to_value", before=before, after=after)
+        return {"sign": brings.after.band.verdict, "text": f"{words} {say.level(brings.after.band)}"}
+
+    def _drawing(self) -> Block | None:
+        if not self.valves:
+            return None
+        named = joined(map(self._valve, self._drawn))
+        return {"file": DRAWING, "alt": self.say("customer.drawing_alt", valves=named)}
+
+    # --- what to do
+
+    def _do(self) -> Iterator[str]:
+        say, plan = self.say, self.names.plan
+        planned = list(dict.fromkeys(step.land.key[0] for step in plan.steps))
+        if self.verdict is Verdict.OK:
+            yield say("customer.do_nothing")
+            return
+        if self.verdict is Verdict.NOT_MEASURED:
+            yield say("customer.do_measure")
+            return
+        watched = [each.component for each in self.valves if not each.verdict.calls_for_repair]
+        if self.verdict is Verdict.WATCH:
+            yield (
+                say("customer.do_watch", valves=self._named(watched or planned)) if planned else say("customer.do_look")
+            )
+            return
+        due = [each.component for each in self.valves if each.verdict.calls_for_repair] or planned
+        if not due:
+            yield say("customer.do_look")
+            return
+        yield say("customer.do_repair", valves=self._named(due))
+        yield from self._brings(due, alone=len(planned) == 1)
+
+    def _brings(self, due: Sequence[str], *, alone: bool) -> Iterator[str]:
+        """Say what the best repair brings by itself, and what all of them bring."""
+        say, plan, worst = self.say, self.names.plan, self.diagnosis.worst
+        first = max(
+            (each for each in self.valves if each.component in due),
+            key=lambda each: brought.saving if (brought := each.brings(worst)) else 0.0,
+            default=None,
+        )
+        brings = first.brings(worst) if first is not None else None
+        condition = self.names.condition(worst.condition)
+        if first is not None and brings is not None and brings.saving > 0.0 and not alone:
+            yield say(
+                "customer.do_first",
+                valve=self._valve(first.component),
+                condition=condition,
+                before=say.percent(brings.before.share),
+                band_before=say.level(brings.before.band),
+                after=say.percent(brings.after.share),
+                band_after=say.level(brings.after.band),
+            )
+        end = next((each for each in plan.ends if each.condition == worst.condition), None)
+        if end is not None and plan.steps:
+            yield self._all(end)
+        yield say("customer.do_green" if plan.reached else "customer.do_past")
+
+    def _all(self, end: Total) -> str:
+        say = self.say
+        return say("customer.do_all", after=say.percent(end.share), band_after=say.level(end.band))
+
+    # --- what it costs, and who signs
+
+    def _cost(self) -> Block | None:
+        """Return the lines of the estimate with boxes to agree to each, and the sum; None where none is made."""
+        say, words = self.say, self.names.estimate
+        if words is None:
+            return None
+        columns = [
+            PrintedColumn(say("customer.valve"), lambda line: self._valve(line.decision.component), width=5),
+            PrintedColumn(say("printed.work"), words.work, width=5),
+            PrintedColumn(say("printed.amount"), words.amount, words.estimate.currency, side="r"),
+            PrintedColumn(say("printed.agreed"), words.agreed, width=4),
+        ]
+        lines = words.estimate.lines
+        tables = [table(columns, lines[: each.lines]) for each in LENGTHS]
+        more = [max(len(lines) - each.lines, 0) for each in LENGTHS]
+        due = words.estimate.total
+        sums, values = "", {"amount": words.summed(due.gross, due.complete), "currency": words.estimate.currency}
+        if due.gross is not None and due.tax is None:
+            sums = say("customer.sum", **values)
+        elif due.gross is not None:
+            sums = say("customer.sum_with_tax", tax=words.money(due.tax), **values)
+        notes = [] if due.complete else [say("customer.at_least" if sums else "customer.no_price")]
+        return {
+            "title": say("customer.cost"),
+            "tables": tables,
+            "notes": [" ".join([*([say("customer.more", count=count)] if count else []), *notes]) for count in more],
+            "sum": sums,
+        }
+
+    def _signatures(self) -> Block:
+        say = self.say
+        return {
+            "kind": "signatures",
+            "line": say("texts.sign_place"),
+            "room": 9,
+            "people": [
+                [say("texts.sign_technician"), shortened(self.job.technician, 40)],
+                [say("texts.sign_customer"), shortened(self.job.customer.name, 40)],
+            ],
+        }

@@ -1,0 +1,148 @@
+"""The first page of the printed report: what a customer who repairs no cars can read off it, whatever was typed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import pypdfium2
+import pytest
+
+from atleak.catalogue.controller_reading import load_controller
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.job.record import Job
+from atleak.readings import Reading, Readings
+from atleak.repair import plan_repairs
+from atleak.report.pdf import write_pdf
+from atleak.verdicts import Verdict
+from atleak.views.worn_valves import WORTH_SAYING, part_of_leakage, worn_valves
+from atleak.wording import languages, wording
+
+SIGNED = ("signatures",)
+LONG = " ".join(["Once it is hot it waits at the lights before it moves, and then it goes with a jerk."] * 24)
+ESTIMATE = {"currency": "EUR", "labour_rate": 80.0, "tax_percent": 23.0}
+WORK = [
+    {"component": "25", "land": 1, "work": "ream", "price": 180.0, "hours": 2.0, "decision": "proposed"},
+    {"component": "15", "work": "new sleeve", "price": 90.0, "hours": 1.5, "decision": "declined", "reason": "dear"},
+]
+
+
+def pages_of(content: bytes) -> list[str]:
+    with pypdfium2.PdfDocument(content) as document:
+        return [re.sub(r"\s+", " ", page.get_textpage().get_text_range()) for page in document]
+
+
+def worn_everywhere(name: str, fluid, limits, *, clearances: float = 3.0) -> Diagnosis:
+    """Every land of a valve body so many times as wide as when new."""
+    controller = load_controller(name)
+    readings = [
+        Reading(land.component, part, land.planes[0], direction, 1, diameter)
+        for land in controller.lands
+        for part, diameter in (
+            ("spool", land.nominal_diameter),
+            ("sleeve", land.nominal_diameter + 2.0 * clearances * land.mounting_high),
+        )
+        for direction in (0.0, 90.0)
+    ]
+    sheet = Readings("sheet.xlsx", "0" * 64, "readings", "mm", False, "tidy", tuple(readings))
+    return diagnose(controller, fluid, limits, readings=sheet, complaint=controller.complaint("slips_hot"))
+
+
+@pytest.fixture(scope="module")
+def all_worn(hipol, limits) -> Callable[[str], Diagnosis]:
+    return lambda name: worn_everywhere(name, hipol, limits)
+
+
+@pytest.mark.parametrize("language", languages())
+def test_the_first_page_says_what_is_wrong_how_bad_it_is_and_what_to_do(worn, language):
+    say, plan = wording(language), plan_repairs(worn)
+    complaint = worn.controller.complaint("slips_hot")
+    job = Job(complaint="It waits at the lights.", customer={"name": "A. Customer"})
+    first, *_ = pages_of(write_pdf(replace(worn, complaint=complaint), job, language=language, sections=SIGNED))
+    valves = worn_valves(worn, plan.choice)
+    brought = valves[0].brings(worn.worst)
+    said = [
+        say(f"customer.{worn.verdict}"),
+        say(f"customer.urgent_{worn.verdict}"),
+        "It waits at the lights.",
+        say.percent(worn.worst.share),
+        say.name(worn.controller.components[valves[0].component]),
+        say.name(complaint.label),
+        say.percent(brought.after.share),
+        say("texts.sign_customer"),
+    ]
+    assert [words for words in said if words.replace("\u00a0", " ") not in first] == []
+    assert first.index(say(f"customer.{worn.verdict}")) < first.index("It waits at the lights.")
+
+
+def test_a_complaint_of_400_words_leaves_the_first_page_one_page_and_stands_whole_in_the_annex(worn):
+    assert len(LONG.split()) > 400
+    first, *annex = pages_of(write_pdf(worn, Job(complaint=LONG), sections=SIGNED))
+    say = wording("en")
+    assert say("customer.replace") in first
+    assert say("texts.sign_customer") in first
+    assert LONG not in first
+    assert LONG in annex[0]
+    assert say("customer.annex") in annex[0]
+
+
+@pytest.mark.parametrize("controller", ["gm_4l60e", "five_speed_2005"])
+@pytest.mark.parametrize("language", languages())
+def test_many_worn_valves_a_long_complaint_and_an_estimate_stay_on_one_page(all_worn, controller, language):
+    job = Job(
+        complaint=LONG,
+        estimate=ESTIMATE,
+        workshop={"name": "Łódź Automaty", "address": "Long Street 12\n00-001 Town", "phone": "1", "email": "a@b"},
+    )
+    content = write_pdf(all_worn(controller), job, language=language, paper="letter", sections=SIGNED)
+    first, annex, *_ = pages_of(content)
+    say = wording(language)
+    assert say("texts.sign_customer") in first
+    assert say("estimate.yes") in first
+    assert say("customer.annex") in annex
+
+
+def test_lines_of_the_estimate_have_a_price_and_boxes_to_agree_on_the_first_page(worn):
+    first = pages_of(write_pdf(worn, Job(estimate=ESTIMATE, repair_decisions=WORK), sections=SIGNED))[0]
+    say = wording("en")
+    assert re.search(r"ream 340\.00 +yes +no", first)
+    assert say("customer.sum_with_tax", amount="≥ 418.20", currency="EUR", tax="78.20") in first
+    assert say("customer.cost") not in pages_of(write_pdf(worn, sections=SIGNED))[0]
+
+
+def test_the_pressure_that_a_worn_valve_takes_is_said_where_circuits_are_described(all_worn):
+    found = all_worn("five_speed_2005")
+    first = pages_of(write_pdf(found, sections=SIGNED))[0]
+    valves = worn_valves(found, plan_repairs(found).choice)
+    costs = [(held, loss) for valve in valves for held, loss in valve.costs]
+    assert costs
+    assert re.search(r"The pressure of .+? at “.+?” is [\d ]+ instead of [\d ]+ kPa", first)
+
+
+def test_a_complaint_is_named_for_a_valve_only_where_it_carries_a_part_of_what_leaks(worn):
+    for valve in worn_valves(worn, plan_repairs(worn).choice):
+        keys = {land.key for land in valve.lands}
+        for complaint in worn.controller.complaints:
+            parts = [part_of_leakage(keys, each) for each in worn.complained_of(complaint)]
+            assert (max(parts) >= WORTH_SAYING) == (complaint in valve.complaints)
+
+
+def test_what_one_valve_brings_alone_is_what_the_engine_says_with_its_lands_repaired(worn):
+    choice = plan_repairs(worn).choice
+    for valve in worn_valves(worn, choice):
+        mine = [move for move in choice.chosen if any(key[0] == valve.component for key in move.treats)]
+        (totals,) = choice.totals_of([mine])
+        assert [each.after.share for each in valve.alone] == [total.share for total in totals]
+        assert valve.brings(worn.worst).before.share == pytest.approx(worn.worst.share)
+
+
+@pytest.mark.parametrize("name", ["unmeasured", "within"])
+def test_a_unit_without_worn_valves_has_a_first_page_without_them(unmeasured, hipol, limits, name):
+    found = unmeasured if name == "unmeasured" else worn_everywhere("minimal_example", hipol, limits, clearances=1.0)
+    assert not found.flagged
+    first = pages_of(write_pdf(found, sections=SIGNED))[0]
+    say = wording("en")
+    verdict = Verdict.NOT_MEASURED if name == "unmeasured" else found.verdict
+    assert say(f"customer.{verdict}") in first
+    assert say("customer.valves") not in first
