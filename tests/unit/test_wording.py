@@ -31,7 +31,7 @@ def test_a_language_is_added_as_one_folder_and_the_command_line_prints_it(root: 
     environment = os.environ | {"PYTHONPATH": str(copy), "ATLEAK_HOME": str(tmp_path)}
     done = subprocess.run(command, capture_output=True, encoding="utf-8", env=environment, cwd=tmp_path, check=False)
     assert done.returncode == 0, done.stderr
-    assert "Fugas internas de la caja de válvulas" in pypdfium2.PdfDocument(report)[0].get_textpage().get_text_range()
+    assert "Fugas internas de la caja de válvulas" in pypdfium2.PdfDocument(report)[1].get_textpage().get_text_range()
 
 
 def test_no_source_file_lists_the_languages(root: Path) -> None:

@@ -18,6 +18,7 @@ from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, shortened
 from atleak.views.first_sentence import shown_verdict
+from atleak.views.land_names import has_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import HeldPressure, lowest_first, pressures_at
 from atleak.views.worn_valves import WORTH_SAYING, WornValve, part_of_leakage, worn_valves
@@ -26,11 +27,11 @@ from atleak.workshop_units import KPA
 
 DRAWING = "worn_valves"  # name of the drawing among a report's charts
 NAMED = 4  # valves that a sentence names
-FELT = 2  # complaints that are named for one valve
+FELT = 2  # complaints, and ways of the oil, that are named for one valve
 _ROW = 6  # valves that are drawn, beside one another
 _ABREAST = 4  # for which there is room beside one another at the least, so that few are not drawn larger
 _LETTERS = 1.6  # against those of the drawing of all valves
-_SHORT = 4  # most letters of a component's number that says more to a customer than the name alone
+_FEW, _FEWEST = 3, 2  # sentences of a page that is full
 
 
 @dataclass(frozen=True)
@@ -40,12 +41,21 @@ class Length:
     valves: int
     letters: int  # of the complaint
     lines: int  # of the estimate
+    sentences: int = 99  # of the finding, and of what to do
+
+    @property
+    def terse(self) -> bool:
+        """Tell whether sentences are left out."""
+        return self.sentences <= _FEW
 
 
 LENGTHS = tuple(
     itertools.starmap(
         Length,
-        ((8, 700, 10), (6, 480, 8), (5, 320, 6), (4, 240, 5), (4, 180, 4), (3, 150, 3), (2, 120, 3), (2, 100, 2)),
+        (
+            *((8, 700, 10), (6, 480, 8), (5, 320, 6), (4, 240, 5), (4, 180, 4), (3, 150, 3), (2, 120, 3), (2, 100, 2)),
+            *((2, 100, 2, _FEW), (1, 100, 1, _FEW), (1, 60, 1, _FEWEST), (0, 60, 1, _FEWEST), (0, 60, 0, _FEWEST)),
+        ),
     )
 )
 
@@ -65,19 +75,19 @@ class CustomerPage:
 
     def data(self) -> dict[str, Any]:
         """Return everything that the template places; ``shortened`` holds one block for each of the lengths."""
-        say = self.say
+        say, found, do = self.say, list(self._found()), list(self._do())
         return {
             "title": say("customer.title"),
             "about": self._about(),
             "key": self.verdict,
-            "headline": say(f"customer.{self.verdict}"),
+            "headline": say("customer.ok_unmeasured" if self._only_checked else f"customer.{self.verdict}"),
             "urgency": [say("customer.urgency"), say(f"customer.urgent_{self.verdict}")],
             "caveats": list(self._caveats()),
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in LENGTHS]},
-            "found": {"title": say("customer.found"), "items": list(self._found())},
+            "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in LENGTHS]},
             "valves": self._valves(),
             "drawing": self._drawing(),
-            "do": {"title": say("customer.do"), "items": list(self._do())},
+            "do": {"title": say("customer.do"), "texts": [" ".join(do[: each.sentences]) for each in LENGTHS]},
             "cost": self._cost(),
             "signatures": self._signatures() if self.signed else None,
             "annex": say("customer.annex"),
@@ -100,6 +110,11 @@ class CustomerPage:
             named=say.name,
             letters=_LETTERS,
         )
+
+    @property
+    def _only_checked(self) -> bool:
+        """Tell whether gauges or a log alone found nothing: of a valve body that nobody measured."""
+        return self.diagnosis.without_sheet and self.verdict is Verdict.OK
 
     @property
     def _drawn(self) -> list[str]:
@@ -173,7 +188,8 @@ class CustomerPage:
         condition, band = self.names.condition(at.condition), self.diagnosis.band(at)
         new = say.percent(self.diagnosis.new_at(at).share)
         if at.pump_capacity <= 0.0:
-            yield f"{say('diagnosis.no_delivery', condition=condition)}.".capitalize()
+            said = say("diagnosis.no_delivery", condition=condition)
+            yield f"{said[0].upper()}{said[1:]}."
         elif band is None:
             if not self.diagnosis.without_sheet:
                 yield say("customer.lost_new", condition=condition, new=new)
@@ -214,9 +230,11 @@ class CustomerPage:
     # --- the valves
 
     def _valve(self, component: str) -> str:
-        """Name a valve by its name, and behind it by its number, where that is short; by what it was typed as."""
+        """Name a valve by its name, its number behind it where it has one, or as it was typed."""
         name = isolated(self.say.name(self.diagnosis.controller.components.get(component, component)))
-        return f"{name} ({component})" if len(component) <= _SHORT and name != component else name
+        return (
+            f"{name} ({component})" if has_number(self.diagnosis.controller, component) and name != component else name
+        )
 
     def _named(self, components: Sequence[str]) -> str:
         named = joined(map(self._valve, components[:NAMED]))
@@ -237,21 +255,24 @@ class CustomerPage:
         shortened_to = [self.valves[: each.valves] for each in LENGTHS]
         condition, part = self.names.condition(at.condition), say.percent(WORTH_SAYING, 0)
         note = say("customer.alone_at", condition=condition, part=part)
-        more = (len(self.valves) - len(each) for each in shortened_to)
+        more = [len(self.valves) - len(each) for each in shortened_to]
+        notes = ["" if each.terse else note for each in LENGTHS]
         return {
             "title": say("customer.valves"),
             "tables": [table(columns, each, empty=False) for each in shortened_to],
-            "notes": [f"{say('customer.more', count=count)} {note}" if count else note for count in more],
+            "notes": [joined((self._more(count), note), " ") for count, note in zip(more, notes, strict=True)],
         }
+
+    def _more(self, count: int) -> str:
+        return self.say("customer.more", count=count) if count else ""
 
     def _signed(self, verdict: Verdict) -> dict[str, str]:
         return {"sign": verdict, "text": self.say.level(verdict)}
 
     def _paths(self, valve: WornValve) -> str:
         ends = ((self._pressure(high), self._pressure(low)) for high, low in valve.paths)
-        return joined(
-            dict.fromkeys(self.say("customer.from_to_value", before=high, after=low) for high, low in ends), "; "
-        )
+        words = dict.fromkeys(self.say("customer.from_to_value", before=high, after=low) for high, low in ends)
+        return joined([*words][:FELT], "; ")
 
     def _pressure(self, section: str | None) -> str:
         """Name a section as people say it; the sump where there is none."""
@@ -295,7 +316,7 @@ class CustomerPage:
         say, plan = self.say, self.names.plan
         planned = list(dict.fromkeys(step.land.key[0] for step in plan.steps))
         if self.verdict is Verdict.OK:
-            yield say("customer.do_nothing")
+            yield say("customer.do_nothing_seen" if self._only_checked else "customer.do_nothing")
             return
         if self.verdict is Verdict.NOT_MEASURED:
             yield say("customer.do_measure")
@@ -368,7 +389,7 @@ class CustomerPage:
         return {
             "title": say("customer.cost"),
             "tables": tables,
-            "notes": [" ".join([*([say("customer.more", count=count)] if count else []), *notes]) for count in more],
+            "notes": [joined((self._more(count), *notes), " ") for count in more],
             "sum": sums,
         }
 

@@ -18,6 +18,7 @@ from atleak.report.pdf.blocks import joined
 from atleak.rules import Rule
 from atleak.uncertainty import Decision, Remedy
 from atleak.views.condition_matrix import MatrixRow
+from atleak.views.land_names import component_words
 from atleak.views.road_instants import instant_record
 from atleak.views.sentences import rule_value
 from atleak.wording import Wording, isolated
@@ -71,9 +72,8 @@ class PrintedNames:
         return f"{self.pair(land)}, {self.column('land')}\u00a0{self.land(land)}"
 
     def pair(self, land: LandDiagnosis) -> str:
-        """Return the component and its name."""
-        component, _ = land.key
-        return f"{component} {isolated(self.say.name(self.diagnosis.controller.components[component]))}"
+        """Return the component's number, where it has one, and its name."""
+        return component_words(self.diagnosis.controller, land.key[0], self.say)
 
     def column(self, name: str) -> str:
         """Return the heading of a column."""
