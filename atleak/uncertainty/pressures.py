@@ -90,7 +90,7 @@ class DrawnUnit:
         def at(main: Any, near: Balance) -> Balance:
             return self.network.balance(sections_held(self.network.controller, main, converter), near)
 
-        balance, line = at(held, self.balance), self.network.controller.line
+        balance, line = at(held, self.balance) if falls.any() else self.balance, self.network.controller.line
         if line is not None and line.following is not None:
             # what the line is set to is as uncertain as what is required
             factor = main / point.main_pressure

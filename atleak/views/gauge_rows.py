@@ -129,7 +129,7 @@ def gauge_rows(check: PressureCheck, say: Wording | None = None) -> list[dict[st
     rows = [
         {
             Sentence("Range"): each.cell.range,
-            Sentence("State"): say.get("engine_states", each.cell.engine),
+            Sentence("State"): say.sentence(each.cell.engine.label),
             Sentence("Tap"): _tap(each, say) if circuits else None,
             Sentence("No."): each.reading.repeat if repeated else None,
             Sentence("Gauge [kPa]"): each.reading.pressure * KPA,

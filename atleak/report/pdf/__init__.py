@@ -91,6 +91,7 @@ def report_data(
     charts |= {} if worn is None else {DRAWING: worn}
     return {
         **common_data(say("title.report"), say("title.subject"), job, paper, say, pictures),
+        "end": body.annex.end(),
         "customer": customer.data(),
         "facts": front.facts(),
         "verdict": front.verdict(),

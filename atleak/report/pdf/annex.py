@@ -85,11 +85,11 @@ class Annex:
         return [
             PrintedColumn(say("printed.rule"), lambda row: names.rule_name(row[0]), width=6),
             PrintedColumn(say("annex.value"), lambda row: names.rule_value(row[0], row[0].value), side="r"),
-            PrintedColumn(say("printed.limit"), lambda row: names.rule_value(row[0], row[1].limit), side="r"),
+            PrintedColumn(say("annex.limit"), lambda row: names.rule_value(row[0], row[1].limit), side="r"),
             PrintedColumn("u", lambda row: self._spread(row[0], row[1].standard_uncertainty), side="r"),
             PrintedColumn(say("printed.verdict"), lambda row: verdict(row[0])),
-            PrintedColumn(say("printed.decision"), lambda row: say.get("decisions", row[1].decision)),
-            PrintedColumn(say("annex.past"), lambda row: self._probability(row[1]), "%", side="r"),
+            PrintedColumn(say("printed.decision"), lambda row: say.get("decisions", row[1].decision), width=3),
+            PrintedColumn("P", lambda row: self._probability(row[1]), "%", side="r"),
         ]
 
     def _columns_of_lands(self, uncertainty: UnitUncertainty) -> list[PrintedColumn]:
@@ -112,7 +112,7 @@ class Annex:
             PrintedColumn("c_r ± U", names.clearance, say.unit("clearance"), side="r"),
             PrintedColumn("Z ± U", self._wear, "%", side="r"),
             PrintedColumn(
-                say("annex.decides"), lambda land: of(land, lambda each: names.rule_name(each.rule)), width=1
+                say("annex.decides"), lambda land: of(land, lambda each: names.rule_name(each.rule)), width=2
             ),
             PrintedColumn(
                 say("annex.value"),
@@ -120,14 +120,14 @@ class Annex:
                 side="r",
             ),
             PrintedColumn(
-                say("printed.limit"),
+                say("annex.limit"),
                 lambda land: of(land, lambda each: names.rule_value(each.rule, each.limit)),
                 side="r",
             ),
             PrintedColumn("± w", guard, side="r"),
             PrintedColumn(names.column("verdict"), names.verdict),
-            PrintedColumn(names.column("decision"), lambda land: say.get("decisions", land.decision or "")),
-            PrintedColumn(say("annex.past"), lambda land: of(land, self._probability), "%", side="r"),
+            PrintedColumn(names.column("decision"), lambda land: say.get("decisions", land.decision or ""), width=3),
+            PrintedColumn("P", lambda land: of(land, self._probability), "%", side="r"),
         ]
 
     def _wear(self, land: LandDiagnosis) -> str:
@@ -158,10 +158,10 @@ class Annex:
         yield facts([[say(f"annex.{name}"), value] for name, value in rows if value])
         yield text(say("annex.whole"), small=True)
 
-    def end(self) -> Block:
-        """Return the mark behind the last line."""
+    def end(self) -> str:
+        """Return the mark at the end of the last page."""
         number = joined((self.job.number, self.job.revision), " · ")
-        return text(self.say("annex.end_of", report=number) if number else self.say("annex.end"), small=True)
+        return self.say("annex.end_of", report=number) if number else self.say("annex.end")
 
     # --- readings
 

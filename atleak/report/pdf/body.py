@@ -108,7 +108,7 @@ class Body:
 
     def sections(self, names: Iterable[str], charts: dict[str, str]) -> list[dict[str, Any]]:
         """Return title and blocks of every section that has any content."""
-        filled: list[dict[str, Any]] = []
+        filled = []
         for name in names:
             if name == "signatures":  # stands at the foot of the first page
                 continue
@@ -116,8 +116,6 @@ class Body:
             blocks = list(with_notes(build(charts)))
             if blocks:
                 filled.append({"name": name, "title": self.say(f"sections.{name}"), "blocks": blocks})
-        if filled:
-            filled[-1]["blocks"].append(self.annex.end())
         return filled
 
     def _picture(self, charts: dict[str, str]) -> Iterable[Block]:

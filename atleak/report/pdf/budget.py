@@ -38,7 +38,7 @@ class Budget:
         flagged = [land for land in self.diagnosis.flagged if land.uncertainty and land.uncertainty.u_clearance]
         if uncertainty is None or not flagged:
             return
-        yield text(say("annex.model"))
+        yield text(say("annex.model"), leads=True)
         for land in flagged[:BUDGETS]:
             assert land.uncertainty is not None
             yield from self._of_land(land, land.uncertainty, uncertainty)

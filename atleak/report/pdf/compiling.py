@@ -45,6 +45,7 @@ def common_data(
         "running": joined((job.workshop.name, job.number, job.vehicle.registration or job.vehicle.vin), " · "),
         "made": f"atleak {__version__}",
         "page": say("title.page", page="{page}", pages="{pages}"),
+        "end": "",
         "note": None,
         "more-fonts": [],
         "head": _letterhead(job, pictures, say),

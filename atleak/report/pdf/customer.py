@@ -188,7 +188,8 @@ class CustomerPage:
         condition, band = self.names.condition(at.condition), self.diagnosis.band(at)
         new = say.percent(self.diagnosis.new_at(at).share)
         if at.pump_capacity <= 0.0:
-            yield f"{say('diagnosis.no_delivery', condition=condition).removesuffix('.')}."
+            said = say("diagnosis.no_delivery", condition=condition)
+            yield f"{said[0].upper()}{said[1:]}."
         elif band is None:
             if not self.diagnosis.without_sheet:
                 yield say("customer.lost_new", condition=condition, new=new)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.diagnosis import Diagnosis
@@ -59,6 +60,7 @@ _OF_AN_OPTION = (
     Sentence("source"),
 )
 _LEVELS: dict[MessageLevel, Sentence] = {"info": Sentence("info"), "warning": Sentence("warning")}
+_SENTENCE = 9  # last column of a long sentence
 MEASURE_FIRST = 6  # lands named for a complaint
 
 
@@ -125,6 +127,7 @@ class Sheets:
             Sentence("What is marked “as issued” is atleak's result and does not follow."),
             book.form(),
         )
+        sheet.print_area(0, 0, row + 1, len(_TOTALS))  # a long text beside it would shrink the page
 
     def _complaint(self) -> list[tuple[str, Any]]:
         """Return the customer's complaint, where it shows and which lands to measure first."""
@@ -160,9 +163,18 @@ class Sheets:
         marked = [f"{', '.join(marks).capitalize()}."] if marks else []
         if diagnosis.judged:
             book.put(sheet, row + 1, 0, Sentence("by the numbers of this workbook"), book.bold)
-            formula(sheet, row + 1, 1, self.headline.formula(cell(row, 1)), self.headline.issued)
+            wrapped = self._wide(sheet, row + 1, self.headline.issued)
+            formula(sheet, row + 1, 1, self.headline.formula(cell(row, 1)), self.headline.issued, wrapped)
         book.put(sheet, row + 2, 0, Sentence("as issued"), book.bold)
-        book.put(sheet, row + 2, 1, " ".join([*marked, said, *caveats(diagnosis, self.say)]))
+        issued = " ".join([*marked, said, *caveats(diagnosis, self.say)])
+        book.put(sheet, row + 2, 1, issued, self._wide(sheet, row + 2, issued))
+
+    def _wide(self, sheet: Worksheet, row: int, text: str) -> Format:
+        """Make room for a long sentence beside its label, over several columns and lines; return its format."""
+        wrapped = self.book.wrapped
+        sheet.merge_range(row, 1, row, _SENTENCE, "", wrapped)
+        sheet.set_row(row, 15.0 * (1 + len(text) // (_SENTENCE * 14)))
+        return wrapped
 
     def _totals(self, sheet: Worksheet, row: int) -> int:
         """Write each condition's total beside the same unit new, how sure its band is, and as the spools may lie."""

@@ -54,7 +54,7 @@ def test_two_visits_of_a_unit_stand_side_by_side(app: AppTest, kept: Callable[..
     assert {widget.label: widget.value for widget in app.selectbox}["Before"] == before
     assert "1 of 2 lands that were measured at both visits changed" in texts(app)
     shown = app.dataframe[0].value
-    regulator = shown[shown["Pair"].str.startswith("tcc_regulator/1")].iloc[0]
+    regulator = shown[shown["Pair"] == "converter clutch regulator valve/1"].iloc[0]
     assert (regulator["Before [µm]"], regulator["After [µm]"], regulator["Changed"]) == (45.0, 20.0, "yes")
     assert "-25.0 ± " in regulator["Change [µm]"].replace("−", "-")
     event = next(widget for widget in app.selectbox if widget.label == "Event")

@@ -457,9 +457,8 @@ def test_the_pdf_of_a_unit_that_nobody_measured_calls_no_pressure_ok(unit: Unit,
 @pytest.mark.parametrize("language", languages())
 def test_the_pdf_names_the_consumers_that_the_lowest_speed_counts(unit: Unit, worn: Diagnosis, language: str) -> None:
     say = wording(language)
-    assert say("texts.counted_in_speed", consumers="cooler, lubrication") in text_of(
-        write_pdf(unit(WORN), language=language)
-    )
+    consumers = ", ".join(map(say.name, ("cooler", "lubrication")))
+    assert say("texts.counted_in_speed", consumers=consumers) in text_of(write_pdf(unit(WORN), language=language))
     assert say("texts.left_out_of_speed") in text_of(write_pdf(worn, language=language, sections=["limits"]))
 
 

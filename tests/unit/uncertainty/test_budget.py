@@ -33,8 +33,8 @@ def test_the_rows_come_to_the_combined_uncertainty(worn: Diagnosis, spool: str, 
     for land in sources_of(worn, spool, sleeve, Assumptions(room_temperature=4.0)):
         lines = budget_lines(land)
         assert lines
-        assert combined(lines) == pytest.approx(land.standard_uncertainty, rel=1e-12)
-        assert math.fsum(line.fraction for line in lines) == pytest.approx(1.0)
+        assert combined(lines) == pytest.approx(land.standard_uncertainty, rel=1e-12, abs=0.0)
+        assert math.fsum(line.fraction for line in lines) == pytest.approx(1.0, abs=1e-12)
         for line in lines:
             assert line.contribution == pytest.approx(line.sensitivity * line.input_uncertainty, rel=1e-12, abs=1e-18)
         parts = [abs(line.contribution) for line in lines]
@@ -47,11 +47,13 @@ def test_the_clearance_takes_half_of_what_is_uncertain_in_a_diameter(worn: Diagn
         lines = lines_of(land)
         for (kind, part), line in lines.items():
             if line.input_kind == "diameter":
-                assert abs(line.sensitivity) == pytest.approx(0.5), (kind, part)
+                assert abs(line.sensitivity) == pytest.approx(0.5, abs=1e-12), (kind, part)
         if ("common calibration", "sleeve") in lines:
             line = lines["common calibration", "sleeve"]
-            assert line.input_uncertainty == pytest.approx(instruments.sleeve.common)
-            assert (line.sensitivity, lines["common calibration", "spool"].sensitivity) == pytest.approx((0.5, -0.5))
+            assert line.input_uncertainty == pytest.approx(instruments.sleeve.common, abs=0.0)
+            assert (line.sensitivity, lines["common calibration", "spool"].sensitivity) == pytest.approx(
+                (0.5, -0.5), abs=1e-12
+            )
 
 
 def test_the_sensitivity_to_temperature_is_what_correcting_by_it_does(worn: Diagnosis) -> None:
@@ -63,9 +65,9 @@ def test_the_sensitivity_to_temperature_is_what_correcting_by_it_does(worn: Diag
     for land, before, after in zip(lands, cold, warm, strict=True):
         if land.state.status == "measured":
             (line,) = (each for each in budget_lines(land) if each.input_kind == "temperature")
-            assert line.input_uncertainty == pytest.approx(2.0 / math.sqrt(3.0))
+            assert line.input_uncertainty == pytest.approx(2.0 / math.sqrt(3.0), abs=1e-12)
             change = after.radial_clearance - before.radial_clearance
-            assert abs(line.sensitivity) == pytest.approx(abs(change), rel=1e-3)
+            assert abs(line.sensitivity) == pytest.approx(abs(change), rel=1e-3, abs=0.0)
 
 
 def test_the_common_error_of_one_gauge_for_both_parts_drops_out(worn: Diagnosis) -> None:
