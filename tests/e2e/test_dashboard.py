@@ -255,7 +255,7 @@ def test_dragging_across_the_log_sets_the_cursors(page: Page) -> None:
     chart.scroll_into_view_if_needed()
     page.evaluate(AT_REST, chart.element_handle())  # plotly lays itself out anew after scrolling
     cursors = page.get_by_test_id("stSliderThumbValue")
-    first = cursors.filter(has_text=re.compile(r"^[23]\.\d\d$"))
+    first = cursors.filter(has_text=re.compile(r"^[23](\.\d+)?$"))
     for _ in range(3):  # on a busy machine the chart may be drawn anew in the middle of a drag: then one drags again
         box = chart.bounding_box()
         middle = box["y"] + box["height"] / 2.0
