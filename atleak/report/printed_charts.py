@@ -299,7 +299,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
         axes.set_ylabel(say("charts.flow"))
         _plain(axes, say)
         axes.grid(color=PAPER.rule, lw=0.5)
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=5, frameon=False, fontsize=8)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=3, frameon=False, fontsize=8)
         return _svg(figure)
 
 

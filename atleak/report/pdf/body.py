@@ -152,7 +152,7 @@ class Body:
             PrintedColumn(names.column("share_largest"), names.share_largest, "%", width=3, side="r"),
         ]
         if decided:
-            columns.append(PrintedColumn(names.column("decision"), names.decision, width=3))
+            columns.append(PrintedColumn(names.column("decision"), names.decision, width=5))
         columns.append(PrintedColumn(names.column("reason"), names.reason, width=7))
         yield table(columns, flagged)
         notes = [say("texts.both_rules")]

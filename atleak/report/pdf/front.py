@@ -122,14 +122,14 @@ class Front:
 
     def _totals(self) -> Block:
         say, diagnosis = self.say, self.diagnosis
+        temperature = PrintedColumn(
+            say("printed.temperature"),
+            lambda at: say.plain_value(at.condition.temperature, "temperature"),
+            say.unit("temperature"),
+            side="r",
+        )
         columns = [
-            PrintedColumn(
-                say("printed.temperature"),
-                lambda at: say.plain_value(at.condition.temperature, "temperature"),
-                say.unit("temperature"),
-                width=1,
-                side="r",
-            ),
+            *(() if all(map(self._names_temperature, diagnosis.reported)) else (temperature,)),
             PrintedColumn(
                 say("printed.speed"),
                 lambda at: say.number(at.condition.engine_speed * RPM, 0),
@@ -152,11 +152,16 @@ class Front:
             ),
             PrintedColumn(say("printed.share"), self._share, "%", side="r"),
             PrintedColumn(say("printed.share_new"), self._share_new, "%", side="r"),
-            PrintedColumn(say("printed.band"), self._band),
+            PrintedColumn(say("printed.band"), self._band, width=1),
             PrintedColumn(say("printed.reserve"), lambda at: say.number(at.reserve, 2), side="r"),
             PrintedColumn(say("printed.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
         ]
         return grouped_table(columns, ((self.names.condition(at.condition), [at]) for at in diagnosis.reported))
+
+    def _names_temperature(self, at: Projection) -> bool:
+        """Tell whether the name of a condition ends in its temperature."""
+        temperature = self.say.plain_value(at.condition.temperature, "temperature")
+        return self.names.condition(at.condition).endswith(f"{temperature}\u00a0{self.say.unit('temperature')}")
 
     def _share_new(self, at: Projection) -> str:
         return self.say.number(self.diagnosis.new_at(at).share * PERCENT, 1)
