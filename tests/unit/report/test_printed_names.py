@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 
 from atleak.catalogue.controller_reading import load_controller
-from atleak.report.pdf.printed_names import condition_name
 from atleak.wording import wording
 
 REVERSE = "reverse_idle"
@@ -23,10 +22,10 @@ REVERSE = "reverse_idle"
 )
 def test_the_temperature_in_a_shipped_name_is_in_the_reader_s_unit(language: str, units: str, name: str) -> None:
     points = {point.name: point for point in load_controller("gm_4l60e").operating_points}
-    assert condition_name(points[REVERSE], wording(language, units)).replace("\u00a0", " ") == name
+    assert wording(language, units).condition(points[REVERSE]).replace("\u00a0", " ") == name
 
 
 def test_a_name_that_says_another_temperature_than_its_own_stays_as_it_is() -> None:
     point = next(each for each in load_controller("gm_4l60e").operating_points if each.name == REVERSE)
     own = replace(point, label="idle after a hill, 120 °C")
-    assert condition_name(own, wording("en", "us")).replace("\u00a0", " ") == "idle after a hill, 120 °C"
+    assert wording("en", "us").condition(own).replace("\u00a0", " ") == "idle after a hill, 120 °C"
