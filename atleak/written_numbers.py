@@ -182,6 +182,7 @@ def written(value: float, asked: AskedNumber, say: Wording | None = None) -> str
 
     >>> written(80.0, TEMPERATURE), written(92.715, TEMPERATURE), written(123.456, MILEAGE)
     ('80', '92.715', '123.4560')
+    >>> from atleak.wording import wording
     >>> written(92.715, TEMPERATURE, wording("de"))
     '92,715'
     """

@@ -14,6 +14,7 @@ from atleak.views.catalogue_table import CatalogueTable, Rows, columns, span
 from atleak.views.circuit_rows import MILLIAMPERE, circuit_tables, gears_words
 from atleak.views.columns import Column
 from atleak.views.evidence_rows import evidence_table
+from atleak.views.land_names import land_number
 from atleak.views.repair_options import repair_name
 from atleak.views.sentences import rule_value
 from atleak.wording import Wording, isolated
@@ -207,7 +208,8 @@ def _complaint_rows(controller: Controller, say: Wording) -> Rows:
             "own_id": complaint.id,
             "complaint": say.name(complaint.label),
             "shows_at": "; ".join(points[name] for name in complaint.conditions),
-            "lands": ", ".join(f"{name}/{land}" for name, land in complaint.lands) or say("catalogue.every_land"),
+            "lands": ", ".join(land_number(controller, each, say) for each in complaint.lands)
+            or say("catalogue.every_land"),
             "source": complaint.source,
         }
         for complaint in controller.complaints

@@ -16,6 +16,7 @@ from atleak.readings import Reading, Readings, clearances
 from atleak.uncertainty import DEFAULTS
 from atleak.uncertainty.sources import find_sources
 from atleak.verdicts import Verdict
+from atleak.views.land_names import land_number
 from atleak.views.sentences import readings_in_doubt
 from atleak.wording import languages, wording
 
@@ -88,9 +89,9 @@ def test_the_land_with_such_repeats_is_in_doubt_and_the_unit_is_not_passed(
 @pytest.mark.parametrize("language", languages())
 def test_every_report_names_the_lands_in_doubt(slipped: tuple[Diagnosis, Diagnosis], language: str) -> None:
     right, wrong = slipped
-    component, land = wrong.in_doubt[0].key
+    named = land_number(wrong.controller, wrong.in_doubt[0].key, wording(language))
     assert readings_in_doubt(right, wording(language)) is None
-    assert f"{component}/{land}:" in (readings_in_doubt(wrong, wording(language)) or "")
+    assert f"{named}:" in (readings_in_doubt(wrong, wording(language)) or "")
 
 
 @every_controller

@@ -20,7 +20,7 @@ from atleak.report.terminal import print_diagnosis
 from atleak.verdicts import Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.diagnosis_record import diagnosis_record
-from atleak.views.evidence_rows import evidence_counts, evidence_rows, still_to_measure
+from atleak.views.evidence_rows import evidence_counts, evidence_table, open_values, still_to_measure
 from atleak.wording import languages, wording
 
 Build = Callable[..., Readings]
@@ -194,7 +194,8 @@ def test_every_basis_has_its_words_in_every_language(sample_diagnoses: dict[str,
 def test_what_values_are_known_from_is_counted_by_kind(four_speed: Controller) -> None:
     counts = evidence_counts(four_speed)
     assert counts["representative"] > counts["published"] > counts["measured"] == counts["not_stated"] == 0
-    rows = evidence_rows(four_speed)
+    rows = evidence_table(four_speed, wording("en")).rows
     assert sum(row["representative"] for row in rows) == counts["representative"]
+    assert len(open_values(four_speed, wording("de"))) == len(still_to_measure(four_speed))
     assert "47 contact lengths" in still_to_measure(four_speed)
     assert "45 nominal diameters" in still_to_measure(four_speed)

@@ -175,7 +175,8 @@ class Account:
 
     def _is_of_controller(self, rows: Rows, index: int) -> bool:
         """Return whether this is the form's own column of nominal diameters, unchanged since it was written."""
-        if rows.table.heading(index).partition(" [")[0] not in _nominal_headings():
+        name, unit, _ = rows.table.heading(index).partition(" [")
+        if not unit or name not in _nominal_headings():
             return False
         units = _units(rows.table, index) or self._units
         return all(

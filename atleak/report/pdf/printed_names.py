@@ -158,7 +158,7 @@ class PrintedNames:
 
     def advice(self, land: LandDiagnosis) -> str:
         """Return what would make an open decision clear; an empty text where it is clear already."""
-        return " ".join(self._advised(land))
+        return " ".join(filter(None, self._advised(land)))
 
     def advice_by_group(self, lands: Iterable[LandDiagnosis]) -> list[str]:
         """Return the same for several lands, with those together of which the same is advised."""

@@ -11,6 +11,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.errors import CatalogueError, InputError
 from atleak.views.catalogue_rows import controller_tables
+from atleak.views.catalogue_table import Rows
+from atleak.wording import wording
 
 Edited = Callable[..., Path]
 COMPLAINT = """
@@ -105,8 +107,12 @@ def test_every_shipped_complaint_says_where_it_comes_from(controller: Controller
 
 
 def test_the_catalogue_page_lists_them_by_their_labels(edited: Edited, minimal: Controller) -> None:
-    rows = controller_tables(load_controller(with_complaint(edited)))["Complaints"]
-    late = next(row for row in rows if row["id"] == "late_reverse")
-    assert late["shows at"] == "hot idle in drive, 100 °C; driving in second, 80 °C"
-    assert late["lands"] == "accumulator/1, pressure_regulator/2"
-    assert [row["lands"] for row in controller_tables(minimal)["Complaints"]] == ["every one"]
+    late = next(row for row in _complaints(load_controller(with_complaint(edited))) if row["own_id"] == "late_reverse")
+    assert late["shows_at"] == "hot idle in drive, 100 °C; driving in second, 80 °C"
+    assert late["lands"] == "accumulator piston/1, pressure regulator valve/2"
+    assert [row["lands"] for row in _complaints(minimal)] == ["every one"]
+
+
+def _complaints(controller: Controller) -> Rows:
+    tables = controller_tables(controller, wording("en"))
+    return next(table.rows for table in tables if table.name == "complaints")

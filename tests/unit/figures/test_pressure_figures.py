@@ -103,10 +103,10 @@ def test_the_pumps_line_crosses_what_is_taken_at_the_marked_speeds(worn_clutch: 
         assert list(taken.y) == [demand.flow * DM3_MIN] * 2
     crossings = trace(figure, "covered from here")
     assert list(crossings.x) == [demand.crossing * RPM for demand in data.demands]
-    assert [text for text in crossings.text if text] == [f"<b>{data.demand.crossing * RPM:.0f} rpm</b>"]
+    assert [text for text in crossings.text if text] == [f"<b>{data.demand.crossing * RPM:.0f}\u00a0rpm</b>"]
     assert [round(value, 6) for value in crossings.error_x.array][:3] == [0.0] * 3
     assert crossings.error_x.array[3] > 0.0
     assert [shape.x0 for shape in figure.layout.shapes] == [700.0]
-    assert "hot idle: 700 rpm" in {note.text for note in figure.layout.annotations}
+    assert "hot idle: 700\u00a0rpm" in {note.text for note in figure.layout.annotations}
     dashes = [trace(figure, f"taken at {demand.temperature:g}\u00a0°C").line.dash for demand in data.demands]
     assert len(set(dashes)) == len(dashes)
