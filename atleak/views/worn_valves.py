@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from enum import Enum
 
 from atleak.catalogue.complaints import Complaint
+from atleak.catalogue.controller import Gap
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.land_diagnosis import LandDiagnosis
@@ -18,7 +20,16 @@ WORTH_SAYING = (
     0.1  # part of what leaks at a complaint's conditions from which a valve is named for it: project's choice
 )
 
-Path = tuple[str | None, str | None]  # sections from which and into which oil leaks; None: the sump or a fixed pressure
+
+class End(Enum):
+    """Where oil leaks to that is no section with a name."""
+
+    SUMP = "sump"
+    FIXED_PRESSURE = "fixed_pressure"
+    ANOTHER_SECTION = "another_section"  # which the valve body's file does not name
+
+
+Path = tuple[str, str | End]  # section from which, and section or other end into which oil leaks
 
 
 @dataclass(frozen=True)
@@ -89,8 +100,16 @@ def _saved(valve: WornValve) -> float:
 def _paths(diagnosis: Diagnosis, keys: set[LandKey]) -> tuple[Path, ...]:
     if not diagnosis.controller.gaps_described:
         return ()
-    gaps = (gap for gap in diagnosis.controller.gaps if gap.key in keys)
-    return tuple(dict.fromkeys((gap.high.section, None if gap.into_sump else gap.low.section) for gap in gaps))
+    gaps = [gap for gap in diagnosis.controller.gaps if gap.key in keys]
+    return tuple(dict.fromkeys((gap.high.section, _end(gap)) for gap in gaps if gap.high.section is not None))
+
+
+def _end(gap: Gap) -> str | End:
+    if gap.low.section is None and gap.low.constant > 0.0:
+        return End.FIXED_PRESSURE
+    if gap.into_sump:
+        return End.SUMP
+    return gap.low.section if gap.low.section is not None and gap.low.is_section else End.ANOTHER_SECTION
 
 
 def _felt(keys: set[LandKey], at: Iterable[tuple[Complaint, tuple[Projection, ...]]]) -> tuple[Complaint, ...]:

@@ -21,7 +21,7 @@ from atleak.views.first_sentence import shown_verdict
 from atleak.views.land_names import has_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import HeldPressure, lowest_first, pressures_at
-from atleak.views.worn_valves import WORTH_SAYING, WornValve, part_of_leakage, worn_valves
+from atleak.views.worn_valves import WORTH_SAYING, End, WornValve, part_of_leakage, worn_valves
 from atleak.wording import isolated
 from atleak.workshop_units import KPA
 
@@ -80,8 +80,8 @@ class CustomerPage:
             "title": say("customer.title"),
             "about": self._about(),
             "key": self.verdict,
-            "headline": say("customer.ok_unmeasured" if self._only_checked else f"customer.{self.verdict}"),
-            "urgency": [say("customer.urgency"), say(f"customer.urgent_{self.verdict}")],
+            "headline": say(f"customer.{self._headline}"),
+            "urgency": [say("customer.urgency"), say(f"customer.urgent_{self._urgency}")],
             "caveats": list(self._caveats()),
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in LENGTHS]},
             "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in LENGTHS]},
@@ -115,6 +115,34 @@ class CustomerPage:
     def _only_checked(self) -> bool:
         """Tell whether gauges or a log alone found nothing: of a valve body that nobody measured."""
         return self.diagnosis.without_sheet and self.verdict is Verdict.OK
+
+    @cached_property
+    def _planned(self) -> list[str]:
+        """Return the valves that the plan of repairs names, in its order."""
+        return list(dict.fromkeys(step.land.key[0] for step in self.names.plan.steps))
+
+    @property
+    def _not_by_a_valve(self) -> bool:
+        """Tell whether a limit is passed that no valve has reached by itself: that of a total, gauge or log."""
+        flagged = self.diagnosis.flagged
+        if self.verdict.calls_for_repair:
+            return not any(land.verdict.calls_for_repair for land in flagged)
+        return self.verdict is Verdict.WATCH and not flagged
+
+    @property
+    def _headline(self) -> str:
+        if self._only_checked:
+            return "ok_unmeasured"
+        if not self._not_by_a_valve:
+            return self.verdict
+        if self.verdict is Verdict.WATCH:
+            return "past_watch"
+        return "past_together" if self._planned else "past_unexplained"
+
+    @property
+    def _urgency(self) -> str:
+        past = self._not_by_a_valve and self.verdict.calls_for_repair
+        return f"past_{self.verdict}" if past else self.verdict
 
     @property
     def _drawn(self) -> list[str]:
@@ -167,9 +195,12 @@ class CustomerPage:
         yield from self._lost()
         yield from (self._held(each) for each in self._past)
         yield from self._explained()
-        missing = len(diagnosis.unmeasured)
+        half = sum(land.state.measured for land in diagnosis.unmeasured)
+        missing = len(diagnosis.unmeasured) - half
         if missing and diagnosis.judged:
             yield say("customer.open", missing=missing, lands=len(diagnosis.lands))
+        if half:
+            yield say("customer.half", half=half, lands=len(diagnosis.lands))
         if diagnosis.in_doubt:
             yield say("customer.doubt", count=len(diagnosis.in_doubt))
 
@@ -194,7 +225,10 @@ class CustomerPage:
             if not self.diagnosis.without_sheet:
                 yield say("customer.lost_new", condition=condition, new=new)
         else:
-            yield say("customer.lost", condition=condition, share=say.percent(at.share), band=say.level(band), new=new)
+            key = "lost_over" if at.share > 1.0 else "lost"
+            yield say(
+                f"customer.{key}", condition=condition, share=say.percent(at.share), band=say.level(band), new=new
+            )
 
     @cached_property
     def _past(self) -> tuple[HeldPressure, ...]:
@@ -225,7 +259,7 @@ class CustomerPage:
         if part > 0.0:
             yield say("customer.explains", label=label, condition=condition, part=say.percent(part, 0))
         else:
-            yield say("customer.explains_nothing", label=label, condition=condition)
+            yield say(f"customer.explains_{'elsewhere' if keys else 'nothing'}", label=label, condition=condition)
 
     # --- the valves
 
@@ -270,14 +304,15 @@ class CustomerPage:
         return {"sign": verdict, "text": self.say.level(verdict)}
 
     def _paths(self, valve: WornValve) -> str:
-        ends = ((self._pressure(high), self._pressure(low)) for high, low in valve.paths)
+        ends = ((self._pressure(high), self._end(low)) for high, low in valve.paths)
         words = dict.fromkeys(self.say("customer.from_to_value", before=high, after=low) for high, low in ends)
         return joined([*words][:FELT], "; ")
 
-    def _pressure(self, section: str | None) -> str:
-        """Name a section as people say it; the sump where there is none."""
-        if section is None:
-            return self.say("customer.sump")
+    def _end(self, end: str | End) -> str:
+        return self.say(f"customer.{end.value}") if isinstance(end, End) else self._pressure(end)
+
+    def _pressure(self, section: str) -> str:
+        """Name a section as people say it."""
         letters = f" {section}"
         return self.names.section(section).removesuffix(letters)
 
@@ -313,8 +348,7 @@ class CustomerPage:
     # --- what to do
 
     def _do(self) -> Iterator[str]:
-        say, plan = self.say, self.names.plan
-        planned = list(dict.fromkeys(step.land.key[0] for step in plan.steps))
+        say, planned = self.say, self._planned
         if self.verdict is Verdict.OK:
             yield say("customer.do_nothing_seen" if self._only_checked else "customer.do_nothing")
             return
@@ -332,7 +366,7 @@ class CustomerPage:
             yield say("customer.do_look")
             return
         yield say("customer.do_repair", valves=self._named(due))
-        yield from self._brings(due, alone=len(planned) == 1)
+        yield from self._brings(due, alone=len(due) == 1 or len(planned) == 1)
 
     def _brings(self, due: Sequence[str], *, alone: bool) -> Iterator[str]:
         """Say what the best repair brings by itself, and what all of them bring."""
@@ -356,12 +390,12 @@ class CustomerPage:
             )
         end = next((each for each in plan.ends if each.condition == worst.condition), None)
         if end is not None and plan.steps:
-            yield self._all(end)
+            yield self._all(end, condition)
         yield say("customer.do_green" if plan.reached else "customer.do_past")
 
-    def _all(self, end: Total) -> str:
+    def _all(self, end: Total, condition: str) -> str:
         say = self.say
-        return say("customer.do_all", after=say.percent(end.share), band_after=say.level(end.band))
+        return say("customer.do_all", condition=condition, after=say.percent(end.share), band_after=say.level(end.band))
 
     # --- what it costs, and who signs
 

@@ -1,4 +1,4 @@
-"""Build the first page: owner and vehicle, the verdict and the totals."""
+"""Build the head of the technical annex: owner and vehicle, the verdict and the totals."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 
 class Front:
-    """What stands on the first page below the letterhead."""
+    """What stands at the head of the annex, behind the customer's page."""
 
     def __init__(self, names: PrintedNames) -> None:
         self.names = names
