@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import difflib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -97,7 +98,8 @@ class InputError(AtleakError):
         if where:
             said = Sentence("{where}: {problem}", where=where, problem=said)
         if self.value is not None:
-            said = Sentence("{problem} (found {value!r})", problem=said, value=self.value)
+            stands = str(self.value) if isinstance(self.value, dt.date | dt.time) else self.value
+            said = Sentence("{problem} (found {value!r})", problem=said, value=stands)
         if self.expected:
             said = Sentence("{problem}; expected {expected}", problem=said, expected=self.expected)
         if self.nearest:

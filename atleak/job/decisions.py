@@ -10,7 +10,7 @@ from atleak.errors import InputError, Place, unknown
 from atleak.job.record import Job, RepairDecision
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import LandKey
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 
 
 def check_decisions(job: Job, controller: Controller, file: str = "job record") -> None:
@@ -31,7 +31,7 @@ def decision_faults(job: Job, controller: Controller, file: str = "job record") 
     for number, decision in enumerate(job.repair_decisions, start=1):
         place = Place(file=file, table=f"repair_decisions {number}")
         if decision.component and decision.component not in controller.components:
-            problem = Sentence("{controller} has no such component", controller=controller.name)
+            problem = Sentence("{controller} has no such component", controller=Name(controller.name))
             yield unknown(problem, decision.component, controller.components, place=place)
             continue
         lands = [land.key[1] for land in controller.lands_of(decision.component)] if decision.component else []
@@ -45,7 +45,7 @@ def decision_faults(job: Job, controller: Controller, file: str = "job record") 
             yield InputError(problem, place=place, value=decision.land, expected=expected)
         repairs = {repair.id: repair for repair in controller.repairs}
         if decision.repair and decision.repair not in repairs:
-            problem = Sentence("{controller} names no such repair", controller=controller.name)
+            problem = Sentence("{controller} names no such repair", controller=Name(controller.name))
             yield unknown(problem, decision.repair, repairs, place=place)
         elif decision.repair and decision.component not in ("", repairs[decision.repair].component):
             of = {"repair": decision.repair, "component": decision.component}

@@ -36,7 +36,7 @@ def _unknown_parts(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:
         for number, component in enumerate(components, start=1):
             if component and component not in controller.components:
                 place = Place(file="job record", table=f"{table} {number}")
-                problem = Sentence("{controller} has no such component", controller=controller.name)
+                problem = Sentence("{controller} has no such component", controller=Name(controller.name))
                 fault: InputError = unknown(problem, component, controller.components, place=place)
                 yield Message("warning", "record_unknown_part", fault.sentence)
 

@@ -20,19 +20,16 @@ _ALONE = {0x01, *range(0xD0, 0xD9)}  # markers of JPEG without a length
 
 
 def without_notes(content: bytes) -> bytes:
-    """Return a JPEG, PNG or WebP file without the camera's notes; any other bytes, and damaged ones, as they are.
+    """Return a JPEG, PNG or WebP file without the camera's notes; any other bytes as they are.
 
-    What is cleaned already stays as it is.
+    A file that is cut short or damaged keeps what it has of its picture. What is cleaned already stays as it is.
     """
-    try:
-        if content.startswith(b"\xff\xd8"):
-            return _jpeg(content)
-        if content.startswith(_PNG):
-            return _png(content)
-        if content.startswith(b"RIFF") and content[8:12] == b"WEBP":
-            return _webp(content)
-    except (struct.error, IndexError, ValueError):
-        return content
+    if content.startswith(b"\xff\xd8"):
+        return _jpeg(content)
+    if content.startswith(_PNG):
+        return _png(content)
+    if content.startswith(b"RIFF") and content[8:12] == b"WEBP":
+        return _webp(content)
     return content
 
 
@@ -54,14 +51,17 @@ def _jpeg(content: bytes) -> bytes:
 
 
 def _segments(content: bytes) -> Iterator[tuple[int, bytes]]:
-    """Return every segment of a JPEG with its marker, one of a scan with its data; nothing behind the picture's end."""
+    """Return every segment of a JPEG with its marker, one of a scan with its data; nothing behind the picture's end.
+
+    What stands where a marker must is passed over, as viewers do.
+    """
     at = 2
-    while True:
-        start = at
-        while content[at] == 0xFF:
+    while (at := content.find(b"\xff", at)) >= 0:
+        while content[at : at + 1] == b"\xff":
             at += 1
-        if at == start:
-            raise ValueError("no marker where one must stand")
+        if at + 2 >= len(content):
+            yield 0xD9, content[at - 1 :]
+            return
         marker = content[at]
         at += 1
         if marker == 0xD9:
@@ -70,8 +70,7 @@ def _segments(content: bytes) -> Iterator[tuple[int, bytes]]:
         if marker in _ALONE:
             yield marker, bytes((0xFF, marker))
             continue
-        (length,) = struct.unpack_from(">H", content, at)
-        end = at + length
+        end = at + int.from_bytes(content[at : at + 2], "big")
         if marker == 0xDA:
             end = _end_of_scan(content, end)
         yield marker, bytes((0xFF, marker)) + content[at:end]
@@ -80,17 +79,17 @@ def _segments(content: bytes) -> Iterator[tuple[int, bytes]]:
 
 def _end_of_scan(content: bytes, at: int) -> int:
     """Return where the next marker stands behind a scan's data."""
-    while True:
-        at = content.index(b"\xff", at)
+    while (at := content.find(b"\xff", at)) >= 0 and at + 1 < len(content):
         if content[at + 1] not in (0x00, 0xFF, *range(0xD0, 0xD8)):
             return at
         at += 1 if content[at + 1] == 0xFF else 2
+    return len(content)
 
 
 def _png(content: bytes) -> bytes:
     kept, turned, at = [_PNG], 1, len(_PNG)
     while at < len(content):
-        (length,) = struct.unpack_from(">I", content, at)
+        length = int.from_bytes(content[at : at + 4], "big")
         kind, chunk = content[at + 4 : at + 8], content[at : at + 12 + length]
         if kind == b"eXIf":
             turned = _orientation(chunk[8:-4])
@@ -108,14 +107,14 @@ def _png(content: bytes) -> bytes:
 def _webp(content: bytes) -> bytes:
     kept, turned, at = [], 1, 12
     while at < len(content):
-        kind, (length,) = content[at : at + 4], struct.unpack_from("<I", content, at + 4)
+        kind, length = content[at : at + 4], int.from_bytes(content[at + 4 : at + 8], "little")
         chunk = content[at : at + 8 + length + length % 2]
         if kind == b"EXIF":
             turned = _orientation(chunk[8 : 8 + length].removeprefix(_EXIF))
         elif kind not in _WEBP_NOTES:
             kept.append(chunk)
         at += len(chunk)
-    if kept[0][:4] == b"VP8X":
+    if kept and kept[0][:4] == b"VP8X" and len(kept[0]) > 8:
         flags = kept[0][8] & ~_WEBP_FLAGS | (0x08 if turned != 1 else 0)
         kept[0] = kept[0][:8] + bytes((flags,)) + kept[0][9:]
         if turned != 1:

@@ -239,7 +239,7 @@ def _save(editing: Editing, saving: Saving, over: str, then: Callable[[str], Non
     try:
         path = write_own(editing.draft.subject.kind, saving.name, saving.text, over=over)
     except OutputError as error:
-        st.session_state[editing.key("refused")] = error
+        st.session_state[editing.key("refused")] = error.sentence
         return
     editing.over = hashlib.sha256(path.read_bytes()).hexdigest()
     forget_draft(editing.token)

@@ -152,4 +152,4 @@ def _save(id: str, text: str, over: str) -> None:
     try:
         write_own("instruments", id, text, over=over)
     except OutputError as error:
-        st.session_state["gauge-study-refused"] = error
+        st.session_state["gauge-study-refused"] = error.sentence

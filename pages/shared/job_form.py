@@ -236,7 +236,7 @@ def _uploads(what: str, *, several: bool) -> None:
                 printable_picture(name, content)
                 _put(job().with_photo(name, content) if several else job().with_logo(name, content))
             except InputError as error:
-                st.session_state[f"{count}-fault"] = error
+                st.session_state[f"{count}-fault"] = error.sentence
 
     label = reader.say()(f"job_form.{what}")
     st.file_uploader(label, PICTURE_KINDS, accept_multiple_files=several, key=own, on_change=changed)

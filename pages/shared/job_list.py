@@ -176,7 +176,7 @@ def _done(act: Callable[[], str]) -> None:
         st.session_state[_SAID] = act()
     except AtleakError as error:
         st.session_state[_SAID] = ""
-        st.session_state["job-list-fault"] = error
+        st.session_state["job-list-fault"] = error.sentence
 
 
 def _archived(book: Book, ids: Sequence[str], *, back: bool) -> str:

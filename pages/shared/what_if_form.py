@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -30,6 +31,12 @@ _NUMBERS: dict[str, type[float] | type[int]] = {
 }  # fmt: skip
 
 
+_RANGES: dict[str, tuple[float, float]] = {
+    "temperature": TEMPERATURE.limits, "speed": ENGINE_SPEED.limits, "wear": (0.0, _MOST_WEAR),
+    "growth": (0.0, _MOST_GROWTH), "gear": (-9, 99),
+}  # fmt: skip
+
+
 @dataclass
 class _Kept:
     """What is tried; temperature [°C] and speed [1/min] only where they are not those of the operating point."""
@@ -44,27 +51,23 @@ def _start(diagnosis: Diagnosis) -> None:
     owner, kept = (session().generation, diagnosis.controller.sha256), st.session_state.get("what-if")
     if kept is None or kept.owner != owner:
         turn = 0 if kept is None else kept.turn + 1
-        st.session_state["what-if"] = _Kept(owner, turn, _AS_IN_JOB | _read(address.kept(_ADDRESS)))
+        st.session_state["what-if"] = _Kept(owner, turn, _AS_IN_JOB | read_tried(address.kept(_ADDRESS)))
 
 
-def _read(written: str) -> dict[str, Any]:
+def read_tried(written: str) -> dict[str, Any]:
     """Return what an address says is tried; what cannot be read, or is out of range, is as in the job."""
     tried: dict[str, Any] = {}
     for name, _, text in (part.partition(":") for part in written.split(";")):
         value: Any = text
-        if name in _NUMBERS and text != UNKNOWN:
-            value = decimal_number(text)
-            if value is None:
+        if name in _NUMBERS and (name, text) != ("position", UNKNOWN):
+            number = decimal_number(text)
+            low, high = _RANGES.get(name, (-math.inf, math.inf))
+            if number is None or not low <= number <= high:
                 continue
-            value = _NUMBERS[name](value)
-        if name in _AS_IN_JOB and text and 0 <= _part_of_range(name, value) <= 1:
+            value = _NUMBERS[name](number)
+        if name in _AS_IN_JOB and text:
             tried[name] = value
     return tried
-
-
-def _part_of_range(name: str, value: Any) -> float:
-    most = {"wear": _MOST_WEAR, "growth": _MOST_GROWTH}.get(name)
-    return 0.0 if most is None else value / most
 
 
 def _write() -> None:
@@ -152,11 +155,13 @@ def _number(name: str, asked: AskedNumber, own: float, key: str) -> float:
 def _select(name: str, labels: dict[Any, str], otherwise: Any) -> Any:
     """Show a choice; ``otherwise`` is what the job has."""
     say, options, key = reader.say(), list(labels), f"{_key(name)}-{otherwise}"
-    chosen = st.session_state["what-if"].chosen[name]
+    chosen = st.session_state["what-if"].chosen
+    if chosen[name] not in options:  # of an address that was written for another unit, or by hand
+        chosen[name] = _AS_IN_JOB[name]
     return st.selectbox(
         say(f"what_if.{name}"),
         options,
-        options.index(chosen if chosen in options and chosen is not None else otherwise),
+        options.index(otherwise if chosen[name] is None else chosen[name]),
         key=key,
         format_func=labels.__getitem__,
         help=say.texts["what_if"].get(f"{name}_help"),

@@ -185,7 +185,7 @@ def _tried(act: object, kind: str, name: str) -> bool:
     try:
         act(kind, name)  # type: ignore[operator]
     except OutputError as error:
-        st.session_state[f"{_DONE}-refused"] = error
+        st.session_state[f"{_DONE}-refused"] = error.sentence
         return False
     return True
 

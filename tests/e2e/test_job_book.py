@@ -37,6 +37,7 @@ def wait_until_kept(book: Book, job: str, kept: Callable[[Job], bool]) -> None:
         time.sleep(0.1)
 
 
+@pytest.mark.slow
 def test_a_killed_tab_and_a_killed_server_lose_no_digit_and_the_second_browser_is_told(
     visit: Callable[[str], Page], tmp_path: Path
 ) -> None:

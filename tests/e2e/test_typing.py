@@ -285,6 +285,7 @@ def gauge(page: Page, cell: str) -> Locator:
     return page.get_by_role("textbox", name=f"{cell} [kPa]", exact=True)
 
 
+@pytest.mark.slow
 @pytest.mark.page("20_Pressures")
 def test_gauge_readings_typed_with_tab_stand_in_their_cells_and_stay(page: Page) -> None:
     wait_until_idle(page)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import copy
+import datetime as dt
 import pickle
 from collections.abc import Iterator
 from pathlib import Path
@@ -85,6 +86,10 @@ def test_an_error_is_said_with_its_place_and_what_was_expected() -> None:
     assert german.startswith("a.toml, Zeile 3: ")
     assert "'usa'" in german
     assert not {"row", "expected", "found"} & set(german.split())
+
+
+def test_a_date_that_was_found_is_written_as_people_write_it() -> None:
+    assert str(InputError(Sentence("no day"), value=dt.date(2026, 1, 2))) == "no day (found '2026-01-02')"
 
 
 def test_every_sentence_is_worded_in_the_code() -> None:

@@ -50,7 +50,7 @@ class Annex:
         if uncertainty is None or not decided:
             return
         guard, risk = say.plain(uncertainty.guard_factor), float(normal_cdf(-uncertainty.guard_factor))
-        yield text(say("annex.subject", limits=self.diagnosis.limits.name, section=say("sections.limits")))
+        yield text(say("annex.subject", limits=say.name(self.diagnosis.limits.name), section=say("sections.limits")))
         yield text(say("annex.rule", guard=guard))
         yield text(say("annex.risk", risk=say.percent(risk, 0)))
         yield text(self.expanded(uncertainty))

@@ -343,7 +343,7 @@ class Body:
         )
         yield facts(
             [
-                [say("facts.controller"), diagnosis.controller.name],
+                [say("facts.controller"), say.name(diagnosis.controller.name)],
                 [say("facts.fluid"), fluid_in_state(diagnosis, say)],
                 [say("facts.viscosity"), joined(viscosities, "; ")],
                 [say("facts.profile"), diagnosis.profile.label],
@@ -364,7 +364,7 @@ class Body:
             PrintedColumn(say("printed.source"), lambda rule: rule[1].source, width=6),
         ]
         yield table(columns, limits.rules.items())
-        yield text(f"{isolated(limits.name)}. {say('texts.limit_note')}", small=True)
+        yield text(f"{isolated(say.name(limits.name))}. {say('texts.limit_note')}", small=True)
 
     def _levels(self, kind: RuleKind, steps: Steps) -> str:
         say = self.say
@@ -392,7 +392,7 @@ class Body:
 
     def _assumptions(self, charts: dict[str, str]) -> Iterable[Block]:
         say, diagnosis = self.say, self.diagnosis
-        items = [diagnosis.controller.representative] if diagnosis.controller.representative else []
+        items = [say.name(diagnosis.controller.representative)] if diagnosis.controller.representative else []
         by_values: dict[tuple[str, ...], list[str]] = {}
         for land in diagnosis.lands:
             values = land.state.land.representative
@@ -410,7 +410,7 @@ class Body:
             items.append(say("texts.fluid_assumed", low=low, high=high))
         if diagnosis.fluid.representative:
             names = joined(diagnosis.fluid.representative)
-            items.append(f"{isolated(diagnosis.fluid.name)}: {say('facts.representative')}: {names}.")
+            items.append(f"{isolated(say.name(diagnosis.fluid.name))}: {say('facts.representative')}: {names}.")
         for status, key in (("spool_only", "assumed_sleeve"), ("sleeve_only", "assumed_spool"), ("not_measured",) * 2):
             lands = [self.names.land_number(land) for land in diagnosis.lands if land.state.status == status]
             if lands:

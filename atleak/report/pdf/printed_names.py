@@ -204,7 +204,7 @@ class PrintedNames:
             parts = say("advice.and").join(say(f"advice.{part}") for part in remedy.directions)
             ways.append(say("advice.directions", parts=parts))
         for choice in remedy.instruments:
-            tools = (say("advice.tool", instrument=tool, part=say(f"advice.{part}")) for part, tool in choice)
+            tools = (say("advice.tool", instrument=say.name(tool), part=say(f"advice.{part}")) for part, tool in choice)
             ways.append(say("advice.and").join(tools))
         if ways:
             yield say("advice.settled", ways=say("advice.or").join(ways))

@@ -64,7 +64,30 @@ def test_what_a_phone_hangs_behind_the_picture_is_gone_too() -> None:
 
 @pytest.mark.parametrize(
     "content",
-    [b"", b"not a picture", b"\xff\xd8", b"\xff\xd8\xff\xe1\x00", noted("JPEG", 6)[:80], noted("PNG", 6)[:30]],
+    [
+        b"",
+        b"not a picture",
+        b"\xff\xd8",
+        b"\xff\xd8\xff\xe1\x00",
+        noted("PNG", 6)[:30],
+        b"RIFF\x00\x00\x00\x00WEBP"[:11],
+    ],
 )
-def test_what_is_no_sound_picture_stays_as_it_is(content: bytes) -> None:
+def test_what_has_no_notes_stays_as_it_is(content: bytes) -> None:
     assert without_notes(content) == content
+
+
+@pytest.mark.parametrize("form", ["JPEG", "PNG", "WEBP"])
+def test_a_picture_that_is_cut_short_keeps_no_notes_either(form: str) -> None:
+    content = noted(form, 6)
+    for length in range(20, len(content)):
+        assert SECRET not in without_notes(content[:length]), length
+    damaged = without_notes(content[:2] + b"garbage" + content[2:])
+    assert SECRET not in damaged or form != "JPEG"
+
+
+def test_a_photo_without_its_last_bytes_still_shows_its_picture() -> None:
+    content = noted("JPEG", 6)
+    cut = without_notes(content[:-2])
+    assert without_notes(content).startswith(cut)
+    assert len(cut) == len(without_notes(content)) - 2

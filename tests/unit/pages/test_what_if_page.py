@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from pages.shared.what_if_form import read_tried
+
 from .conftest import go, texts
 
 
@@ -67,3 +69,12 @@ def test_what_is_tried_stands_in_the_address_and_comes_back_from_it(app: AppTest
     assert (share(app), slider(app, "Wear").value, field(app, "Temperature").value) == (tried, 2.0, "101,5")
     reset(app)
     assert "tried" not in app.query_params
+
+
+def test_an_address_written_by_hand_tries_only_what_can_be_tried() -> None:
+    assert read_tried("wear:2.0;gear:3;position:unknown;state:used") == {
+        "wear": 2.0, "gear": 3, "position": "unknown", "state": "used"
+    }  # fmt: skip
+    numbers = ("wear:unknown", "wear:9", "growth:-1", "temperature:unknown", "temperature:9999", "speed:-5", "gear:")
+    for wrong in (*numbers, "x:1"):
+        assert read_tried(wrong) == {}, wrong

@@ -65,7 +65,7 @@ def test_rule_risk_and_expanded_uncertainty_are_said(worn: Diagnosis, language: 
     texts = [block["text"] for block in of_kind(Annex(names_of(worn, language=language)).decisions(), "text")]
     said = " ".join(texts)
     assert "ISO/IEC 17025:2017, 7.8.6" in said
-    assert worn.limits.name in said
+    assert wording(language).name(worn.limits.name) in said
     assert f"k = {wording(language).number(1.96, 2)}" in said
     assert wording(language).percent(float(normal_cdf(-worn.uncertainty.guard_factor)), 0) in said
 

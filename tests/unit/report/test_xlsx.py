@@ -159,6 +159,7 @@ def test_libreoffice_recalculates_atleaks_numbers(content, recalculated, referee
     assert referee.differing(formulas, recalculated(formulas), cached) == []
 
 
+@pytest.mark.slow
 def test_libreoffice_shows_a_negative_wear_with_its_sign(worn, tmp_path, convert):
     book = openpyxl.load_workbook(io.BytesIO(write_workbook(replace(worn, road=None))))
     for name in book.sheetnames:
