@@ -21,14 +21,14 @@ def entries(kind: str) -> dict:
     """Return the catalogue's entries of a kind and the one in the job, by the name that is shown."""
     known = list(catalogue_list(kind).entries.values())
     chosen = getattr(diagnosis, kind)
-    return {shown_name(entry): entry for entry in ([] if chosen in known else [chosen]) + known}
+    return {shown_name(entry, say): entry for entry in ([] if chosen in known else [chosen]) + known}
 
 
 for tab, kind in zip(st.tabs([say(f"catalogue.{kind}") for kind in rows.FOLDERS]), rows.FOLDERS, strict=True):
     with tab:
         known = entries(kind)
         names = list(known)
-        first = names.index(shown_name(getattr(diagnosis, kind)))
+        first = names.index(shown_name(getattr(diagnosis, kind), say))
         name = st.selectbox(say("catalogue.show"), names, first, key=f"catalogue-{kind}-{say.language}")
         entry = known[name]
         st.markdown(f"**{say('columns.source')}:** {show.plain(entry.source)} ({entry.date})")

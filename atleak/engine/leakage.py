@@ -209,9 +209,9 @@ class GapLaw:
         eccentric = self.eccentricity_factor
         lossless = eccentric * gap_equations.annular_flow(1.0, *factors)  # per pascal
         lossy = gap_equations.entry_loss_flow(pressure_drop, *factors, eccentricity_factor=eccentric)
-        flows = (pressure_drop > 0.0) & (clearance > 0.0)
-        whole = np.where(flows, lossless * pressure_drop, 1.0)
-        return np.where(flows, 1.0 - lossy / whole, 0.0)
+        whole = np.where((pressure_drop > 0.0) & (clearance > 0.0), lossless * pressure_drop, 0.0)
+        flows = whole > 0.0  # a drop can be so small that nothing flows
+        return np.where(flows, 1.0 - lossy / np.where(flows, whole, 1.0), 0.0)
 
 
 # --- the pump

@@ -34,7 +34,7 @@ from atleak.measuring.plan import PARTS
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.system.memory import give_back_soon
-from pages.shared import reader
+from atleak.wording import Wording
 
 CaseKind = TypeVar("CaseKind", bound=Case)
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
@@ -221,9 +221,9 @@ def own_faults() -> list[CatalogueError]:
     return [fault for name in names.values() for fault in catalogue_list(name).faults]
 
 
-def shown_name(entry: Any) -> str:
+def shown_name(entry: Any, say: Wording) -> str:
     """Return the name of an entry of the catalogue in the reader's language; the user's own are marked."""
-    say, own = reader.say(), entry.origin is not None and entry.origin.own
+    own = entry.origin is not None and entry.origin.own
     return say("settings.own_entry", name=entry.name, id=entry.id) if own else say.name(entry.name)
 
 

@@ -33,7 +33,7 @@ def catalogue_entry(name: str) -> None:
     def shown(option: Choice) -> str:
         if isinstance(option, SourceFile):
             return say("settings.own_file", name=option.name)
-        return shown_name(known[option]) if option in known else option
+        return shown_name(known[option], say) if option in known else option
 
     _select(say(f"slots.{name}"), name, options, current, shown, lambda picked: choose(**{name: picked}))
     with st.container():

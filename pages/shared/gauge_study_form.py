@@ -110,7 +110,7 @@ def draw_taking(study: GaugeStudy, say: Wording) -> None:
         say("gauge_study.studied"),
         list(known),
         list(known).index(in_job) if in_job in known else 0,
-        format_func=lambda name: shown_name(known[name]),
+        format_func=lambda name: shown_name(known[name], say),
         key="gauge-study-of",
     )
     name = places[1].text_input(say("gauge_study.name"), f"{known[of].name}, {study.readings.file}")

@@ -45,7 +45,7 @@ def choose_start() -> None:
         start = st.selectbox(
             say("transmission.start_from"),
             [_EMPTY, *entries],
-            format_func=lambda name: shown_name(entries[name]) if name in entries else say("transmission.empty"),
+            format_func=lambda name: shown_name(entries[name], say) if name in entries else say("transmission.empty"),
             help=say("transmission.start_help"),
         )
         st.button(say("transmission.start"), type="primary", on_click=_start, args=(start,))

@@ -191,7 +191,8 @@ def _slide(name: str, low: Any, high: Any, step: Any) -> Any:
 def _fluids(diagnosis: Diagnosis) -> dict[str | None, str]:
     say = reader.say()
     as_in_job = say("what_if.fluid_job", name=say.name(diagnosis.fluid.name))
-    return {None: as_in_job, **{name: shown_name(entry) for name, entry in catalogue_list("fluid").entries.items()}}
+    known = catalogue_list("fluid").entries
+    return {None: as_in_job, **{name: shown_name(entry, say) for name, entry in known.items()}}
 
 
 def _states(diagnosis: Diagnosis) -> dict[FluidState | None, str]:

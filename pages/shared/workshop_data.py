@@ -73,7 +73,7 @@ def _slots(desk: Desk) -> list[Slot]:
 def choose_start(desk: Desk, say: Wording) -> None:
     """Ask from what to start, and show what of this kind is the user's own."""
     known = catalogue_list(_slots(desk)[0].name)
-    names = {entry.id: shown_name(entry) for entry in known.entries.values()}
+    names = {entry.id: shown_name(entry, say) for entry in known.entries.values()}
     options, in_job = [*names, ""], getattr(session().case, _slots(desk)[0].name)
     kept = desk.kept()
     left, right = st.columns(2)

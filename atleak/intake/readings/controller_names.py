@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable
 from functools import cached_property
 
@@ -11,6 +12,7 @@ from atleak.errors import ReadingsError, nearest_name
 from atleak.intake.readings.words import plain, plane_names, text_of
 from atleak.intake.sheets.sheet import Cell
 from atleak.sentence import Name, Sentence
+from atleak.wording import languages, wording
 
 _LEADING = re.compile(
     r"^(?:no|nr|number|component|comp|valve|damper|item|pos|bauteil|ventil|element|#)[\s.:]*(?=\S)", re.I
@@ -34,12 +36,12 @@ class ControllerNames:
 
     @cached_property
     def _spellings(self) -> dict[str, str]:
-        names = [plain(name) for name in self.controller.components.values()]
-        spelled = {
-            plain(name): component
-            for component, name in self.controller.components.items()
-            if names.count(plain(name)) == 1
-        }
+        spelled: dict[str, str] = {}
+        for language in languages():
+            say = wording(language)
+            names = {component: plain(say.name(name)) for component, name in self.controller.components.items()}
+            often = Counter(names.values())
+            spelled |= {name: component for component, name in names.items() if often[name] == 1}
         for component in self.controller.components:
             spelled[plain(component)] = component
             spelled.setdefault(plain(component.replace("_", " ")), component)

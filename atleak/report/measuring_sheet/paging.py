@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+_PIXEL = 0.75  # [pt] to which workbooks round a row's height
 ROW = 7.0  # [mm] least height of a row on paper, to write in by hand: choice of this project
 _PAGE = 297.0, 210.0  # [mm] A4, landscape
 LEFT, RIGHT, TOP, BOTTOM = 0.4, 0.4, 0.5, 0.6  # [in] margins
@@ -38,8 +40,8 @@ class Paging:
 
     @property
     def row_height(self) -> float:
-        """Return the height of a row [pt] that is `ROW` high when printed."""
-        return round(ROW / _POINT * 100.0 / self.scale + 0.05, 1)
+        """Return the height of a row [pt], at least `ROW` when printed, in whole pixels as workbooks keep it."""
+        return math.ceil(ROW / _POINT * 100.0 / self.scale / _PIXEL) * _PIXEL
 
     def breaks(self, blocks: Sequence[Block]) -> list[int]:
         """Return the rows before which a page begins, counted from the first row to fill in.

@@ -254,9 +254,10 @@ def test_a_balance_near_another_one_is_the_same_as_anew(three_circuits: Controll
     changed = {name: pressure * factors for name, pressure in sections.items()}
     anew, near = network.balance(changed), network.balance(changed, network.balance(at_once))
     for kind in ("pressures", "feeds", "relief"):
-        scale = max(sections.values()) if kind == "pressures" else max(anew.feeds[name].max() for name in anew.feeds)
+        largest = max([values.max() for values in anew.feeds.values()] + [1e-12])  # [m³/s]: next to nothing flows
+        scale = max(sections.values()) if kind == "pressures" else largest
         for name, values in getattr(anew, kind).items():
-            assert getattr(near, kind)[name] == pytest.approx(values, rel=0.0, abs=1e-9 * scale)
+            assert getattr(near, kind)[name] == pytest.approx(values, rel=0.0, abs=1e-7 * scale)  # 0.05 Pa of 500 kPa
     assert np.all(near.converged)
 
 

@@ -33,8 +33,10 @@ def app(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[AppTest]:
     yield from opened(tmp_path, *(mark.args if mark else ("4_Diagnosis",)))
 
 
-def opened(folder: Path, page: str) -> Iterator[AppTest]:
+def opened(folder: Path, page: str, language: str = "en") -> Iterator[AppTest]:
     """Open the dashboard on a page, with the user's folder in another one, until the fixture that yields from it ends.
+
+    The harness cannot go from one language to another: it looks for what is chosen among the choices of before.
 
     The harness takes a main script beside a ``pages`` folder for an app without `st.navigation`, so it is given one
     that stands elsewhere and runs ``app.py``.
@@ -44,7 +46,9 @@ def opened(folder: Path, page: str) -> Iterator[AppTest]:
         patch.setenv("ATLEAK_HOME", str(folder / "home"))
         main = folder / "main.py"
         main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
-        yield go(AppTest.from_file(str(main), default_timeout=240), page)
+        app = AppTest.from_file(str(main), default_timeout=240)
+        app.context["locale"] = language
+        yield go(app, page)
 
 
 def go(app: AppTest, page: str) -> AppTest:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,6 +11,7 @@ from streamlit.testing.v1 import AppTest
 from atleak.wording import wording
 
 from .conftest import ROOT, choice, go
+from .conftest import opened as dashboard
 
 
 def page() -> None:
@@ -99,11 +101,10 @@ def test_a_number_is_typed_in_the_readers_unit_and_stays_the_same_value_in_every
     assert app.code[0].value == "100.0"
 
 
-@pytest.mark.page("22_Settings")
 @pytest.mark.parametrize("language", ["de", pytest.param("pl", marks=pytest.mark.slow)])
-def test_every_page_is_shown_in_the_readers_language(app: AppTest, language: str) -> None:
-    choice(app, "Valve body").select("minimal_example").run()
-    app.context["locale"] = language
+def test_every_page_is_shown_in_the_readers_language(tmp_path: Path, language: str) -> None:
+    (app,) = dashboard(tmp_path, "22_Settings", language)
+    choice(app, wording(language)("slots.controller")).select("minimal_example").run()
     for path in sorted((ROOT / "pages").glob("[0-9]*_*.py")):
         shown = go(app, path.stem)
         assert not shown.exception, path.stem

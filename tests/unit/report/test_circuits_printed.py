@@ -431,7 +431,7 @@ def test_the_pdf_says_what_every_circuit_holds(unit: Unit, clearances: LAND, lan
     assert is_archival(content)
     text = text_of(write_pdf(found, language=language, sections=["pressures"]))
     assert say("sections.pressures") in text
-    assert say("texts.held") in text
+    assert say("texts.held").replace(" ", "") in text.replace(" ", "")  # a line may end behind a hyphen
     for at in found.projections:
         assert say.number(at.reserve, 2) in text
         assert say.number(at.main_pressure_held / 1e3, 0) in text
