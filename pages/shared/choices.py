@@ -123,5 +123,6 @@ def _select(
 
 
 def _key(name: str) -> str:
+    """Return a widget's key: one of another language is a widget of its own, since a browser keeps the words chosen."""
     now = session()
-    return f"{name}-{now.generation}-{now.turns}"
+    return f"{name}-{now.generation}-{now.turns}-{reader.say().language}"

@@ -162,16 +162,18 @@ def _start() -> PageCase:
 def _complaint() -> None:
     say, controller, first = reader.say(), _controller(), _start().complaint
     labels = {complaint.id: complaint.label for complaint in controller.complaints}
-    options = [None, *labels]
+    options, owner = [None, *labels], f"{_key('complaint')}-{controller.sha256}"
+    chosen = st.session_state.get(f"{owner}-chosen", first)
     picked = st.selectbox(
         say("facts.complaint"),
         options,
-        index=options.index(first if first in labels else None),
-        key=f"{_key('complaint')}-{controller.sha256}",
+        index=options.index(chosen if chosen in labels else None),
+        key=f"{owner}-{say.language}",
         format_func=lambda name: say("panel.none_chosen") if name is None else say.name(labels[name]),
         disabled=not labels,
         help=say("panel.complaint_help" if labels else "panel.no_complaints"),
     )
+    st.session_state[f"{owner}-chosen"] = picked
     choose(complaint=picked)
 
 

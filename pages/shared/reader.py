@@ -67,7 +67,7 @@ def changes() -> int:
 
 
 def _choice(name: str, current: str, labels: Mapping[str, str], label: str) -> None:
-    options, key = list(labels), f"pick-{name}"
+    options, key = list(labels), f"pick-{name}-{say().language}"
 
     def changed() -> None:
         st.session_state[_kept(name)] = st.session_state[key]
