@@ -15,7 +15,7 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.events import Event
 from atleak.figures.figure import Figure
 from atleak.figures.frame import framed
-from atleak.look import CURVES, SCREEN, SUSPECT, look_of
+from atleak.look import CURVES, SCALE_OF_SHARES, SCALE_OF_TIME, SCREEN, SUSPECT, look_of
 from atleak.road_test import Channel, RoadTest
 from atleak.thinning import thinned
 from atleak.views.log_rows import Scales
@@ -32,9 +32,6 @@ LABELLED = 20  # with more shifts the figure is too narrow for their gears
 MARKED = 800  # most suspect samples and breaks of a log that are marked
 _FINEST = 1500  # parts of the time shown: events of a kind that lie nearer together are drawn as one
 _ROW, _LANE = 130, 22  # pixels
-# from little to much; spelled out, since plotly's named scales run the other way in the browser
-_OF_SHARES = [[0.0, "#ffffcc"], [0.5, "#fd8d3c"], [1.0, "#800026"]]
-_OF_TIME = [[0.0, "#deebf7"], [1.0, "#08519c"]]
 _STEPS = frozenset({"gear", "selector", "lock_up"})
 
 
@@ -372,7 +369,7 @@ def operating_map_figure(cells: OperatingMap, speed: str, temperature: str, say:
         texttemplate="%{text}",
         customdata=hover,
         hovertemplate="%{customdata}<extra></extra>",
-        colorscale=_OF_TIME if cells.share is None else _OF_SHARES,
+        colorscale=SCALE_OF_TIME if cells.share is None else SCALE_OF_SHARES,
         colorbar={"title": {"text": f"{label} [{unit}]", "side": "right"}},
         xgap=1,
         ygap=1,

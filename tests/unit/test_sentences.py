@@ -7,7 +7,7 @@ import copy
 import datetime as dt
 import pickle
 from collections.abc import Iterator
-from pathlib import Path
+from functools import cache
 from string import Formatter
 
 import pytest
@@ -17,29 +17,28 @@ from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.wording import languages, wording
 
-ROOT = Path(__file__).resolve().parents[2]
-CODE = [ROOT / "app.py", *(ROOT / "pages").rglob("*.py"), *(ROOT / "atleak").rglob("*.py")]
+from .product_code import nodes
+
+_SIGNS = " .,:;()–…\n"  # that stand between places without a word
 OTHERS = [each for each in languages() if each != "en"]
 
 
 def _sentences() -> Iterator[tuple[str, ast.expr]]:
-    for path in CODE:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for path, found in nodes().items():
+        for node in found:
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Sentence":
-                place = f"{path.relative_to(ROOT).as_posix()}:{node.lineno}:{node.col_offset}"
-                yield place, node.args[0]
+                yield f"{path}:{node.lineno}:{node.col_offset}", node.args[0]
 
 
 def _places(template: str) -> set[tuple[str, str | None, str | None]]:
     return {(name, form, turned) for _, name, form, turned in Formatter().parse(template) if name is not None}
 
 
-WRITTEN = {place: node.value for place, node in _sentences() if isinstance(node, ast.Constant)}
-WORDED = {
-    template
-    for template in WRITTEN.values()
-    if any(text.strip(" .,:;()–…\n") for text, *_ in Formatter().parse(template))
-}
+@cache
+def _worded() -> set[str]:
+    """The wordings that hold words to translate."""
+    written = {node.value for _, node in _sentences() if isinstance(node, ast.Constant)}
+    return {each for each in written if any(text.strip(_SIGNS) for text, *_ in Formatter().parse(each))}
 
 
 def test_a_sentence_is_a_text_that_keeps_its_wording() -> None:
@@ -100,7 +99,7 @@ def test_every_sentence_is_worded_in_the_code() -> None:
 @pytest.mark.parametrize("language", OTHERS)
 def test_every_sentence_is_said_in_every_language(language: str) -> None:
     said = wording(language).texts["messages"]
-    assert sorted(WORDED - said.keys()) == []
-    assert sorted(said.keys() - WORDED) == [], "these are in no code"
+    assert sorted(_worded() - said.keys()) == []
+    assert sorted(said.keys() - _worded()) == [], "these are in no code"
     assert [template for template, other in said.items() if _places(template) != _places(other)] == []
     assert [template for template, other in said.items() if template == other and len(template.split()) > 3] == []

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -17,8 +16,8 @@ from atleak.catalogue.limits import limit_sets
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages, wording
 
-ROOT = Path(__file__).resolve().parents[2]
-CODE = [ROOT / "app.py", *(ROOT / "pages").rglob("*.py"), *(ROOT / "atleak").rglob("*.py")]
+from .product_code import ROOT, nodes
+
 ENGLISH = wording("en").texts
 KEYS = {f"{table}.{key}" for table, texts in ENGLISH.items() if isinstance(texts, dict) for key in texts}
 DOTTED = re.compile(r"\w+\..+")
@@ -43,16 +42,13 @@ def _says(call: ast.Call) -> bool:
     return (asked.attr if isinstance(asked, ast.Attribute) else getattr(asked, "id", "")) == "say"
 
 
-NODES = {path: list(ast.walk(ast.parse(path.read_text(encoding="utf-8")))) for path in CODE}
-
-
 def _asked() -> Iterator[tuple[str, str]]:
-    for path, nodes in NODES.items():
-        for node in nodes:
+    for path, found in nodes().items():
+        for node in found:
             if isinstance(node, ast.Call) and node.args and _says(node):
                 pattern = _written(node.args[0])
                 if pattern is not None and DOTTED.fullmatch(pattern.replace("\\", "")):
-                    yield f"{path.relative_to(ROOT).as_posix()}:{node.lineno}", pattern
+                    yield f"{path}:{node.lineno}", pattern
 
 
 def test_every_text_that_is_asked_for_is_there() -> None:
@@ -66,10 +62,10 @@ def test_every_text_that_is_asked_for_is_there() -> None:
 
 def test_every_column_has_its_heading() -> None:
     named = [
-        (path.name, node.args[0].value)
-        for path, nodes in NODES.items()
-        if "from atleak.views.columns import" in path.read_text(encoding="utf-8")
-        for node in nodes
+        (path, node.args[0].value)
+        for path, found in nodes().items()
+        if any(isinstance(each, ast.ImportFrom) and each.module == "atleak.views.columns" for each in found)
+        for node in found
         if isinstance(node, ast.Call)
         and getattr(node.func, "id", "") == "Column"
         and node.args
@@ -93,8 +89,8 @@ def test_no_text_stands_unused() -> None:
     patterns: set[str] = set()
     # by `Wording.level`, the menu, each column, and the form of a catalogue's entry
     whole = {"verdicts", "bands", "pages", "column_help", "workshop_fields", "transmission_fields"}
-    for nodes in NODES.values():
-        for node in nodes:
+    for found in nodes().values():
+        for node in found:
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 strings.add(node.value)
             elif isinstance(node, ast.JoinedStr):

@@ -15,6 +15,14 @@ import pytest
 from atleak import cli
 
 Run = Callable[..., tuple[int, str, str]]
+JOB = """
+number = "2026-0417"
+date = 2026-04-17
+technician = "B. Nowak"
+[vehicle]
+vin = "WVWZZZ1JZXW000001"
+mileage_km = 90000
+"""
 
 
 @pytest.fixture(autouse=True)

@@ -11,16 +11,10 @@ import pytest
 
 from atleak.version import __version__
 
+from .conftest import JOB
+
 Run = Callable[..., tuple[int, str, str]]
 MINIMAL = ("--controller", "minimal_example")
-JOB = """
-number = "2026-0417"
-date = 2026-04-17
-technician = "B. Nowak"
-[vehicle]
-vin = "WVWZZZ1JZXW000001"
-mileage_km = 90000
-"""
 
 
 @pytest.fixture

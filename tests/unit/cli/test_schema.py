@@ -17,15 +17,9 @@ from atleak.job.record import Job
 from atleak.schemas import OUTPUTS, schema
 from atleak.views.diagnosis_record import to_json
 
+from .conftest import JOB
+
 Run = Callable[..., tuple[int, str, str]]
-JOB = """
-number = "2026-0417"
-date = 2026-04-17
-technician = "B. Nowak"
-[vehicle]
-vin = "WVWZZZ1JZXW000001"
-mileage_km = 90000
-"""
 
 
 def closed(output: str) -> Draft202012Validator:
