@@ -35,10 +35,7 @@ class Conditions:
             return None
         at = joined((self.names.condition(each.condition) for each in diagnosis.complained), "; ")
         ranked = measure_first(diagnosis)
-        items = [
-            f"{self.names.land_name(each.land)}: {reason(each, say, self.names.condition)}"
-            for each in ranked[:MEASURE_FIRST]
-        ]
+        items = [f"{self.names.land_name(each.land)}: {reason(each, say)}" for each in ranked[:MEASURE_FIRST]]
         if len(ranked) > MEASURE_FIRST:
             items.append(say("complaint.more", count=len(ranked) - MEASURE_FIRST))
         shows = say("complaint.shows", label=diagnosis.complaint.label, conditions=at)
@@ -65,7 +62,7 @@ class Conditions:
             " ".join(
                 [
                     self.say("texts.matrix"),
-                    shares_add_up(self.diagnosis, self.say, names.condition),
+                    shares_add_up(self.diagnosis, self.say),
                     *self._elsewhere(rows),
                 ]
             ),
@@ -125,7 +122,7 @@ class Conditions:
                 yield text(f"{say('printed.replace_at')}: {say('texts.replace_at')}.", small=True)
             if len(self.diagnosis.projections) > 1:
                 yield from self._totals_after(plan.steps)
-        for sentence in plan_ends(plan, say, self.names.condition):
+        for sentence in plan_ends(plan, say):
             yield text(sentence)
 
     def _options(self, plan: RepairPlan) -> Iterable[Block]:

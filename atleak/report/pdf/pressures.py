@@ -43,7 +43,7 @@ class Pressures:
 
     @cached_property
     def _speeds(self) -> PumpOverSpeed:
-        return pump_over_speed(self.diagnosis, self.lowest.projection, self.names.condition)
+        return pump_over_speed(self.diagnosis, self.lowest.projection, self.say)
 
     @cached_property
     def _flows(self) -> FlowDiagram:
@@ -101,7 +101,7 @@ class Pressures:
         if solved:
             yield self._line(conditions)
         yield self._pump(conditions)
-        measured = pump_sentence(self.diagnosis, say, self.names.condition)
+        measured = pump_sentence(self.diagnosis, say)
         if measured is not None:
             yield text(measured)
         yield text(say("texts.held") if solved else say("held.not_solved"), small=True)

@@ -44,7 +44,7 @@ class PrintedNames:
         """Return the estimate; None where the job states no terms and no price, or there is nothing to list."""
         if self.diagnosis.without_sheet or not self.job.estimated:
             return None
-        words = EstimateWords(estimate(self.diagnosis, self.job), self.say, self.condition)
+        words = EstimateWords(estimate(self.diagnosis, self.job), self.say)
         return words if words.estimate.lines else None
 
     @property
@@ -55,7 +55,7 @@ class PrintedNames:
 
     def condition(self, point: OperatingPoint) -> str:
         """Return the name of a condition in the reader's language."""
-        return self.say.condition(point).replace(" °", "\u00a0°")  # no line breaks there
+        return self.say.condition(point)
 
     def section(self, name: str) -> str:
         """Return the name of a section's pressure in the reader's language, or that of a circuit as its file has it."""

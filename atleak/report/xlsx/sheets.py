@@ -136,10 +136,7 @@ class Sheets:
             return []
         ranked = measure_first(diagnosis)
         say = self.say
-        lands = [
-            f"{each.land.key[0]}/{each.land.key[1]}: {reason(each, say, say.condition)}"
-            for each in ranked[:MEASURE_FIRST]
-        ]
+        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each, say)}" for each in ranked[:MEASURE_FIRST]]
         return [
             (Sentence("complaint"), say.name(diagnosis.complaint.label)),
             (Sentence("shows at"), "; ".join(say.condition(each.condition) for each in diagnosis.complained)),
@@ -158,7 +155,7 @@ class Sheets:
         else:
             self.book.put(sheet, row, 1, self.say.signed(diagnosis.verdict), book.bold)
         book.colour_words(sheet, (row, 1), (row, 1), VERDICTS)
-        said = f"{self.say.signed(diagnosis.verdict)}: {first_sentence(diagnosis, self.say, self.say.condition)}"
+        said = f"{self.say.signed(diagnosis.verdict)}: {first_sentence(diagnosis, self.say)}"
         marks = caveat_marks(diagnosis, self.say)
         marked = [f"{', '.join(marks).capitalize()}."] if marks else []
         if diagnosis.judged:
@@ -236,7 +233,7 @@ class Sheets:
             book.colour_words(sheet, (first, 6), (row, 6), BANDS)
             row = self._options(sheet, row + 1, plan)
         for sentence in (
-            *plan_ends(plan, self.say, self.say.condition),
+            *plan_ends(plan, self.say),
             *open_words(self.diagnosis, self.job, self.say, closing=True),
         ):
             self.book.put(sheet, row, 0, sentence)
