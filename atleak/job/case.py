@@ -185,7 +185,7 @@ class Case:
     engine_speed: float | None = None  # [1/s]
     gear: int | None = None
     point: OperatingPoint | None = None  # used instead of the controller's first operating point
-    mileage: float | None = None  # [km]
+    mileage: float | None = None  # [km]; None: as the sheet's head states it
     measuring_temperature: float | None = None  # [°C] of gauge and parts; None: as the sheet's head states it
     pump_clearances: PumpClearances = NO_CLEARANCES  # measured of this job's pump; others as the sheet's head states
     sheet_name: str | None = None  # of the workbook, where several hold readings
@@ -295,7 +295,7 @@ class Case:
             road_test=None if self.road_test is None else _road_test(loader.log(self)),
             profile=self.engine_profile,
             condition=self.condition(controller),
-            mileage=self.mileage,
+            mileage=self._mileage(readings),
             measuring_temperature=self.measuring_temperature,
             pump_clearances=self.pump_clearances,
             instruments=Instruments(spool, sleeve).checked,
@@ -304,6 +304,10 @@ class Case:
             complaint=controller.complaint(self.complaint),
         )
         return replace(diagnosis, repairs=find_repairs(controller.repairs, self.repairs, controller.name))
+
+    def _mileage(self, readings: Readings | None) -> float | None:
+        """Return the mileage [km] that was given, or else the one of the sheet's head."""
+        return self.mileage if self.mileage is not None or readings is None else readings.identity.mileage
 
     def measured(self, loader: Loader | None = None) -> tuple[LandSources, ...]:
         """Return every land as this job's sheet measured it, with what makes it uncertain; none without a sheet.
