@@ -295,7 +295,7 @@ class Case:
             road_test=None if self.road_test is None else _road_test(loader.log(self)),
             profile=self.engine_profile,
             condition=self.condition(controller),
-            mileage=self._mileage(readings),
+            mileage=self.mileage,
             measuring_temperature=self.measuring_temperature,
             pump_clearances=self.pump_clearances,
             instruments=Instruments(spool, sleeve).checked,
@@ -304,10 +304,6 @@ class Case:
             complaint=controller.complaint(self.complaint),
         )
         return replace(diagnosis, repairs=find_repairs(controller.repairs, self.repairs, controller.name))
-
-    def _mileage(self, readings: Readings | None) -> float | None:
-        """Return the mileage [km] that was given, or else the one of the sheet's head."""
-        return self.mileage if self.mileage is not None or readings is None else readings.identity.mileage
 
     def measured(self, loader: Loader | None = None) -> tuple[LandSources, ...]:
         """Return every land as this job's sheet measured it, with what makes it uncertain; none without a sheet.
