@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 from atleak.catalogue.circuits import Circuit
@@ -191,7 +192,7 @@ class Diagnosis:
         """
         return Band(self.total_rule(projection).level) if self.judged else None
 
-    @property
+    @cached_property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
         """Return the lands at watch or past it, the worst first, then the costliest."""
         flagged = [land for land in self.lands if land.verdict.flagged]
@@ -207,7 +208,7 @@ class Diagnosis:
         """Return the total that reached the worst band; of several, the largest."""
         return max(self.total_rules, key=lambda rule: (rule.verdict.rank, rule.value))
 
-    @property
+    @cached_property
     def decided_by(self) -> LandDiagnosis | Rule | None:
         """Return what put the unit past a limit: a land, a total, a pressure, the worst; None within all limits.
 
