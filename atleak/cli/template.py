@@ -69,6 +69,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _fields(options: argparse.Namespace) -> dict[str, str]:
     """Return what the head says: the record, and in its place what the options say."""
+    if not any(getattr(options, name.replace("-", "_")) is not None for name in ("job", "mileage", *_TEXTS)):
+        return {}
     from atleak.job.file import load_job
     from atleak.job.record import Job, clean_text
     from atleak.report.measuring_sheet import head

@@ -5,19 +5,19 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 
 import typst
-from PIL import Image
+from PIL import Image, ImageOps
 
 FONTS = Path(__file__).parent / "fonts"
 DOTS = 150  # of an inch: on paper, where a sheet is shrunk, about 200
-_SHADES = 32  # that are kept: drawings have few
+_BITS = 4  # of a shade: drawings have few
 _PAGES = b"""
 #for each in json(bytes(sys.inputs.drawings)) {
-  page(width: each.width * 1pt, height: each.height * 1pt, margin: 0pt, fill: none,
+  page(width: each.width * 1pt, height: each.height * 1pt, margin: 0pt, fill: rgb(each.ground),
     image(bytes(each.svg), format: "svg", width: 100%, height: 100%))
 }
 """
@@ -30,7 +30,7 @@ class Drawing:
     svg: str
     width: float
     height: float
-    ground: str = "white"
+    ground: str = "#FFFFFF"
 
 
 @cache
@@ -40,21 +40,19 @@ def bundled_fonts() -> typst.Fonts:
 
 
 def pngs_of(drawings: Sequence[Drawing]) -> list[bytes]:
-    """Return each drawing as PNG, drawn in one go; the same drawings give the same bytes."""
+    """Return each drawing as PNG in shades of grey, all drawn in one go; the same drawings give the same bytes."""
     if not drawings:
         return []
-    given = [{"svg": each.svg, "width": each.width, "height": each.height} for each in drawings]
+    given = [asdict(each) for each in drawings]
     compiler = typst.Compiler(_PAGES, font_paths=bundled_fonts())
     drawn = compiler.compile(format="png", ppi=DOTS, sys_inputs={"drawings": json.dumps(given)})
     assert drawn is not None  # typst returns what it writes to no file
-    pages = drawn if isinstance(drawn, list) else [drawn]
-    return [_small(png, each.ground) for png, each in zip(pages, drawings, strict=True)]
+    return [_small(png) for png in (drawn if isinstance(drawn, list) else [drawn])]
 
 
-def _small(png: bytes, colour: str) -> bytes:
-    """Return a picture of few shades on its ground, a third as large, which says how many dots an inch has."""
-    picture = Image.open(io.BytesIO(png)).convert("RGBA")
-    ground = Image.new("RGBA", picture.size, colour)
+def _small(png: bytes) -> bytes:
+    """Return a picture in shades of grey, a third as large, which says how many dots an inch has."""
     target = io.BytesIO()
-    Image.alpha_composite(ground, picture).convert("RGB").quantize(_SHADES).save(target, "PNG", dpi=(DOTS, DOTS))
+    grey = Image.open(io.BytesIO(png)).convert("L")
+    ImageOps.posterize(grey, _BITS).save(target, "PNG", dpi=(DOTS, DOTS))
     return target.getvalue()

@@ -152,7 +152,7 @@ def write_readings(
         of an .xlsx workbook. Texts stay texts: nothing a user wrote becomes a formula.
     """
     readings, say = list(readings), wording(language, units)
-    empty = not readings and pressures is None and own_lands == OwnLands()
+    empty = not readings and not fields and pressures is None and own_lands == OwnLands()
     rows = _rows(controller, readings, blank_rows)
     buffer = io.BytesIO()
     options = {

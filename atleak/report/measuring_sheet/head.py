@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import segno
 
 from atleak.catalogue.controller import Controller
-from atleak.job.record import Job
 from atleak.report.measuring_sheet.words import PUMP_SIDE, PUMP_TIP
 from atleak.sentence import Sentence
+
+if TYPE_CHECKING:
+    from atleak.job.record import Job
 
 JOB, VEHICLE, DATE = Sentence("Job"), Sentence("Vehicle"), Sentence("Date")
 MILEAGE, MEASURED_BY, VIN = Sentence("Mileage"), Sentence("Measured by"), Sentence("VIN")

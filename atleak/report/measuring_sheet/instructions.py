@@ -18,7 +18,7 @@ from atleak.wording import Wording
 
 INSTRUCTIONS = Sentence("How to measure")
 _WIDTHS = (24, 96)
-_BETWEEN = 6.0  # [pt] below a topic
+_BETWEEN = 6.0  # [pt] height of the row below a topic, which also keeps words of several from being read as headings
 ORDER = Sentence(
     "Down the rows, component by component: its spool in all planes by their numbers, each at 0° and 90°; lifted off "
     "and set up afresh, all again for the second repeat; then its bore likewise."
@@ -47,11 +47,13 @@ def write_instructions(
     for column, width in enumerate(_WIDTHS):
         sheet.set_column(column, column, width)
     sheet.write_string(0, 0, say.sentence(INSTRUCTIONS), formats["title"])
-    for row, (topic, text) in enumerate(_topics(controller, far, say), start=2):
+    for number, (topic, text) in enumerate(_topics(controller, far, say)):
+        row = 2 * number + 2
         said = say.sentence(text)
         sheet.write_string(row, 0, say.sentence(topic), formats["topic"])
         sheet.write_string(row, 1, said, formats["wrap"])
-        sheet.set_row(row, row_height(zip((say.sentence(topic), said), _WIDTHS, strict=True)) + _BETWEEN)
+        sheet.set_row(row, row_height(zip((say.sentence(topic), said), _WIDTHS, strict=True)))
+        sheet.set_row(row + 1, _BETWEEN)
     sheet.set_landscape()
     sheet.set_paper(9)  # A4
     sheet.fit_to_pages(1, 0)

@@ -229,7 +229,7 @@ def test_the_instructions_are_as_high_as_their_texts_are_long(controller, templa
     sheet = opened(template)[INSTRUCTIONS]
     for row in sheet.iter_rows(min_row=3):
         for cell, width in zip(row, (24, 96), strict=True):
-            lines = len(textwrap.wrap(cell.value, 0.9 * width))
+            lines = len(textwrap.wrap(cell.value or "", 0.9 * width))
             assert sheet.row_dimensions[cell.row].height >= 13.5 * lines
 
 
