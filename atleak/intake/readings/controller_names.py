@@ -59,6 +59,10 @@ class ControllerNames:
         named = self._spellings.get(plain(tail.lstrip("–-:, ")))
         return number if number is not None and number == named else None
 
+    def is_plane(self, cell: Cell) -> bool:
+        """Return whether a cell names a plane of any component."""
+        return any(plain(name) == plane for name in plane_names(cell) for _, plane in self._planes)
+
     def is_named(self, text: str) -> bool:
         """Return whether a text names a component by more than a bare number."""
         if text not in self._named:

@@ -12,6 +12,7 @@ from atleak.errors import Place
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.counts import with_counts
 from atleak.intake.readings.headings import Column, Header, find_headers, read_together
+from atleak.intake.readings.numbered_lands import with_lands
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
 from atleak.intake.readings.words import (
     ERRORS,
@@ -19,7 +20,7 @@ from atleak.intake.readings.words import (
     is_page_title,
     number_of,
     part_in,
-    part_of,
+    part_said,
     plain,
     text_of,
     vocabulary,
@@ -108,7 +109,7 @@ class Table:
 
     def _holds_parts(self, column: Column) -> bool:
         cells = [cell for row in self.rows if not is_blank(cell := self.sheet.cell(row, column.index))]
-        return 2 * sum(part_of(text_of(cell)) is not None for cell in cells) > len(cells)
+        return 2 * sum(part_said(text_of(cell)) is not None for cell in cells) > len(cells)
 
     @property
     def is_of_lands(self) -> bool:
@@ -193,9 +194,12 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
 
 def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
     """Return the headings without a "result" that is no diameter, and without raw readings beside others."""
-    kept = [
-        column for column in header.columns if not column.tentative or _holds_diameters(sheet, header, column, names)
-    ]
+    kept = []
+    for column in header.columns:
+        if not column.tentative or _holds_diameters(sheet, header, column, names):
+            kept.append(column)
+        elif column.otherwise is not None:
+            kept.append(replace(column, role=column.otherwise, tentative=False))
     values = [column for column in kept if column.holds_value]
     without_raw = []
     for column in kept:
@@ -204,7 +208,8 @@ def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             column = replace(column, role="raw")
         without_raw.append(column)
-    return with_counts(sheet, replace(header, columns=tuple(without_raw)))
+    counted = with_counts(sheet, replace(header, columns=tuple(without_raw)))
+    return with_lands(sheet, counted, names)
 
 
 def _holds_diameters(sheet: Sheet, header: Header, column: Column, names: ControllerNames) -> bool:
