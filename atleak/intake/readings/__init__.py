@@ -127,10 +127,11 @@ def read_readings(
     problems += require_one_measurement(read, file)
     first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
     converted = convert([entry for rows in read for entry in rows.entries], controller, first.headings)
-    head = read_head([rows.table for rows in read if rows.entries], sheets)
+    head = read_head([rows.table.as_it_stands for rows in read if rows.entries], sheets)
     account = _account(chosen, of_lands, read, names, converted, given_unit)
-    account.take(head.cells)
-    account.close([each for each in sheets if not each.hidden])
+    around = {each.name for each in chosen.sheets if each.turned}
+    account.take((name, column, row) if name in around else (name, row, column) for name, row, column in head.cells)
+    account.close([each for each in chosen.sheets if not each.hidden])
     read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.entries))
     result = Readings(
         file=file,

@@ -47,6 +47,11 @@ class ControllerNames:
             spelled.setdefault(plain(component.replace("_", " ")), component)
         return spelled
 
+    @cached_property
+    def by_length(self) -> list[tuple[str, str]]:
+        """Return every spelling of a component with its id, the longest first."""
+        return sorted(self._spellings.items(), key=lambda pair: -len(pair[0]))
+
     def component(self, cell: Cell) -> str | None:
         """Return the component that a cell names, by number or name, with or without lands; None where none is."""
         text = text_of(cell)

@@ -14,6 +14,7 @@ from atleak.intake.readings.counts import with_counts
 from atleak.intake.readings.headings import Column, Header, find_headers, read_together
 from atleak.intake.readings.numbered_lands import with_lands
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
+from atleak.intake.readings.split_labels import with_split_labels
 from atleak.intake.readings.words import (
     ERRORS,
     is_blank,
@@ -68,6 +69,14 @@ class Table:
     def rows(self) -> range:
         """Return the rows under the headings."""
         return range(self.header.last + 1, len(self.sheet.rows))
+
+    @property
+    def as_it_stands(self) -> Table:
+        """Return the table for what stands above its headings in the file, also where it was turned."""
+        if not self.sheet.turned:
+            return self
+        first = min((column.index for column in self.header.columns), default=0)
+        return replace(self, sheet=replace(self.sheet, turned=False), header=replace(self.header, first=first))
 
     @property
     def headings(self) -> Place:
@@ -189,7 +198,7 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
             titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
             end = min([following.first, *titles])
         view = _only(sheet, 0, sheet.width, end)
-        yield Table(view, _by_content(view, header, names))
+        yield Table(*with_split_labels(view, _by_content(view, header, names), names))
 
 
 def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
