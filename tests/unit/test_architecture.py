@@ -57,7 +57,7 @@ FLOORS = (
         "paper",
         "unit_systems",
     ),
-    ("catalogue", "wording", "system.drafts"),
+    ("catalogue", "wording", "system.drafts", "network", "admission"),
     ("written_numbers", "phrases"),
     ("pressure_table", "controller_sheets", "own_lands", "sheet_identity", "wear_line"),
     ("readings", "road_test", "gauge_study"),
