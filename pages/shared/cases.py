@@ -41,6 +41,7 @@ SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
 #: [bytes] of a log, from which on it and its results are kept for the session that has it and go with it, only as many
 #: as stand here. What is smaller every session finds.
 LARGE, LARGE_KEPT = 4_000_000, 2
+OWN_KEPT = 4  # results of smaller logs that a session keeps beside those that all sessions share
 _CHOICES = {  # those that belong to one file, and go with it
     "readings": ("sheet_name", "sheet_unit", "sheet_where"),
     "road_test": ("columns", "units", "constants", "remember"),
@@ -288,6 +289,12 @@ def _diagnosis(key: str, _case: Case) -> Diagnosis:
     return _computed(_case)
 
 
+@st.cache_resource(max_entries=OWN_KEPT, scope="session", show_spinner=False)
+def _diagnosis_of_session(key: str, _case: Case) -> Diagnosis:
+    """Keep what this session looked at last, whatever the others do meanwhile."""
+    return _diagnosis(key, _case)
+
+
 @st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="…")
 def _diagnosis_here(key: str, _case: Case) -> Diagnosis:
     return _computed(_case)
@@ -308,7 +315,7 @@ def diagnosis_of(case: Case) -> Diagnosis:
     AtleakError
         saying what of the job cannot be used.
     """
-    computed = _diagnosis_here if is_large(case.road_test) else _diagnosis
+    computed = _diagnosis_here if is_large(case.road_test) else _diagnosis_of_session
     return computed(result_key(case), case)
 
 

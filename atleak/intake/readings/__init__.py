@@ -45,6 +45,7 @@ from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.states import require_known
 from atleak.intake.readings.unread import Account
 from atleak.intake.readings.values import Converted, convert
+from atleak.intake.readings.words import is_word
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
@@ -109,7 +110,7 @@ def read_readings(
     data, file = read_bytes(source, name)
     names = ControllerNames(controller)
     of_gauges = likeness_of(controller)
-    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)))
+    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)), is_word)
     tabs = find_tabs(sheets, controller)
     pressures = tabs.read(file, data)
     sheets = [each for each in sheets if each not in tabs]
@@ -126,10 +127,11 @@ def read_readings(
     problems += require_one_measurement(read, file)
     first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
     converted = convert([entry for rows in read for entry in rows.entries], controller, first.headings)
-    head = read_head([rows.table for rows in read if rows.entries], sheets)
+    head = read_head([rows.table.as_it_stands for rows in read if rows.entries], sheets)
     account = _account(chosen, of_lands, read, names, converted, given_unit)
-    account.take(head.cells)
-    account.close([each for each in sheets if not each.hidden])
+    around = {each.name for each in chosen.sheets if each.turned}
+    account.take((name, column, row) if name in around else (name, row, column) for name, row, column in head.cells)
+    account.close([each for each in chosen.sheets if not each.hidden])
     read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.entries))
     result = Readings(
         file=file,
@@ -152,6 +154,7 @@ def read_readings(
         ),
         temperature=head.temperature,
         date=head.date,
+        identity=head.identity,
         pressures=pressures,
         pump=head.pump,
         own_lands=of_lands.own,

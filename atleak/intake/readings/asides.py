@@ -23,7 +23,7 @@ from atleak.intake.readings.words import (
     letters,
     number,
     number_of,
-    part_of,
+    part_said,
     repeat_of,
     says_no,
     says_specification,
@@ -173,7 +173,7 @@ class Asides:
             understood = (
                 self.names.component(label) is not None
                 if column in (columns.component, *columns.names)
-                else part_of(label) is not None
+                else part_said(label) is not None
                 if column == columns.part
                 else direction_of(label) is not None
                 if column == columns.direction
@@ -250,7 +250,7 @@ class Asides:
             except ReadingsError:
                 pass
         if columns.part is not None:
-            labels["part"] = part_of(text_of(cell(row, columns.part.index)))
+            labels["part"] = part_said(text_of(cell(row, columns.part.index)))
         if columns.direction is not None:
             labels["direction"] = direction_of(cell(row, columns.direction.index))
         return {name: value for name, value in labels.items() if value is not None}

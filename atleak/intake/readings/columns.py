@@ -11,7 +11,7 @@ from atleak.errors import ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Column, Header, Role
 from atleak.intake.readings.sheet_tables import Table
-from atleak.intake.readings.words import is_blank, part_of, plain, text_of, vocabulary
+from atleak.intake.readings.words import is_blank, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.sentence import Sentence
@@ -65,7 +65,7 @@ def find_columns(table: Table, names: ControllerNames) -> Columns:
         component=component,
         names=tuple(_same(sheet, header, names, component)),
         part=_part(sheet, header),
-        plane=next(iter(header.of("plane")), None),
+        plane=_plane(sheet, header, names),
         land=next(iter(header.of("land")), None),
         direction=_used(sheet, header, "direction"),
         repeat=_used(sheet, header, "repeat"),
@@ -102,7 +102,7 @@ def _used(sheet: Sheet, header: Header, role: Role) -> Column | None:
 
 def _names_parts(sheet: Sheet, header: Header, column: Column) -> bool:
     cells = list(_cells(sheet, header, column))
-    return bool(cells) and sum(part_of(text_of(cell)) is not None for cell in cells) > 0.5 * len(cells)
+    return bool(cells) and sum(part_said(text_of(cell)) is not None for cell in cells) > 0.5 * len(cells)
 
 
 def _part(sheet: Sheet, header: Header) -> Column | None:
@@ -125,6 +125,14 @@ def _component(sheet: Sheet, header: Header, names: ControllerNames) -> Column |
         if best is None or (known, numbered, column.rank) > best[:3]:
             best = (known, numbered, column.rank, column)
     return best[3] if best else None
+
+
+def _plane(sheet: Sheet, header: Header, names: ControllerNames) -> Column | None:
+    """Return the column of planes; of several the one whose cells the controller knows."""
+    columns = header.of("plane")
+    if len(columns) < 2:
+        return next(iter(columns), None)
+    return max(columns, key=lambda column: sum(map(names.is_plane, _cells(sheet, header, column))))
 
 
 def _same(sheet: Sheet, header: Header, names: ControllerNames, component: Column | None) -> Iterator[Column]:
@@ -191,6 +199,7 @@ def _groups(
                 )
             )
         group.setdefault(name, column)
+    problems.extend(_unsure(sheet, header, values))
     problems.extend(_two_states(sheet, header, values))
     for group in groups.values():
         coordinates = [name for name in ("coordinate 1", "coordinate 2") if name in group]
@@ -207,10 +216,24 @@ def _groups(
     return list(groups.values())
 
 
+def _unsure(sheet: Sheet, header: Header, values: Sequence[Column]) -> Iterator[ReadingsError]:
+    """Yield a problem for columns headed by numbers alone, where the nominal diameters do not tell them for lands."""
+    unsure = [column for column in values if column.unsure]
+    if unsure:
+        yield ReadingsError(
+            Sentence(
+                "columns {names} are headed by numbers alone: lands, directions or repeats?",
+                names=tuple(repr(column.name) for column in unsure),
+            ),
+            place=sheet.place(header.last, unsure[0].index, unsure[0].heading),
+            expected=Sentence("headings such as 'land 1', '0°' or 'diameter 1'"),
+        )
+
+
 def _two_states(sheet: Sheet, header: Header, values: Sequence[Column]) -> Iterator[ReadingsError]:
     """Yield a problem for columns that number repeats and differ in other words: "diameter 1 before", "2 after"."""
     for column, other in pairwise(values):
-        numbered = column.group[:2] == other.group[:2] and column.repeat != other.repeat
+        numbered = column.station == other.station and column.repeat != other.repeat
         if numbered and column.besides != other.besides:
             yield ReadingsError(
                 Sentence(
@@ -257,9 +280,8 @@ def _missing(table: Table, names: ControllerNames, columns: Columns) -> Iterator
         missing.append(Sentence("the component's number"))
     if columns.part is None and table.part is None and not all(column.part for column in header.values):
         missing.append(Sentence("the part (spool or sleeve)"))
-    lands = names.controller.lands
-    single = len(lands) == len(names.with_lands) or sum(land.component == table.component for land in lands) == 1
-    if columns.plane is None and columns.land is None and not single:
+    placed = bool(header.values) and all(column.land or column.plane for column in header.values)
+    if columns.plane is None and columns.land is None and not placed and not _of_one_land(table, names, columns):
         missing.append(Sentence("the measurement plane (or land)"))
     if missing:
         what = reduce(lambda first, second: Sentence("{first} nor {second}", first=first, second=second), missing)
@@ -269,3 +291,10 @@ def _missing(table: Table, names: ControllerNames, columns: Columns) -> Iterator
             value=", ".join(column.name for column in header.columns),
             expected=Sentence("headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'"),
         )
+
+
+def _of_one_land(table: Table, names: ControllerNames, columns: Columns) -> bool:
+    """Return whether every component that the table names has one land, so that nothing need say which."""
+    cells = [] if columns.component is None else list(_cells(table.sheet, table.header, columns.component))
+    named = {table.component} if columns.component is None else {names.component(cell) for cell in cells}
+    return bool(named) and all(len(names.controller.lands_of(component)) == 1 for component in named - {None})

@@ -17,7 +17,7 @@ from atleak.intake.readings.headings import Role, split_unit
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, numbers_of
-from atleak.intake.readings.words import is_blank, letters, number_of, part_of, plain, text_of, vocabulary
+from atleak.intake.readings.words import is_blank, letters, number_of, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import NOMINAL_HEADING, REPEAT_TOLERANCE
@@ -180,8 +180,8 @@ class Account:
             return False
         units = _units(rows.table, index) or self._units
         return all(
-            any(self._sizes.is_nominal(value, units, key.component, key.plane) for value in numbers_of(cell))
-            for row, key in rows.of_row.items()
+            any(self._sizes.is_nominal(value, units, keys[0].component, keys[0].plane) for value in numbers_of(cell))
+            for row, keys in rows.of_row.items()
             for cell in (rows.table.sheet.filled(row, index),)
         )
 
@@ -239,10 +239,11 @@ class Account:
         units = _units(rows.table, index) or self._units
         return [
             (row, index)
-            for row, key in rows.of_row.items()
+            for row, keys in rows.of_row.items()
             if any(
-                self._sizes.near_plane(value, units, key.component, key.plane)
+                self._sizes.near_plane(value, units, component, plane)
                 for value in numbers_of(rows.table.sheet.cell(row, index))
+                for component, plane in {(key.component, key.plane) for key in keys}
             )
         ]
 
@@ -311,7 +312,7 @@ class Account:
         if label is None:
             return False
         words = set(plain(label).replace(":", " ").split())
-        if words & _SAYS_SIZE or self.names.is_named(label) or part_of(label):
+        if words & _SAYS_SIZE or self.names.is_named(label) or part_said(label):
             return False
         return bool(words & _QUANTITY) or is_whole(sheet.cell(row, column))
 
@@ -320,7 +321,7 @@ class Account:
         done = self._done[sheet.name]
         cells = [cell for column, cell in enumerate(sheet.rows[row]) if (row, column) not in done]
         texts = [text_of(cell) for cell in cells if not is_blank(cell)]
-        return any(self.names.is_named(text) or part_of(text) is not None for text in texts)
+        return any(self.names.is_named(text) or part_said(text) is not None for text in texts)
 
     def _lost(self, sheet: Sheet, kind: str, index: int, cells: list[tuple[int, int]]) -> Message:
         rows = sorted({sheet.row_number(row) for row, _ in cells})

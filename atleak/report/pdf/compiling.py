@@ -67,6 +67,7 @@ def _letterhead(job: Job, pictures: dict[str, str], say: Wording) -> dict[str, A
         "workshop": shop.name,
         "lines": [line for line in lines if line],
         "logo": pictures.get(shop.logo or ""),
+        "logo-alt": shop.name or say("title.logo"),
     }
 
 
