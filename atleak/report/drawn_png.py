@@ -10,11 +10,10 @@ from functools import cache
 from pathlib import Path
 
 import typst
-from PIL import Image, ImageOps
+from PIL import Image, ImageColor
 
 FONTS = Path(__file__).parent / "fonts"
 DOTS = 150  # of an inch: on paper, where a sheet is shrunk, about 200
-_BITS = 4  # of a shade: drawings have few
 _PAGES = b"""
 #for each in json(bytes(sys.inputs.drawings)) {
   page(width: each.width * 1pt, height: each.height * 1pt, margin: 0pt, fill: rgb(each.ground),
@@ -47,12 +46,20 @@ def pngs_of(drawings: Sequence[Drawing]) -> list[bytes]:
     compiler = typst.Compiler(_PAGES, font_paths=bundled_fonts())
     drawn = compiler.compile(format="png", ppi=DOTS, sys_inputs={"drawings": json.dumps(given)})
     assert drawn is not None  # typst returns what it writes to no file
-    return [_small(png) for png in (drawn if isinstance(drawn, list) else [drawn])]
+    pages = drawn if isinstance(drawn, list) else [drawn]
+    return [_small(png, each.ground) for png, each in zip(pages, drawings, strict=True)]
 
 
-def _small(png: bytes) -> bytes:
-    """Return a picture in shades of grey, a third as large, which says how many dots an inch has."""
+def _small(png: bytes, ground: str) -> bytes:
+    """Return a picture in few shades of grey, a third as large, which says how many dots an inch has."""
     target = io.BytesIO()
-    grey = Image.open(io.BytesIO(png)).convert("L")
-    ImageOps.posterize(grey, _BITS).save(target, "PNG", dpi=(DOTS, DOTS))
+    grey = Image.open(io.BytesIO(png)).convert("L").point(_shades(ground))
+    grey.save(target, "PNG", dpi=(DOTS, DOTS))
     return target.getvalue()
+
+
+@cache
+def _shades(ground: str) -> list[int]:
+    """Return for every shade the nearest one that is kept: sixteen and that of the ground, so that no box is seen."""
+    kept = (*range(0, 256, 17), ImageColor.getcolor(ground, "L"))
+    return [min(kept, key=lambda shade: abs(shade - each)) for each in range(256)]

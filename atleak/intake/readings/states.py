@@ -275,7 +275,7 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet, *, numbered: bo
     """
     seen: dict[object, int] = {}
     runs: list[list[tuple[int, int]]] = []
-    rows: dict[int, list[tuple[object, float, int]]] = defaultdict(list)
+    rows: dict[int, list[tuple[tuple[object, ...], float, int]]] = defaultdict(list)
     for entry in entries:
         rows[entry.row].append((_station(entry)[:5], entry.raw.size, entry.column))
     order = list(rows)
