@@ -11,6 +11,7 @@ from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import EXPECTED, Header, best_header
+from atleak.intake.readings.pivot import without_pivot
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet_tables import Table, continued, find_tables
 from atleak.intake.readings.turned import turned
@@ -93,6 +94,7 @@ def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: s
 
 def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, list[Table]]:
     """Return a sheet with its tables, turned where its headings run down the first column."""
+    sheet = without_pivot(sheet, names)
     tables = find_tables(sheet, names)
     if any(table.header.of("component") and any(each.holds_size for each in table.header.columns) for table in tables):
         return sheet, tables

@@ -66,9 +66,11 @@ class Account:
         self._tables[table.sheet.name].append((table.rows, table))
         self._headings(table)
         done |= rows.cells
+        done.update((row, index) for row in table.rows for index in table.used)
         for column in rows.columns.keys:
             done.update((row, column.index) for row in table.rows if not self._is_size(table.sheet, row, column.index))
         used = {column.index for column in (*rows.columns.keys, *table.header.values, *table.header.of_lands)}
+        used |= table.used
         unread = [index for index in range(table.sheet.width) if index not in used]
         unread = [index for index in unread if not self._is_figure(rows, index)]
         self._slipped(rows)
