@@ -10,6 +10,7 @@ from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
+from atleak.intake.readings.filled_down import filled_down
 from atleak.intake.readings.headings import EXPECTED, Header, best_header
 from atleak.intake.readings.pivot import without_pivot
 from atleak.intake.readings.rows import Rows
@@ -40,8 +41,12 @@ class Choice:
     messages: tuple[Message, ...]
 
 
-def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None) -> Choice:
+def choose(
+    sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None, fill_down: bool = False
+) -> Choice:
     """Choose the tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
+
+    ``fill_down`` says that empty cells of a label go on with the one above them.
 
     Raises
     ------
@@ -81,7 +86,7 @@ def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: s
     ]
     return Choice(
         sheets=tuple(sheets),
-        tables=tuple(readable),
+        tables=tuple(filled_down(table, fill_down) for table in readable),
         of_lands=tuple(of_lands),
         doubtful=tuple(table for table in rest if not table.aside),
         aside=tuple(table for table in rest if table.aside),

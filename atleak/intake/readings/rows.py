@@ -13,6 +13,7 @@ from atleak.intake.readings import states
 from atleak.intake.readings.asides import Asides
 from atleak.intake.readings.columns import Columns, find_columns
 from atleak.intake.readings.controller_names import ControllerNames
+from atleak.intake.readings.filled_down import FILL_DOWN, broken_blocks
 from atleak.intake.readings.headings import Column
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import MM as MILLIMETRE
@@ -39,10 +40,11 @@ from atleak.intake.units import Unit, find_unit, unit_names
 from atleak.phrases import PART_WORDS
 from atleak.sentence import Name, Sentence, all_of
 
-_EVERY_ROW = Sentence(
-    "the value in every row. Empty cells under a first one are understood only where a workbook has merged them"
+_EVERY_ROW = Sentence("the value in every row; or merged cells in a workbook; {fill_down}", fill_down=FILL_DOWN)
+_IN_TEXT = Sentence(
+    "the value in every row; or the workbook itself, as a text file does not keep merged cells; {fill_down}",
+    fill_down=FILL_DOWN,
 )
-_IN_TEXT = Sentence("the value in every row, or the workbook itself: a text file does not keep merged cells")
 
 
 _MARKS_SHOWN = 4
@@ -127,6 +129,7 @@ class _Reader:
                     "{count} rows left aside: read were those where {chosen}", count=left_out, chosen=chosen
                 )
             self.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
+        self.problems += broken_blocks(self.table, self.entries, self.names)
         question = states.question(self.entries, self.breaks, self.table, self.columns)
         if question is not None:
             self.problems.append(question)

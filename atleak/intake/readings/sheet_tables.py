@@ -43,7 +43,7 @@ class Table:
     ``sheet`` holds its cells at the places of the whole sheet, and nothing of the tables beside and below.
     ``part`` and ``component`` are what the title or the sheet's name says, with ``said_by`` naming it. ``aside`` is why
     a table holds no readings of this valve body, None where it may. ``used`` are columns whose numbers went into others
-    behind the last, and ``told`` is what is to be said about that.
+    behind the last, ``filled`` rows whose labels are those of a row above, and ``told`` is what is to be said of both.
     """
 
     sheet: Sheet
@@ -54,6 +54,7 @@ class Table:
     aside: Sentence | None = None
     used: frozenset[int] = frozenset()
     told: tuple[Message, ...] = ()
+    filled: frozenset[int] = frozenset()
 
     @property
     def title(self) -> str:
