@@ -36,6 +36,12 @@ def add_controller(parser: Options) -> None:
     parser.add_argument("--controller", metavar="ID|FILE", help=help)
 
 
+def add_fill_down(parser: Options) -> None:
+    """Add ``--fill-down``, which lets empty cells of a measuring sheet go on with the one above."""
+    help = "an empty cell under a valve, land, part or direction means the one above it"
+    parser.add_argument("--fill-down", action="store_true", help=help)
+
+
 def add_job_id(parser: Options, count: str | None = None) -> None:
     """Add the argument that names a job of the book, or several, which `atleak.jobs.named.named_job` finds."""
     help = "id of a job, its first characters, or the job's number"
