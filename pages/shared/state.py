@@ -40,6 +40,7 @@ FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
 JOB = "job"  # the parameter of the address that names a job of the job book
 RECORD = "job-record"  # where the session keeps it; no parameter of the address may have this name
+RESULTS = 3  # that a session keeps
 UNDOABLE = 10  # steps back that a session keeps
 
 
@@ -106,6 +107,7 @@ class Session:
     start: PageCase = field(default_factory=PageCase)  # the first values of the sidebar's widgets
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
     in_book: InBook = field(default_factory=InBook)
+    results: tuple[Diagnosis, ...] = ()  # the latest, kept as long as this session may come back to them
     gives_back: bool = False  # whether memory goes back to the system when this ends
 
 
@@ -263,6 +265,8 @@ def current_diagnosis() -> Diagnosis:
         now.refused[slot] = Refusal("", error)
         return diagnosis_of(now.good)
     now.good = held(now.case)
+    if not is_large(now.good.road_test) and all(result is not each for each in now.results):
+        now.results = (*now.results[1 - RESULTS :], result)
     now.tried.clear()
     now.follow = False
     if is_large(now.good.road_test) and not now.gives_back:
