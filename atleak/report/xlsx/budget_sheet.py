@@ -41,7 +41,7 @@ from atleak.workshop_units import PERCENT, UM
 BUDGET = Sentence("Uncertainty budget")
 _SOURCE, _SHAPE, _NU, _U, _UNIT, _C, _CU, _PART = range(8)
 _BESIDE = 9  # column of what the readings of the land give
-_WIDTHS = (34, 20, 8, 12, 8, 12, 14, 12, 3, 50, 12, 12)
+_WIDTHS = (34, 20, 8, 12, 9, 17, 16, 14, 3, 52, 12, 12)
 _WHOLE = (
     Sentence("combined standard uncertainty u(c_r) [µm]"),
     Sentence("effective degrees of freedom (JCGM 100, G.4.1)"),
