@@ -75,7 +75,7 @@ FLOORS = (
     ("diagnosis",),
     ("repair", "next_checks", "comparison", "history", "what_if"),
     ("views", "intake"),
-    ("channel_formulas",),
+    ("channel_formulas", "report.printed_fonts"),
     (
         "figures",
         "measuring",

@@ -18,7 +18,7 @@ from atleak.look import LOOKS, PAPER
 from atleak.paper import Paper
 from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.boxes import BOX_FONT, box_font
-from atleak.report.printed_charts import FONTS, glyphs
+from atleak.report.printed_fonts import FONTS, glyphs
 from atleak.system.marks import KEYWORD
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
