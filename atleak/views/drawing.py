@@ -200,6 +200,56 @@ def _measured_spool(
     return "".join((*parts, "</svg>"))
 
 
+def upright_svg(controller: Controller, component: str, size: tuple[float, float], note: str) -> str:
+    """Draw one spool upright, its left end on top, with the planes it is measured in: for the rows of a printed sheet.
+
+    Where the controller's file states where the lands lie, lengths and diameters have one scale.
+
+    Parameters
+    ----------
+    size
+        width and height of the room [pt].
+    note
+        stands below a drawing that is not to scale.
+
+    Raises
+    ------
+    KeyError
+        a component without lands.
+    """
+    lands = controller.lands_of(component)
+    if not lands:
+        raise KeyError(component)
+    width, height = (4.0 * each for each in size)  # a unit is a quarter of a point
+    letters, known = 40.0, all(land.position is not None for land in lands)
+    beside = 0.6 * letters * max(len(plane) for land in lands for plane in land.planes) + 48.0
+    longest, thickest = _length(lands), max(land.nominal_diameter for land in lands) * MM
+    scale = _scale(height - (24.0 if known else 72.0), longest, min(width - beside - 24.0, 0.55 * width), thickest)
+    if known:
+        scale = min(scale), min(scale)
+    reach, long = thickest * scale[1] / 2.0, longest * scale[0]
+    axis, top = (width - beside) / 2.0, 12.0
+    spool = _spool(lands, {}, long / 2.0, 0.0, scale, thick=2.0)
+    title = f"{component} · {controller.components[component]}"
+    parts = [svg_head(width, height, title)]
+    parts.append(f'<g transform="translate({axis:.1f} {top:.1f}) rotate(90)">{spool}</g>')
+    apart = long / sum(len(land.planes) for land in lands)
+    for land, left, along in _places(lands, long / 2.0, scale):
+        for number, plane in enumerate(land.planes):
+            y = top + left + along * (number + 1) / (len(land.planes) + 1)
+            parts.append(_axis_line(f"{axis - reach - 16:.1f} {y:.1f}", f"{axis + reach + 24:.1f} {y:.1f}"))
+            size_of = min(letters, apart)
+            parts.append(svg_text(axis + reach + 32, y + 0.36 * size_of, plane, size_of, bold=True, anchor="start"))
+    if not known:
+        parts.append(svg_text(width / 2.0, min(top + long + 48.0, height - 12.0), note, 28.0))
+    return "".join((*parts, "</svg>"))
+
+
+def directions_svg(directions: Sequence[float], say: Wording, title: str) -> str:
+    """Draw a spool seen along its axis with the directions of measuring [°], 0 upright."""
+    return svg_head(_END_VIEW, _END_VIEW, title) + _end_view(directions, _END_VIEW / 2, _END_VIEW / 2, say) + "</svg>"
+
+
 def _end_view(directions: Sequence[float], x: float, y: float, say: Wording) -> str:
     """Draw the spool seen along its axis, with a line for each direction in which a diameter is measured."""
     if not directions:
