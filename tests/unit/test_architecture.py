@@ -58,7 +58,7 @@ FLOORS = (
         "unit_systems",
     ),
     ("catalogue", "wording", "system.drafts", "network", "admission"),
-    ("written_numbers", "phrases"),
+    ("written_numbers", "phrases", "report.printed_fonts"),
     ("pressure_table", "controller_sheets", "own_lands", "sheet_identity", "wear_line"),
     ("readings", "road_test", "gauge_study"),
     ("events", "engine.profile", "engine.extremes", "engine.restrictions"),
