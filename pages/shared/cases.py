@@ -43,7 +43,7 @@ SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
 LARGE, LARGE_KEPT = 4_000_000, 2
 OWN_KEPT = 4  # results of smaller logs that a session keeps beside those that all sessions share
 _CHOICES = {  # those that belong to one file, and go with it
-    "readings": ("sheet_name", "sheet_unit", "sheet_where"),
+    "readings": ("sheet_name", "sheet_unit", "sheet_where", "sheet_fill_down"),
     "road_test": ("columns", "units", "constants", "remember"),
     "pressures": (),
 }

@@ -19,6 +19,7 @@ from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.errors import AtleakError, Message
 from atleak.figures.figure import Figure
 from atleak.gauges.check import PressureCheck
+from atleak.job.judged_anew import JudgedOtherwise
 from atleak.look import DARK, SCREEN, look_of
 from atleak.verdicts import Band, Verdict
 from atleak.views.caveats import caveat_marks, caveats
@@ -67,6 +68,15 @@ def error_line(error: AtleakError) -> str:
     where = say.sentence(getattr(first, "place", "")) or first
     more = f" ({say('show.more', count=len(problems) - 1)})" if len(problems) > 1 else ""
     return f"{plain(where)}{more}: {say('show.see_head')}"
+
+
+def judged_otherwise(result_by: str, differs: Sequence[JudgedOtherwise]) -> str:
+    """Say what differs from a result that was kept, made by another version perhaps, as a list."""
+    say = reader.say()
+    lines = [plain(each.sentence) for each in differs[:SHOWN]]
+    if len(differs) > SHOWN:
+        lines.append(say("show.more", count=len(differs) - SHOWN))
+    return "\n- ".join([say("panel.judged_otherwise", version=plain(result_by)), *lines])
 
 
 def messages(notes: Iterable[Message], about: str, opened: bool = False) -> None:

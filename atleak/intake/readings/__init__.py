@@ -66,6 +66,7 @@ def read_readings(
     sheet: str | None = None,
     unit: str | None = None,
     where: Mapping[str, str] | None = None,
+    fill_down: bool = False,
     made_for: str | None = None,
 ) -> Readings:
     """Return the readings of a measuring sheet.
@@ -85,6 +86,8 @@ def read_readings(
         unit of the diameters ("mm", "µm", "inch" …), instead of what the headings say.
     where
         which rows to read: headings of columns and what must stand under them, as in ``{"Inspection": "May"}``.
+    fill_down
+        whether an empty cell of a label goes on with the one above it.
     made_for
         id that the sheet may name in place of the controller's: of the one from which this one was copied.
 
@@ -116,7 +119,7 @@ def read_readings(
     sheets = [each for each in sheets if each not in tabs]
     if not any(_holds_numbers(each) for each in sheets) and pressures is not None:
         return _of_gauges_alone(pressures)
-    chosen = choose(sheets, file, names, sheet)
+    chosen = choose(sheets, file, names, sheet, fill_down)
     require_known(chosen.tables, where or {})
     of_lands = read_land_values([*chosen.tables, *chosen.of_lands], names, given_unit, where)
     controller = of_lands.own.with_fitted(controller)
@@ -144,6 +147,7 @@ def read_readings(
         messages=(
             *chosen.messages,
             *head.messages,
+            *(message for rows in read if rows.entries for message in rows.table.told),
             *(message for rows in read for message in rows.messages),
             *converted.messages,
             *_about_sheet(read, first.sheet),

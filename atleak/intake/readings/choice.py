@@ -10,7 +10,9 @@ from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
+from atleak.intake.readings.filled_down import filled_down
 from atleak.intake.readings.headings import EXPECTED, Header, best_header
+from atleak.intake.readings.pivot import without_pivot
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet_tables import Table, continued, find_tables
 from atleak.intake.readings.turned import turned
@@ -39,8 +41,12 @@ class Choice:
     messages: tuple[Message, ...]
 
 
-def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None) -> Choice:
+def choose(
+    sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None, fill_down: bool = False
+) -> Choice:
     """Choose the tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
+
+    ``fill_down`` says that empty cells of a label go on with the one above them.
 
     Raises
     ------
@@ -80,7 +86,7 @@ def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: s
     ]
     return Choice(
         sheets=tuple(sheets),
-        tables=tuple(readable),
+        tables=tuple(filled_down(table, fill_down) for table in readable),
         of_lands=tuple(of_lands),
         doubtful=tuple(table for table in rest if not table.aside),
         aside=tuple(table for table in rest if table.aside),
@@ -93,6 +99,7 @@ def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: s
 
 def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, list[Table]]:
     """Return a sheet with its tables, turned where its headings run down the first column."""
+    sheet = without_pivot(sheet, names)
     tables = find_tables(sheet, names)
     if any(table.header.of("component") and any(each.holds_size for each in table.header.columns) for table in tables):
         return sheet, tables

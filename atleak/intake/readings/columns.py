@@ -10,6 +10,7 @@ from itertools import pairwise
 from atleak.errors import ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Column, Header, Role
+from atleak.intake.readings.labels import says_date
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import is_blank, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
@@ -219,7 +220,14 @@ def _groups(
 def _unsure(sheet: Sheet, header: Header, values: Sequence[Column]) -> Iterator[ReadingsError]:
     """Yield a problem for columns headed by numbers alone, where the nominal diameters do not tell them for lands."""
     unsure = [column for column in values if column.unsure]
-    if unsure:
+    if unsure and unsure[0].index in sheet.derived:
+        yield ReadingsError(
+            Sentence("nothing says in which unit the deviations are"),
+            place=sheet.place(header.last, unsure[0].index, unsure[0].heading),
+            value=unsure[0].name,
+            expected=Sentence("the unit in the heading, such as 'Deviation [µm]'"),
+        )
+    elif unsure:
         yield ReadingsError(
             Sentence(
                 "columns {names} are headed by numbers alone: lands, directions or repeats?",
@@ -275,6 +283,10 @@ def _sheet_unit(sheet: Sheet, header: Header) -> Unit | None:
 
 def _missing(table: Table, names: ControllerNames, columns: Columns) -> Iterator[ReadingsError]:
     sheet, header = table.sheet, table.header
+    dated = _dated(table, columns)
+    if dated is not None:
+        yield dated
+        return
     missing = []
     if columns.component is None and table.component is None:
         missing.append(Sentence("the component's number"))
@@ -298,3 +310,22 @@ def _of_one_land(table: Table, names: ControllerNames, columns: Columns) -> bool
     cells = [] if columns.component is None else list(_cells(table.sheet, table.header, columns.component))
     named = {table.component} if columns.component is None else {names.component(cell) for cell in cells}
     return bool(named) and all(len(names.controller.lands_of(component)) == 1 for component in named - {None})
+
+
+def _dated(table: Table, columns: Columns) -> ReadingsError | None:
+    """Return an error where a spreadsheet program has made dates of "8-1" in a column that says what rows are of."""
+    for column in (columns.component, columns.plane, columns.land):
+        for row in () if column is None else table.rows:
+            assert column is not None
+            cell = table.sheet.filled(row, column.index)
+            if says_date(cell):
+                return ReadingsError(
+                    Sentence("the spreadsheet program has made a date of this cell"),
+                    place=table.sheet.place(row, column.index, column.name),
+                    value=text_of(cell).removesuffix(" 00:00:00"),
+                    expected=Sentence(
+                        "component and plane, such as 8/1: format the column as text and type them again, or write a "
+                        "column for each"
+                    ),
+                )
+    return None

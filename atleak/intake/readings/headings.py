@@ -48,6 +48,7 @@ EXPECTED = Sentence(
 _DEPTH = 4  # rows that headings may be spread over
 
 _MEAN = vocabulary("mean", "mean_in_heading")
+_SUM = vocabulary("sum")
 _ACTUAL = vocabulary("actual")
 _NOW = vocabulary("now")
 _EARLIER = vocabulary("earlier")
@@ -77,7 +78,9 @@ _NAME = vocabulary("name")
 _GENERIC = vocabulary("generic")
 _NUMBERED = vocabulary("number", "generic")
 _UNIT = vocabulary("unit")
-_UNDER_ANOTHER = vocabulary("mean", "mean_in_heading", "specification", "specification_title", "actual", "reading")
+_UNDER_ANOTHER = vocabulary(
+    "mean", "sum", "mean_in_heading", "specification", "specification_title", "actual", "reading"
+)
 _GAUGE = vocabulary("gauge")
 _CONTACT_LENGTH = vocabulary("contact_length")
 _CONTACT = vocabulary("contact")
@@ -475,6 +478,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         (bool(words & _MEAN) or "x\u0304" in text or "x\u0305" in text, "mean"),
         (bool(words & _QUANTITY) and not words & SPECIFICATIONS, "quantity"),
         (bool(words & SPECIFICATIONS) and (sized or not key or bool(words & _QUANTITY)), "specification"),
+        (bool(words & _SUM), "mean"),
         (bool(words & _REMARK) and not (words & _GAUGE and unit is not None), "remark"),
         (bool(words & _DIRECTION), "direction"),
         (bool(words & _PLANE), "plane"),

@@ -13,6 +13,7 @@ from atleak.intake.readings import states
 from atleak.intake.readings.asides import Asides
 from atleak.intake.readings.columns import Columns, find_columns
 from atleak.intake.readings.controller_names import ControllerNames
+from atleak.intake.readings.filled_down import FILL_DOWN, broken_blocks
 from atleak.intake.readings.headings import Column
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import MM as MILLIMETRE
@@ -23,6 +24,7 @@ from atleak.intake.readings.words import (
     diameter,
     direction_of,
     is_blank,
+    is_marked,
     is_page_title,
     number,
     part_said,
@@ -33,15 +35,19 @@ from atleak.intake.readings.words import (
     summary_of,
     text_of,
 )
-from atleak.intake.sheets.sheet import Cell, column_letter
+from atleak.intake.sheets.sheet import Cell, column_letter, rows_named
 from atleak.intake.units import Unit, find_unit, unit_names
 from atleak.phrases import PART_WORDS
 from atleak.sentence import Name, Sentence, all_of
 
-_EVERY_ROW = Sentence(
-    "the value in every row. Empty cells under a first one are understood only where a workbook has merged them"
+_EVERY_ROW = Sentence("the value in every row; or merged cells in a workbook; {fill_down}", fill_down=FILL_DOWN)
+_IN_TEXT = Sentence(
+    "the value in every row; or the workbook itself, as a text file does not keep merged cells; {fill_down}",
+    fill_down=FILL_DOWN,
 )
-_IN_TEXT = Sentence("the value in every row, or the workbook itself: a text file does not keep merged cells")
+
+
+_MARKS_SHOWN = 4
 
 
 @dataclass
@@ -123,10 +129,12 @@ class _Reader:
                     "{count} rows left aside: read were those where {chosen}", count=left_out, chosen=chosen
                 )
             self.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
+        self.problems += broken_blocks(self.table, self.entries, self.names)
         question = states.question(self.entries, self.breaks, self.table, self.columns)
         if question is not None:
             self.problems.append(question)
         self.messages += self.asides.messages(self.entries)
+        self._report_marks()
         self.messages += states.messages(self.entries, self.table, self.columns, self.names.controller)
         return Rows(
             self.table, self.columns, self.entries, self.problems, self.messages, unread, self.cells, self.of_row
@@ -274,6 +282,8 @@ class _Reader:
 
     def _unit(self, row: int, column: Column) -> Unit | None:
         """Return the unit of a cell that states none: the user's, the row's, the heading's, or that above the table."""
+        if column.index in self.sheet.derived:
+            return column.unit  # a sum of columns, made in this unit
         if self.given_unit is not None:
             if column.unit is not None and column.unit != self.given_unit:
                 self.overridden.add(column.name)
@@ -494,6 +504,23 @@ class _Reader:
                 headings=tuple(sorted(self.overridden)),
             )
             self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))
+
+    def _report_marks(self) -> None:
+        """Say which numbers have a star or dagger, which points to a note that only people read."""
+        marked = [
+            (row, column.index)
+            for row in self.of_row
+            for column in self.header.values
+            if is_marked(self.sheet.cell(row, column.index))
+        ]
+        if marked:
+            numbers = tuple(dict.fromkeys(text_of(self.sheet.cell(*at)) for at in marked))[:_MARKS_SHOWN]
+            text = Sentence(
+                "a mark stands behind {numbers} ({rows}): read as they stand; what it means only the sheet's notes say",
+                numbers=numbers,
+                rows=rows_named(self.sheet, [row for row, _ in marked]),
+            )
+            self.messages.append(Message("info", "numbers_marked", text, self.sheet.place(*marked[0])))
 
     def _report_hidden_columns(self) -> None:
         for column in self.columns.hidden:

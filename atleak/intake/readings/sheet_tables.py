@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 from atleak.catalogue.instruments import Part
-from atleak.errors import Place
+from atleak.errors import Message, Place
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.counts import with_counts
+from atleak.intake.readings.deviations import with_deviations
 from atleak.intake.readings.headings import Column, Header, find_headers, read_together
 from atleak.intake.readings.numbered_lands import with_lands
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
@@ -41,7 +42,8 @@ class Table:
 
     ``sheet`` holds its cells at the places of the whole sheet, and nothing of the tables beside and below.
     ``part`` and ``component`` are what the title or the sheet's name says, with ``said_by`` naming it. ``aside`` is why
-    a table holds no readings of this valve body, None where it may.
+    a table holds no readings of this valve body, None where it may. ``used`` are columns whose numbers went into others
+    behind the last, ``filled`` rows whose labels are those of a row above, and ``told`` is what is to be said of both.
     """
 
     sheet: Sheet
@@ -50,6 +52,9 @@ class Table:
     component: str | None = None
     said_by: Sentence | None = None
     aside: Sentence | None = None
+    used: frozenset[int] = frozenset()
+    told: tuple[Message, ...] = ()
+    filled: frozenset[int] = frozenset()
 
     @property
     def title(self) -> str:
@@ -198,7 +203,9 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
             titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
             end = min([following.first, *titles])
         view = _only(sheet, 0, sheet.width, end)
-        yield Table(*with_split_labels(view, _by_content(view, header, names), names))
+        view, header = with_split_labels(view, _by_content(view, header, names), names)
+        view, header, used, told = with_deviations(view, header)
+        yield Table(view, header, used=used, told=told)
 
 
 def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:

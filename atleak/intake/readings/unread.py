@@ -9,10 +9,10 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 
 from atleak.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
+from atleak.intake.readings.filled_down import nominal_headings
 from atleak.intake.readings.headings import Role, split_unit
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet_tables import Table
@@ -20,9 +20,8 @@ from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, n
 from atleak.intake.readings.words import is_blank, letters, number_of, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
-from atleak.readings import NOMINAL_HEADING, REPEAT_TOLERANCE
+from atleak.readings import REPEAT_TOLERANCE
 from atleak.sentence import Sentence, any_of
-from atleak.wording import languages, wording
 
 _WHY: dict[Role, Sentence] = {
     "specification": Sentence("what the diameter should be or was, not what was measured"),
@@ -66,9 +65,11 @@ class Account:
         self._tables[table.sheet.name].append((table.rows, table))
         self._headings(table)
         done |= rows.cells
+        done.update((row, index) for row in table.rows for index in table.used)
         for column in rows.columns.keys:
             done.update((row, column.index) for row in table.rows if not self._is_size(table.sheet, row, column.index))
         used = {column.index for column in (*rows.columns.keys, *table.header.values, *table.header.of_lands)}
+        used |= table.used
         unread = [index for index in range(table.sheet.width) if index not in used]
         unread = [index for index in unread if not self._is_figure(rows, index)]
         self._slipped(rows)
@@ -176,7 +177,7 @@ class Account:
     def _is_of_controller(self, rows: Rows, index: int) -> bool:
         """Return whether this is the form's own column of nominal diameters, unchanged since it was written."""
         name, unit, _ = rows.table.heading(index).partition(" [")
-        if not unit or name not in _nominal_headings():
+        if not unit or name not in nominal_headings():
             return False
         units = _units(rows.table, index) or self._units
         return all(
@@ -449,9 +450,3 @@ def _without_headings(sheet: Sheet, row: int, column: int) -> ReadingsError:
         value=sheet.cell(row, column),
         expected=Sentence("the row in the table, in the same columns, or headings above it"),
     )
-
-
-@cache
-def _nominal_headings() -> frozenset[str]:
-    """Return the heading of the form's own column of nominal diameters in every language, without its unit."""
-    return frozenset(" ".join(wording(each).sentence(NOMINAL_HEADING).split()) for each in languages())

@@ -430,6 +430,7 @@ def _summary(text: str, key: bool) -> Summary | None:
     return kinds[0] if key or not others else None
 
 
+CHARACTERISTIC = vocabulary("characteristic")
 COUNTS = vocabulary("counts")
 COUNTS_NOT = vocabulary("counts_not")
 _NO = vocabulary("no")

@@ -31,6 +31,7 @@ _USUAL = ("cp1252", "cp1250")
 _CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp850", "cp852", "cp866")
 _RULE = re.compile(r"\s*:?[-=]{2,}:?\s*")  # between the headings and the rows of a table in Markdown
 _WORD = re.compile(r"[^\W\d_]+")
+_SIGNS = tuple(map(re.compile, (r"(?<!\w)µm", r"\d°", r"(?<!\w)[Øø](?!\w)", "±")))
 _UNREADABLE = re.compile(r"[\ufffd\x80-\x9f\u2500-\u259f]|(?<=\d)[øш](?!\w)")  # "0°" of another code page ends in ø
 
 
@@ -117,9 +118,9 @@ def _by_words(data: bytes, knows: Knows) -> Sequence[str]:
 
 
 def _known(text: str, knows: Knows) -> int:
-    words = {word for word in _WORD.findall(text) if not word.isascii()}
-    known = sum(1 if knows(word) else 0 for word in words) + ("µm" in text) + (re.search(r"\d°", text) is not None)
-    return known - len(set(_UNREADABLE.findall(text)))
+    words = {word for word in _WORD.findall(text) if len(word) > 2 and not word.isascii()}
+    signs = sum(sign.search(text) is not None for sign in _SIGNS)
+    return sum(map(knows, words)) + signs - len(set(_UNREADABLE.findall(text)))
 
 
 def _not_text(file: str) -> ReadingsError:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.xlsx.book import exact

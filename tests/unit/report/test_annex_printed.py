@@ -93,7 +93,9 @@ def test_all_rows_of_readings_are_of_one_height(worn: Diagnosis, directions: int
     (table,) = of_kind(Annex(names_of(again)).readings(), "table")
     heights = {max(cell.count("\n") for cell in row) for row in table["rows"]}
     assert len(heights) == 1
-    letters = sum(max(len(line) for cell in column for line in cell.split("\n")) for column in zip(*table["rows"], strict=True))
+    letters = sum(
+        max(len(line) for cell in column for line in cell.split("\n")) for column in zip(*table["rows"], strict=True)
+    )
     assert letters < 115 or directions > 4, "one line of 9 points holds no more"
 
 

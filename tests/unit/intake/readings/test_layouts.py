@@ -25,11 +25,13 @@ TRUTHS = _listed("layouts")["truths"]
 def examples():
     """Return every sheet in one of the forms that can hold it, turn by turn."""
     listed = [entry for name in ("layouts", "wordings") for entry in _listed(name)["example"]]
+    params = []
     for number, entry in enumerate(listed):
         form = "workbook" if "merged" in entry or ("encoding" not in entry and number % 4 == 0) else "text"
         if form not in entry.get("forms", (form,)):
             form = entry["forms"][0]
-        yield pytest.param(entry, form, id=f"{entry['name']}-{form}")
+        params.append(pytest.param(entry, form, id=f"{entry['name']}-{form}"))
+    return params
 
 
 def written(entry, form, filled_in):
