@@ -30,6 +30,8 @@ _HERE = "127.0.0.1"
 _PATIENCE = 2.0  # [s]
 _PORTS = range(1, 65536)
 _SECRETS, _ALLOWED = "secrets.toml", "allowed.toml"
+# Else the GNU C library gives every thread, of which each run of a page has its own, memory that it keeps for that one.
+_SPARING = {"MALLOC_ARENA_MAX": "2"}
 _INTERNET = (socket.AF_INET, socket.AF_INET6)
 
 
@@ -131,7 +133,7 @@ def _start(address: str, port: int | None, reach: _Reach) -> int:
     command = [sys.executable, "-m", "streamlit", "run", str(server), "--server.address", address, *reach.options]
     if port is not None:
         command += ["--server.port", str(port)]
-    return _serve(command, server.parent, {**os.environ, ALLOWED: reach.allowed})
+    return _serve(command, server.parent, {**_SPARING, **os.environ, ALLOWED: reach.allowed})
 
 
 def port_number(text: str) -> int:

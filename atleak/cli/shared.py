@@ -19,7 +19,7 @@ from atleak.system.marks import Kind
 from atleak.system.printable import asked_for, unguarded
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages
-from atleak.written_numbers import AskedNumber, decimal_number, read_number
+from atleak.written_numbers import INTERVAL, AskedNumber, decimal_number, read_number
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
@@ -122,6 +122,12 @@ def add_columns(parser: Options) -> None:
         default=[],
         help="what stands for a channel that the log lacks, in kPa, °C or rpm: converter_pressure=300",
     )
+    parser.add_argument(
+        "--interval",
+        metavar="S",
+        type=number_of(INTERVAL),
+        help="seconds from row to row of a log without a clock: 0.033",
+    )
 
 
 _WITH_UNIT = re.compile(r"(?P<number>[\d.,]+)\s*(?P<unit>[^\d\s.,].*)")
@@ -204,7 +210,13 @@ def chosen_controller(options: argparse.Namespace) -> Controller:
 
 def log_choices(options: argparse.Namespace) -> dict[str, Any]:
     """Return the choices about a log: columns, units and values for missing channels."""
-    return {"mapping": dict(options.map), "units": dict(options.unit), "constants": dict(options.constant)}
+    return {"mapping": dict(options.map), "units": dict(options.unit), "constants": dict(log_constants(options))}
+
+
+def log_constants(options: argparse.Namespace) -> tuple[tuple[str, float], ...]:
+    """Return what stands for channels that the log lacks; for its time, the interval between rows."""
+    interval = () if options.interval is None else (("time", options.interval),)
+    return (*options.constant, *interval)
 
 
 def chosen_road_test(options: argparse.Namespace) -> RoadTest:

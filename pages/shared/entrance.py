@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import streamlit as st
 
-from atleak.errors import AtleakError
+from atleak.errors import InputError
 from atleak.network import ALLOWED, is_here_alone
 from pages.shared import reader
 
@@ -25,7 +25,7 @@ def is_open() -> bool:
         return True
     try:
         return bool(st.user.get("is_logged_in")) and _allowed(path).admits(st.user.to_dict())
-    except AtleakError:
+    except InputError:
         return False
 
 
@@ -56,7 +56,8 @@ def _refusal(path: str) -> str:
     say = reader.say()
     try:
         _allowed(path)
-    except AtleakError as error:
+    except InputError as error:
+        error.rename_file(lambda _: Path(path).name)  # where it lies is nobody's business
         return say("entrance.nobody", problem=say.sentence(error.sentence))
     return say("entrance.not_allowed", name=_name() or say("entrance.somebody"))
 

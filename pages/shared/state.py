@@ -41,6 +41,7 @@ FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
 JOB = "job"  # the parameter of the address that names a job of the job book
 RECORD = "job-record"  # where the session keeps it; no parameter of the address may have this name
+RESULTS = 3  # that a session keeps
 UNDOABLE = 10  # steps back that a session keeps
 
 
@@ -107,6 +108,7 @@ class Session:
     start: PageCase = field(default_factory=PageCase)  # the first values of the sidebar's widgets
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
     in_book: InBook = field(default_factory=InBook)
+    results: tuple[Diagnosis, ...] = ()  # the latest, kept as long as this session may come back to them
     gives_back: bool = False  # whether memory goes back to the system when this ends
 
 
@@ -266,6 +268,8 @@ def current_diagnosis() -> Diagnosis:
     now.good = held(now.case)
     if "readings" in now.tried:
         _take_head(result)
+    if not is_large(now.good.road_test) and all(result is not each for each in now.results):
+        now.results = (*now.results[1 - RESULTS :], result)
     now.tried.clear()
     now.follow = False
     if is_large(now.good.road_test) and not now.gives_back:
