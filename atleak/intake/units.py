@@ -82,6 +82,7 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
             "��c",
             "¡æ",
             "gr c",
+            ".c",
         ),
         Unit("°F", 5.0 / 9.0, -160.0 / 9.0): (
             "°f",
@@ -95,6 +96,7 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
             "degrees f",
             "deg. f",
             "f°",
+            ".f",
             "â°f",
             "�f",
         ),

@@ -186,7 +186,7 @@ class Case:
     engine_speed: float | None = None  # [1/s]
     gear: int | None = None
     point: OperatingPoint | None = None  # used instead of the controller's first operating point
-    mileage: float | None = None  # [km]
+    mileage: float | None = None  # [km]; None: as the sheet's head states it
     measuring_temperature: float | None = None  # [°C] of gauge and parts; None: as the sheet's head states it
     pump_clearances: PumpClearances = NO_CLEARANCES  # measured of this job's pump; others as the sheet's head states
     sheet_name: str | None = None  # of the workbook, where several hold readings

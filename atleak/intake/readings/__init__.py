@@ -158,6 +158,7 @@ def read_readings(
         ),
         temperature=head.temperature,
         date=head.date,
+        identity=head.identity,
         pressures=pressures,
         pump=head.pump,
         own_lands=of_lands.own,
