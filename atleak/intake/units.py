@@ -41,7 +41,7 @@ class Unit:
 
 _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
     "length": {
-        Unit("mm", 1e-3): ("mm", "millimetre", "millimeter"),
+        Unit("mm", 1e-3): ("mm", "millimetre", "millimeter", "мм"),
         Unit("µm", 1e-6): ("µm", "um", "micron", "microns", "micrometre", "micrometer", "mkm", "мкм"),
         Unit("inch", INCH): ("inch", "in", "inches", '"', "zoll", "cal"),
         Unit("mil", INCH / 1000): ("mil", "thou"),

@@ -6,6 +6,7 @@ import ctypes
 import gc
 import sys
 import threading
+from collections.abc import Callable
 from functools import cache
 
 
@@ -25,14 +26,14 @@ def give_back() -> None:
 def set_imports_aside() -> None:
     """Let every later collection pass over what there is now; only the first call does anything.
 
-    Streamlit collects after each run of a page. What was imported until then, some 240 000 objects that stay as long as
-    the process, costs it 0.15 s each time.
+    What was imported until then are some 240 000 objects that stay as long as the process.
     """
     gc.collect()
     gc.freeze()
 
 
 _LATER = (20.0, 150.0, 900.0)  # [s]
+_SOON = 5.0  # [s]
 _waiting: dict[float, threading.Timer] = {}
 
 
@@ -42,8 +43,21 @@ def give_back_soon() -> None:
     What refers to itself in a circle is let go of by the collection alone, so that one is not enough.
     """
     for seconds in _LATER:
-        if seconds in _waiting and _waiting[seconds].is_alive():
-            continue
-        _waiting[seconds] = threading.Timer(seconds, give_back)
-        _waiting[seconds].daemon = True
-        _waiting[seconds].start()
+        _do_in(seconds, give_back)
+
+
+def collect_soon() -> None:
+    """Collect once within some seconds, however often this is asked for meanwhile.
+
+    A collection looks at all that the process holds and keeps every page waiting meanwhile, so that one after each run
+    of a page, as Streamlit would have it, costs more than most of these runs.
+    """
+    _do_in(_SOON, gc.collect)
+
+
+def _do_in(seconds: float, what: Callable[[], object]) -> None:
+    if seconds in _waiting and _waiting[seconds].is_alive():
+        return
+    _waiting[seconds] = threading.Timer(seconds, what)
+    _waiting[seconds].daemon = True
+    _waiting[seconds].start()

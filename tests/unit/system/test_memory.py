@@ -5,10 +5,12 @@ from __future__ import annotations
 import gc
 import subprocess
 import sys
+import threading
 
 import pytest
 
-from atleak.system.memory import set_imports_aside
+from atleak.system import memory
+from atleak.system.memory import collect_soon, set_imports_aside
 
 SCRIPT = """
 import psutil
@@ -35,6 +37,17 @@ def test_only_the_first_call_sets_imports_aside(monkeypatch: pytest.MonkeyPatch)
     set_imports_aside()
     set_imports_aside.cache_clear()
     assert frozen == [True]
+
+
+def test_a_collection_that_many_ask_for_is_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = threading.Event()
+    times: list[bool] = []
+    monkeypatch.setattr(memory, "_SOON", 0.05)
+    monkeypatch.setattr(gc, "collect", lambda: (times.append(True), made.set()))
+    for _ in range(5):
+        collect_soon()
+    assert made.wait(20.0)
+    assert times == [True]
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="malloc_trim is the GNU C library's")
