@@ -11,9 +11,8 @@ from pages.shared.state import session
 
 case, diagnosis = panel.shown()
 record, say = diagnosis_record(diagnosis), reader.say()
-named = say.condition
 st.title(say("diagnosis.title"))
-show.first_sentence(diagnosis, named)
+show.first_sentence(diagnosis)
 conditions.complaint(diagnosis)
 if diagnosis.without_sheet:
     if diagnosis.pressures is not None:
@@ -27,7 +26,7 @@ if diagnosis.without_sheet:
 show.jumps(
     {"flagged-pairs": "diagnosis.flagged_pairs", "pressures": "diagnosis.pressures", "repair-plan": "repair_plan.title"}
 )
-pairs.section(diagnosis, named, words.advised(diagnosis, record, say))
+pairs.section(diagnosis, words.advised(diagnosis, record, say))
 
 st.subheader(say("diagnosis.totals"))
 show.chart(figures.total_share(diagnosis, say), "share")
@@ -40,7 +39,7 @@ st.subheader(say("diagnosis.matrix"))
 conditions.matrix(diagnosis)
 
 st.subheader(say("repair_plan.title"), anchor="repair-plan")
-repair_plan.draw(diagnosis, named)
+repair_plan.draw(diagnosis)
 conditions.undecided(diagnosis, closing=False)
 order = fields.fold(say("repair_plan.order"), key=f"order-of-repair-{session().generation}")
 if order.open:
@@ -62,5 +61,5 @@ every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=
 if every.open:
     with every:
         show.chart(figures.leakage_ranking(diagnosis, say), "ranking")
-        pairs.table(pair_table(diagnosis, diagnosis.ranked, say, named, at=diagnosis.presented), "all", pressable=True)
+        pairs.table(pair_table(diagnosis, diagnosis.ranked, say, at=diagnosis.presented), "all", pressable=True)
 files.take_along(case, diagnosis, record)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,10 +19,11 @@ from atleak.system.marks import Kind
 from atleak.system.printable import asked_for, unguarded
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages
-from atleak.written_numbers import AskedNumber, decimal_number, read_number
+from atleak.written_numbers import INTERVAL, AskedNumber, decimal_number, read_number
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
+    from atleak.job.judged_anew import JudgedOtherwise
     from atleak.road_test import RoadTest
 
 
@@ -33,6 +34,12 @@ def add_controller(parser: Options) -> None:
     """Add ``--controller``, which `chosen_controller` loads."""
     help = "valve body: the study's four-speed one unless given; `atleak controllers` lists those known"
     parser.add_argument("--controller", metavar="ID|FILE", help=help)
+
+
+def add_fill_down(parser: Options) -> None:
+    """Add ``--fill-down``, which lets empty cells of a measuring sheet go on with the one above."""
+    help = "an empty cell under a valve, land, part or direction means the one above it"
+    parser.add_argument("--fill-down", action="store_true", help=help)
 
 
 def add_job_id(parser: Options, count: str | None = None) -> None:
@@ -114,6 +121,12 @@ def add_columns(parser: Options) -> None:
         action="append",
         default=[],
         help="what stands for a channel that the log lacks, in kPa, °C or rpm: converter_pressure=300",
+    )
+    parser.add_argument(
+        "--interval",
+        metavar="S",
+        type=number_of(INTERVAL),
+        help="seconds from row to row of a log without a clock: 0.033",
     )
 
 
@@ -197,7 +210,13 @@ def chosen_controller(options: argparse.Namespace) -> Controller:
 
 def log_choices(options: argparse.Namespace) -> dict[str, Any]:
     """Return the choices about a log: columns, units and values for missing channels."""
-    return {"mapping": dict(options.map), "units": dict(options.unit), "constants": dict(options.constant)}
+    return {"mapping": dict(options.map), "units": dict(options.unit), "constants": dict(log_constants(options))}
+
+
+def log_constants(options: argparse.Namespace) -> tuple[tuple[str, float], ...]:
+    """Return what stands for channels that the log lacks; for its time, the interval between rows."""
+    interval = () if options.interval is None else (("time", options.interval),)
+    return (*options.constant, *interval)
 
 
 def chosen_road_test(options: argparse.Namespace) -> RoadTest:
@@ -284,3 +303,16 @@ def say_doubts(doubts: Iterable[Message]) -> None:
     """Print what is doubtful about a job record, a line each, beside the result."""
     for doubt in doubts:
         print(f"atleak: {doubt.text}", file=sys.stderr)
+
+
+_DIFFERENCES = 12  # of a job file from its own result that are printed
+
+
+def say_differences(name: str, result_by: str, differs: Sequence[JudgedOtherwise]) -> None:
+    """Print where a job file differs from the result in it, and which version made that; nothing where it does not."""
+    if not differs:
+        return
+    whose = f"{name}: differs from its result, made by atleak {result_by}"
+    print("\n  ".join([f"atleak: {whose}:", *map(str, differs[:_DIFFERENCES])]), file=sys.stderr)
+    if len(differs) > _DIFFERENCES:
+        print(f"  … and {len(differs) - _DIFFERENCES} more", file=sys.stderr)

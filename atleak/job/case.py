@@ -144,6 +144,7 @@ class SheetChoices(TypedDict):
     sheet: str | None
     unit: str | None
     where: dict[str, str]
+    fill_down: bool
 
 
 class LogChoices(TypedDict):
@@ -185,11 +186,12 @@ class Case:
     engine_speed: float | None = None  # [1/s]
     gear: int | None = None
     point: OperatingPoint | None = None  # used instead of the controller's first operating point
-    mileage: float | None = None  # [km]
+    mileage: float | None = None  # [km]; None: as the sheet's head states it
     measuring_temperature: float | None = None  # [°C] of gauge and parts; None: as the sheet's head states it
     pump_clearances: PumpClearances = NO_CLEARANCES  # measured of this job's pump; others as the sheet's head states
     sheet_name: str | None = None  # of the workbook, where several hold readings
     sheet_unit: str | None = None  # of the diameters, where the sheet does not say
+    sheet_fill_down: bool = False  # whether an empty cell of a label goes on with the one above it
     sheet_where: tuple[tuple[str, str], ...] = ()  # heading → value of the rows to read, where it holds several states
     columns: tuple[tuple[str, str], ...] = ()  # quantity → column of the log, where the user chose it
     units: tuple[tuple[str, str], ...] = ()  # quantity → unit
@@ -231,7 +233,12 @@ class Case:
     @property
     def sheet_choices(self) -> SheetChoices:
         """Return how the measuring sheet is read."""
-        return {"sheet": self.sheet_name, "unit": self.sheet_unit, "where": dict(self.sheet_where)}
+        return {
+            "sheet": self.sheet_name,
+            "unit": self.sheet_unit,
+            "where": dict(self.sheet_where),
+            "fill_down": self.sheet_fill_down,
+        }
 
     @property
     def log_choices(self) -> LogChoices:

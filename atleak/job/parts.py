@@ -74,6 +74,7 @@ class ReadingChoices(_Strict):
     sheet: str | None = None
     unit: str | None = None
     where: dict[str, str] = {}
+    fill_down: bool = False
     measuring_temperature_c: MeasuringCelsius | None = None
     pump_side_clearance_um: PumpSideMicrometres | None = None
     pump_tip_clearance_um: PumpTipMicrometres | None = None
@@ -129,6 +130,7 @@ class Choices(_Strict):
             sheet_name=self.readings.sheet,
             sheet_unit=self.readings.unit,
             sheet_where=pairs_of(self.readings.where),
+            sheet_fill_down=self.readings.fill_down,
             columns=pairs_of(self.road_test.get("mapping")),
             units=pairs_of(self.road_test.get("units")),
             constants=pairs_of(self.road_test.get("constants")),

@@ -53,6 +53,7 @@ def without_person(file: JobFile) -> WithoutPerson:
         sheet_name=None,
         sheet_unit=None,
         sheet_where=(),
+        sheet_fill_down=False,
         columns=log.columns if log else (),
         units=log.units if log else (),
         remember=False,

@@ -15,7 +15,6 @@ from atleak.job.record import Job, RepairDecision
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair.money import decimals
 from atleak.rules import Rule
-from atleak.views.repair_words import Named, label_of
 from atleak.views.sentences import rule_value
 from atleak.wording import Wording, isolated
 
@@ -26,11 +25,10 @@ _COLUMNS = (
 
 @dataclass(frozen=True)
 class EstimateWords:
-    """The words and numbers of one estimate; ``named`` names a condition in the reader's language."""
+    """The words and numbers of one estimate."""
 
     estimate: Estimate
     say: Wording
-    named: Named = label_of
 
     def pair(self, line: Line) -> str:
         """Name the component with the lands that the line is about: ``8/1, 8/2 valve``."""
@@ -90,7 +88,9 @@ class EstimateWords:
 
     def rule(self, rule: Rule) -> str:
         """Name what a rule limits, of which circuit and at which condition."""
-        condition = "" if rule.condition is None else self.say("estimate.at", condition=self.named(rule.condition))
+        condition = (
+            "" if rule.condition is None else self.say("estimate.at", condition=self.say.condition(rule.condition))
+        )
         circuit = isolated(self.say.name(rule.circuit.name)) if rule.circuit else ""
         return ", ".join(filter(None, (self.say(f"rules.{rule.kind}"), circuit, condition)))
 

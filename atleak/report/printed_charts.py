@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -21,6 +20,7 @@ from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from atleak.look import PAPER, look_of
+from atleak.report.drawn_png import FONTS
 from atleak.verdicts import Band, Verdict
 from atleak.views.drawing import shortened
 from atleak.views.pressures import HeldPressure, PressuresAt
@@ -32,7 +32,6 @@ from atleak.workshop_units import DM3_MIN, KPA, RPM
 if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType
 
-FONTS = Path(__file__).parent / "fonts"
 _DASHES = ((5, 2), (2, 1.5), (1, 1.5), (8, 2, 1, 2), (5, 2, 1, 2, 1, 2))  # of curves that differ by temperature
 _LETTERS = 40  # of a name that are drawn
 _LOCK = threading.Lock()  # matplotlib's settings belong to the whole process

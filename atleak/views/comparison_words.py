@@ -5,7 +5,6 @@ from __future__ import annotations
 from atleak.comparison import Change, Comparison, EventPair, LandComparison
 from atleak.comparison.choices import ChoiceName
 from atleak.views.land_names import land_words
-from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording
 from atleak.workshop_units import UM
 
@@ -24,7 +23,7 @@ def changed_sentence(comparison: Comparison, say: Wording) -> str:
     return say("comparison.changed", changed=len(comparison.changed), compared=compared)
 
 
-def total_sentence(comparison: Comparison, say: Wording, named: Named = label_of) -> str | None:
+def total_sentence(comparison: Comparison, say: Wording) -> str | None:
     """Say what the total was and is where it was worst before; None where no total can be compared.
 
     Where choices differ this is the unit after by the choices of the job before, and its own total stands beside it.
@@ -35,7 +34,7 @@ def total_sentence(comparison: Comparison, say: Wording, named: Named = label_of
     own = leading.after if comparison.differing else None
     return say(
         "comparison.total" if own is None else "comparison.total_alike",
-        condition=named(leading.before.condition),
+        condition=say.condition(leading.before.condition),
         before=say.percent(leading.share.before),
         after=say.percent(leading.share.after),
         own="" if own is None else say.percent(own.share),

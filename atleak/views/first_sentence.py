@@ -12,7 +12,6 @@ from atleak.verdicts import FLAGGED, Verdict
 from atleak.views.land_names import land_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import worst_pressure
-from atleak.views.repair_words import Named, label_of
 from atleak.views.rule_words import rule_reached
 from atleak.views.sentences import because_of, land_in_words
 from atleak.wording import Wording
@@ -27,12 +26,12 @@ def shown_verdict(diagnosis: Diagnosis) -> Verdict:
     return diagnosis.verdict
 
 
-def first_sentence(diagnosis: Diagnosis, say: Wording, named: Named = label_of) -> str:
+def first_sentence(diagnosis: Diagnosis, say: Wording) -> str:
     """Return the sentence without the verdict's sign and word, which stand before it."""
-    return f"{'; '.join(part.removesuffix('.') for part in _parts(diagnosis, say, named))}."
+    return f"{'; '.join(part.removesuffix('.') for part in _parts(diagnosis, say))}."
 
 
-def _parts(diagnosis: Diagnosis, say: Wording, named: Named) -> Iterator[str]:
+def _parts(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     measured = measured_sentence(diagnosis, say)
     if measured is not None:
         yield measured
@@ -43,16 +42,16 @@ def _parts(diagnosis: Diagnosis, say: Wording, named: Named) -> Iterator[str]:
     decided_by = diagnosis.decided_by
     if isinstance(decided_by, LandDiagnosis):
         rule = decided_by.deciding
-        reached = "" if rule is None else rule_reached(rule, say, named)
+        reached = "" if rule is None else rule_reached(rule, say)
         yield say("diagnosis.decides", land=land_in_words(diagnosis, decided_by.key, say), rule=reached)
         pressure = worst_pressure(diagnosis)
         if pressure is not None:
-            yield f"{say.signed(pressure.verdict)} {because_of(diagnosis, pressure, say, named) or ''}".rstrip()
+            yield f"{say.signed(pressure.verdict)} {because_of(diagnosis, pressure, say) or ''}".rstrip()
     elif isinstance(decided_by, Rule) and measured is None:
-        because = because_of(diagnosis, decided_by, say, named)
-        yield because or say("diagnosis.by_rule", rule=rule_reached(decided_by, say, named))
+        because = because_of(diagnosis, decided_by, say)
+        yield because or say("diagnosis.by_rule", rule=rule_reached(decided_by, say))
     yield from _open(diagnosis, say)
-    yield total_part(diagnosis, say, named)
+    yield total_part(diagnosis, say)
 
 
 def lands_part(diagnosis: Diagnosis, say: Wording) -> str:
@@ -90,10 +89,10 @@ def _named(diagnosis: Diagnosis, lands: Iterable[LandDiagnosis], say: Wording) -
     return said if more <= 0 else say("diagnosis.and_more", named=said, count=more)
 
 
-def total_part(diagnosis: Diagnosis, say: Wording, named: Named) -> str:
+def total_part(diagnosis: Diagnosis, say: Wording) -> str:
     """Say what the unit leaks where that is worst, and which band that is."""
     worst = diagnosis.worst
-    band, condition = diagnosis.band(worst), named(worst.condition)
+    band, condition = diagnosis.band(worst), say.condition(worst.condition)
     if not math.isfinite(worst.share):
         return say("diagnosis.no_delivery", condition=condition)
     key = "as_new" if band is None else "leaks" if diagnosis.passed or band.verdict.flagged else "leaks_open"

@@ -9,7 +9,6 @@ from enum import StrEnum
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording, wording
 
 
@@ -55,18 +54,16 @@ def head(ranked: Sequence[MeasureFirst], say: Wording | None = None) -> str:
     return say("complaint.sure" if all(each.doubt is Doubt.NONE for each in ranked) else "complaint.first")
 
 
-def reason(each: MeasureFirst, say: Wording | None = None, named: Named = label_of) -> str:
+def reason(each: MeasureFirst, say: Wording | None = None) -> str:
     """Say what is open about a land and how much it carries.
 
     Parameters
     ----------
     say
         the words of a language; English unless given.
-    named
-        names a condition in that language.
     """
     say = say or wording("en")
-    carried = say("complaint.carried", part=say.percent(each.part), condition=named(each.projection.condition))
+    carried = say("complaint.carried", part=say.percent(each.part), condition=say.condition(each.projection.condition))
     return say(f"complaint.{each.doubt}", verdict=say.level(each.land.verdict), carried=carried)
 
 

@@ -12,7 +12,6 @@ from atleak.rules import Rule
 from atleak.verdicts import Verdict, worst
 from atleak.views.condition_matrix import MatrixRow
 from atleak.views.pair_table import Cell, Row, Table, clearance, decision, share_cell, why
-from atleak.views.repair_words import Named, label_of
 from atleak.views.rule_words import rule_name, rule_value
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import KPA, MM, UM
@@ -55,26 +54,26 @@ def components_worst_first(diagnosis: Diagnosis) -> list[str]:
     return list(dict.fromkeys([*first, *others]))
 
 
-def opened_lands(diagnosis: Diagnosis, component: str, say: Wording, named: Named = label_of) -> tuple[OpenedLand, ...]:
+def opened_lands(diagnosis: Diagnosis, component: str, say: Wording) -> tuple[OpenedLand, ...]:
     """Return every land of a component, in its order along the spool."""
     lands = [land for land in diagnosis.lands if land.key[0] == component]
-    return tuple(_opened(diagnosis, land, say, named) for land in lands)
+    return tuple(_opened(diagnosis, land, say) for land in lands)
 
 
-def _opened(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording, named: Named) -> OpenedLand:
+def _opened(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> OpenedLand:
     return OpenedLand(
         land=land,
         verdict=Cell(say.signed(land.verdict), land.verdict),
-        why=_why(land, say, named),
+        why=_why(land, say),
         facts=tuple(_facts(land, say)),
-        shares=_shares(diagnosis, land, say, named),
-        rules=_rules(land, say, named),
+        shares=_shares(diagnosis, land, say),
+        rules=_rules(land, say),
         does=tuple(_does(diagnosis, land, say)),
     )
 
 
-def _why(land: LandDiagnosis, say: Wording, named: Named) -> tuple[str, ...]:
-    said = tuple(why(land, say, named)) or (say("diagnosis.within_limits"),)
+def _why(land: LandDiagnosis, say: Wording) -> tuple[str, ...]:
+    said = tuple(why(land, say)) or (say("diagnosis.within_limits"),)
     return (say("diagnosis.nearest_limit", rule=said[0]), *said[1:]) if land.verdict == Verdict.OK else said
 
 
@@ -112,13 +111,13 @@ def _facts(land: LandDiagnosis, say: Wording) -> Iterator[Fact]:
         yield fact("decision", decision(land, say))
 
 
-def _shares(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording, named: Named) -> Table:
+def _shares(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> Table:
     row = MatrixRow.of(land, diagnosis, diagnosis.presented)
     costs = any(cell.loss for cell in row.cells)
     rows = []
     for cell in row.cells:
         limit = "–" if cell.rule is None else rule_value(cell.rule, cell.rule.limit, say)
-        cells = [Cell(named(cell.projection.condition)), share_cell(cell, say), Cell(limit)]
+        cells = [Cell(say.condition(cell.projection.condition)), share_cell(cell, say), Cell(limit)]
         if costs:
             cells.append(Cell(say.quantity(cell.loss * KPA, "pressure") if cell.loss else "–"))
         rows.append(Row(land.key, tuple(cells)))
@@ -126,7 +125,7 @@ def _shares(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording, named: Name
     return Table(_headings(names if costs else names[:-1], say), tuple(rows))
 
 
-def _rules(land: LandDiagnosis, say: Wording, named: Named) -> Table:
+def _rules(land: LandDiagnosis, say: Wording) -> Table:
     worst_first = sorted(land.rules, key=lambda rule: (-rule.verdict.rank, -rule.severity))
     of_share = [rule for rule in worst_first if rule.condition is not None]
     kept = [rule for rule in worst_first if rule.condition is None or rule is of_share[0]]  # others stand with shares
@@ -134,7 +133,7 @@ def _rules(land: LandDiagnosis, say: Wording, named: Named) -> Table:
         Row(
             land.key,
             (
-                Cell(rule_name(rule, say, named)),
+                Cell(rule_name(rule, say)),
                 Cell(rule_value(rule, rule.value, say), rule.verdict),
                 Cell("; ".join(_levels(rule, say))),
                 Cell(say.get("origins", rule.origin)),

@@ -12,7 +12,6 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import LandKey
 from atleak.verdicts import Band, Verdict
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
-from atleak.views.repair_words import Named, label_of
 from atleak.views.rule_words import rule_reached
 from atleak.views.sentences import land_in_words
 from atleak.wording import Wording
@@ -47,7 +46,6 @@ def pair_table(
     diagnosis: Diagnosis,
     lands: Iterable[LandDiagnosis],
     say: Wording,
-    named: Named = label_of,
     *,
     at: Sequence[Projection] | None = None,
 ) -> Table:
@@ -60,22 +58,20 @@ def pair_table(
     """
     at = diagnosis.reported if at is None else at
     headings = [say("diagnosis.column_verdict"), say("diagnosis.column_pair")]
-    headings += [say("diagnosis.column_share", condition=named(each.condition)) for each in at]
+    headings += [say("diagnosis.column_share", condition=say.condition(each.condition)) for each in at]
     headings += [say(f"diagnosis.column_{name}") for name in ("clearance", "wear", "decided_by", "decision")]
-    rows = tuple(Row(land.key, tuple(_cells(diagnosis, land, at, say, named))) for land in lands)
+    rows = tuple(Row(land.key, tuple(_cells(diagnosis, land, at, say))) for land in lands)
     return Table(tuple(headings), rows)
 
 
-def _cells(
-    diagnosis: Diagnosis, land: LandDiagnosis, at: Sequence[Projection], say: Wording, named: Named
-) -> Iterable[Cell]:
+def _cells(diagnosis: Diagnosis, land: LandDiagnosis, at: Sequence[Projection], say: Wording) -> Iterable[Cell]:
     yield Cell(say.signed(land.verdict), land.verdict)
     yield Cell(land_in_words(diagnosis, land.key, say))
     for cell in MatrixRow.of(land, diagnosis, at).cells:
         yield share_cell(cell, say)
     yield Cell(clearance(land, say))
     yield Cell("–" if land.wear is None else say.percent(land.wear, 0))
-    yield Cell("; ".join(why(land, say, named)) or "–")
+    yield Cell("; ".join(why(land, say)) or "–")
     yield Cell("–" if land.decision is None else decision(land, say))
 
 
@@ -97,11 +93,11 @@ def clearance(land: LandDiagnosis, say: Wording) -> str:
     return say("diagnosis.between", value=value, low=low, high=high)
 
 
-def why(land: LandDiagnosis, say: Wording, named: Named = label_of) -> Iterable[str]:
+def why(land: LandDiagnosis, say: Wording) -> Iterable[str]:
     """Say which rule gave the verdict, which part was not measured, and what contradicts itself."""
     rule = None if land.verdict == Verdict.NOT_MEASURED else land.deciding
     if rule is not None:
-        yield rule_reached(rule, say, named)
+        yield rule_reached(rule, say)
     if land.state.status == "spool_only":
         yield say("diagnosis.sleeve_unmeasured")
     elif land.state.status == "sleeve_only":

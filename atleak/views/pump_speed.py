@@ -9,7 +9,7 @@ import numpy as np
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection, project
-from atleak.views.repair_words import Named, label_of
+from atleak.wording import Wording, wording
 
 FEWEST = 4  # temperatures that are drawn, where there are two to draw between: choice of this project
 _POINTS = 61  # of the speeds
@@ -50,7 +50,7 @@ class PumpOverSpeed:
         return next(each for each in self.demands if each.of_condition)
 
 
-def pump_over_speed(diagnosis: Diagnosis, projection: Projection, named: Named = label_of) -> PumpOverSpeed:
+def pump_over_speed(diagnosis: Diagnosis, projection: Projection, say: Wording | None = None) -> PumpOverSpeed:
     """Compute the pump's supply over engine speed, and what is taken from it at the temperatures of all conditions.
 
     Gear, required pressure and consumers are those of the condition; leakage and slip follow the temperature. Slip is
@@ -58,24 +58,24 @@ def pump_over_speed(diagnosis: Diagnosis, projection: Projection, named: Named =
 
     Parameters
     ----------
-    named
-        names a condition whose engine speed is marked.
+    say
+        in whose language the conditions are named; English unless given.
 
     Raises
     ------
     DomainError
         temperature outside the fluid's data.
     """
-    condition, model = projection.condition, diagnosis.model
+    condition, model, say = projection.condition, diagnosis.model, say or wording("en")
     demands = []
     for temperature in _temperatures([each.condition.temperature for each in diagnosis.projections]):
         own = temperature == condition.temperature
         at = projection if own else project(model, replace(condition, temperature=temperature))
         demands.append(Demand(temperature, at.leakage, at.slip, at.consumers, at.minimum_speed, own))
     idle = diagnosis.hot_idle
-    marked = [(named(condition), condition.engine_speed)]
+    marked = [(say.condition(condition), condition.engine_speed)]
     if idle is not None and idle.condition.engine_speed != condition.engine_speed:
-        marked.append((named(idle.condition), idle.condition.engine_speed))
+        marked.append((say.condition(idle.condition), idle.condition.engine_speed))
     last = max(each.crossing for each in demands if np.isfinite(each.crossing)) if demands else 0.0
     speeds = np.linspace(0.0, _BEYOND * max(last, *(speed for _, speed in marked)), _POINTS)
     total = diagnosis.uncertainty.total(condition.name) if diagnosis.uncertainty else None

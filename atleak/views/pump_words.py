@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from atleak.diagnosis import Diagnosis
 from atleak.views.pump_record import slips
-from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN
 
@@ -16,7 +15,7 @@ def full_stroke(diagnosis: Diagnosis, say: Wording) -> str | None:
     return f"{say('pump.full_stroke')}." if diagnosis.controller.pump.held_at_demand else None
 
 
-def pump_sentence(diagnosis: Diagnosis, say: Wording, named: Named = label_of) -> str | None:
+def pump_sentence(diagnosis: Diagnosis, say: Wording) -> str | None:
     """Say which clearances of this job's pump were measured, beside new ones and limits, and what they make it slip.
 
     The slip is that at hot idle, or else at the stated condition. None where nothing was measured of the pump.
@@ -29,7 +28,7 @@ def pump_sentence(diagnosis: Diagnosis, say: Wording, named: Named = label_of) -
         return f"{measured} {say('pump.counts_nowhere')}"
     projection = diagnosis.hot_idle or diagnosis.projection
     slip, new = slips(diagnosis, projection)
-    words = {"condition": named(projection.condition), "slip": say.value(slip * DM3_MIN, "flow", 2)}
+    words = {"condition": say.condition(projection.condition), "slip": say.value(slip * DM3_MIN, "flow", 2)}
     if new is None:
         return f"{measured} {say('pump.slips', **words)}"
     return f"{measured} {say('pump.slips_more', new=say.value(new * DM3_MIN, 'flow', 2), **words)}"

@@ -13,21 +13,20 @@ from atleak.verdicts import Verdict
 from atleak.views.land_names import land_number
 from atleak.views.pair_table import Cell, Row, Table
 from atleak.views.repair_options import repair_name
-from atleak.views.repair_words import Named, label_of
 from atleak.views.rule_words import rule_reached
 from atleak.views.sentences import land_in_words
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import KPA
 
 
-def effect_table(effect: Sequence[RepairedAt], say: Wording, named: Named = label_of) -> Table:
+def effect_table(effect: Sequence[RepairedAt], say: Wording) -> Table:
     """Return every condition with what the unit leaks and holds there, as measured and with the repairs."""
     circuits = any(_worst_circuit(at.after) for at in effect)
     names = ["condition", "share", "share_then", "line", "line_then", "reserve", "reserve_then"]
     names += ["worst_circuit"] if circuits else []
     rows = []
     for at in effect:
-        cells = [Cell(named(at.condition)), *_both(at, say)]
+        cells = [Cell(say.condition(at.condition)), *_both(at, say)]
         cells += [Cell(_circuit(at, say))] if circuits else []
         rows.append(Row(None, tuple(cells)))
     return Table(tuple(say(f"repair_plan.column_{name}") for name in names), tuple(rows))
@@ -73,13 +72,12 @@ def effect_sentences(
     keys: Collection[MoveKey],
     effect: Sequence[RepairedAt],
     say: Wording,
-    named: Named = label_of,
 ) -> Iterator[str]:
     """Say whether everything is within its limits then, what stays past one, and which flagged lands are left."""
     past = [rule for at in effect for rule in at.after.past]
     chosen = repairs.chosen(keys)
     if past:
-        yield say("repair_plan.stays", rules="; ".join(rule_reached(rule, say, named) for rule in past))
+        yield say("repair_plan.stays", rules="; ".join(rule_reached(rule, say) for rule in past))
     else:
         yield say("repair_plan.all_within", count=len(chosen))
     mended = {key for move in chosen for key in move.lands}
@@ -89,7 +87,7 @@ def effect_sentences(
         yield say("repair_plan.flagged_left", lands=", ".join(left))
 
 
-def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording, named: Named = label_of) -> str:
+def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording) -> str:
     """Say one repair: the worst verdict, its lands, what is done, and what it brings alone where that is most."""
     first = each.lands[0]
     others = ", ".join(land_number(diagnosis.controller, land.key, say) for land in each.lands[1:])
@@ -100,5 +98,5 @@ def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording, named
     alone = say("repair_plan.no_help")
     if at.saving > 0.0:
         before, after = _share(at.before, say, 2), _share(at.after, say, 2)
-        alone = say("repair_plan.alone", before=before, after=after, condition=named(at.condition))
+        alone = say("repair_plan.alone", before=before, after=after, condition=say.condition(at.condition))
     return f"{say.signed(first.verdict)} · {lands}: {work} ({alone})"

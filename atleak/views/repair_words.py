@@ -3,20 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.repair import Remainder, RepairPlan, RepairStep
 from atleak.views.repair_options import costs
 from atleak.wording import Wording, wording
 from atleak.workshop_units import MM2_S
-
-Named = Callable[[OperatingPoint], str]
-
-
-def label_of(condition: OperatingPoint) -> str:
-    """Name a condition as the controller's file labels it."""
-    return condition.label
 
 
 def no_help(step: RepairStep, say: Wording | None = None) -> str:
@@ -25,15 +17,13 @@ def no_help(step: RepairStep, say: Wording | None = None) -> str:
     return say("plan.draws_no_more" if step.leaks else "plan.never_leaks")
 
 
-def plan_ends(plan: RepairPlan, say: Wording | None = None, named: Named = label_of) -> Iterator[str]:
+def plan_ends(plan: RepairPlan, say: Wording | None = None) -> Iterator[str]:
     """Say where the plan ends: green everywhere, or what remains and what that may be up to.
 
     Parameters
     ----------
     say
         the words of a language; English unless given.
-    named
-        names a condition in that language.
     """
     say = say or wording("en")
     if not plan.judged:
@@ -44,10 +34,10 @@ def plan_ends(plan: RepairPlan, say: Wording | None = None, named: Named = label
     if plan.reached:
         yield say("plan.green" if plan.steps else "plan.green_already")
     for left in plan.remaining:
-        yield _remains(left, say, named)
+        yield _remains(left, say)
     for rule in plan.pressures_past:
-        condition = named(rule.condition) if rule.condition else ""
-        what = say(f"rules.{rule.kind}") + (f" ({rule.circuit.name})" if rule.circuit else "")
+        condition = say.condition(rule.condition) if rule.condition else ""
+        what = say(f"rules.{rule.kind}") + (f" ({say.name(rule.circuit.name)})" if rule.circuit else "")
         yield say("plan.pressure_stays", condition=condition, what=what, level=say.level(rule.level))
     if not plan.choice.proven:
         yield say("estimate.not_proven", rounds=plan.choice.rounds)
@@ -56,9 +46,9 @@ def plan_ends(plan: RepairPlan, say: Wording | None = None, named: Named = label
     yield from costs(plan, say)
 
 
-def _remains(left: Remainder, say: Wording, named: Named) -> str:
+def _remains(left: Remainder, say: Wording) -> str:
     total = left.total
-    condition = named(total.condition)
+    condition = say.condition(total.condition)
     if not math.isfinite(total.share):
         return say("plan.no_delivery", condition=condition)
     stays = say("plan.stays", condition=condition, share=say.percent(total.share), band=say.level(total.band))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from atleak.rules import Rule
-from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording, isolated
 
 _KINDS = {"µm": "clearance", "kPa": "pressure"}  # kind of quantity by the unit in which rules are recorded
@@ -19,17 +18,17 @@ def rule_value(rule: Rule, value: float, say: Wording) -> str:
     return say.percent(value) if unit else say.number(value, 2)
 
 
-def rule_name(rule: Rule, say: Wording, named: Named = label_of) -> str:
+def rule_name(rule: Rule, say: Wording) -> str:
     """Return what a rule limits, of which circuit and at which condition."""
-    return ", ".join(filter(None, (_limited(rule, say), *_where(rule, say, named))))
+    return ", ".join(filter(None, (_limited(rule, say), *_where(rule, say))))
 
 
-def rule_reached(rule: Rule, say: Wording, named: Named = label_of) -> str:
+def rule_reached(rule: Rule, say: Wording) -> str:
     """Return a rule with its value, the limit and where that was: ``wear 60.1 % (limit 30 %)``."""
     value = rule_value(rule, rule.value, say) if math.isfinite(rule.value) else say.number(rule.value, 0)
     limit = rule_value(rule, rule.limit, say)
     reached = say("rules.reached_short", rule=_limited(rule, say), value=value, limit=limit)
-    return ", ".join(filter(None, (reached, *_where(rule, say, named))))
+    return ", ".join(filter(None, (reached, *_where(rule, say))))
 
 
 def _limited(rule: Rule, say: Wording) -> str:
@@ -37,5 +36,5 @@ def _limited(rule: Rule, say: Wording) -> str:
     return ", ".join(filter(None, (say(f"rules.{rule.kind}"), circuit)))
 
 
-def _where(rule: Rule, say: Wording, named: Named) -> tuple[str, str]:
-    return "" if rule.condition is None else named(rule.condition), say.sentence(rule.where)
+def _where(rule: Rule, say: Wording) -> tuple[str, str]:
+    return "" if rule.condition is None else say.condition(rule.condition), say.sentence(rule.where)

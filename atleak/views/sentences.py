@@ -16,7 +16,6 @@ from atleak.views.land_names import land_number, land_words
 from atleak.views.positions import position_band
 from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
 from atleak.views.pump_words import full_stroke
-from atleak.views.repair_words import Named, label_of
 from atleak.wear_line import Crossing
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
@@ -113,14 +112,14 @@ def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:
     return f"the pump covers this leakage and its own slip from {speed}; {counted_in_speed(diagnosis, wording('en'))}"
 
 
-def position_sentence(diagnosis: Diagnosis, projection: Projection, say: Wording, named: Named = label_of) -> str:
+def position_sentence(diagnosis: Diagnosis, projection: Projection, say: Wording) -> str:
     """Say for which position of the spools flows are given, and the total share as they may lie; "" where it is set."""
     band = position_band(diagnosis, projection)
     if band is None:
         return ""
     low, high = (say.percent(each, 0 if band[1] >= 0.1 else 1) for each in band)
     key = "anywhere" if diagnosis.profile.eccentricity == UNKNOWN else "concentric"
-    return say(f"sentences.{key}", condition=named(projection.condition), low=low, high=high)
+    return say(f"sentences.{key}", condition=say.condition(projection.condition), low=low, high=high)
 
 
 # --- pressures
@@ -138,13 +137,13 @@ def unsolved(diagnosis: Diagnosis, say: Wording) -> str | None:
     return None if diagnosis.controller.circuits else say("held.no_circuits")
 
 
-def pressure_sentence(at: PressuresAt, say: Wording, named: Named = label_of) -> str:
+def pressure_sentence(at: PressuresAt, say: Wording) -> str:
     """Say what main pressure holds at a condition, and what is permissible there."""
     line, point = at.line, at.projection.condition
     falls = at.projection.pressure_falls
     sentence = say(
         f"held.line_{'given' if not at.solved else 'falls' if falls else 'holds'}",
-        condition=named(point),
+        condition=say.condition(point),
         required=_kpa(point.main_pressure, say),
         held=_kpa(line.now, say),
         new=_kpa(line.new, say),
@@ -200,12 +199,12 @@ def circuit_sentence(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> 
     return f"{sentence}: {'; '.join(words)}" if words else sentence
 
 
-def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording, named: Named = label_of) -> str | None:
+def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str | None:
     """Say which pressure or reserve decided, with its numbers and the lands to look at; None for any other rule."""
     if rule.kind not in _BECAUSE_OF or rule.condition is None or rule.new is None:
         return None
     at = pressures_at(diagnosis, diagnosis.at(rule.condition))
-    values = {"condition": named(rule.condition)}
+    values = {"condition": say.condition(rule.condition)}
     held = next((each for each in at.applied if each.rule == rule), at.line if rule == at.reserve_rule else None)
     if held is None:
         return None
@@ -241,10 +240,10 @@ def _interval(
     return "" if low == high else say(f"held.{words}", low=low, high=high)
 
 
-def shares_add_up(diagnosis: Diagnosis, say: Wording, named: Named = label_of) -> str:
+def shares_add_up(diagnosis: Diagnosis, say: Wording) -> str:
     """Say that the shares of the lands add up to the total, or what is to be added to them at each condition."""
     shown = diagnosis.presented
-    others = (f"{say.percent(each.share_of(each.other_leakage))} ({named(each.condition)})" for each in shown)
+    others = (f"{say.percent(each.share_of(each.other_leakage))} ({say.condition(each.condition)})" for each in shown)
     if any(each.other_leakage for each in shown):
         added = say("texts.shares_and_others", others=", ".join(others))
     else:

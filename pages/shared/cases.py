@@ -44,7 +44,7 @@ SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
 #: as stand here. What is smaller every session finds.
 LARGE, LARGE_KEPT = 4_000_000, 2
 _CHOICES = {  # those that belong to one file, and go with it
-    "readings": ("sheet_name", "sheet_unit", "sheet_where"),
+    "readings": ("sheet_name", "sheet_unit", "sheet_where", "sheet_fill_down"),
     "road_test": ("columns", "units", "constants", "remember"),
     "pressures": (),
 }

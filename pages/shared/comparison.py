@@ -139,7 +139,7 @@ def _compared(key: str, _jobs: Chosen, _diagnoses: tuple[Diagnosis, Diagnosis]) 
 def sentence(comparison: Comparison) -> str:
     """Return both verdicts and what changed, in markdown."""
     say = reader.say()
-    more = [changed_sentence(comparison, say), total_sentence(comparison, say, say.condition)]
+    more = [changed_sentence(comparison, say), total_sentence(comparison, say)]
     return " ".join([f"**{plain(verdicts_sentence(comparison, say))}**", *(plain(each) for each in more if each)])
 
 

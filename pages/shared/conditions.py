@@ -38,12 +38,11 @@ def complaint(diagnosis: Diagnosis) -> None:
     """Show the customer's complaint, the conditions at which it can show, and which lands to measure first."""
     if diagnosis.complaint is None:
         return
-    say, named = reader.say(), reader.say().condition
-    shows = ", ".join(f"**{plain(named(each.condition))}**" for each in diagnosis.complained)
+    say = reader.say()
+    shows = ", ".join(f"**{plain(say.condition(each.condition))}**" for each in diagnosis.complained)
     ranked = measure_first(diagnosis)
     lines = [
-        f"- **{plain(land_in_words(diagnosis, each.land.key, say))}**: {plain(reason(each, say, named))}"
-        for each in ranked
+        f"- **{plain(land_in_words(diagnosis, each.land.key, say))}**: {plain(reason(each, say))}" for each in ranked
     ]
     st.subheader(say("diagnosis.complaint", label=plain(say.name(diagnosis.complaint.label))))
     said = f"{say('diagnosis.complaint_shows', conditions=shows)} {plain(head(ranked, say))}"
@@ -57,10 +56,9 @@ def complaint(diagnosis: Diagnosis) -> None:
 def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """Show every condition with its total, and from which speed the pump covers the leakage."""
     say = reader.say()
-    named = say.condition
     sources = {row["name"]: row["source"] for row in record["conditions"]}
     for number, point in enumerate(diagnosis.presented, start=1):
-        label = named(point.condition)
+        label = say.condition(point.condition)
         if point is diagnosis.worst and len(sources) > 1:
             label = say("diagnosis.total_worst", condition=label)
         st.caption(
@@ -76,7 +74,7 @@ def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
                     new=say.quantity(diagnosis.new_at(point).leakage * DM3_MIN, "flow"),
                     covered=say.number(point.minimum_speed * RPM, 0),
                     counted=counted_in_speed(diagnosis, say),
-                    positions=position_sentence(diagnosis, point, say, named),
+                    positions=position_sentence(diagnosis, point, say),
                     source=sources[point.condition.name],
                 )
             )
@@ -121,7 +119,7 @@ def matrix(diagnosis: Diagnosis) -> None:
     elsewhere = st.column_config.TextColumn(say("diagnosis.matrix_elsewhere"), width=300)
     config[_ELSEWHERE] = elsewhere if any(frame[_ELSEWHERE]) else None
     st.dataframe(style, hide_index=True, width="stretch", column_config=config, row_height=height)
-    added = shares_add_up(diagnosis, say, say.condition)
+    added = shares_add_up(diagnosis, say)
     st.caption(plain(say("diagnosis.matrix_caption", added=added)))
 
 
@@ -133,12 +131,11 @@ def _room_for(names: Iterable[str]) -> tuple[int, int | None]:
 
 
 def _condition_columns(diagnosis: Diagnosis, say: Wording, help_key: str) -> dict[str, Any]:
-    named = say.condition
     return {
         each.condition.name: st.column_config.Column(
-            f"{number} · {named(each.condition)}",
+            f"{number} · {say.condition(each.condition)}",
             width=CONDITION_WIDTH,
-            help=say(help_key, condition=named(each.condition)),
+            help=say(help_key, condition=say.condition(each.condition)),
         )
         for number, each in enumerate(diagnosis.presented, start=1)
     }
@@ -165,14 +162,13 @@ def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         st.dataframe(_order(diagnosis, plan, say), hide_index=True, width="stretch", placeholder="–")
         st.caption(say(f"repair_plan.order_caption_{'cost' if plan.cost else 'new'}"))
         _options(diagnosis, plan, say)
-    st.markdown("  \n".join(plain(sentence) for sentence in plan_ends(plan, say, say.condition)))
+    st.markdown("  \n".join(plain(sentence) for sentence in plan_ends(plan, say)))
     if plan.steps and len(diagnosis.projections) > 1:
         st.markdown(f"**{say('repair_plan.every_step')}**")
         _steps_at_conditions(diagnosis, plan, say)
 
 
 def _order(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> pd.DataFrame:
-    named = say.condition
 
     def row(number: int, step: RepairStep) -> dict[str, Any]:
         at = step.at
@@ -182,7 +178,7 @@ def _order(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> pd.DataFrame
             "before": _share(at.before, say) if step.helps else None,
             "after": _share(at.after, say) if step.helps else None,
             "then": say.signed(at.after.band) if step.helps else None,
-            "helps_at": named(at.condition) if step.helps else no_help(step, say),
+            "helps_at": say.condition(at.condition) if step.helps else no_help(step, say),
             "verdict": say.signed(step.land.verdict),
         }
 

@@ -34,7 +34,7 @@ def draw(diagnosis: Diagnosis) -> Estimate:
         st.error(show.plain(fault))
     changed = record.model_copy(update={"estimate": _terms(record.estimate, diagnosis, say)})
     made = _estimate_of(diagnosis, changed)
-    words = EstimateWords(made, say, say.condition)
+    words = EstimateWords(made, say)
     st.subheader(say("estimate_page.lines"))
     st.caption(show.plain(" ".join(words.chosen_by())))
     if not made.lines:

@@ -16,7 +16,6 @@ from atleak.views.drawing import component_svgs, on_dark, spool_svg
 from atleak.views.land_names import component_words, has_number
 from atleak.views.opened_pair import OpenedLand, component_verdict, components_worst_first, opened_lands
 from atleak.views.pair_table import Cell, Table, pair_table
-from atleak.views.repair_words import Named
 from atleak.wording import Wording
 from pages.shared import address, reader, show
 from pages.shared.state import session
@@ -32,15 +31,15 @@ _HTML = st.components.v2.component(
 
 
 @st.fragment
-def section(diagnosis: Diagnosis, named: Named, advised: Callable[[LandDiagnosis], str]) -> None:
+def section(diagnosis: Diagnosis, advised: Callable[[LandDiagnosis], str]) -> None:
     """Show the picture, the opened pair and the flagged pairs; opening one computes nothing else of the page again."""
     say = reader.say()
     picture(diagnosis, say)
     choice(diagnosis, say)
-    opened_pair(diagnosis, say, named, advised)
+    opened_pair(diagnosis, say, advised)
     st.subheader(say("diagnosis.flagged_pairs"), anchor="flagged-pairs")
     if diagnosis.flagged:
-        table(pair_table(diagnosis, diagnosis.flagged, say, named), "flagged", pressable=True)
+        table(pair_table(diagnosis, diagnosis.flagged, say), "flagged", pressable=True)
         show.what_is_shown(diagnosis)
     else:
         st.write(say("diagnosis.none_flagged"))
@@ -85,7 +84,7 @@ def choice(diagnosis: Diagnosis, say: Wording) -> None:
     )
 
 
-def opened_pair(diagnosis: Diagnosis, say: Wording, named: Named, advised: Callable[[LandDiagnosis], str]) -> None:
+def opened_pair(diagnosis: Diagnosis, say: Wording, advised: Callable[[LandDiagnosis], str]) -> None:
     """Show everything that is known of the opened component; nothing where none is open."""
     name = opened(diagnosis)
     if name is None:
@@ -93,7 +92,7 @@ def opened_pair(diagnosis: Diagnosis, say: Wording, named: Named, advised: Calla
     verdicts: dict[tuple[str, int], str] = {land.key: land.verdict for land in diagnosis.lands}
     drawing = _themed(spool_svg(diagnosis.controller, name, verdicts, say))
     heading = f"<h3>{escape(component_words(diagnosis.controller, name, say))}</h3>"
-    lands = "".join(_land(each, say, advised(each.land)) for each in opened_lands(diagnosis, name, say, named))
+    lands = "".join(_land(each, say, advised(each.land)) for each in opened_lands(diagnosis, name, say))
     with st.container(border=True, key="opened-pair"):
         mount(f'{heading}<div class="drawing">{drawing}</div><div class="lands">{lands}</div>', key=f"opened-{name}")
 

@@ -17,7 +17,6 @@ from atleak.views.flow_svg import flow_svg
 from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
 from atleak.views.pump_speed import pump_over_speed
 from atleak.views.pump_words import full_stroke, pump_sentence
-from atleak.views.repair_words import Named
 from atleak.views.sentences import land_in_words, permissible_words, pressure_sentence, reserve_sentence, unsolved
 from atleak.wording import Wording
 from atleak.workshop_units import KPA, RPM
@@ -71,12 +70,11 @@ def section(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
         the totals with the repairs made that were decided; none where nothing was.
     """
     say = reader.say()
-    named = say.condition
-    for sentence in (unsolved(diagnosis, say), pump_sentence(diagnosis, say, named)):
+    for sentence in (unsolved(diagnosis, say), pump_sentence(diagnosis, say)):
         if sentence is not None:
             st.write(plain(sentence))
     every = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
-    _table([_condition_row(each, say, named) for each in every], _CONDITIONS)
+    _table([_condition_row(each, say) for each in every], _CONDITIONS)
     st.caption(plain(" ".join(filter(None, (say("circuits.conditions"), full_stroke(diagnosis, say))))))
     fold = fields.fold(say("circuits.in_full"), key=f"pressures-in-full-{session().generation}")
     if fold.open:
@@ -88,18 +86,17 @@ def section(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
 def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     """Show one condition in full; another one is chosen without computing the rest of the page again."""
     say = reader.say()
-    named = say.condition
     conditions = {each.condition.name: each for each in lowest_first(diagnosis)}
     chosen = st.selectbox(
         say("circuits.at"),
         list(conditions),
-        format_func=lambda name: named(conditions[name].condition),
+        format_func=lambda name: say.condition(conditions[name].condition),
         key=f"pressures-at-{diagnosis.controller.id}",  # another valve body has other conditions
     )
     projection = conditions[chosen]
-    condition = named(projection.condition)
+    condition = say.condition(projection.condition)
     at = pressures_at(diagnosis, projection, repaired)
-    st.markdown(f"{plain(pressure_sentence(at, say, named))}  \n{plain(reserve_sentence(at, say))}")
+    st.markdown(f"{plain(pressure_sentence(at, say))}  \n{plain(reserve_sentence(at, say))}")
     show.chart(figures.circuit_pressures(at, say), "circuits")
     if at.circuits:
         _table([_held_row(diagnosis, each, say) for each in at.applied], _CIRCUITS)
@@ -107,7 +104,7 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
         empty = say("circuits.vented", circuits=vented) if vented else ""
         st.caption(plain(f"{say('circuits.lost')} {empty}".rstrip()))
     st.markdown(f"**{say('circuits.pump_over_speed')}**")
-    show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection, named), say), "speed")
+    show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection, say), say), "speed")
     st.caption(plain(say("circuits.pump_caption", condition=condition)))
     st.markdown(f"**{say('circuits.flow')}**")
     leaks_only = st.toggle(say("circuits.leaks_alone"), key="leaks-alone")
@@ -119,13 +116,13 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
         show.rows_table(flow_rows(diagram), _FLOWS)
 
 
-def _condition_row(at: PressuresAt, say: Wording, named: Named) -> dict[str, Any]:
+def _condition_row(at: PressuresAt, say: Wording) -> dict[str, Any]:
     low, high = at.line.interval or (None, None)
     verdicts = [each for each in (at.reserve_verdict, *(held.verdict for held in at.applied)) if each is not None]
     reserve = at.projection.reserve
     return {
         "verdict": max(verdicts, key=lambda each: each.rank, default=None),
-        "condition": named(at.projection.condition),
+        "condition": say.condition(at.projection.condition),
         "required": at.projection.condition.main_pressure * KPA,
         "held": at.line.now * KPA,
         "held_repaired": _scaled(at.line.repaired),

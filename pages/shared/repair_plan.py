@@ -12,7 +12,6 @@ from atleak.job.estimate import prices_of
 from atleak.job.repair_set import decided_repairs, with_repairs
 from atleak.repair import Basis, Goal, MoveKey, OfferedRepair, OfferedRepairs, Total, choose, ticked
 from atleak.views.repair_effect import effect_sentences, effect_table, offered_words
-from atleak.views.repair_words import Named
 from atleak.wording import Wording
 from pages.shared import address, fields, pairs, reader
 from pages.shared.cases import result_key
@@ -52,7 +51,7 @@ def decided_totals(diagnosis: Diagnosis) -> tuple[Total, ...]:
 
 
 @st.fragment
-def draw(diagnosis: Diagnosis, named: Named) -> None:
+def draw(diagnosis: Diagnosis) -> None:
     """Draw the plan; a tick computes nothing else of the page again."""
     say, repairs = reader.say(), offered(diagnosis)
     if not repairs.all:
@@ -63,15 +62,15 @@ def draw(diagnosis: Diagnosis, named: Named) -> None:
     _buttons(repairs, chosen, say)
     if said := st.session_state.pop(_SAID, ""):
         st.warning(said)
-    draw_ticks = partial(_ticks, repairs, chosen, say, named)
+    draw_ticks = partial(_ticks, repairs, chosen, say)
     draw_ticks(each for each in repairs.all if each.called_for)
     others = [each for each in repairs.all if not each.called_for]
     if others:
         with fields.fold(say("repair_plan.of_limits", count=len(others)), key=f"within-limits-{session().generation}"):
             draw_ticks(others)
     effect = repairs.effect(chosen)
-    pairs.table(effect_table(effect, say, named), "repair-effect")
-    st.markdown(plain(" ".join(effect_sentences(repairs, chosen, effect, say, named))))
+    pairs.table(effect_table(effect, say), "repair-effect")
+    st.markdown(plain(" ".join(effect_sentences(repairs, chosen, effect, say))))
     decided = chosen == decided_repairs(repairs, job())
     if st.button(say("repair_plan.take"), help=say("repair_plan.take_help"), type="primary", key="take-repairs"):
         put_job(with_repairs(repairs, job(), chosen))
@@ -114,13 +113,12 @@ def _ticks(
     repairs: OfferedRepairs,
     chosen: frozenset[MoveKey],
     say: Wording,
-    named: Named,
     offers: Iterable[OfferedRepair],
 ) -> None:
     for each in offers:
         key = f"repair-{_name(each.key)}-{session().generation}-{job_generation()}"
         st.session_state[key] = each.key in chosen
-        words = offered_words(repairs.diagnosis, each, say, named)
+        words = offered_words(repairs.diagnosis, each, say)
         st.checkbox(plain(words), key=key, on_change=_tick, args=(repairs, each.key, key))
 
 

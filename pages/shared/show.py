@@ -19,6 +19,7 @@ from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.errors import AtleakError, Message
 from atleak.figures.figure import Figure
 from atleak.gauges.check import PressureCheck
+from atleak.job.judged_anew import JudgedOtherwise
 from atleak.look import DARK, SCREEN, look_of
 from atleak.verdicts import Band, Verdict
 from atleak.views.caveats import caveat_marks, caveats
@@ -27,7 +28,6 @@ from atleak.views.drawing import on_dark
 from atleak.views.first_sentence import first_sentence as first_sentence_of
 from atleak.views.first_sentence import shown_verdict
 from atleak.views.gauge_table import GAUGE_COLUMNS, gauge_table_rows
-from atleak.views.repair_words import Named
 from atleak.views.rule_words import rule_name
 from atleak.views.sentences import fluid_in_state
 from atleak.wording import Wording
@@ -68,6 +68,15 @@ def error_line(error: AtleakError) -> str:
     where = say.sentence(getattr(first, "place", "")) or first
     more = f" ({say('show.more', count=len(problems) - 1)})" if len(problems) > 1 else ""
     return f"{plain(where)}{more}: {say('show.see_head')}"
+
+
+def judged_otherwise(result_by: str, differs: Sequence[JudgedOtherwise]) -> str:
+    """Say what differs from a result that was kept, made by another version perhaps, as a list."""
+    say = reader.say()
+    lines = [plain(each.sentence) for each in differs[:SHOWN]]
+    if len(differs) > SHOWN:
+        lines.append(say("show.more", count=len(differs) - SHOWN))
+    return "\n- ".join([say("panel.judged_otherwise", version=plain(result_by)), *lines])
 
 
 def messages(notes: Iterable[Message], about: str, opened: bool = False) -> None:
@@ -143,7 +152,7 @@ def gauge_banner(check: PressureCheck) -> None:
         st.info(say("gauge_page.none_judged"))
         return
     judged = sum(each.verdict is not None for each in check.readings)
-    rule, sure = rule_name(deciding.rule, say, say.condition), say.get("decisions", deciding.decision)
+    rule, sure = rule_name(deciding.rule, say), say.get("decisions", deciding.decision)
     because = say("gauge_page.because", rule=rule) if verdict.flagged else ""
     said = say("gauge_page.banner", because=because, decision=sure, judged=judged, count=len(check.readings))
     _BOX[look_of(verdict).box](f"**{say.signed(verdict)}**{plain(said)}")
@@ -320,14 +329,14 @@ def banner(diagnosis: Diagnosis, sentence: str) -> None:
     _BOX[look_of(shown_verdict(diagnosis)).box](sentence)
 
 
-def first_sentence(diagnosis: Diagnosis, named: Named) -> None:
+def first_sentence(diagnosis: Diagnosis) -> None:
     """Show how the unit stands in one sentence, in a box of its colour, and below it what that rests on."""
     say = reader.say()
     level = shown_verdict(diagnosis)
     open_ones = level == Verdict.NOT_MEASURED and diagnosis.judged
     word = f"{look_of(level).sign} {say('diagnosis.open')}" if open_ones else say.signed(level)
     marks = "".join(f" · {mark}" for mark in caveat_marks(diagnosis, say))
-    said = first_sentence_of(diagnosis, say, named)
+    said = first_sentence_of(diagnosis, say)
     banner(diagnosis, f"**{plain(word)}{plain(marks)}:** {plain(said)}")
     for sentence in caveats(diagnosis, say):
         st.caption(plain(sentence))

@@ -45,6 +45,7 @@ from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.states import require_known
 from atleak.intake.readings.unread import Account
 from atleak.intake.readings.values import Converted, convert
+from atleak.intake.readings.words import is_word
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
@@ -65,6 +66,7 @@ def read_readings(
     sheet: str | None = None,
     unit: str | None = None,
     where: Mapping[str, str] | None = None,
+    fill_down: bool = False,
     made_for: str | None = None,
 ) -> Readings:
     """Return the readings of a measuring sheet.
@@ -84,6 +86,8 @@ def read_readings(
         unit of the diameters ("mm", "µm", "inch" …), instead of what the headings say.
     where
         which rows to read: headings of columns and what must stand under them, as in ``{"Inspection": "May"}``.
+    fill_down
+        whether an empty cell of a label goes on with the one above it.
     made_for
         id that the sheet may name in place of the controller's: of the one from which this one was copied.
 
@@ -109,13 +113,13 @@ def read_readings(
     data, file = read_bytes(source, name)
     names = ControllerNames(controller)
     of_gauges = likeness_of(controller)
-    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)))
+    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)), is_word)
     tabs = find_tabs(sheets, controller)
     pressures = tabs.read(file, data)
     sheets = [each for each in sheets if each not in tabs]
     if not any(_holds_numbers(each) for each in sheets) and pressures is not None:
         return _of_gauges_alone(pressures)
-    chosen = choose(sheets, file, names, sheet)
+    chosen = choose(sheets, file, names, sheet, fill_down)
     require_known(chosen.tables, where or {})
     of_lands = read_land_values([*chosen.tables, *chosen.of_lands], names, given_unit, where)
     controller = of_lands.own.with_fitted(controller)
@@ -126,10 +130,11 @@ def read_readings(
     problems += require_one_measurement(read, file)
     first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
     converted = convert([entry for rows in read for entry in rows.entries], controller, first.headings)
-    head = read_head([rows.table for rows in read if rows.entries], sheets)
+    head = read_head([rows.table.as_it_stands for rows in read if rows.entries], sheets)
     account = _account(chosen, of_lands, read, names, converted, given_unit)
-    account.take(head.cells)
-    account.close([each for each in sheets if not each.hidden])
+    around = {each.name for each in chosen.sheets if each.turned}
+    account.take((name, column, row) if name in around else (name, row, column) for name, row, column in head.cells)
+    account.close([each for each in chosen.sheets if not each.hidden])
     read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.entries))
     result = Readings(
         file=file,
@@ -142,6 +147,7 @@ def read_readings(
         messages=(
             *chosen.messages,
             *head.messages,
+            *(message for rows in read if rows.entries for message in rows.table.told),
             *(message for rows in read for message in rows.messages),
             *converted.messages,
             *_about_sheet(read, first.sheet),
@@ -152,6 +158,7 @@ def read_readings(
         ),
         temperature=head.temperature,
         date=head.date,
+        identity=head.identity,
         pressures=pressures,
         pump=head.pump,
         own_lands=of_lands.own,

@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
 from atleak.catalogue.instruments import Part
-from atleak.intake.readings.heading_numbers import besides_numbers, is_angle, numbers_of_heading
+from atleak.intake.readings.heading_numbers import (
+    besides_numbers,
+    is_angle,
+    is_explained,
+    numbers_of_heading,
+    spot_of_heading,
+    tokens_of,
+)
 from atleak.intake.readings.words import (
     SPECIFICATIONS,
     STATES,
     is_blank,
     number_of,
     part_of,
-    plain,
+    side_of,
     text_of,
     vocabulary,
 )
@@ -38,9 +45,10 @@ EXPECTED = Sentence(
     "diameter or coordinate x1 and coordinate x2; also read: direction, repeat, unit"
 )
 
-_DEPTH = 3  # rows that headings may be spread over
+_DEPTH = 4  # rows that headings may be spread over
 
 _MEAN = vocabulary("mean", "mean_in_heading")
+_SUM = vocabulary("sum")
 _ACTUAL = vocabulary("actual")
 _NOW = vocabulary("now")
 _EARLIER = vocabulary("earlier")
@@ -70,6 +78,9 @@ _NAME = vocabulary("name")
 _GENERIC = vocabulary("generic")
 _NUMBERED = vocabulary("number", "generic")
 _UNIT = vocabulary("unit")
+_UNDER_ANOTHER = vocabulary(
+    "mean", "sum", "mean_in_heading", "specification", "specification_title", "actual", "reading"
+)
 _GAUGE = vocabulary("gauge")
 _CONTACT_LENGTH = vocabulary("contact_length")
 _CONTACT = vocabulary("contact")
@@ -85,7 +96,7 @@ _TRAILING_UNITS = {
     *("mm", "um", "µm", "μm", "micron", "microns", "micrometre", "micrometer", "inch", "inches", "in", "mil", "mils"),
     *("thou", "cm", "мм", "мкм"),
 }
-_TOKEN = re.compile(r"\d+(?:°|deg\b)|[ø⌀φ#]|[^\W\d_øφ]+\d*|\d+")
+_LETTERED = re.compile(r"(?<![^\W_])([dD])(?:[xyi]|\d{1,2})?(?![^\W_])")  # d of the spool, D of its bore
 
 
 @dataclass(frozen=True)
@@ -105,7 +116,11 @@ class Column:
     part: Part | None = None
     direction: float | None = None
     repeat: int | None = None
+    land: str | None = None
+    plane: str | None = None
     rank: int = 0
+    unsure: bool = False  # headed by a number alone: land, direction or repeat
+    otherwise: Role | None = None  # what a tentative diameter is where its cells are none
     standing: Literal["raw", "corrected"] | None = None
     tentative: bool = False
     besides: frozenset[str] = frozenset()  # words of a value's heading that say none of this
@@ -125,9 +140,19 @@ class Column:
         return self.holds_value or self.role in {"specification", "mean", "gauge"}
 
     @property
-    def group(self) -> tuple[Part | None, float | None, int | None]:
+    def of_lands(self) -> bool:
+        """Return whether what lands themselves have stands in it."""
+        return self.role in OF_LANDS
+
+    @property
+    def station(self) -> tuple[Part | None, float | None, str | None, str | None]:
+        """Return what the columns of one place and its repeats have in common."""
+        return self.part, self.direction, self.land, self.plane
+
+    @property
+    def group(self) -> tuple[object, ...]:
         """Return what the columns that make one diameter have in common."""
-        return self.part, self.direction, self.repeat
+        return *self.station, self.repeat
 
 
 @dataclass(frozen=True)
@@ -201,7 +226,7 @@ def _is_named_size(column: Column) -> bool:
     """Return whether a word of its own says a size, not only "spool" or "0°", which stand in readings too."""
     if not column.holds_value:
         return True
-    words = set(_TOKEN.findall(plain(column.heading).replace("_", " ")))
+    words = set(tokens_of(column.heading))
     named = words & _SIZE or words & _READING or _both_ends(words) or column.role == "coordinate"
     return bool(named or column.unit is not None or column.standing)
 
@@ -283,19 +308,60 @@ def _headers_at(sheet: Sheet, first: int) -> Iterator[Header]:
     for last in range(first, min(first + _DEPTH, len(sheet.rows))):
         if last > first and not any(not is_blank(cell) for cell in sheet.rows[last]):
             return
-        width = max(len(row) for row in sheet.rows[first : last + 1])
-        headings = [_heading(sheet, first, last, column) for column in range(width)]
+        headings = _headings(sheet, first, last)
         columns = [column for index, text in enumerate(headings) if (column := read_heading(text, index)) is not None]
+        columns += _numbered(columns, headings)
         header = Header(first, last, read_together(columns), tuple(headings))
         if last > first and _is_data(sheet, header, last):
             return
         yield header
 
 
-def _heading(sheet: Sheet, first: int, last: int, column: int) -> str:
-    cells = [sheet.filled(row, column) for row in range(first, last + 1)]
-    texts = [str(cell).strip() if isinstance(cell, str) else text_of(cell) for cell in cells]
-    return " ".join(dict.fromkeys(text for text in texts if text))
+def _headings(sheet: Sheet, first: int, last: int) -> list[str]:
+    """Return the text over every column: a heading over several columns counts for each of them, merged or not."""
+    width = max(len(row) for row in sheet.rows[first : last + 1])
+    levels = [[_said(sheet, row, column) for column in range(width)] for row in range(first, last + 1)]
+    for depth, texts in enumerate(levels[:-1]):
+        for column in range(1, width):
+            if texts[column] or (first + depth, column) in sheet.merged:
+                continue
+            below = [level[column] for level in levels[depth + 1 :]]
+            beside = [level[column - 1] for level in levels[depth + 1 :]]
+            same_above = all(level[column] == level[column - 1] for level in levels[:depth])
+            if any(below) and any(beside) and same_above and _heads_part(below):
+                texts[column] = texts[column - 1]
+    return [" ".join(dict.fromkeys(text for text in texts if text)) for texts in zip(*levels, strict=True)]
+
+
+def _said(sheet: Sheet, row: int, column: int) -> str:
+    cell = sheet.filled(row, column)
+    return str(cell).strip() if isinstance(cell, str) else text_of(cell)
+
+
+@lru_cache(maxsize=4096)
+def _is_under_another(text: str) -> bool:
+    rest, _ = split_unit(text)
+    words = tokens_of(rest)
+    return is_explained(spot_of_heading(words)[1]) or bool(set(words) & _UNDER_ANOTHER)
+
+
+def _heads_part(texts: Sequence[str]) -> bool:
+    """Return whether headings say only a part, a place or a repeat, so that what they are of stands over them."""
+    return all(_is_under_another(text) for text in texts if text)
+
+
+def _numbered(columns: Sequence[Column], headings: Sequence[str]) -> list[Column]:
+    """Return columns headed 1, 2 … alone beside component and part, where no other holds a diameter."""
+    roles = {column.role for column in columns}
+    if not {"component", "part"} <= roles or any(column.holds_size for column in columns):
+        return []
+    numbered = [index for index, text in enumerate(headings) if re.fullmatch(r"[1-9]", text)]
+    if len(numbered) < 2 or [headings[index] for index in numbered] != [str(at + 1) for at in range(len(numbered))]:
+        return []
+    return [
+        Column(index, headings[index], "diameter", repeat=int(headings[index]), tentative=True, unsure=True)
+        for index in numbered
+    ]
 
 
 def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
@@ -321,31 +387,62 @@ def read_heading(text: str, index: int = 0) -> Column | None:
     ('diameter', 'spool', 2, 'µm')
     """
     rest, unit = split_unit(text)
-    tokens = _TOKEN.findall(plain(rest).replace("_", " "))
+    tokens = tokens_of(rest)
     words = set(tokens)
     if not words:
         return None
     of_land = _of_land(words, unit)
     if of_land is not None:
         return Column(index, text, of_land, unit=unit)
-    role, rank = _role(words, rest, unit)
+    named, rank = _role(words, rest, unit)
+    part, side = _part(words, rest), side_of(rest)
+    spot, others = spot_of_heading(tokens)
+    role = _role_at_spot(named, others, unit) if spot.is_somewhere else _role_of_part(named, tokens, part, side, unit)
     if role is None:
         return None
+    if role == "diameter" and None not in (part, side) and part != side:
+        role = "quantity"  # the outer diameter of a sleeve, say
     if role not in {"diameter", "coordinate"}:
         return Column(index, text, role, unit=unit, rank=rank)
-    coordinate, direction, repeat = numbers_of_heading(role, tokens)
+    coordinate, direction, repeat = numbers_of_heading(role, others)
     standing: Literal["raw", "corrected"] | None = (
         "corrected" if words & _CORRECTED else "raw" if words & _RAW else None
     )
     outcome = bool(words & _NOW) or (unit is None and bool(words & _OUTCOME))
-    tentative = outcome and not words & _SIZE and repeat is None
-    part = _part(words, rest)
+    by_place = role != named and unit is None and not words & _SIZE
     return Column(
-        *(index, text, role, unit, coordinate, part, direction, repeat),
+        *(index, text, role, unit, coordinate, part or side, spot.direction if direction is None else direction),
+        *(repeat, spot.land, spot.plane),
+        otherwise=named if by_place else None,
         standing=standing,
-        tentative=tentative,
-        besides=besides_numbers(words),
+        tentative=(outcome and not words & _SIZE and repeat is None) or by_place,
+        besides=besides_numbers(others),
     )
+
+
+def _role_at_spot(named: Role | None, others: Sequence[str], unit: Unit | None) -> Role | None:
+    """Return what a heading is that says a land, plane or direction by its name: a diameter, or a figure of one.
+
+    "Land" is the column of their numbers, "Land 1" may be a diameter there, and "Land 1 mean" is a mean.
+    """
+    if named not in (None, "plane", "land", "direction", "part", "component", "repeat"):
+        return named
+    if is_explained(others):
+        return "coordinate" if set(others) & _COORDINATE else "diameter"
+    of_others = _role(set(others), " ".join(others), unit)[0]
+    return of_others if of_others in ("mean", "diameter", *_SAYS_NOTHING) else named
+
+
+def _role_of_part(
+    named: Role | None, tokens: Sequence[str], part: Part | None, side: Part | None, unit: Unit | None
+) -> Role | None:
+    """Return what a heading is that names a part: a diameter too, where it says a direction or repeat besides."""
+    alone = part is None and unit is None
+    if side is not None and part in (None, side) and is_explained(tokens) and (named is None or not alone):
+        return "diameter" if named in (None, "component") else named
+    if named is not None or alone or not is_explained(tokens) or (part is None and not set(tokens).isdisjoint("xy")):
+        return named
+    return "diameter" if any(each is not None for each in numbers_of_heading("diameter", tokens)) else None
 
 
 def _of_land(words: set[str], unit: Unit | None) -> Role | None:
@@ -381,6 +478,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         (bool(words & _MEAN) or "x\u0304" in text or "x\u0305" in text, "mean"),
         (bool(words & _QUANTITY) and not words & SPECIFICATIONS, "quantity"),
         (bool(words & SPECIFICATIONS) and (sized or not key or bool(words & _QUANTITY)), "specification"),
+        (bool(words & _SUM), "mean"),
         (bool(words & _REMARK) and not (words & _GAUGE and unit is not None), "remark"),
         (bool(words & _DIRECTION), "direction"),
         (bool(words & _PLANE), "plane"),
@@ -400,7 +498,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         ),
         (len(parts) == 1 and unit is not None, "diameter"),
         (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
-        (plain(text) in {"d", "di"} and unit is not None, "diameter"),
+        (bool(_LETTERED.fullmatch(text.strip())) and unit is not None, "diameter"),
         (all(is_angle(word) for word in words), "diameter"),
         (bool(words & _GAUGE) and unit is not None, "gauge"),
     ]
@@ -433,7 +531,7 @@ def _component_rank(words: set[str]) -> tuple[Role | None, int]:
 
 
 def _is_counted(column: Column) -> bool:
-    return bool(set(_TOKEN.findall(plain(column.heading).replace("_", " "))) & _COUNTED)
+    return bool(set(tokens_of(column.heading)) & _COUNTED)
 
 
 def _both_ends(axes: set[str]) -> bool:
@@ -474,6 +572,9 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
     others = any(column.holds_value and column not in bare for column in columns)
     if others or "part" in roles or len({column.part for column in bare}) < 2:
         columns = [column for column in columns if column not in bare]
+    columns = _lettered(columns)
+    if any(column.part == "spool" and side_of(column.heading) for column in columns):
+        columns = [_as_inner(column) for column in columns]
     angles = {column.direction for column in columns if column.holds_value} - {None}
     # "x1" and "x2" without "y1" and "y2" are only the names of two coordinates
     only_names = len(angles) == 1 and any(re.search(r"\b[xy][12]\b", column.heading.lower()) for column in columns)
@@ -483,19 +584,47 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
             column = replace(column, direction=None)
         if column.holds_value and "part" in roles:
             column = replace(column, part=None)
+        if column.holds_value:
+            column = replace(
+                column,
+                land=None if "land" in roles else column.land,
+                plane=None if "plane" in roles else column.plane,
+            )
         together.append(column)
-    counted: dict[tuple[Part | None, float | None], set[int | None]] = defaultdict(set)
+    counted: dict[tuple[object, ...], set[int | None]] = defaultdict(set)
     for column in together:
         if column.holds_value:
-            counted[column.group[:2]].add(column.repeat)
+            counted[column.station].add(column.repeat)
     # repeats count from 1, behind a word for them with one left out at most: 12 and 24 are something else
     gaps = {
-        column.group[:2]
+        column.station
         for column in together
         if column.repeat is not None
         and (
-            column.repeat > len(counted[column.group[:2]]) + _is_counted(column)
-            or {None, 1} <= counted[column.group[:2]]  # "measurement 1", "measurement 2", "result"
+            column.repeat > len(counted[column.station]) + _is_counted(column)
+            or {None, 1} <= counted[column.station]  # "measurement 1", "measurement 2", "result"
         )
     }
-    return tuple(replace(column, repeat=None) if column.group[:2] in gaps else column for column in together)
+    return tuple(replace(column, repeat=None) if column.station in gaps else column for column in together)
+
+
+def _lettered(columns: list[Column]) -> list[Column]:
+    """Return diameters headed "dx" and "Dx" as of spool and bore, where both letters stand there."""
+    letters = {
+        column.index: match[1]
+        for column in columns
+        if column.holds_value and (match := _LETTERED.search(column.heading))
+    }
+    if set(letters.values()) != {"d", "D"}:
+        return columns
+    return [
+        replace(column, part=part_of(letters[column.index])) if column.index in letters and not column.part else column
+        for column in columns
+    ]
+
+
+def _as_inner(column: Column) -> Column:
+    """Return a column headed "ID" beside one headed "OD" as the bore's diameter."""
+    if column.role != "component" or side_of(column.heading) != "sleeve":
+        return column
+    return replace(column, role="diameter", part="sleeve", rank=0, tentative=column.unit is None)

@@ -8,18 +8,21 @@ from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 from atleak.catalogue.instruments import Part
-from atleak.errors import Place
+from atleak.errors import Message, Place
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.counts import with_counts
+from atleak.intake.readings.deviations import with_deviations
 from atleak.intake.readings.headings import Column, Header, find_headers, read_together
+from atleak.intake.readings.numbered_lands import with_lands
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
+from atleak.intake.readings.split_labels import with_split_labels
 from atleak.intake.readings.words import (
     ERRORS,
     is_blank,
     is_page_title,
     number_of,
     part_in,
-    part_of,
+    part_said,
     plain,
     text_of,
     vocabulary,
@@ -39,7 +42,8 @@ class Table:
 
     ``sheet`` holds its cells at the places of the whole sheet, and nothing of the tables beside and below.
     ``part`` and ``component`` are what the title or the sheet's name says, with ``said_by`` naming it. ``aside`` is why
-    a table holds no readings of this valve body, None where it may.
+    a table holds no readings of this valve body, None where it may. ``used`` are columns whose numbers went into others
+    behind the last, ``filled`` rows whose labels are those of a row above, and ``told`` is what is to be said of both.
     """
 
     sheet: Sheet
@@ -48,6 +52,9 @@ class Table:
     component: str | None = None
     said_by: Sentence | None = None
     aside: Sentence | None = None
+    used: frozenset[int] = frozenset()
+    told: tuple[Message, ...] = ()
+    filled: frozenset[int] = frozenset()
 
     @property
     def title(self) -> str:
@@ -67,6 +74,14 @@ class Table:
     def rows(self) -> range:
         """Return the rows under the headings."""
         return range(self.header.last + 1, len(self.sheet.rows))
+
+    @property
+    def as_it_stands(self) -> Table:
+        """Return the table for what stands above its headings in the file, also where it was turned."""
+        if not self.sheet.turned:
+            return self
+        first = min((column.index for column in self.header.columns), default=0)
+        return replace(self, sheet=replace(self.sheet, turned=False), header=replace(self.header, first=first))
 
     @property
     def headings(self) -> Place:
@@ -108,7 +123,7 @@ class Table:
 
     def _holds_parts(self, column: Column) -> bool:
         cells = [cell for row in self.rows if not is_blank(cell := self.sheet.cell(row, column.index))]
-        return 2 * sum(part_of(text_of(cell)) is not None for cell in cells) > len(cells)
+        return 2 * sum(part_said(text_of(cell)) is not None for cell in cells) > len(cells)
 
     @property
     def is_of_lands(self) -> bool:
@@ -188,14 +203,19 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
             titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
             end = min([following.first, *titles])
         view = _only(sheet, 0, sheet.width, end)
-        yield Table(view, _by_content(view, header, names))
+        view, header = with_split_labels(view, _by_content(view, header, names), names)
+        view, header, used, told = with_deviations(view, header)
+        yield Table(view, header, used=used, told=told)
 
 
 def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
     """Return the headings without a "result" that is no diameter, and without raw readings beside others."""
-    kept = [
-        column for column in header.columns if not column.tentative or _holds_diameters(sheet, header, column, names)
-    ]
+    kept = []
+    for column in header.columns:
+        if not column.tentative or _holds_diameters(sheet, header, column, names):
+            kept.append(column)
+        elif column.otherwise is not None:
+            kept.append(replace(column, role=column.otherwise, tentative=False))
     values = [column for column in kept if column.holds_value]
     without_raw = []
     for column in kept:
@@ -204,7 +224,8 @@ def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             column = replace(column, role="raw")
         without_raw.append(column)
-    return with_counts(sheet, replace(header, columns=tuple(without_raw)))
+    counted = with_counts(sheet, replace(header, columns=tuple(without_raw)))
+    return with_lands(sheet, counted, names)
 
 
 def _holds_diameters(sheet: Sheet, header: Header, column: Column, names: ControllerNames) -> bool:

@@ -67,8 +67,8 @@ class Budget:
             PrintedColumn(say("annex.source"), self._source, width=5),
             PrintedColumn(say("annex.distribution"), self._distribution, width=3),
             PrintedColumn(say("annex.degrees"), self._degrees, side="r"),
-            PrintedColumn("u(x)", self._input, width=2, side="r"),
-            PrintedColumn("c", self._sensitivity, width=2, side="r"),
+            PrintedColumn("u(x)", self._input, width=2, side="d"),
+            PrintedColumn("c", self._sensitivity, width=2, side="d"),
             PrintedColumn("c · u(x)", self._contribution, say.unit("clearance"), side="r"),
             PrintedColumn(say("annex.part_of_variance"), self._fraction, "%", side="r"),
         ]

@@ -10,8 +10,9 @@ from atleak.repair import RepairPlan, RepairStep, Total
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, leaking_worst_first
+from atleak.views.land_names import land_number
 from atleak.views.measure_first import head, measure_first, reason
-from atleak.views.repair_options import option_rows
+from atleak.views.repair_options import OptionRow, option_rows
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import replace_at, shares_add_up
 from atleak.workshop_units import PERCENT
@@ -35,10 +36,7 @@ class Conditions:
             return None
         at = joined((self.names.condition(each.condition) for each in diagnosis.complained), "; ")
         ranked = measure_first(diagnosis)
-        items = [
-            f"{self.names.land_name(each.land)}: {reason(each, say, self.names.condition)}"
-            for each in ranked[:MEASURE_FIRST]
-        ]
+        items = [f"{self.names.land_name(each.land)}: {reason(each, say)}" for each in ranked[:MEASURE_FIRST]]
         if len(ranked) > MEASURE_FIRST:
             items.append(say("complaint.more", count=len(ranked) - MEASURE_FIRST))
         shows = say("complaint.shows", label=diagnosis.complaint.label, conditions=at)
@@ -59,13 +57,13 @@ class Conditions:
             ]
             for number in numbers:
                 title = names.condition(self.diagnosis.presented[number].condition)
-                columns.append(PrintedColumn(title, self._cell(number), "%", width=2))
+                columns.append(PrintedColumn(title, self._cell(number), "%", width=2, side="d"))
             yield table(columns, rows)
         yield text(
             " ".join(
                 [
                     self.say("texts.matrix"),
-                    shares_add_up(self.diagnosis, self.say, names.condition),
+                    shares_add_up(self.diagnosis, self.say),
                     *self._elsewhere(rows),
                 ]
             ),
@@ -125,7 +123,7 @@ class Conditions:
                 yield text(f"{say('printed.replace_at')}: {say('texts.replace_at')}.", small=True)
             if len(self.diagnosis.projections) > 1:
                 yield from self._totals_after(plan.steps)
-        for sentence in plan_ends(plan, say, self.names.condition):
+        for sentence in plan_ends(plan, say):
             yield text(sentence)
 
     def _options(self, plan: RepairPlan) -> Iterable[Block]:
@@ -142,11 +140,16 @@ class Conditions:
                     PrintedColumn(say("printed.price"), lambda row: row.price(say), width=2, side="r"),
                     PrintedColumn(say("printed.hours"), lambda row: row.hours(say), "h", side="r"),
                     PrintedColumn(say("printed.tool"), lambda row: row.option.repair.tool or "–", width=3),
-                    PrintedColumn(say("printed.land"), lambda row: row.lands, width=2),
                 ],
                 rows,
                 empty=False,
+                told=self._repaired,
             )
+
+    def _repaired(self, row: OptionRow) -> str:
+        """Name the lands that a repair changes."""
+        lands = joined(land_number(self.diagnosis.controller, key, self.say) for key in row.option.lands)
+        return f"{self.say('printed.land')} {lands}"
 
     def _helps(self, step: RepairStep) -> str:
         if step.helps:
@@ -166,7 +169,7 @@ class Conditions:
             columns = [PrintedColumn("", lambda row: row[0], side="r")]
             for number in range(len(self.diagnosis.projections))[first : first + ABREAST]:
                 title = self.names.condition(self.diagnosis.projections[number].condition)
-                columns.append(PrintedColumn(title, self._total(number), "%", width=1))
+                columns.append(PrintedColumn(title, self._total(number), "%", width=1, side="d"))
             yield table(columns, rows)
 
     def _total(self, number: int) -> Any:

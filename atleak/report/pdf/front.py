@@ -80,7 +80,7 @@ class Front:
         if finding is not None:
             by = "of_log" if diagnosis.decided_by is None else "by_pressure"
             return say(f"findings.{by}", verdict=verdict, finding=finding)
-        return f"{verdict}: {first_sentence(diagnosis, say, self.names.condition)}"
+        return f"{verdict}: {first_sentence(diagnosis, say)}"
 
     def _without_sheet(self) -> list[str]:
         """Return that no land was measured, and where the limits of the log are from."""
@@ -100,7 +100,7 @@ class Front:
         speed = say.number(at.minimum_speed * RPM, 0)
         more.append(say("sentences.holds", speed=speed, counted=counted_in_speed(diagnosis, say)))
         more += self._positions(at)
-        measured = pump_sentence(diagnosis, say, self.names.condition)
+        measured = pump_sentence(diagnosis, say)
         if measured is not None:
             more.append(measured)
         more += self._pressures()
@@ -111,7 +111,7 @@ class Front:
         diagnosis, say, said = self.diagnosis, self.say, []
         at = pressures_at(diagnosis, lowest_first(diagnosis)[0])
         if at.projection.pressure_falls or _flagged(at.line.verdict):
-            said.append(pressure_sentence(at, say, self.names.condition))
+            said.append(pressure_sentence(at, say))
         if _flagged(at.reserve_verdict):
             said.append(reserve_sentence(at, say))
         circuits = [circuit_sentence(diagnosis, each, say) for each in at.circuits if _flagged(each.verdict)]
@@ -161,7 +161,8 @@ class Front:
     def _names_temperature(self, at: Projection) -> bool:
         """Tell whether the name of a condition ends in its temperature."""
         temperature = self.say.plain_value(at.condition.temperature, "temperature")
-        return self.names.condition(at.condition).endswith(f"{temperature}\u00a0{self.say.unit('temperature')}")
+        name = self.names.condition(at.condition).replace("\u00a0", " ")
+        return name.endswith(f"{temperature} {self.say.unit('temperature')}")
 
     def _share_new(self, at: Projection) -> str:
         return self.say.number(self.diagnosis.new_at(at).share * PERCENT, 1)

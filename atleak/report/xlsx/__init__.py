@@ -30,7 +30,7 @@ from atleak.report.xlsx.sheets import Sheets
 from atleak.sentence import Sentence
 from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.version import __version__
-from atleak.views.diagnosis_record import diagnosis_record
+from atleak.views.diagnosis_record import FORMAT, head_record
 from atleak.wording import wording
 
 __all__ = ["write_workbook"]
@@ -86,8 +86,8 @@ def write_workbook(
 
 
 def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
-    record = diagnosis_record(diagnosis)
-    live = LiveSheets(book, diagnosis, record)
+    record = {"format": FORMAT, "atleak": __version__, **head_record(diagnosis)}
+    live = LiveSheets(book, diagnosis)
     rest = Sheets(book, diagnosis, record, job, live)
     summary = book.sheet(Sentence("Summary"))
     rest.write_summary(summary)

@@ -20,7 +20,7 @@ _WIDTHS = (30, 34, 18, 12, 10, 12, 12, 14, 30, 60)
 
 def write_estimate(book: Book, sheet: Worksheet, diagnosis: Diagnosis, job: Job) -> None:
     """Write lines and sums as numbers, rounded as in the printed estimate."""
-    words = EstimateWords(estimate(diagnosis, job), book.say, book.say.condition)
+    words = EstimateWords(estimate(diagnosis, job), book.say)
     for column, width in enumerate(_WIDTHS):
         sheet.set_column(column, column, width)
     currency = words.estimate.currency

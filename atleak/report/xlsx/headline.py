@@ -40,7 +40,7 @@ class Headline:
     def issued(self) -> str:
         """Return the sentence as it follows from the diagnosis."""
         diagnosis, say = self.diagnosis, self.say
-        lands, total = lands_part(diagnosis, say), total_part(diagnosis, say, say.condition)
+        lands, total = lands_part(diagnosis, say), total_part(diagnosis, say)
         return f"{say.signed(diagnosis.verdict)}: {lands}; {total}."
 
     def formula(self, verdict: str) -> str:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.xlsx.book import exact
@@ -48,10 +47,9 @@ _LEAKAGE_ENDS = {
 
 @dataclass(frozen=True)
 class LandRow:
-    """One land on the sheet: its diagnosis, its record, and the address of any of its cells."""
+    """One land on the sheet: its diagnosis, and the address of any of its cells."""
 
     land: LandDiagnosis
-    record: Mapping[str, Any]
     here: Callable[[ColumnKey], str]
 
 
@@ -70,7 +68,6 @@ class LandSheet:
     """The places on other sheets to which the formulas of this sheet point."""
 
     lands: Sequence[LandDiagnosis]
-    records: Sequence[Mapping[str, Any]]
     say: Wording
     components: Mapping[str, str]  # number → name, in the reader's language
     conditions: Sequence[SheetCondition]
@@ -83,7 +80,7 @@ class LandSheet:
 
 def land_columns(sheet: LandSheet) -> list[LandColumn]:
     """Return every column that has a value for this unit, in order."""
-    uncertain = any(record["uncertainty_um"] is not None for record in sheet.records)
+    uncertain = any(land.uncertainty is not None and land.uncertainty.u_clearance for land in sheet.lands)
     columns = [*_names(sheet), *_clearances(sheet, uncertain=uncertain)]
     for condition in sheet.conditions:
         columns += _at_condition(sheet, condition)
@@ -144,7 +141,7 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
     yield LandColumn("c_r", Sentence("radial clearance c_r [µm]"), 12, radial_clearance)
     if uncertain:
         heading = Sentence("standard uncertainty u(c_r) as issued [µm]")
-        yield LandColumn("U", heading, 12, lambda row: Cell("um", row.record["uncertainty_um"]))
+        yield LandColumn("U", heading, 12, lambda row: _recorded("um", row.land, "u_clearance", UM))
     yield from _when_new(sheet)
     yield LandColumn("wear", Sentence("wear Z [%]"), 10, wear)
     body = _changeable("plain", lambda land: land.state.land.body_expansion * PER_KELVIN)
@@ -256,15 +253,15 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
 def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
     """Return the columns with results of the program that no formula of the workbook gives."""
 
-    def recorded(key: str, kind: str, factor: float = 1.0) -> Callable[[LandRow], Cell]:
-        def issued(row: LandRow) -> Cell:
-            value = row.record[key]
-            return Cell(kind, None if value is None else value * factor)
+    def end_of(end: int) -> Callable[[LandRow], Cell]:
+        return lambda row: _recorded("flow", row.land, "leakage_interval", DM3_MIN, end)
 
-        return issued
+    def over(row: LandRow) -> Cell:
+        probability = row.land.probability_over_limit
+        return Cell("percent", None if probability is None else probability * PERCENT)
 
     def decision(row: LandRow) -> Cell:
-        name = row.record["decision"]
+        name = row.land.decision
         return Cell("plain", None if name is None else sheet.say.get("decisions", name), look=AFTER_A_NUMBER)
 
     def because(row: LandRow) -> Cell:
@@ -278,16 +275,22 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         return Cell("plain", _value_names(row.land, sheet.say))
 
     if uncertain:
-        for end, heading in _LEAKAGE_ENDS.items():
-            yield LandColumn(end, heading, 12, recorded(f"leakage_{end}_dm3_min", "flow"))
-    if any(record["decision"] is not None for record in sheet.records):
+        for number, (end, heading) in enumerate(_LEAKAGE_ENDS.items()):
+            yield LandColumn(end, heading, 12, end_of(number))
+    if any(land.decision is not None for land in sheet.lands):
         yield LandColumn("decision", Sentence("decision as issued"), 16, decision)
-        over = recorded("probability_over_limit", "percent", PERCENT)
         yield LandColumn("probability", Sentence("probability over the limit as issued [%]"), 14, over)
     if any(land.replace_mileage is not None for land in sheet.lands):
         yield LandColumn("mileage", Sentence("replace at (90 % interval), wear ∝ mileage, as issued"), 30, mileage)
     yield LandColumn("because", Sentence("rule that gave the verdict, as issued"), 46, because)
     yield LandColumn("representative", Sentence("representative values"), 40, representative)
+
+
+def _recorded(kind: str, land: LandDiagnosis, name: str, factor: float, end: int | None = None) -> Cell:
+    """Return the cell of a result of a land's uncertainty, or of one end of an interval; empty where it is not known."""
+    known = getattr(land.uncertainty, name, None)
+    value = known if known is None or end is None else known[end]
+    return Cell(kind, None if value is None else value * factor)
 
 
 def _value_names(land: LandDiagnosis, say: Wording) -> str | None:

@@ -6,8 +6,6 @@ an auditor may change (diameters, contact lengths, conditions, limits) is blue.
 
 from __future__ import annotations
 
-from typing import Any
-
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.diagnosis import Diagnosis
@@ -41,8 +39,8 @@ LANDS = Sentence("Lands")
 class LiveSheets:
     """The sheets of one diagnosis that compute, and where each of their cells stands."""
 
-    def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-        self.book, self.diagnosis, self.record = book, diagnosis, record
+    def __init__(self, book: Book, diagnosis: Diagnosis) -> None:
+        self.book, self.diagnosis = book, diagnosis
         say = book.say
         self.sheet = say.sentence(LANDS)
         self.lands = diagnosis.lands
@@ -58,7 +56,6 @@ class LiveSheets:
         self.columns = land_columns(
             LandSheet(
                 lands=self.lands,
-                records=record["lands"],
                 say=say,
                 components={key: say.name(name) for key, name in diagnosis.controller.components.items()},
                 conditions=self.conditions,
@@ -73,9 +70,10 @@ class LiveSheets:
 
     def land_cell(self, land: LandDiagnosis, key: ColumnKey) -> Cell:
         """Return the content of one of a land's cells."""
-        row = self.row_of[land.key]
-        row_of_land = LandRow(land, self.record["lands"][row - 1], cells_of_row(row, self.column_of))
-        return self.columns[self.column_of[key]].cell(row_of_land)
+        return self.columns[self.column_of[key]].cell(self._row(land))
+
+    def _row(self, land: LandDiagnosis) -> LandRow:
+        return LandRow(land, cells_of_row(self.row_of[land.key], self.column_of))
 
     def of_land(self, key: LandKey, column: ColumnKey) -> str:
         """Return the address of one of a land's cells, as other sheets ask for it."""
@@ -88,9 +86,9 @@ class LiveSheets:
         sheet.repeat_columns(0, 3)
         sheet.fit_to_pages(2, 0)
         for land in self.lands:
-            row = self.row_of[land.key]
+            row, row_of_land = self.row_of[land.key], self._row(land)
             for number, column in enumerate(self.columns):
-                write_cell(book, sheet, row, number, self.land_cell(land, column.key))
+                write_cell(book, sheet, row, number, column.cell(row_of_land))
         for number, column in enumerate(self.columns):
             sheet.set_column(number, number, column.width)
         sheet.autofilter(0, 0, last, len(self.columns) - 1)

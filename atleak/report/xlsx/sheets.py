@@ -103,8 +103,8 @@ class Sheets:
             (Sentence("profile"), diagnosis.profile.label),
             (Sentence("measuring sheet"), record["readings"]["file"]),
             (Sentence("measured at"), measuring_temperature(diagnosis, self.say)),
-            (Sentence("road test"), record["road_test"]["file"] if record["road_test"] else None),
-            (Sentence("gauge readings"), record["pressure_table"]["file"] if record["pressure_table"] else None),
+            (Sentence("road test"), diagnosis.log.road_test.file if diagnosis.log else None),
+            (Sentence("gauge readings"), diagnosis.pressures.table.file if diagnosis.pressures else None),
             (Sentence("representative"), record["controller"]["representative_note"]),
             *self._complaint(),
         ]
@@ -136,10 +136,7 @@ class Sheets:
             return []
         ranked = measure_first(diagnosis)
         say = self.say
-        lands = [
-            f"{each.land.key[0]}/{each.land.key[1]}: {reason(each, say, say.condition)}"
-            for each in ranked[:MEASURE_FIRST]
-        ]
+        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each, say)}" for each in ranked[:MEASURE_FIRST]]
         return [
             (Sentence("complaint"), say.name(diagnosis.complaint.label)),
             (Sentence("shows at"), "; ".join(say.condition(each.condition) for each in diagnosis.complained)),
@@ -158,7 +155,7 @@ class Sheets:
         else:
             self.book.put(sheet, row, 1, self.say.signed(diagnosis.verdict), book.bold)
         book.colour_words(sheet, (row, 1), (row, 1), VERDICTS)
-        said = f"{self.say.signed(diagnosis.verdict)}: {first_sentence(diagnosis, self.say, self.say.condition)}"
+        said = f"{self.say.signed(diagnosis.verdict)}: {first_sentence(diagnosis, self.say)}"
         marks = caveat_marks(diagnosis, self.say)
         marked = [f"{', '.join(marks).capitalize()}."] if marks else []
         if diagnosis.judged:
@@ -236,7 +233,7 @@ class Sheets:
             book.colour_words(sheet, (first, 6), (row, 6), BANDS)
             row = self._options(sheet, row + 1, plan)
         for sentence in (
-            *plan_ends(plan, self.say, self.say.condition),
+            *plan_ends(plan, self.say),
             *open_words(self.diagnosis, self.job, self.say, closing=True),
         ):
             self.book.put(sheet, row, 0, sentence)
@@ -354,7 +351,7 @@ class Sheets:
         book.headings(sheet, 0, headings, lines=1)
         for line, message in enumerate(self.diagnosis.messages, start=1):
             place = say.sentence(message.place.sentence) if message.place else ""
-            for column, value in enumerate((_LEVELS[message.level], message.code, message.text, place)):
+            for column, value in ((0, _LEVELS[message.level]), (1, message.code), (3, place)):
                 book.put(sheet, line, column, value, book.wrapped)
             book.put_text(sheet, line, 2, message.text, book.wrapped, 100)
 
@@ -362,14 +359,18 @@ class Sheets:
         """Write which program, options and files gave the result, with their SHA-256."""
         record = self.record
         row = self.book.pairs(sheet, 0, [("atleak", record["atleak"]), (Sentence("format"), str(record["format"]))]) + 1
-        for name in ("profile", "controller", "fluid", "limits", "readings", "road_test"):
-            entry = record[name]
-            if not entry:
-                continue
+        entries = {name: record[name] for name in ("profile", "controller", "fluid", "limits", "readings")}
+        if self.diagnosis.log is not None:
+            test = self.diagnosis.log.road_test
+            entries["road_test"] = {
+                "file": test.file,
+                "sha256": test.sha256,
+                "rows": test.rows,
+                "duration_s": test.duration,
+            }
+        for name, entry in entries.items():
             self.book.put(sheet, row, 0, self._field(name), self.book.heading)
             wanted = {key: value for key, value in entry.items() if isinstance(value, str | int | float | bool | list)}
-            if name == "road_test":
-                wanted = {key: entry[key] for key in ("file", "sha256", "rows", "duration_s")}
             pairs = [(self._field(key), self._plain(key, value)) for key, value in wanted.items()]
             row = self.book.pairs(sheet, row + 1, pairs, 94) + 1
         sheet.set_column(0, 0, 24)

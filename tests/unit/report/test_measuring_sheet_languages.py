@@ -96,6 +96,18 @@ def test_the_head_names_its_valve_body_in_every_language(unit, language):
         read_readings(write_readings(unit, [found], language=language), load_controller("minimal_example"))
 
 
+@pytest.mark.parametrize("language", languages())
+def test_titles_and_what_is_representative_are_said_in_the_reader_s_language(unit, language):
+    say = wording(language)
+    sheets = openpyxl.load_workbook(io.BytesIO(write_template(unit, language=language))).worksheets
+    name, representative = say.name(unit.name), say.name(unit.representative)
+    assert ((name, representative) == (unit.name, unit.representative)) == (language == "en")
+    assert [name in sheet["A1"].value for sheet in sheets] == [True, True, True, False]
+    assert name in sheets[0].oddFooter.left.text
+    assert sheets[0]["A3"].value == representative
+    assert any(representative in str(cell.value) for cell in sheets[3]["B"])
+
+
 def test_headings_say_the_reader_s_units(unit):
     sheets = openpyxl.load_workbook(io.BytesIO(write_template(unit, language="de", units="us")))
     headings = [cell.value for cell in sheets["Messungen"][7]]

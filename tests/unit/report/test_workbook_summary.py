@@ -43,8 +43,8 @@ def test_the_headline_says_what_was_issued_until_a_number_changes(worn_clutch, c
     sheets, say = calculator(write_workbook(worn_clutch)), wording("en")
     said = sheets.value("Summary", "B3")
     assert lands_part(worn_clutch, say) in said
-    assert total_part(worn_clutch, say, say.condition) in said
-    assert sheets.book["Summary"]["B4"].value.endswith(first_sentence(worn_clutch, say, say.condition))
+    assert total_part(worn_clutch, say) in said
+    assert sheets.book["Summary"]["B4"].value.endswith(first_sentence(worn_clutch, say))
 
 
 def test_a_widened_sleeve_reaches_headline_counts_and_the_list_of_what_is_flagged_since(worn_clutch, calculator):
@@ -72,7 +72,7 @@ def test_libreoffice_recalculates_headline_and_lists(worn_clutch, recalculated, 
     say = wording(language)
     before = recalculated(book)(summary, "B3")
     assert lands_part(worn_clutch, say) in before
-    assert total_part(worn_clutch, say, say.condition) in before
+    assert total_part(worn_clutch, say) in before
     if language == "en":
         component, land = widened(book, worn_clutch)
         value = recalculated(book)

@@ -67,12 +67,28 @@ def test_lands_lie_where_their_positions_say_where_those_of_all_are_known():
     assert gap_over_length(None, 21.0e-3) == pytest.approx(1.0, abs=0.02)
 
 
-def test_a_readable_id_is_drawn_whole_above_its_name():
-    drawn = [
-        text.text for text in ElementTree.fromstring(controller_svg(load_controller("gm_4l60e"))).iter(f"{SVG}text")
-    ]
-    assert drawn[:2] == ["pressure_regulator", "pressure regulator valve (216)"]
-    assert {"accumulator_1_2", "accumulator_3_4", "forward_abuse_plug"} <= set(drawn)
+def words_of(svg):
+    return [text.text for text in ElementTree.fromstring(svg).iter(f"{SVG}text")]
+
+
+@pytest.mark.parametrize("columns", [5, 6])
+def test_a_name_is_drawn_whole_and_an_id_that_repeats_it_is_left_out(columns):
+    controller = load_controller("gm_4l60e")
+    drawn = words_of(controller_svg(controller, columns=columns, letters=1.6))
+    assert "pressure_regulator" not in drawn
+    assert "…" not in "".join(drawn)
+    whole = " ".join(drawn).replace("- ", "").replace("-", "")
+    names = {controller.components[land.component] for land in controller.lands}
+    assert [name for name in names if name.replace("-", "") not in whole] == []
+
+
+def test_a_word_longer_than_a_line_is_broken_and_a_name_without_end_is_cut():
+    controller = load_controller("gm_4l60e")
+    long = replace(controller, components=MappingProxyType(dict.fromkeys(controller.components, "Regel" * 20)))
+    drawn = words_of(controller_svg(long, columns=6, only=["boost_valve"]))
+    assert drawn[-4].endswith("-")
+    assert drawn[-1].endswith("…")
+    assert len({len(line) for line in drawn[-4:]}) == 1
 
 
 def test_names_from_a_file_stay_text(hostile):

@@ -58,7 +58,8 @@ def test_the_opened_pair_shows_clearance_ovality_shares_and_limits_in_the_reader
     state = first.land.state
     assert facts["Radial clearance, 95 %"].startswith(say.quantity(state.radial_clearance * UM, "clearance"))
     assert facts["Ovality of the bore"] == say.quantity((state.sleeve_ovality or 0.0) * UM, "clearance")
-    assert [row.cells[0].text for row in first.shares.rows] == [each.condition.label for each in worn.presented]
+    shown = [row.cells[0].text for row in first.shares.rows]
+    assert shown == [say.condition(each.condition) for each in worn.presented]
     assert first.rules.rows[0].cells[1].level == first.land.verdict
     assert first.why[0].startswith(EN(f"rules.{first.land.deciding.kind}"))  # type: ignore[union-attr]
 
@@ -109,7 +110,7 @@ def test_what_ticked_repairs_bring_is_said_at_every_condition(worn: Diagnosis, l
     keys = {each.key for each in repairs.all if each.called_for}
     effect = repairs.effect(keys)
     table = effect_table(effect, say)
-    assert [row.cells[0].text for row in table.rows] == [at.condition.label for at in effect]
+    assert [row.cells[0].text for row in table.rows] == [say.condition(at.condition) for at in effect]
     for row, at in zip(table.rows, effect, strict=True):
         assert row.cells[1].text == f"{say.percent(at.before.share)} {say.signed(at.before.band)}"
         assert row.cells[2].text == f"{say.percent(at.after.share)} {say.signed(at.after.band)}"

@@ -10,6 +10,7 @@ import pytest
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import project
 from atleak.views.pump_speed import pump_over_speed
+from atleak.wording import wording
 
 
 def test_supply_meets_demand_at_the_crossing_of_every_temperature(worn_clutch: Diagnosis, sample: Diagnosis) -> None:
@@ -50,9 +51,9 @@ def test_temperatures_are_those_of_the_conditions_and_a_few_between(worn_clutch:
 
 
 def test_idle_is_marked_beside_the_condition(worn_clutch: Diagnosis) -> None:
-    idle, driving = worn_clutch.projections
+    (idle, driving), say = worn_clutch.projections, wording("de")
     assert pump_over_speed(worn_clutch, idle).marked == (("hot idle", 700.0 / 60.0),)
-    assert pump_over_speed(worn_clutch, driving, lambda point: point.name.upper()).marked == (
-        ("DRIVING", 1500.0 / 60.0),
-        ("HOT_IDLE", 700.0 / 60.0),
+    assert pump_over_speed(worn_clutch, driving, say).marked == (
+        (say.condition(driving.condition), 1500.0 / 60.0),
+        (say.condition(idle.condition), 700.0 / 60.0),
     )
