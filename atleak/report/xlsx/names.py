@@ -32,6 +32,7 @@ OWN_MOUNTING = "const_own_mounting"
 TOLERANCE_COVERAGE = "const_tolerance_coverage"
 REPEATS_APART = "const_repeats_apart"
 VISIBLE_STEP = "const_visible_step"
+AVERAGED = "const_averaged_from"
 TRUSTED_DEGREES = "const_trusted_degrees"
 
 
