@@ -57,7 +57,7 @@ def table_kind(data: bytes, controller: Controller) -> Table:
         return max((table.header.score for table in find_tables(sheet, names) if table.header.complete), default=0.0)
 
     try:
-        sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)))
+        sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)), only_look=True)
     except ReadingsError:
         return Table.READINGS if is_workbook else Table.ROAD_TEST
     if describes_controller(sheets):

@@ -81,6 +81,7 @@ _BESIDE_POSITION = vocabulary("axial_position", "left", "beside_position", "actu
 _FITTED = vocabulary("fitted")
 _REPAIR = vocabulary("repair")
 _FITTED_REPAIR = vocabulary("fitted", "repair")
+_BETWEEN = " ,/:;"  # a heading and its unit
 _TRAILING_UNITS = {
     *("mm", "um", "µm", "μm", "micron", "microns", "micrometre", "micrometer", "inch", "inches", "in", "mil", "mils"),
     *("thou", "cm", "мм", "мкм"),
@@ -237,9 +238,12 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
             if header.starts_table and (not decimals or (header.complete and len(header.roles) > 2)):
                 candidates.append(header)
     headers: list[Header] = []
+    taken: set[int] = set()
     for header in sorted(candidates, key=lambda each: (-round(each.score + _depth_bonus(sheet, each), 9), each.first)):
-        if all(header.last < other.first or header.first > other.last for other in headers):
+        rows = range(header.first, header.last + 1)
+        if taken.isdisjoint(rows):
             headers.append(header)
+            taken.update(rows)
     return sorted(headers, key=lambda each: each.first)
 
 
@@ -455,12 +459,28 @@ def split_unit(text: str) -> tuple[str, Unit | None]:
         unit = find_unit(inner, "length") if inner.strip() else None
         if unit is not None:
             return f"{text[: bracketed.start()]} {text[bracketed.end() :]}", unit
-    trailing = re.search(r"[\s_,/:;]+(\S+?)\s*$", text.replace("_", " "))
-    if trailing and trailing[1].lower() in _TRAILING_UNITS:
-        return text[: trailing.start()], find_unit(trailing[1], "length")
+    before, unit_text = _last_word(text)
+    if before is not None and unit_text.lower() in _TRAILING_UNITS:
+        return before, find_unit(unit_text, "length")
     if text.strip().lower() in _TRAILING_UNITS - {"in"}:
         return "", find_unit(text, "length")
     return text, None
+
+
+def _last_word(text: str) -> tuple[str | None, str]:
+    """Return what stands before the last word of a heading, and the word; None before a word that stands alone.
+
+    >>> _last_word("Diameter_mm "), _last_word("Diameter,/mm"), _last_word("mm")
+    (('Diameter', 'mm'), ('Diameter', 'mm'), (None, 'mm'))
+    """
+    spaced = re.sub(r"[\s_]", " ", text).rstrip()
+    start = spaced.rfind(" ") + 1
+    word = spaced[start:].lstrip(_BETWEEN)
+    if not start:
+        start = next((at for at, sign in enumerate(spaced) if sign in _BETWEEN), len(spaced))
+        word = spaced[start:].lstrip(_BETWEEN) or spaced
+    before = spaced[: len(spaced) - len(word)]
+    return (text[: len(before.rstrip(_BETWEEN))] if before else None), word
 
 
 def read_together(columns: list[Column]) -> tuple[Column, ...]:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from atleak.errors import Place, ReadingsError
+from atleak.intake.sheets.extent import EXPECTED, TEXT, bounded, excess
 from atleak.intake.sheets.sheet import Sheet
 from atleak.sentence import Sentence
 from atleak.system.reasons import reason_of
@@ -52,13 +53,18 @@ def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str
         raise ReadingsError(problem, place=Place(str(path)), expected=WANTED) from None
 
 
-def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float]) -> list[Sheet]:
+def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float], *, only_look: bool = False) -> list[Sheet]:
     """Read all sheets of a file; encoding and delimiter are those with the highest `score` as readings.
+
+    Parameters
+    ----------
+    only_look
+        read no more of a workbook than its sheets' first rows.
 
     Raises
     ------
     ReadingsError
-        where the file is empty, or neither a workbook nor text.
+        where the file is empty, neither a workbook nor text, or more than people fill in.
     """
     place = Place(file)
     if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
@@ -66,7 +72,7 @@ def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float]) -> list
     if data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
         from atleak.intake.sheets.workbook import read_workbook  # calamine only where it is needed
 
-        return read_workbook(data, file)
+        return read_workbook(data, file, only_look=only_look)
     for magic, kind in _FOREIGN:
         if data.startswith(magic) and (magic != b"BM" or b"\0" in data[:64]):
             problem = Sentence("this is {kind}, whatever its name says", kind=kind)
@@ -82,19 +88,32 @@ def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float]) -> list
 
 
 def _read_text(data: bytes, file: str, score: Callable[[Sheet], float]) -> Sheet:
+    if len(data) > TEXT:
+        problem = Sentence("this text has {size} MB", size=len(data) >> 20)
+        raise ReadingsError(problem, place=Place(file), expected=EXPECTED)
     best: tuple[float, str, str, str] | None = None
+    too_much: Sentence | None = None
     for encoding, text in _decoded(data, file):
         start = "".join(text.splitlines(keepends=True)[:_LOOKED_AT])
         for delimiter in _delimiters(start):
-            likeness = score(_sheet(start, file, delimiter))
+            sheet = _sheet(start, file, delimiter)
+            if (found := excess(sheet.rows)) is not None:
+                too_much = too_much or found
+                continue
+            likeness = score(sheet)
             if best is None or likeness > best[0]:
                 best = (likeness, encoding, delimiter, text)
-    assert best is not None  # at least one encoding decodes
-    _, encoding, delimiter, text = best
-    note = Sentence(
-        "read as {encoding}, columns separated by {delimiter}", encoding=encoding, delimiter=_DELIMITERS[delimiter]
-    )
-    return _sheet(text, file, delimiter, note)
+    if best is not None:
+        _, encoding, delimiter, text = best
+        note = Sentence(
+            "read as {encoding}, columns separated by {delimiter}", encoding=encoding, delimiter=_DELIMITERS[delimiter]
+        )
+        sheet = _sheet(text, file, delimiter, note)
+        too_much = excess(sheet.rows)
+        if too_much is None:
+            return sheet
+    assert too_much is not None  # at least one encoding decodes
+    raise ReadingsError(too_much, place=Place(file), expected=EXPECTED)
 
 
 def _decoded(data: bytes, file: str) -> Iterator[tuple[str, str]]:
@@ -149,4 +168,5 @@ def _sheet(text: str, file: str, delimiter: str, note: Sentence | None = None) -
     except csv.Error as error:
         problem = Sentence("this text is no table ({reason})", reason=str(error))
         raise ReadingsError(problem, place=Place(file, row=before + 1), expected=WANTED) from None
-    return Sheet(file=file, name=None, rows=rows, lines=lines, note=note)
+    rows = bounded(rows)
+    return Sheet(file=file, name=None, rows=rows, lines=lines[: len(rows)], note=note)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from atleak.intake.road_test.files.cells import CellKind, Decimal, is_clock, kind_of
 from atleak.intake.road_test.names.matching import clean_unit, is_unit, match_name, split_unit
+from atleak.intake.sheets.extent import cut
 
 Row = list[str]
 WHITESPACE = " "
@@ -48,8 +49,8 @@ def split_line(line: str, delimiter: str) -> Row:
     if '"' in line:
         quoted = line.strip("\r\n").replace("\r", " ")  # a lone carriage return is no end of line to us
         cells = next(csv.reader([quoted], delimiter=delimiter, skipinitialspace=True), [])
-        return [cell.strip() for cell in cells]
-    return [cell.strip() for cell in line.strip("\r\n").split(delimiter)]
+        return [cut(cell.strip()) for cell in cells]
+    return [cut(cell.strip()) for cell in line.strip("\r\n").split(delimiter)]
 
 
 @dataclass(frozen=True)
