@@ -4,8 +4,8 @@ from pathlib import Path
 
 import streamlit as st
 
-from atleak.system.memory import set_imports_aside
-from pages.shared import reader
+from atleak.system.memory import collect_soon
+from pages.shared import entrance, reader
 
 HERE = Path(__file__).parent
 
@@ -21,8 +21,12 @@ for number, path in sorted(page_files.items()):
         list(groups.values())[number // 10].append(st.Page(path, title=title))
     else:  # where the bare address leads
         groups[""].append(st.Page(path, title=title, default=True, visibility="hidden"))
-page = st.navigation(groups, position="top")
+is_open = entrance.is_open()
+page = st.navigation(groups, position="top" if is_open else "hidden")
 reader.mark_page()
+if not is_open:
+    entrance.draw()
+    st.stop()
 heading = st.empty()
 if "framed" not in st.session_state:  # seen while all else is imported, read and computed
     heading.title(page.title)
@@ -30,6 +34,7 @@ if "framed" not in st.session_state:  # seen while all else is imported, read an
 from pages.shared import book, panel, steps  # noqa: E402
 
 result = panel.draw()
+entrance.draw_sign_out()
 heading.empty()
 if page in groups[""][1:]:
     steps.draw(result)
@@ -38,6 +43,6 @@ try:
     page.run()
 finally:  # also where the page ends early
     news = book.keep(page.url_path)
-    set_imports_aside()
+    collect_soon()
 if news:
     st.rerun()

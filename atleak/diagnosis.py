@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 from atleak.catalogue.circuits import Circuit
@@ -45,6 +46,7 @@ from atleak.uncertainty import (
     GUARD_FACTOR,
     Assumptions,
     Decision,
+    Known,
     RuleDecision,
     UnitUncertainty,
     assess,
@@ -191,7 +193,7 @@ class Diagnosis:
         """
         return Band(self.total_rule(projection).level) if self.judged else None
 
-    @property
+    @cached_property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
         """Return the lands at watch or past it, the worst first, then the costliest."""
         flagged = [land for land in self.lands if land.verdict.flagged]
@@ -207,7 +209,7 @@ class Diagnosis:
         """Return the total that reached the worst band; of several, the largest."""
         return max(self.total_rules, key=lambda rule: (rule.verdict.rank, rule.value))
 
-    @property
+    @cached_property
     def decided_by(self) -> LandDiagnosis | Rule | None:
         """Return what put the unit past a limit: a land, a total, a pressure, the worst; None within all limits.
 
@@ -256,8 +258,10 @@ class Diagnosis:
     def with_mileage(self, mileage: float | None) -> Diagnosis:
         """Return the same at another mileage [km]: only when lands are to be replaced, and a message, follow from it.
 
-        Whether a rate of wear is known is said once, before what is said of the instruments.
+        None stands for the one that the sheet's head states. Whether a rate of wear is known is said once, before what
+        is said of the instruments.
         """
+        mileage = _mileage(mileage, self.readings)
         if mileage == self.mileage:
             return self
         lands = tuple(
@@ -399,8 +403,8 @@ def diagnose(
     condition
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
-        mileage of the vehicle [km]; with it the mileage at which a worn land reaches its limit is projected, where what
-        it had at 0 km was measured.
+        mileage of the vehicle [km], as the sheet's head states it unless given; with it the mileage at which a worn
+        land reaches its limit is projected, where what it had at 0 km was measured.
     measuring_temperature
         that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
     pump_clearances
@@ -421,6 +425,7 @@ def diagnose(
     ReadingsError
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
+    mileage = _mileage(mileage, readings)
     measured_pump = pump_clearances if readings is None else pump_clearances.or_else(readings.pump)
     controller = controller.with_measured_pump(measured_pump)
     if readings is not None:
@@ -456,6 +461,7 @@ def diagnose(
             instruments=instruments,
             assumptions=assumptions,
             guard_factor=guard_factor,
+            known=_known(readings, (model, limits, instruments, assumptions)),
         )
         of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
     checked = (
@@ -505,6 +511,15 @@ def diagnose(
     )
 
 
+def _known(readings: Readings, rests_on: tuple[Any, ...]) -> Known:
+    """Return what was carried through for these readings before, where nothing but the conditions has changed since."""
+    kept: dict[str, tuple[Any, Known]] = kept_with(readings, "spreads", "", dict)
+    last = kept.get("last")
+    if last is None or last[0] != rests_on:
+        last = kept["last"] = rests_on, Known()
+    return last[1]
+
+
 def _evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoint) -> RoadLeakage:
     """Compute the leakage over a log, or take it from the last time, where nothing has changed on which it rests.
 
@@ -540,3 +555,8 @@ def _farthest_first(rules: Iterable[Rule]) -> list[Rule]:
 def _certainty(decision: Decision | None) -> int:
     """Rank a decision: the surer a limit is passed, the higher."""
     return -1 if decision is None else DECISIONS.index(decision)
+
+
+def _mileage(stated: float | None, readings: Readings | None) -> float | None:
+    """Return the mileage [km] that was stated, or else the one of the sheet's head."""
+    return stated if stated is not None or readings is None else readings.identity.mileage

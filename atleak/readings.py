@@ -24,6 +24,7 @@ from atleak.own_lands import OwnLands
 from atleak.phrases import PART_WORDS, angle, in_mm, in_um, named
 from atleak.pressure_table import PressureTable
 from atleak.sentence import Sentence
+from atleak.sheet_identity import SheetIdentity
 from atleak.unit_systems import Quantity
 
 Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
@@ -74,6 +75,7 @@ class Readings:
     messages: tuple[Message, ...] = ()
     temperature: float | None = None  # [°C] of gauge and parts, as the sheet's head states it
     date: dt.date | None = None  # of the measurement, as the sheet's head states it
+    identity: SheetIdentity = SheetIdentity()  # noqa: RUF009  frozen, so safe to share; whose unit, by whom measured
     pressures: PressureTable | None = None  # of the sheet's own tab, where it is filled in
     pump: PumpClearances = NO_CLEARANCES  # of the pump, as the sheet's head states them
     own_lands: OwnLands = OwnLands()  # noqa: RUF009  frozen, so safe to share; lengths measured, repairs fitted

@@ -87,7 +87,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
                 Sentence("converter pressure"),
                 Sentence("converter_pressure"),
             ),
-            Quantity("gear", None, "", -3.0, 12.0, Sentence("gear"), Sentence("gear")),
+            Quantity("gear", None, "", -1.0, 12.0, Sentence("gear"), Sentence("gear")),
             Quantity(
                 "vehicle_speed", "speed", "km/h", -1.0, 450 / 3.6, Sentence("vehicle speed"), Sentence("vehicle_speed")
             ),

@@ -17,28 +17,22 @@ A control is looked for by its label, first on the page that is shown, then on t
 from __future__ import annotations
 
 import argparse
-import os
 import re
 import shutil
-import socket
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
-import urllib.request
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import psutil
 from playwright.sync_api import Browser, Locator, Page, sync_playwright
 from road_test_import import write_logs
+from servers import PATIENCE, ROOT, Server
 from timing import options
 
-ROOT = Path(__file__).resolve().parents[1]
-COMPILED = Path(tempfile.gettempdir()) / "atleak-benchmark-compiled"
 SHEET = ROOT / "sample_data" / "measuring_sheet_four_speed.xlsx"
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--starts", type=int, default=4)
@@ -69,7 +63,6 @@ OPEN_FOLDS = """label => {
 QUIET = 0.4  # [s] without any work of the server: the page is at rest
 FORGOTTEN = 125.0  # [s] after which Streamlit forgets a session that does not come back
 LEAVING = 45.0  # [s] in which a server notices that a window was closed, and gives back what it held
-PATIENCE = 120.0  # [s]
 GOALS = {"first content": 1.2, "at rest": 1.3}
 CHANGE_GOALS = {"sample": 0.25, "log": 0.5}  # [s]
 
@@ -103,7 +96,7 @@ def main(chosen: argparse.Namespace) -> None:
         if "start" in parts:
             _starts(browser, place, chosen.starts, small=chosen.small)
         if set(parts) & {"sample", "log", "memory"}:
-            with Server.of_atleak(place / "home") as server:
+            with Visited.of_atleak(place / "home") as server:
                 log = write_logs(place, chosen.rows)["clean"] if set(parts) & {"log", "memory"} else None
                 controls = CONTROLS[2:3] if chosen.small else CONTROLS
                 _changes(browser, server, parts, controls, chosen.repeats, log)
@@ -115,10 +108,10 @@ def _starts(browser: Browser, folder: Path, starts: int, *, small: bool) -> None
     """Print what the first visit after a server's start costs; the two kinds of server take turns."""
     hello = folder / "hello.py"
     hello.write_text(HELLO, encoding="utf-8")
-    kinds: dict[str, Callable[[int], Server]] = {
-        "hello-world": lambda _: Server([sys.executable, "-m", "streamlit", "run", str(hello)], folder / "home"),
-        "bare address": lambda number: Server.of_atleak(folder / f"home{number}"),
-        SHOWN: lambda number: Server.of_atleak(folder / f"home{number}", SHOWN),
+    kinds: dict[str, Callable[[int], Visited]] = {
+        "hello-world": lambda _: Visited([sys.executable, "-m", "streamlit", "run", str(hello)], folder / "home"),
+        "bare address": lambda number: Visited.of_atleak(folder / f"home{number}"),
+        SHOWN: lambda number: Visited.of_atleak(folder / f"home{number}", SHOWN),
     }
     if small:
         del kinds[SHOWN]
@@ -145,7 +138,7 @@ def _starts(browser: Browser, folder: Path, starts: int, *, small: bool) -> None
 
 def _changes(
     browser: Browser,
-    server: Server,
+    server: Visited,
     parts: list[str],
     controls: tuple[Control, ...],
     repeats: int,
@@ -169,7 +162,7 @@ def _changes(
             print(f"memory: {server.memory():.0f} MB after these changes")
 
 
-def _measure(page: Page, server: Server, what: str, controls: tuple[Control, ...], repeats: int) -> None:
+def _measure(page: Page, server: Visited, what: str, controls: tuple[Control, ...], repeats: int) -> None:
     print(f"one control changed, {what}: CPU of the server until the page is at rest [s] (goal {CHANGE_GOALS[what]})")
     for control in controls:
         times, where = [], ""
@@ -190,7 +183,7 @@ def _measure(page: Page, server: Server, what: str, controls: tuple[Control, ...
     _go(page, server, SHOWN)
 
 
-def _find(page: Page, server: Server, label: str) -> tuple[Locator | None, str]:
+def _find(page: Page, server: Visited, label: str) -> tuple[Locator | None, str]:
     """Return the field with a label and the page on which it stands, and show that page."""
     shown = _name(page)
     for name in dict.fromkeys([shown, *PAGES]):
@@ -217,7 +210,7 @@ def _change(page: Page, element: Locator, control: Control, number: int) -> None
         page.keyboard.press(key)
 
 
-def _upload(page: Page, server: Server, file: Path) -> None:
+def _upload(page: Page, server: Visited, file: Path) -> None:
     """Give a file to the uploader that names its kind, or to the one that takes all."""
     words = "Measuring sheet" if file == SHEET else "Road-test log"
     for name in (_name(page), "Job"):
@@ -233,7 +226,7 @@ def _upload(page: Page, server: Server, file: Path) -> None:
     raise SystemExit("no page takes a file")
 
 
-def _closed(browser: Browser, server: Server, wait: float) -> None:
+def _closed(browser: Browser, server: Visited, wait: float) -> None:
     """Print what the server holds when the window was closed and Streamlit has forgotten its session.
 
     Streamlit looks for sessions to forget where another one comes or goes.
@@ -251,7 +244,7 @@ def _name(page: Page) -> str:
     return page.url.partition("?")[0].rstrip("/").rsplit("/", 1)[-1]
 
 
-def _go(page: Page, server: Server, name: str) -> None:
+def _go(page: Page, server: Visited, name: str) -> None:
     """Show a page by its link, where there is one: the session stays."""
     link = page.locator(f"a[href$='/{name}'], a[href*='/{name}?']").locator("visible=true")
     if link.count():
@@ -277,51 +270,8 @@ def _browser() -> Iterator[Browser]:
         opened.close()
 
 
-class Server:
-    """A Streamlit server in a process of its own, with its CPU time and its memory."""
-
-    def __init__(self, command: list[str], home: Path, page: str = "") -> None:
-        with socket.socket() as listener:
-            listener.bind(("127.0.0.1", 0))
-            port = listener.getsockname()[1]
-        self.address, self._page = f"http://127.0.0.1:{port}", page
-        home.mkdir(exist_ok=True)
-        environment = {**os.environ, "ATLEAK_HOME": str(home), "PYTHONPATH": str(ROOT)}
-        environment.pop("PYTHONDONTWRITEBYTECODE", None)  # an installed package is compiled
-        environment["PYTHONPYCACHEPREFIX"] = str(COMPILED)
-        for name, value in (("PORT", str(port)), ("HEADLESS", "true"), ("ADDRESS", "127.0.0.1")):
-            environment[f"STREAMLIT_SERVER_{name}"] = value
-        environment["STREAMLIT_BROWSER_GATHER_USAGE_STATS"] = "false"
-        environment["STREAMLIT_SERVER_FILE_WATCHER_TYPE"] = "none"
-        self._process = psutil.Popen(
-            [*command, "--server.port", str(port)] if "streamlit" in command else [*command, "--port", str(port)],
-            cwd=home,
-            env=environment,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-
-    @classmethod
-    def of_atleak(cls, home: Path, page: str = "") -> Server:
-        """Start the dashboard as users do, with an empty folder of the user's own."""
-        return cls([sys.executable, "-m", "atleak", "app"], home, page)
-
-    def __enter__(self) -> Server:
-        limit = time.monotonic() + PATIENCE
-        while time.monotonic() < limit and self._process.is_running():
-            try:
-                with urllib.request.urlopen(f"{self.address}/_stcore/health", timeout=2) as answer:
-                    if answer.status == 200:
-                        return self
-            except OSError:
-                time.sleep(0.1)
-        self.__exit__()
-        raise SystemExit("a server did not answer")
-
-    def __exit__(self, *_: object) -> None:
-        for process in (*self._process.children(recursive=True), self._process):
-            process.terminate()
-        self._process.wait(timeout=20)
+class Visited(Server):
+    """A server that a browser visits."""
 
     @contextmanager
     def visit(self, browser: Browser, page: str | None = None) -> Iterator[Page]:
@@ -329,26 +279,9 @@ class Server:
         context = browser.new_context(viewport={"width": 1280, "height": 900})
         context.set_default_timeout(PATIENCE * 1e3)
         window = context.new_page()
-        window.goto(f"{self.address}/{self._page if page is None else page}")
+        window.goto(f"{self.address}/{self.page if page is None else page}")
         yield window
         context.close()
-
-    def _processes(self) -> list[psutil.Process]:
-        return [self._process, *self._process.children(recursive=True)]
-
-    def cpu(self) -> float:
-        """Return the CPU time that it has taken so far, with the processes that it started [s]."""
-        total = 0.0
-        for process in self._processes():
-            try:
-                total += sum(process.cpu_times()[:4])
-            except psutil.NoSuchProcess:
-                continue  # it has just ended; the server counts it as one of its children
-        return total
-
-    def memory(self) -> float:
-        """Return the memory that it holds [MB]."""
-        return sum(process.memory_info().rss for process in self._processes() if process.is_running()) / 1e6
 
     def rest(self, page: Page) -> None:
         """Wait until the page runs no script and shows nothing old, and the server has nothing to do."""

@@ -2,10 +2,13 @@
 
 import streamlit as st
 
-from pages.shared import job_form, panel, reader
+from atleak.job.doubts import record_doubts
+from pages.shared import job_form, panel, reader, show
 
 case, diagnosis = panel.shown()
 say = reader.say()
 st.title(say("job.title"))
 st.caption(say("job.optional"))
-job_form.draw(diagnosis.controller)
+record = job_form.draw(diagnosis.controller)
+with st.container():
+    show.messages(record_doubts(record, diagnosis), say("about.record"))

@@ -4,9 +4,10 @@ import streamlit as st
 
 from atleak.figures import diagnosis_figures as figures
 from atleak.report.measuring_sheet import write_template
+from atleak.report.measuring_sheet.head import fields_of
 from atleak.views.clearances import CLEARANCE_COLUMNS, clearance_rows
 from atleak.views.sentences import measuring_temperature
-from pages.shared import measuring_form, panel, reader, sheet_form, show
+from pages.shared import measuring_form, panel, reader, sheet_form, show, state
 
 case, diagnosis = panel.shown()
 say, controller, readings = reader.say(), diagnosis.controller, diagnosis.readings
@@ -31,10 +32,11 @@ typing, clearances = st.tabs(
 if typing.open:
     with typing:
         measuring_form.draw(case, diagnosis)
+        fields = {} if case.sample else fields_of(state.job())
         language = reader.pick_language(st.container(), "template-language")
         st.download_button(
             say("readings.template"),
-            lambda: write_template(controller, language=language, units=say.units),
+            lambda: write_template(controller, fields=fields, language=language, units=say.units),
             f"measuring_sheet_{controller.id}.xlsx",
             on_click="ignore",
             help=say("readings.template_help"),

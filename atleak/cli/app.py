@@ -6,10 +6,12 @@ import argparse
 import errno
 import http.client
 import os
+import socket
 import subprocess
 import sys
 import webbrowser
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -17,7 +19,9 @@ from urllib.parse import urlencode
 
 from atleak.cli.parser import add_command
 from atleak.errors import InputError
+from atleak.network import ALLOWED, answered_names, is_here_alone
 from atleak.sentence import Sentence
+from atleak.system.home import home
 from atleak.system.reasons import reason_of
 from atleak.system.shipped import shipped
 
@@ -25,22 +29,73 @@ PORT = 8501  # streamlit's own
 _HERE = "127.0.0.1"
 _PATIENCE = 2.0  # [s]
 _PORTS = range(1, 65536)
+_SECRETS, _ALLOWED = "secrets.toml", "allowed.toml"
+# Else the GNU C library gives every thread, of which each run of a page has its own, memory that it keeps for that one.
+_SPARING = {"MALLOC_ARENA_MAX": "2"}
+_INTERNET = (socket.AF_INET, socket.AF_INET6)
 
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(
-        commands, "app", run, "the dashboard in a browser", examples=("app", "app --port 8600"), quiet=False
-    )
+    examples = ("app", "app --port 8600", "app --address 0.0.0.0", "app --host atleak.shop.example")
+    parser = add_command(commands, "app", run, "the dashboard in a browser", examples=examples, quiet=False)
     help = f"at which it answers: the first free one from {PORT} on unless given"
     parser.add_argument("--port", metavar="N", type=port_number, help=help)
     help = f"of this machine at which it answers: {_HERE}, which no other machine reaches, unless given"
     parser.add_argument("--address", metavar="A", default=_HERE, help=help)
+    others = parser.add_argument_group("where other machines reach it (docs/network.md)")
+    help = "a further name under which it answers, such as that of a proxy; may be repeated"
+    others.add_argument("--host", metavar="NAME", action="append", default=[], help=help)
+    help = f"TOML file that says with whom people sign in: {_SECRETS} in the user's folder unless given"
+    others.add_argument("--secrets", metavar="FILE", type=Path, help=help)
+    who = others.add_mutually_exclusive_group()
+    help = f"TOML file that says who may use it: {_ALLOWED} in the user's folder unless given"
+    who.add_argument("--allowed", metavar="FILE", type=Path, help=help)
+    help = "let everybody use it who reaches it"
+    who.add_argument("--without-login", action="store_true", help=help)
+
+
+@dataclass(frozen=True)
+class _Reach:
+    """How the dashboard is reached: options of the server, and the file of who may use it where people sign in."""
+
+    options: Sequence[str] = ()
+    allowed: str = ""
 
 
 def run(options: argparse.Namespace) -> int:
     """Start the server; it runs until somebody ends it."""
-    return _start(options.address, options.port)
+    _check_streamlit()
+    _check_free(options.address, options.port)
+    return _start(options.address, options.port, _reach(options))
+
+
+def _reach(options: argparse.Namespace) -> _Reach:
+    here_alone = all(map(is_here_alone, (options.address, *options.host)))
+    signs_in = options.allowed is not None or options.secrets is not None
+    if options.without_login or (here_alone and not signs_in):
+        return _Reach(() if here_alone else _answering(options.address, options.host))
+    from atleak.admission import read_allowed, read_sign_in
+
+    if find_spec("authlib") is None or find_spec("httpx") is None:
+        expected = Sentence("{command}", command='python -m pip install "Authlib>=1.6" httpx')
+        raise InputError(Sentence("signing in needs Authlib and httpx"), expected=expected)
+    secrets = (options.secrets or home() / _SECRETS).resolve()
+    allowed = (options.allowed or home() / _ALLOWED).resolve()
+    name = read_sign_in(secrets)
+    read_allowed(allowed)
+    answering = _answering(options.address, [*options.host, name])
+    return _Reach((*answering, "--secrets.files", str(secrets)), str(allowed))
+
+
+def _answering(address: str, named: Sequence[str]) -> list[str]:
+    """Return the server's options for a dashboard that other machines reach; it opens no browser."""
+    import psutil
+
+    addresses = [each.address for card in psutil.net_if_addrs().values() for each in card if each.family in _INTERNET]
+    names = answered_names(address, addresses, named)
+    allowed = [option for name in names for option in ("--server.allowedHosts", name)]
+    return [*allowed, "--browser.serverAddress", names[0], "--server.headless", "true"]
 
 
 def open_page(port: int, query: Mapping[str, str]) -> int:
@@ -48,7 +103,9 @@ def open_page(port: int, query: Mapping[str, str]) -> int:
     address = f"http://{_HERE}:{port}/?{urlencode(query)}"
     print(address, flush=True)
     if not _is_up(port):
-        return _start(_HERE, port, "--server.headless", "true")  # or else a browser would open at another page
+        _check_streamlit()
+        _check_free(_HERE, port)
+        return _start(_HERE, port, _Reach(["--server.headless", "true"]))  # else a browser would open at another page
     webbrowser.open(address)
     return 0
 
@@ -65,16 +122,18 @@ def _is_up(port: int) -> bool:
         return False
 
 
-def _start(address: str, port: int | None, *options: str) -> int:
+def _check_streamlit() -> None:
     if find_spec("streamlit") is None:
         expected = Sentence("{command}", command="python -m pip install streamlit")
         raise InputError(Sentence("the dashboard needs streamlit"), expected=expected)
-    _check_free(address, port)
-    app = shipped("app.py")
-    command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.address", address, *options]
+
+
+def _start(address: str, port: int | None, reach: _Reach) -> int:
+    server = shipped("serve.py")
+    command = [sys.executable, "-m", "streamlit", "run", str(server), "--server.address", address, *reach.options]
     if port is not None:
         command += ["--server.port", str(port)]
-    return _serve(command, app.parent)
+    return _serve(command, server.parent, {**_SPARING, **os.environ, ALLOWED: reach.allowed})
 
 
 def port_number(text: str) -> int:
@@ -86,8 +145,6 @@ def port_number(text: str) -> int:
 
 def _check_free(address: str, port: int | None) -> None:
     """Refuse an address or a port that cannot be served; without a port the server looks for a free one."""
-    import socket
-
     try:
         addresses = socket.getaddrinfo(address, port or 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
         family, kind, protocol, _, place = addresses[0]
@@ -113,9 +170,9 @@ def _no_address(address: str) -> InputError:
     return InputError(Sentence("--address is no address of this machine"), value=address, expected=expected)
 
 
-def _serve(command: list[str], folder: Path) -> int:
+def _serve(command: list[str], folder: Path, environment: Mapping[str, str]) -> int:
     """Run the server in the dashboard's own folder, which holds its configuration."""
     if os.name == "posix":  # the server replaces this process, so that ending this one ends the server
         os.chdir(folder)
-        os.execv(command[0], command)
-    return subprocess.call(command, cwd=folder)
+        os.execve(command[0], command, environment)
+    return subprocess.call(command, cwd=folder, env=environment)

@@ -78,7 +78,10 @@ def run(options: argparse.Namespace) -> int:
     printed = print_options(options, [name for name in ("pdf", "xlsx") if getattr(options, name) is not None])
     if options.sections is not None and options.pdf is None:
         doubt_option("--sections", ["--pdf"])
+    from atleak.job.of_sheet import with_sheet
+
     diagnosis = case.diagnose()
+    job = with_sheet(job, diagnosis.readings)
     written = _write_reports(diagnosis, job, case, options, printed)
     if options.json != "-":
         from atleak.report.terminal import print_diagnosis

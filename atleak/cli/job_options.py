@@ -7,7 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from atleak.cli.parser import Options
-from atleak.cli.shared import add_columns, add_controller, length_of, number, number_of, pair
+from atleak.cli.shared import (
+    add_columns,
+    add_controller,
+    add_fill_down,
+    length_of,
+    log_constants,
+    number,
+    number_of,
+    pair,
+)
 from atleak.errors import InputError, unknown
 from atleak.sentence import Sentence
 from atleak.written_numbers import (
@@ -55,6 +64,7 @@ def _add_measured(group: Options) -> None:
         default=[],
         help="the rows of the sheet to read, where it holds several inspections or vehicles: Inspection=May",
     )
+    add_fill_down(group)
     group.add_argument(
         "--measuring-temperature",
         metavar="C",
@@ -208,9 +218,10 @@ def _case(options: argparse.Namespace) -> Case:
         sheet_name=options.sheet,
         sheet_unit=options.sheet_unit,
         sheet_where=tuple(options.where),
+        sheet_fill_down=options.fill_down,
         columns=tuple(options.map),
         units=tuple(options.unit),
-        constants=tuple(options.constant),
+        constants=log_constants(options),
         assumptions=tuple(pair for pair in options.assume if pair[0] != _POSITION),
         guard_factor=options.guard,
         complaint=options.complaint,

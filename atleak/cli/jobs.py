@@ -111,11 +111,13 @@ def _date(text: str) -> dt.date:
 
 
 def _add(options: argparse.Namespace) -> int:
+    from atleak.job.of_sheet import with_sheet
     from atleak.job.parts import job_parts
     from atleak.jobs.book import open_book
 
     case, job = chosen_job(options)
-    parts = job_parts(case.diagnose(), job, as_read(case))
+    diagnosis = case.diagnose()
+    parts = job_parts(diagnosis, with_sheet(job, diagnosis.readings), as_read(case))
     print(open_book().save(parts).id, file=asked_for(sys.stdout))
     return 0
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import add_force, add_job_id, check_targets, say_written
+from atleak.cli.shared import add_force, add_job_id, check_targets, say_differences, say_written
 from atleak.errors import AtleakError, InputError, Place
 from atleak.sentence import Sentence
 
@@ -99,8 +99,7 @@ def _import(options: argparse.Namespace) -> int:
             continue
         said = "is in the book already" if taken.known else "taken in"
         print(f"{path.name}: {said}: {taken.id}, {taken.verdict}")
-        if taken.stored_verdict is not None:
-            print(f"atleak: {path.name}: judged otherwise when it was written: {taken.stored_verdict}", file=sys.stderr)
+        say_differences(path.name, taken.result_by, taken.differs)
     if empty:
         expected = Sentence("job files (zip)")
         raise InputError(Sentence("no job file is there"), value=", ".join(options.files), expected=expected)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from atleak.cli.parser import add_command
 from atleak.cli.shared import (
+    add_fill_down,
     add_force,
     add_json,
     check_targets,
@@ -63,6 +64,7 @@ def add_learn(group: Any) -> None:
         default=[],
         help="the rows to read, where a sheet holds several inspections or vehicles",
     )
+    add_fill_down(parser)
     parser.add_argument(
         "--made-for", metavar="ID", help="the valve body that the sheets name, where this one was copied from it"
     )
@@ -112,6 +114,7 @@ def run(options: argparse.Namespace) -> int:
         sheet=options.sheet,
         unit=options.sheet_unit,
         where=dict(options.where),
+        fill_down=options.fill_down,
         made_for=options.made_for,
     )
     sheets += [sheet.readings(controller) for sheet in of_book]

@@ -8,9 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import add_force, add_print, check_targets, print_options, say_doubts, say_written
-
-_SHOWN = 12  # differences from a job file's own result
+from atleak.cli.shared import (
+    add_force,
+    add_print,
+    check_targets,
+    print_options,
+    say_differences,
+    say_doubts,
+    say_written,
+)
 
 
 def add_parser(commands: Any) -> None:
@@ -56,11 +62,7 @@ def run(options: argparse.Namespace) -> int:
     for outcome in reported:
         say_written(outcome.written)
         say_doubts(outcome.doubts)
-        if outcome.differs:
-            whose = f"{outcome.source.name}: differs from its result, made by atleak {outcome.result_by}"
-            print("\n  ".join([f"atleak: {whose}:", *map(str, outcome.differs[:_SHOWN])]), file=sys.stderr)
-            if len(outcome.differs) > _SHOWN:
-                print(f"  … and {len(outcome.differs) - _SHOWN} more", file=sys.stderr)
+        say_differences(outcome.source.name, outcome.result_by, outcome.differs)
         if outcome.error is not None:
             print(f"atleak: {outcome.error}", file=sys.stderr)
     return 2 if any(outcome.error is not None for outcome in reported) else 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,10 +19,11 @@ from atleak.system.marks import Kind
 from atleak.system.printable import asked_for, unguarded
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages
-from atleak.written_numbers import AskedNumber, decimal_number, read_number
+from atleak.written_numbers import INTERVAL, AskedNumber, decimal_number, read_number
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
+    from atleak.job.judged_anew import JudgedOtherwise
     from atleak.road_test import RoadTest
 
 
@@ -33,6 +34,12 @@ def add_controller(parser: Options) -> None:
     """Add ``--controller``, which `chosen_controller` loads."""
     help = "valve body: the study's four-speed one unless given; `atleak controllers` lists those known"
     parser.add_argument("--controller", metavar="ID|FILE", help=help)
+
+
+def add_fill_down(parser: Options) -> None:
+    """Add ``--fill-down``, which lets empty cells of a measuring sheet go on with the one above."""
+    help = "an empty cell under a valve, land, part or direction means the one above it"
+    parser.add_argument("--fill-down", action="store_true", help=help)
 
 
 def add_job_id(parser: Options, count: str | None = None) -> None:
@@ -113,7 +120,14 @@ def add_columns(parser: Options) -> None:
         type=constant,
         action="append",
         default=[],
-        help="what stands for a channel that the log lacks, in kPa, °C or rpm: converter_pressure=300",
+        help="what stands for a channel that the log lacks, in kPa, °C or rpm: converter_pressure=300; in a diagnosis "
+        "main_pressure=operating-points, those of the valve body's file by gear",
+    )
+    parser.add_argument(
+        "--interval",
+        metavar="S",
+        type=number_of(INTERVAL),
+        help="seconds from row to row of a log without a clock: 0.033",
     )
 
 
@@ -170,14 +184,20 @@ def length_of(asked: AskedNumber) -> Callable[[str], float]:
     return read
 
 
-def constant(text: str) -> tuple[str, float]:
-    """Read ``converter_pressure=300`` in kPa, °C, rpm or a plain number, and return name and value in SI."""
+def constant(text: str) -> tuple[str, float | str]:
+    """Read ``converter_pressure=300`` in kPa, °C, rpm or a plain number, and return name and value in SI.
+
+    Main pressure may be that of the valve body's operating points, ``main_pressure=operating-points``.
+    """
+    from atleak.engine.assumed_pressure import OPERATING_POINTS
     from atleak.intake.units import unit
     from atleak.road_test import QUANTITIES
 
     name, value = pair(text)
     if name not in QUANTITIES:
         raise argparse.ArgumentTypeError(str(unknown(Sentence("no such quantity of a log"), name, QUANTITIES)))
+    if name == "main_pressure" and value.replace("-", "_") == OPERATING_POINTS:
+        return name, OPERATING_POINTS
     known = QUANTITIES[name]
     stated = number_of(AskedNumber(known.label, known.workshop_unit))(value)
     return name, unit(known.workshop_unit, known.unit_kind).to_si(stated) if known.unit_kind else stated
@@ -197,7 +217,14 @@ def chosen_controller(options: argparse.Namespace) -> Controller:
 
 def log_choices(options: argparse.Namespace) -> dict[str, Any]:
     """Return the choices about a log: columns, units and values for missing channels."""
-    return {"mapping": dict(options.map), "units": dict(options.unit), "constants": dict(options.constant)}
+    constants = {name: value for name, value in log_constants(options) if not isinstance(value, str)}
+    return {"mapping": dict(options.map), "units": dict(options.unit), "constants": constants}
+
+
+def log_constants(options: argparse.Namespace) -> tuple[tuple[str, float | str], ...]:
+    """Return what stands for channels that the log lacks; for its time, the interval between rows."""
+    interval = () if options.interval is None else (("time", options.interval),)
+    return (*options.constant, *interval)
 
 
 def chosen_road_test(options: argparse.Namespace) -> RoadTest:
@@ -284,3 +311,16 @@ def say_doubts(doubts: Iterable[Message]) -> None:
     """Print what is doubtful about a job record, a line each, beside the result."""
     for doubt in doubts:
         print(f"atleak: {doubt.text}", file=sys.stderr)
+
+
+_DIFFERENCES = 12  # of a job file from its own result that are printed
+
+
+def say_differences(name: str, result_by: str, differs: Sequence[JudgedOtherwise]) -> None:
+    """Print where a job file differs from the result in it, and which version made that; nothing where it does not."""
+    if not differs:
+        return
+    whose = f"{name}: differs from its result, made by atleak {result_by}"
+    print("\n  ".join([f"atleak: {whose}:", *map(str, differs[:_DIFFERENCES])]), file=sys.stderr)
+    if len(differs) > _DIFFERENCES:
+        print(f"  … and {len(differs) - _DIFFERENCES} more", file=sys.stderr)

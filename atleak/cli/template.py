@@ -12,6 +12,7 @@ from atleak.cli.shared import (
     add_force,
     check_targets,
     chosen_controller,
+    number_of,
     say_written,
     write,
 )
@@ -19,11 +20,23 @@ from atleak.errors import InputError
 from atleak.sentence import Sentence
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages
+from atleak.written_numbers import MILEAGE
+
+_TEXTS = {
+    "number": "the job's number",
+    "vehicle": "make and model",
+    "vin": "of the vehicle",
+    "serial": "of the transmission",
+    "measured-by": "who measures",
+}
 
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    examples = ("template -o sheet.xlsx", "template --controller five_speed_2005 -o sheet.xlsx")
+    examples = (
+        "template -o sheet.xlsx",
+        "template --controller five_speed_2005 --number 2026-0417 --mileage 212000 -o sheet.xlsx",
+    )
     parser = add_command(commands, "template", run, "a measuring sheet to fill in", examples=examples)
     add_controller(parser)
     parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the sheet")
@@ -32,6 +45,12 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--units", choices=tuple(SYSTEMS), default="metric", help="of the sheet: metric unless given")
     add_force(parser)
+    head = parser.add_argument_group("what is known of the job: it stands in the sheet's head, with a QR code to scan")
+    head.add_argument("--job", metavar="RECORD", help="what the workshop wrote down (TOML or JSON)")
+    for name, what in _TEXTS.items():
+        head.add_argument(f"--{name}", metavar="TEXT", help=f"{what}; as the job record says unless given")
+    asked = "of the vehicle [km]; as the job record says unless given"
+    head.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help=asked)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -41,7 +60,29 @@ def run(options: argparse.Namespace) -> int:
     if Path(options.output).suffix.lower() != ".xlsx":
         problem = Sentence("the measuring sheet is an Excel workbook")
         raise InputError(problem, value=options.output, expected=Sentence("a name{suffix}", suffix=".xlsx"))
-    check_targets(options, [options.controller], [("measuring sheet", options.output)])
-    content = write_template(chosen_controller(options), language=options.language, units=options.units)
+    check_targets(options, [options.controller, options.job], [("measuring sheet", options.output)])
+    controller = chosen_controller(options)
+    content = write_template(controller, fields=_fields(options), language=options.language, units=options.units)
     say_written(write(options.output, content))
     return 0
+
+
+def _fields(options: argparse.Namespace) -> dict[str, str]:
+    """Return what the head says: the record, and in its place what the options say."""
+    if not any(getattr(options, name.replace("-", "_")) is not None for name in ("job", "mileage", *_TEXTS)):
+        return {}
+    from atleak.job.file import load_job
+    from atleak.job.record import Job, clean_text
+    from atleak.report.measuring_sheet import head
+
+    job = Job() if options.job is None else load_job(options.job)
+    if options.mileage is not None:
+        job = job.model_copy(update={"vehicle": job.vehicle.model_copy(update={"mileage_km": options.mileage})})
+    told = {
+        head.JOB: options.number,
+        head.VEHICLE: options.vehicle,
+        head.VIN: options.vin,
+        head.SERIAL: options.serial,
+        head.MEASURED_BY: options.measured_by,
+    }
+    return head.fields_of(job) | {label: clean_text(text).strip() for label, text in told.items() if text is not None}

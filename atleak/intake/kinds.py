@@ -9,11 +9,13 @@ from __future__ import annotations
 from enum import StrEnum
 
 from atleak.catalogue.controller import Controller
+from atleak.doors import DAMAGE
 from atleak.errors import ReadingsError
 from atleak.intake import gauge_table
 from atleak.intake.controller_workbook import describes_controller
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.sheet_tables import find_tables
+from atleak.intake.readings.words import is_word
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_sheets
 
@@ -57,8 +59,8 @@ def table_kind(data: bytes, controller: Controller) -> Table:
         return max((table.header.score for table in find_tables(sheet, names) if table.header.complete), default=0.0)
 
     try:
-        sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)), only_look=True)
-    except ReadingsError:
+        sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)), is_word, only_look=True)
+    except (ReadingsError, *DAMAGE):  # whoever reads it says what is wrong with it
         return Table.READINGS if is_workbook else Table.ROAD_TEST
     if describes_controller(sheets):
         return Table.CONTROLLER

@@ -41,7 +41,7 @@ class Unit:
 
 _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
     "length": {
-        Unit("mm", 1e-3): ("mm", "millimetre", "millimeter"),
+        Unit("mm", 1e-3): ("mm", "millimetre", "millimeter", "мм"),
         Unit("µm", 1e-6): ("µm", "um", "micron", "microns", "micrometre", "micrometer", "mkm", "мкм"),
         Unit("inch", INCH): ("inch", "in", "inches", '"', "zoll", "cal"),
         Unit("mil", INCH / 1000): ("mil", "thou"),
@@ -82,6 +82,7 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
             "��c",
             "¡æ",
             "gr c",
+            ".c",
         ),
         Unit("°F", 5.0 / 9.0, -160.0 / 9.0): (
             "°f",
@@ -95,6 +96,7 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
             "degrees f",
             "deg. f",
             "f°",
+            ".f",
             "â°f",
             "�f",
         ),

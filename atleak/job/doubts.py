@@ -1,4 +1,4 @@
-"""Doubt what a job record says beside a result: unknown parts, other instruments."""
+"""Doubt what a job record says beside a result: unknown parts, other instruments, another unit's sheet."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from atleak.catalogue.instruments import Instrument, Part
 from atleak.diagnosis import Diagnosis
 from atleak.errors import InputError, Message, Place, unknown
 from atleak.job.decisions import decision_faults
+from atleak.job.of_sheet import sheet_doubts
 from atleak.job.record import InstrumentUsed, Job
 from atleak.sentence import Name, Sentence
 from atleak.wording import languages, wording
@@ -20,7 +21,11 @@ _PARTS: Mapping[Part, Sentence] = MappingProxyType({"spool": Sentence("spools"),
 
 def record_doubts(job: Job, diagnosis: Diagnosis) -> tuple[Message, ...]:
     """Return what is doubtful about a record, each a warning: nothing of it changes the result."""
-    return (*_unknown_parts(job, diagnosis), *_other_instruments(job, diagnosis))
+    return (
+        *_unknown_parts(job, diagnosis),
+        *_other_instruments(job, diagnosis),
+        *sheet_doubts(job, diagnosis.readings),
+    )
 
 
 def _unknown_parts(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:

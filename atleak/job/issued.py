@@ -8,8 +8,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from atleak.diagnosis import Diagnosis
+from atleak.job.doubts import record_doubts
 from atleak.job.record import Job
 from atleak.views.diagnosis_record import diagnosis_record
+from atleak.views.message_record import message_record
 
 
 def issued_record(diagnosis: Diagnosis, job: Job | None = None) -> dict[str, Any]:
@@ -23,7 +25,10 @@ def issued_record(diagnosis: Diagnosis, job: Job | None = None) -> dict[str, Any
         what the workshop wrote down; none where nobody did.
     """
     record = diagnosis_record(diagnosis)
-    return {**record, "job": None if job is None else job.identity, "result_sha256": result_sha256(record)}
+    of_job = None
+    if job is not None:
+        of_job = {**job.identity, "doubts": [message_record(each) for each in record_doubts(job, diagnosis)]}
+    return {**record, "job": of_job, "result_sha256": result_sha256(record)}
 
 
 def result_sha256(record: Mapping[str, Any]) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from atleak.sentence import Name, Sentence
+from atleak.unit_systems import Quantity
 from atleak.verdicts import Verdict, level_named
 
 
@@ -77,15 +78,15 @@ def differs(stored: Mapping[str, Any], today: Mapping[str, Any]) -> tuple[Judged
     return (*verdicts, *numbers)
 
 
-_NUMBERS = (
-    "spool_diameter_mm",
-    "sleeve_diameter_mm",
-    "radial_clearance_um",
-    "mounting_clearance_um",
-    "leakage_dm3_min",
-    "share_percent",
-    "p_g_held_kpa",
-)
+_NUMBERS: Mapping[str, tuple[Sentence, str]] = {  # keys of the record: what each is called, and of which kind it is
+    "spool_diameter_mm": (Sentence("diameter of the spool"), "length"),
+    "sleeve_diameter_mm": (Sentence("diameter of the bore"), "length"),
+    "radial_clearance_um": (Sentence("radial clearance"), "clearance"),
+    "mounting_clearance_um": (Sentence("mounting clearance"), "clearance"),
+    "leakage_dm3_min": (Sentence("leakage"), "flow"),
+    "share_percent": (Sentence("share of the pump's flow"), "percent"),
+    "p_g_held_kpa": (Sentence("line pressure held"), "pressure"),
+}
 _TOLERATED = 1e-6  # relative: another computer's last digits
 
 
@@ -108,8 +109,10 @@ def _pair(land: Mapping[str, Any]) -> Sentence:
 
 
 def _number(key: str, value: object) -> Sentence:
-    written = f"{value:.6g}" if isinstance(value, float | int) else "–"
-    return Sentence("{key} {value}", key=key, value=written)
+    called, kind = _NUMBERS[key]
+    if not isinstance(value, float | int):
+        return Sentence("{called} –", called=called)
+    return Sentence("{called} {value:.6g} {value.unit}", called=called, value=Quantity(value, kind))
 
 
 def _same(before: object, now: object) -> bool:

@@ -16,6 +16,7 @@ from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.entries import Origin, catalogue_files
 from atleak.catalogue.fluid import FluidState
 from atleak.diagnosis import Diagnosis
+from atleak.doors import own_errors_only
 from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
 from atleak.faults import validated
@@ -74,6 +75,7 @@ class ReadingChoices(_Strict):
     sheet: str | None = None
     unit: str | None = None
     where: dict[str, str] = {}
+    fill_down: bool = False
     measuring_temperature_c: MeasuringCelsius | None = None
     pump_side_clearance_um: PumpSideMicrometres | None = None
     pump_tip_clearance_um: PumpTipMicrometres | None = None
@@ -129,6 +131,7 @@ class Choices(_Strict):
             sheet_name=self.readings.sheet,
             sheet_unit=self.readings.unit,
             sheet_where=pairs_of(self.readings.where),
+            sheet_fill_down=self.readings.fill_down,
             columns=pairs_of(self.road_test.get("mapping")),
             units=pairs_of(self.road_test.get("units")),
             constants=pairs_of(self.road_test.get("constants")),
@@ -156,7 +159,7 @@ def _reading_choices(case: Case) -> ReadingChoices:
 def _log_choices(case: Case) -> _LogChoices:
     chosen = case.log_choices
     columns: _LogChoices = {"mapping": {**chosen["mapping"]}, "units": {**chosen["units"]}}
-    return columns | {"constants": {**chosen["constants"]}} if chosen["constants"] else columns
+    return columns | {"constants": dict(case.constants)} if case.constants else columns
 
 
 # --- a job in parts
@@ -261,6 +264,7 @@ class JobFile:
             raise
 
     @classmethod
+    @own_errors_only(InputError, "name")
     def of(
         cls,
         choices: bytes,

@@ -16,6 +16,7 @@ import pandas as pd
 import sqlalchemy as sa
 
 from atleak.job.file import packed_job, read_job_file
+from atleak.job.judged_anew import JudgedOtherwise, differs
 from atleak.job.parts import JobParts, job_parts
 from atleak.jobs.book import PICTURE, Book
 from atleak.jobs.tables import decisions, job_files, jobs, lands, visits
@@ -157,7 +158,8 @@ class Imported:
     id: str  # of the job in the book
     known: bool  # it was in the book already, and nothing was changed
     verdict: str  # of today's version
-    stored_verdict: str | None  # of the version that wrote the file, where that differs
+    result_by: str  # version that wrote the file
+    differs: tuple[JudgedOtherwise, ...]  # from the result that it wrote
 
 
 def import_job(book: Book, source: str | Path | bytes, *, name: str = "job file") -> Imported:
@@ -173,11 +175,10 @@ def import_job(book: Book, source: str | Path | bytes, *, name: str = "job file"
     given = read_job_file(source, name=name)
     diagnosis = given.diagnose()
     parts = job_parts(diagnosis, given.job, given.case)
-    stored = given.result.get("verdict")
-    before = stored if stored not in (None, str(diagnosis.verdict)) else None
     known = same_job(book, parts)
     id = known or book.save(parts).id
-    return Imported(id, known is not None, str(diagnosis.verdict), before)
+    otherwise = differs(given.result, parts.result)
+    return Imported(id, known is not None, str(diagnosis.verdict), given.result_by, otherwise)
 
 
 def same_job(book: Book, parts: JobParts) -> str | None:

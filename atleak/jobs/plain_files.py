@@ -55,6 +55,7 @@ def plain_sheet(readings: Readings, controller: Controller) -> SourceFile | None
     """
     fields: dict[str, Any] = {
         "Date": readings.date and readings.date.isoformat(),
+        "Mileage": readings.identity.mileage is not None and f"{readings.identity.mileage!r} km",
         "Measuring temperature": readings.temperature is not None and f"{readings.temperature!r} °C",
         **{
             label: clearance is not None and f"{clearance!r} µm"
@@ -79,7 +80,8 @@ def plain_sheet(readings: Readings, controller: Controller) -> SourceFile | None
 
 def _same_readings(one: Readings, other: Readings, controller: Controller) -> bool:
     """Return whether two sheets say the same of a controller's lands and of how they were measured."""
-    if (one.temperature, one.pump.um) != (other.temperature, other.pump.um):
+    beside = ((each.temperature, each.pump.um, each.identity.mileage) for each in (one, other))
+    if len(set(beside)) > 1:
         return False
     if _own(one.own_lands) != _own(other.own_lands):
         return False
@@ -187,13 +189,14 @@ def _reads_the_same(plain: PlainLog, test: RoadTest, constants: Pairs) -> bool:
         again = understand(plain.file.content, name=plain.file.name, constants=dict(constants), **choices).road_test
     except AtleakError:
         return False
-    if again is None or set(again.channels) != set(test.channels) or len(again.segments) != len(test.segments):
+    read = {name: channel for name, channel in test.channels.items() if channel.source != "derived"}
+    if again is None or set(again.channels) != set(read) or len(again.segments) != len(test.segments):
         return False
     return _close(test.time, again.time) and all(
         _close(one.time, other.time)
         and _close(one.good, other.good)
         and (one.kind == other.kind or QUANTITIES[one.quantity].unit_kind != "pressure")
-        for one, other in ((channel, again.channels[name]) for name, channel in test.channels.items())
+        for one, other in ((channel, again.channels[name]) for name, channel in read.items())
     )
 
 

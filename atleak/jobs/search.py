@@ -23,7 +23,9 @@ _MANY = 4000  # words: the jobs of fewer are sooner fetched and sorted than the 
 class Query:
     """What to look for; everything that is given must fit."""
 
-    text: str = ""  # beginnings of words of number, customer, VIN, plate or serial, or the end of a VIN or serial
+    text: str = (
+        ""  # beginnings of words of number, customer, VIN, plate or serial, ends of VIN or serial, or a valve body's id
+    )
     vin: str = ""
     plate: str = ""
     serial: str = ""
@@ -85,7 +87,9 @@ def _conditions(connection: sa.Connection, query: Query) -> Iterator[sa.ColumnEl
     asked += [(field, getattr(query, field)) for field in ("vin", "plate", "serial", "customer", "number")]
     for field, word in asked:
         if start := key_of(word):
-            yield _has_word(connection, field, start)
+            found = _has_word(connection, field, start)
+            is_id = not field and _is_controller(connection, word)
+            yield sa.or_(jobs.c.controller == word, found) if is_id else found
     if query.date_from is not None:
         yield jobs.c.date >= query.date_from
     if query.date_to is not None:
@@ -96,6 +100,12 @@ def _conditions(connection: sa.Connection, query: Query) -> Iterator[sa.ColumnEl
         yield jobs.c.controller == query.controller
     if query.unit is not None:
         yield jobs.c.visit.in_(sa.select(visits.c.id).where(visits.c.unit.in_(rows_of_unit(query.unit))))
+
+
+def _is_controller(connection: sa.Connection, word: str) -> bool:
+    """Tell whether a word is the id of a valve body that the book has jobs of, as a measuring sheet's code says it."""
+    held = sa.select(sa.literal(1)).where(jobs.c.controller == word).limit(1)
+    return connection.execute(held).first() is not None
 
 
 def _has_word(connection: sa.Connection, field: str, start: str) -> sa.ColumnElement[bool]:

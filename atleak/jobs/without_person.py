@@ -53,6 +53,7 @@ def without_person(file: JobFile) -> WithoutPerson:
         sheet_name=None,
         sheet_unit=None,
         sheet_where=(),
+        sheet_fill_down=False,
         columns=log.columns if log else (),
         units=log.units if log else (),
         remember=False,
@@ -86,7 +87,7 @@ def _plain_files(
     if case.road_test is not None:
         understood = _read(reader.log, case)
         test = None if understood is None else understood.road_test
-        log = None if test is None else plain_log(test, case.constants)
+        log = None if test is None else plain_log(test, tuple(case.log_choices["constants"].items()))
         files["road_test"] = None if log is None else log.file
     kept = {slot: file for slot, file in files.items() if file is not None}
     return kept, log, tuple(_CALLED[slot] for slot in files if slot not in kept)

@@ -13,7 +13,8 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.own_lands import OwnLands
-from atleak.sentence import Sentence
+from atleak.report.row_heights import PENCIL, row_height
+from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.wording import Wording
 from atleak.workshop_units import MM
@@ -80,18 +81,25 @@ def write_lands(
     columns = [_NUMBER, _NAME, _LAND, _CONTACT, _STATED, _ORIGIN, _POSITION, _STATED_POSITION, _NOTE]
     columns += [_FITTED, _OPTIONS] if controller.repairs else []
     sheet.write_string(
-        0, 0, say.sentence(Sentence("Lands of this unit: {name}", name=controller.name)), formats["title"]
+        0, 0, say.sentence(Sentence("Lands of this unit: {name}", name=Name(controller.name))), formats["title"]
     )
     how_to = (*_HOW_TO, _HOW_TO_REPAIR) if controller.repairs else _HOW_TO
     for row, text in enumerate(how_to, start=1):
         sheet.write_string(row, 0, say.sentence(text))
-    for number, column in enumerate(columns):
-        said = say.sentence(column.heading) + (f" [{say.unit('length')}]" if column.of_length else "")
+    headings = [
+        say.sentence(column.heading) + (f" [{say.unit('length')}]" if column.of_length else "") for column in columns
+    ]
+    widths = [
+        max(column.width, 2 + max(map(len, said.split()))) for column, said in zip(columns, headings, strict=True)
+    ]
+    for number, (said, width) in enumerate(zip(headings, widths, strict=True)):
         sheet.write_string(HEADER, number, said, formats["heading"])
-        sheet.set_column(number, number, max(column.width, 2 + max(map(len, said.split()))))
-    sheet.set_row(HEADER, 32)
+        sheet.set_column(number, number, width)
+    sheet.set_row(HEADER, row_height(zip(headings, widths, strict=True), bold=True))
     last = HEADER
     for last, (land, values) in enumerate(_rows(controller, own, say), start=HEADER + 1):
+        texts = [str(values.get(column) or "") for column in columns]
+        sheet.set_row(last, max(PENCIL, row_height(zip(texts, widths, strict=True))))
         for number, column in enumerate(columns):
             value = values.get(column)
             form = formats[column.form]
@@ -166,6 +174,6 @@ def _rows(
                 _STATED_POSITION: shown(land.position),
                 _NOTE: "; ".join(say.sentence(part) for part in land.built),
                 _FITTED: next((repair.id for repair in repairs if repair.id in fitted), None),
-                _OPTIONS: "; ".join(f"{repair.id}: {repair.label}" for repair in repairs),
+                _OPTIONS: "; ".join(f"{repair.id}: {say.name(repair.label)}" for repair in repairs),
             },
         )

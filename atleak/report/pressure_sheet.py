@@ -21,7 +21,8 @@ from atleak.pressure_table import (
     ranges_of,
     taps_of,
 )
-from atleak.sentence import Sentence
+from atleak.report.row_heights import PENCIL, row_height
+from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.views.gauge_rows import permissible_text, tap_text
 from atleak.wording import Wording
@@ -66,7 +67,10 @@ def write_pressures(
     """
     unit = say.unit("pressure")
     sheet.write_string(
-        0, 0, say.sentence(Sentence("Pressures of a standing vehicle: {name}", name=controller.name)), formats["title"]
+        0,
+        0,
+        say.sentence(Sentence("Pressures of a standing vehicle: {name}", name=Name(controller.name))),
+        formats["title"],
     )
     for row, told in enumerate(_HOW_TO, start=1):
         sheet.write_string(row, 0, say.sentence(told))
@@ -77,14 +81,17 @@ def write_pressures(
     headings = [Sentence("Range"), Sentence("Tap")]
     headings += [Sentence("{engine} [{unit}]", engine=_ENGINES[engine], unit=unit) for engine in Engine]
     headings += [Sentence("Permissible at {engine} [{unit}]", engine=_ENGINES[engine], unit=unit) for engine in Engine]
-    for column, (heading, width) in enumerate(zip(headings, _WIDTHS, strict=True)):
-        sheet.write_string(HEADER, column, say.sentence(heading), formats["heading"])
+    said = [say.sentence(heading) for heading in headings]
+    widths = [max(width, 2 + max(map(len, heading.split()))) for heading, width in zip(said, _WIDTHS, strict=True)]
+    for column, (heading, width) in enumerate(zip(said, widths, strict=True)):
+        sheet.write_string(HEADER, column, heading, formats["heading"])
         sheet.set_column(column, column, width)
-    sheet.set_row(HEADER, 32)
+    sheet.set_row(HEADER, row_height(zip(said, widths, strict=True), bold=True))
     last = HEADER
     for last, (selected, tap) in enumerate(_rows(controller), start=HEADER + 1):
+        texts = [tap_text(controller, tap, say)]
         sheet.write_string(last, 0, selected, formats["text"])
-        sheet.write_string(last, 1, tap_text(controller, tap, say), formats["text"])
+        sheet.write_string(last, 1, texts[0], formats["text"])
         for column, engine in enumerate(Engine, start=2):
             cell = Cell(selected, engine, tap)
             given = table.at(cell) if table is not None else ()
@@ -94,8 +101,9 @@ def write_pressures(
                 )
             else:
                 sheet.write_blank(last, column, None, formats["pressure"])
-            text = permissible_text(permitted(controller, cell), say) or ""
-            sheet.write_string(last, column + len(Engine), text, formats["origin"])
+            texts.append(permissible_text(permitted(controller, cell), say) or "")
+            sheet.write_string(last, column + len(Engine), texts[-1], formats["origin"])
+        sheet.set_row(last, max(PENCIL, row_height(zip(texts, (widths[1], *widths[-len(Engine) :]), strict=True))))
     sheet.freeze_panes(HEADER + 1, 2)
     sheet.data_validation(
         HEADER + 1,

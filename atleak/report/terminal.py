@@ -156,13 +156,14 @@ def print_log(record: dict[str, Any]) -> None:
     console.print(Text(f"{record['file']}: {', '.join(str(part) for part in form if part)}"))
     segments = record["segments"]
     console.print(Text(f"{record['rows']} rows, {record['duration_s']:.3f} s in {len(segments)} segment(s)"))
-    table = Table("quantity", "column", "unit", "kind", "samples", "lowest", "highest", "Hz")
-    table.columns[0].no_wrap = True
-    table.columns[0].min_width = 16
+    table = Table("quantity", "column", "unit", "samples", "lowest", "highest", "Hz")
+    for each in table.columns:
+        each.no_wrap, each.overflow = each.header not in ("column", "unit"), "fold"  # no number goes on in another line
     for column in record["columns"]:
         unit = f"{column['unit'] or '–'}{' (assumed)' if column['unit_assumed'] else ''}"
         numbers = [_short(column[key]) for key in ("min", "max", "sampling_hz")]
-        cells = (column["quantity"], column["column"] or column["source"], unit, column["kind"], str(column["samples"]))
+        quantity = "\n".join([column["quantity"], *([column["kind"]] if column["kind"] != "unknown" else [])])
+        cells = (quantity, column["column"] or column["source"], unit, str(column["samples"]))
         table.add_row(*(Text(cell) for cell in (*cells, *numbers)))
     console.print(table)
     if record["unused"]:

@@ -10,6 +10,7 @@ from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.line import LINE
+from atleak.keeping import kept_with
 from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
@@ -39,7 +40,14 @@ def to_json(record: Any) -> str:
 
 
 def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes."""
+    """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes.
+
+    It is made once and kept with the diagnosis: not to be changed.
+    """
+    return kept_with(diagnosis, "record", "", lambda: _record(diagnosis), most=1)
+
+
+def _record(diagnosis: Diagnosis) -> dict[str, Any]:
     idle, plan = diagnosis.hot_idle, plan_repairs(diagnosis)
     return {
         "format": FORMAT,

@@ -8,20 +8,25 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.look import DARK, EDGE, PAPER, Inks, look_of
 from atleak.sentence import Name, Sentence
 from atleak.verdicts import Verdict, worst
+from atleak.views.land_names import has_number
 from atleak.wording import Wording, wording
 from atleak.workshop_units import MM
 
 FONT = "Noto Sans, DejaVu Sans, sans-serif"
 
-_NUMBER = 8  # most characters of a component's number that leave room for its name beside it
+_NUMBER = 8  # characters of a component's number that are drawn
+_TITLE = 4  # most lines of its name
 _WIDTH = 1000.0
 _ROW = 104.0
+_LINE = 13.0  # from one line of a name to the next
+_LETTER = 6.3  # mean width of a letter of a name
 _ROD = 0.45  # diameter of the rod as a fraction of the smallest land's diameter
 _STRETCH = 2.2  # lengths are drawn up to this much larger than diameters
 _END_VIEW = 220.0  # of the width, for a spool seen along its axis
@@ -73,7 +78,12 @@ def controller_svg(
     else:
         columns = max(min(columns, len(components)), 1)
     cell = _WIDTH / columns
-    row = _ROW * (1.0 + 0.5 * (letters - 1.0))
+    titles = {
+        name: _title(name if has_number(controller, name) else "", named(controller.components[name]), cell, letters)
+        for name in components
+    }
+    lines = max(len(title.lines) for title in titles.values())
+    row = _ROW * (1.0 + 0.5 * (letters - 1.0)) + _LINE * letters * max(lines - 2, 0)
     rows = -(-len(components) // columns)
     longest = max(_length(controller.lands_of(name)) for name in components)
     thickest = max(land.nominal_diameter for land in controller.lands) * MM
@@ -81,8 +91,7 @@ def controller_svg(
     parts = [svg_head(_WIDTH, rows * row, title or controller.name)]
     for number, name in enumerate(components):
         x, y = (number % columns) * cell, (number // columns) * row
-        words = name, named(controller.components[name]), letters
-        parts.append(_component(controller.lands_of(name), words, verdicts or {}, (x, y, cell, row), scale))
+        parts.append(_component(controller.lands_of(name), titles[name], verdicts or {}, (x, y, cell, row), scale))
     return "".join((*parts, "</svg>"))
 
 
@@ -191,6 +200,56 @@ def _measured_spool(
     return "".join((*parts, "</svg>"))
 
 
+def upright_svg(controller: Controller, component: str, size: tuple[float, float], note: str) -> str:
+    """Draw one spool upright, its left end on top, with the planes it is measured in: for the rows of a printed sheet.
+
+    Where the controller's file states where the lands lie, lengths and diameters have one scale.
+
+    Parameters
+    ----------
+    size
+        width and height of the room [pt].
+    note
+        stands below a drawing that is not to scale.
+
+    Raises
+    ------
+    KeyError
+        a component without lands.
+    """
+    lands = controller.lands_of(component)
+    if not lands:
+        raise KeyError(component)
+    width, height = (4.0 * each for each in size)  # a unit is a quarter of a point
+    letters, known = 40.0, all(land.position is not None for land in lands)
+    beside = 0.6 * letters * max(len(plane) for land in lands for plane in land.planes) + 48.0
+    longest, thickest = _length(lands), max(land.nominal_diameter for land in lands) * MM
+    scale = _scale(height - (24.0 if known else 72.0), longest, min(width - beside - 24.0, 0.55 * width), thickest)
+    if known:
+        scale = min(scale), min(scale)
+    reach, long = thickest * scale[1] / 2.0, longest * scale[0]
+    axis, top = (width - beside) / 2.0, 12.0
+    spool = _spool(lands, {}, long / 2.0, 0.0, scale, thick=2.0)
+    title = f"{component} · {controller.components[component]}"
+    parts = [svg_head(width, height, title)]
+    parts.append(f'<g transform="translate({axis:.1f} {top:.1f}) rotate(90)">{spool}</g>')
+    apart = long / sum(len(land.planes) for land in lands)
+    for land, left, along in _places(lands, long / 2.0, scale):
+        for number, plane in enumerate(land.planes):
+            y = top + left + along * (number + 1) / (len(land.planes) + 1)
+            parts.append(_axis_line(f"{axis - reach - 16:.1f} {y:.1f}", f"{axis + reach + 24:.1f} {y:.1f}"))
+            size_of = min(letters, apart)
+            parts.append(svg_text(axis + reach + 32, y + 0.36 * size_of, plane, size_of, bold=True, anchor="start"))
+    if not known:
+        parts.append(svg_text(width / 2.0, min(top + long + 48.0, height - 12.0), note, 28.0))
+    return "".join((*parts, "</svg>"))
+
+
+def directions_svg(directions: Sequence[float], say: Wording, title: str) -> str:
+    """Draw a spool seen along its axis with the directions of measuring [°], 0 upright."""
+    return svg_head(_END_VIEW, _END_VIEW, title) + _end_view(directions, _END_VIEW / 2, _END_VIEW / 2, say) + "</svg>"
+
+
 def _end_view(directions: Sequence[float], x: float, y: float, say: Wording) -> str:
     """Draw the spool seen along its axis, with a line for each direction in which a diameter is measured."""
     if not directions:
@@ -217,30 +276,52 @@ def _card(inks: Inks) -> str:
     return f' rx="4" fill="{inks.card}"'
 
 
+@dataclass(frozen=True)
+class _Title:
+    """The words above a component: its number, where it has one, and the lines of its name beside it."""
+
+    number: str
+    lines: list[str]
+    letters: float  # their size against the usual one
+
+    @property
+    def left(self) -> float:
+        """Return where the name begins."""
+        return _beside(self.number, self.letters)
+
+
+def _title(number: str, name: str, cell: float, letters: float) -> _Title:
+    short = shortened(number, _NUMBER)
+    room = max(int((cell - 10.0 - _beside(short, letters)) / (_LETTER * letters)), 6)
+    return _Title(short, _wrapped(name, room, _TITLE), letters)
+
+
+def _beside(number: str, letters: float) -> float:
+    """Return where a name begins beside a number of so many characters."""
+    return 20.0 + 9.5 * letters * len(number) if number else 12.0
+
+
 def _component(
     lands: tuple[Land, ...],
-    words: tuple[str, str, float],  # number and name, and the size of their letters
+    title: _Title,
     verdicts: Mapping[tuple[str, int], str],
     place: tuple[float, float, float, float],  # left and top edge, width and height
     scale: tuple[float, float],
 ) -> str:
-    number, name, letters = words
     x, y, cell, row = place
+    letters = title.letters
     reached = worst(Verdict(verdicts[land.key]) for land in lands if land.key in verdicts)
     edge, thick = (look_of(reached).line, look_of(reached).width) if reached.flagged else (EDGE, 0.8)
-    beside = len(number) <= _NUMBER  # the name stands beside a short number, beneath a long one
-    short = number if beside else shortened(number, int((cell - 24.0) / (9.5 * letters)))
-    left = 20.0 + 9.5 * letters * len(short) if beside else 12.0
-    down, most = (8.0 + 12.0 * letters, 2) if beside else (8.0 + 28.0 * letters, 1)
-    lines = _wrapped(name, max(int((cell - 10.0 - left) / (5.8 * letters)), 6), most)
+    down = y + 8.0 + 12.0 * letters
     label = "".join(
-        svg_text(x + left, y + down + 13.0 * letters * line, each, 11.5 * letters, anchor="start")
-        for line, each in enumerate(lines)
+        svg_text(x + title.left, down + _LINE * letters * line, each, 11.5 * letters, anchor="start")
+        for line, each in enumerate(title.lines)
     )
+    if title.number:
+        label = svg_text(x + 12, down + letters, title.number, 15 * letters, bold=True, anchor="start") + label
     return (
         f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{row - 8:.1f}"{_card(PAPER)} '
         f'stroke="{edge}" stroke-width="{thick}"/>'
-        + svg_text(x + 12, y + 8.0 + 13.0 * letters, short, 15 * letters, bold=True, anchor="start")
         + label
         + _spool(lands, verdicts, x + cell / 2.0, y + row - 38.0, scale, thick=1.0)
     )
@@ -316,19 +397,21 @@ def shortened(text: str, width: int) -> str:
 
 
 def _wrapped(text: str, width: int, lines: int) -> list[str]:
-    """Break text at spaces; what does not fit in so many lines ends in an ellipsis."""
+    """Break text at spaces, and a word that is longer than a line; after so many lines it ends in an ellipsis."""
     broken, line = [], ""
     for word in text.split():
         longer = f"{line} {word}".strip()
+        while len(word) > width:
+            head, word = word[: width - 1], word[width - 1 :]
+            broken += [line] if line else []
+            broken.append(f"{head}-")
+            line, longer = "", word
         if line and len(longer) > width:
             broken.append(line)
             longer = word
         line = longer
     broken.append(line)
-    short = [shortened(each, width) for each in broken]
-    if len(short) > lines:
-        short = [*short[: lines - 1], shortened(f"{short[lines - 1].rstrip('…')} …", width)]
-    return short
+    return broken if len(broken) <= lines else [*broken[: lines - 1], shortened(f"{broken[lines - 1]} …", width)]
 
 
 def svg_head(width: float, height: float, title: str) -> str:

@@ -10,11 +10,12 @@ from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
+from weakref import WeakValueDictionary
 
 import streamlit as st
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.entries import Listed, catalogue_files, listed
+from atleak.catalogue.entries import Listed, catalogue_files, listed, own_files
 from atleak.catalogue.instruments import Instruments
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, CatalogueError, Message, OutputError
@@ -30,6 +31,7 @@ from atleak.intake.road_test import (
 )
 from atleak.intake.road_test.names.memory import RememberedColumns
 from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, LogChoices, Reader, Slot, SourceFile, with_log_choices
+from atleak.keeping import kept_with
 from atleak.measuring.plan import PARTS
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
@@ -42,7 +44,7 @@ SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
 #: as stand here. What is smaller every session finds.
 LARGE, LARGE_KEPT = 4_000_000, 2
 _CHOICES = {  # those that belong to one file, and go with it
-    "readings": ("sheet_name", "sheet_unit", "sheet_where"),
+    "readings": ("sheet_name", "sheet_unit", "sheet_where", "sheet_fill_down"),
     "road_test": ("columns", "units", "constants", "remember"),
     "pressures": (),
 }
@@ -218,7 +220,7 @@ def catalogue_list(name: str) -> Listed[Any]:
 def own_faults() -> list[CatalogueError]:
     """Return what is wrong with each file of the user's own catalogue that cannot be used, of every kind."""
     names = {slot.folder: name for name, slot in SLOTS.items()}
-    return [fault for name in names.values() for fault in catalogue_list(name).faults]
+    return [fault for folder, name in names.items() if own_files(folder) for fault in catalogue_list(name).faults]
 
 
 def shown_name(entry: Any, say: Wording) -> str:
@@ -283,6 +285,10 @@ def case_with_columns(case: CaseKind) -> CaseKind:
     return case if case.road_test is None else with_log_choices(case, Kept().log(case))
 
 
+#: Every result that some session still shows, whatever the others do meanwhile; a session keeps its own (`state`).
+_SHOWN: WeakValueDictionary[str, Diagnosis] = WeakValueDictionary()
+
+
 @st.cache_resource(max_entries=6, show_spinner="…")
 def _diagnosis(key: str, _case: Case) -> Diagnosis:
     return _computed(_case)
@@ -297,7 +303,10 @@ def _computed(case: Case) -> Diagnosis:
     """Compute a diagnosis, or take that without a mileage, of which next to nothing follows."""
     if case.mileage is None:
         return case.diagnose(Kept())
-    return diagnosis_of(replace(case, mileage=None)).with_mileage(case.mileage)
+    without = diagnosis_of(replace(case, mileage=None))
+    result = without.with_mileage(case.mileage)
+    kept_with(result, "without mileage", "", lambda: without)  # for the next mileage
+    return result
 
 
 def diagnosis_of(case: Case) -> Diagnosis:
@@ -308,8 +317,13 @@ def diagnosis_of(case: Case) -> Diagnosis:
     AtleakError
         saying what of the job cannot be used.
     """
-    computed = _diagnosis_here if is_large(case.road_test) else _diagnosis
-    return computed(result_key(case), case)
+    key = result_key(case)
+    if is_large(case.road_test):
+        return _diagnosis_here(key, case)
+    result = _SHOWN.get(key)
+    if result is None:
+        result = _SHOWN[key] = _diagnosis(key, case)
+    return result
 
 
 def result_key(case: Case) -> str:

@@ -267,9 +267,7 @@ def _import_one(book: Book, name: str, content: bytes) -> str:
         if taken.known
         else say("job_book.taken_in", name=name, verdict=say.signed(Verdict(taken.verdict)))
     )
-    if not taken.stored_verdict:
-        return said
-    return f"{said} {say('job_book.was', verdict=say.level(Verdict(taken.stored_verdict)))}"
+    return f"{said} {show.judged_otherwise(taken.result_by, taken.differs)}\n" if taken.differs else said
 
 
 def suggestions(book: Book, picked: Sequence[JobRow]) -> None:

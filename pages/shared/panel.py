@@ -243,10 +243,7 @@ def _book_notices() -> None:
                 st.button(say("panel.keep_mine"), on_click=book.keep_as_another, key="book-another")
                 st.button(say("panel.write_over"), on_click=book.write_over, key="book-over")
     if in_book.judged_otherwise:
-        several = "".join(f"\n- {show.plain(each.sentence)}" for each in in_book.judged_otherwise[: show.SHOWN])
-        more = len(in_book.judged_otherwise) - show.SHOWN
-        rest = f"\n- {say('show.more', count=more)}" if more > 0 else ""
-        st.info(f"{say('panel.judged_otherwise', version=show.plain(in_book.result_by))}{several}{rest}")
+        st.info(show.judged_otherwise(in_book.result_by, in_book.judged_otherwise))
 
 
 def _notices() -> None:

@@ -50,11 +50,13 @@ def _form(file: SourceFile, case: PageCase) -> None:
             say("sheet_form.column"), chosen[0], placeholder=say("sheet_form.such_column")
         ).strip()
         value = second.text_input(say("sheet_form.says"), chosen[1], placeholder=say("sheet_form.such_value")).strip()
+        fill_down = st.checkbox(say("sheet_form.fill_down"), mine and case.sheet_fill_down)
         if st.form_submit_button(say("sheet_form.again", file=file.name)):
             put_file("readings", file)
             choose(
                 sheet_name=name.strip() or None,
                 sheet_unit=unit or None,
                 sheet_where=((heading, value), *where[1:]) if heading else (),
+                sheet_fill_down=fill_down,
             )
             st.rerun()

@@ -19,6 +19,7 @@ from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.errors import AtleakError, Message
 from atleak.figures.figure import Figure
 from atleak.gauges.check import PressureCheck
+from atleak.job.judged_anew import JudgedOtherwise
 from atleak.look import DARK, SCREEN, look_of
 from atleak.verdicts import Band, Verdict
 from atleak.views.caveats import caveat_marks, caveats
@@ -69,6 +70,15 @@ def error_line(error: AtleakError) -> str:
     return f"{plain(where)}{more}: {say('show.see_head')}"
 
 
+def judged_otherwise(result_by: str, differs: Sequence[JudgedOtherwise]) -> str:
+    """Say what differs from a result that was kept, made by another version perhaps, as a list."""
+    say = reader.say()
+    lines = [plain(each.sentence) for each in differs[:SHOWN]]
+    if len(differs) > SHOWN:
+        lines.append(say("show.more", count=len(differs) - SHOWN))
+    return "\n- ".join([say("panel.judged_otherwise", version=plain(result_by)), *lines])
+
+
 def messages(notes: Iterable[Message], about: str, opened: bool = False) -> None:
     """Show warnings in the open and remarks in a fold, each with its place; ``opened``: however many they are."""
     say, notes = reader.say(), list(dict.fromkeys(notes))
@@ -104,16 +114,18 @@ def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **o
         for heading, column in headings.items()
     }
     frame = pd.DataFrame(cells)
-    style, config = frame.style, {}
+    style, config, written = frame.style, {}, {}
     for heading, column in headings.items():
         config[heading] = st.column_config.Column(help=column.help(say), width=column.width)
         if column.is_number:
-            style = style.format(partial(column.written, say=say), subset=[heading])
+            written[heading] = partial(column.written, say=say)
         elif column.kind == VERDICT:
             levels = frame[heading].tolist()
             frame[heading] = [_sorted_verdict(level, say) for level in levels]
             shades = ["" if level is None else colours(level) for level in levels]
             style = style.apply(lambda _, shades=shades: shades, subset=[heading])
+    if written:
+        style = style.format(written, subset=list(written))
     return st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–", **options)
 
 

@@ -20,6 +20,7 @@ from atleak.errors import (
 from atleak.job.case import SLOTS, Choice, SourceFile
 from atleak.job.file import read_job_file
 from atleak.job.judged_anew import JudgedOtherwise, differs
+from atleak.job.of_sheet import taken_from_sheet, with_sheet
 from atleak.job.record import Job
 from atleak.system.memory import give_back_soon
 from atleak.views.diagnosis_record import diagnosis_record
@@ -40,6 +41,7 @@ FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
 JOB = "job"  # the parameter of the address that names a job of the job book
 RECORD = "job-record"  # where the session keeps it; no parameter of the address may have this name
+RESULTS = 2  # that a session keeps
 UNDOABLE = 10  # steps back that a session keeps
 
 
@@ -106,6 +108,7 @@ class Session:
     start: PageCase = field(default_factory=PageCase)  # the first values of the sidebar's widgets
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
     in_book: InBook = field(default_factory=InBook)
+    results: tuple[Diagnosis, ...] = ()  # the latest, kept as long as this session may come back to them
     gives_back: bool = False  # whether memory goes back to the system when this ends
 
 
@@ -263,12 +266,28 @@ def current_diagnosis() -> Diagnosis:
         now.refused[slot] = Refusal("", error)
         return diagnosis_of(now.good)
     now.good = held(now.case)
+    if "readings" in now.tried:
+        _take_head(result)
+    if not is_large(now.good.road_test) and all(result is not each for each in now.results):
+        now.results = (*now.results[1 - RESULTS :], result)
     now.tried.clear()
     now.follow = False
     if is_large(now.good.road_test) and not now.gives_back:
         now.gives_back = True
         weakref.finalize(now, give_back_soon)  # a log's bytes go with the session
     return result
+
+
+def _take_head(diagnosis: Diagnosis) -> None:
+    """Bring what the head of a new sheet says of the job into the record, where that says nothing; tell what."""
+    before = job()
+    filled = with_sheet(before, diagnosis.readings) or before
+    taken = taken_from_sheet(before, filled)
+    if taken:
+        put_job(filled)
+        say = reader.say()
+        named = ", ".join(say(f"head.{name}") for name in taken)
+        session().notices += (say("done.head_taken", names=named),)
 
 
 def _follow(now: Session, error: AtleakError) -> bool:

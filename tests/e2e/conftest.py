@@ -73,12 +73,12 @@ def server(tmp_path_factory: pytest.TempPathFactory, server_home: Path) -> Itera
         end(process)
 
 
-def started(folder: Path, home: Path) -> tuple[subprocess.Popen, str]:
+def started(folder: Path, home: Path, *options: str, port: int = 0) -> tuple[subprocess.Popen, str]:
     """Start a dashboard in a folder, for the user of a home; return its process and its address."""
-    port = free_port()
-    environment = {**os.environ, "ATLEAK_HOME": str(home)}
+    port = port or free_port()
+    environment = {**os.environ, "ATLEAK_HOME": str(home), "NO_PROXY": "127.0.0.1"}
     environment["STREAMLIT_SERVER_HEADLESS"] = "true"  # no window of its own
-    command = [sys.executable, "-m", "atleak", "app", "--port", str(port)]
+    command = [sys.executable, "-m", "atleak", "app", "--port", str(port), *options]
     with (folder / "server.log").open("ab") as log:
         process = subprocess.Popen(
             command, cwd=folder, env=environment, stdout=log, stderr=subprocess.STDOUT, start_new_session=True

@@ -22,6 +22,7 @@ from atleak.errors import DomainError
 from atleak.readings import Readings
 from atleak.repair import plan_repairs
 from atleak.rules import Rule
+from atleak.sheet_identity import SheetIdentity
 from atleak.uncertainty import DEFAULTS
 from atleak.verdicts import Verdict
 from atleak.views.diagnosis_record import diagnosis_record
@@ -525,13 +526,23 @@ def test_a_unit_of_which_no_pair_is_known_on_both_parts_is_not_decided(
     assert (diagnosis.verdict, diagnosis.decision) == ("not_measured", None)
 
 
+def test_the_mileage_of_the_sheets_head_counts_where_none_is_given(sample: Diagnosis) -> None:
+    assert sample.readings is not None
+    assert (sample.readings.identity.mileage, sample.mileage) == (106_315.0, 106_315.0)
+    assert sample.with_mileage(90_000.0).mileage == 90_000.0
+    assert sample.with_mileage(90_000.0).with_mileage(None).mileage == 106_315.0
+
+
 def test_another_mileage_changes_what_a_diagnosis_with_it_says_and_nothing_else(sample: Diagnosis) -> None:
+    assert sample.readings is not None
+    unstated = replace(sample.readings, identity=SheetIdentity())
+
     def at(mileage: float | None) -> Diagnosis:
         return diagnose(
             sample.controller,
             sample.fluid,
             sample.limits,
-            readings=sample.readings,
+            readings=unstated,
             profile=sample.profile,
             mileage=mileage,
         )

@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import Literal
 
 from atleak.catalogue.controller import Controller
+from atleak.doors import own_errors_only
 from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.gauge_table import find_tabs, likeness_of
 from atleak.intake.readings import agreement
@@ -45,6 +46,7 @@ from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.states import require_known
 from atleak.intake.readings.unread import Account
 from atleak.intake.readings.values import Converted, convert
+from atleak.intake.readings.words import is_word
 from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
@@ -58,6 +60,7 @@ from atleak.sentence import Sentence, all_of, in_a_row
 __all__ = ["ReadingsRefused", "check", "read_readings"]
 
 
+@own_errors_only(ReadingsError, "name", "source")
 def read_readings(
     source: str | Path | bytes,
     controller: Controller,
@@ -66,6 +69,7 @@ def read_readings(
     sheet: str | None = None,
     unit: str | None = None,
     where: Mapping[str, str] | None = None,
+    fill_down: bool = False,
     made_for: str | None = None,
 ) -> Readings:
     """Return the readings of a measuring sheet.
@@ -85,6 +89,8 @@ def read_readings(
         unit of the diameters ("mm", "µm", "inch" …), instead of what the headings say.
     where
         which rows to read: headings of columns and what must stand under them, as in ``{"Inspection": "May"}``.
+    fill_down
+        whether an empty cell of a label goes on with the one above it.
     made_for
         id that the sheet may name in place of the controller's: of the one from which this one was copied.
 
@@ -110,13 +116,13 @@ def read_readings(
     data, file = read_bytes(source, name)
     names = ControllerNames(controller)
     of_gauges = likeness_of(controller)
-    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)))
+    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)), is_word)
     tabs = find_tabs(sheets, controller)
     pressures = tabs.read(file, data)
     sheets = [each for each in sheets if each not in tabs]
     if not any(_holds_numbers(each) for each in sheets) and pressures is not None:
         return _of_gauges_alone(pressures)
-    chosen = choose(sheets, file, names, sheet)
+    chosen = choose(sheets, file, names, sheet, fill_down)
     require_known(chosen.tables, where or {})
     of_lands = read_land_values([*chosen.tables, *chosen.of_lands], names, given_unit, where)
     controller = of_lands.own.with_fitted(controller)
@@ -127,10 +133,11 @@ def read_readings(
     problems += require_one_measurement(read, file)
     first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
     converted = convert([entry for rows in read for entry in rows.entries], controller, first.headings)
-    head = read_head([rows.table for rows in read if rows.entries], sheets)
+    head = read_head([rows.table.as_it_stands for rows in read if rows.entries], sheets)
     account = _account(chosen, of_lands, read, names, converted, given_unit)
-    account.take(head.cells)
-    account.close([each for each in sheets if not each.hidden])
+    around = {each.name for each in chosen.sheets if each.turned}
+    account.take((name, column, row) if name in around else (name, row, column) for name, row, column in head.cells)
+    account.close([each for each in chosen.sheets if not each.hidden])
     read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.entries))
     result = Readings(
         file=file,
@@ -143,6 +150,7 @@ def read_readings(
         messages=(
             *chosen.messages,
             *head.messages,
+            *(message for rows in read if rows.entries for message in rows.table.told),
             *(message for rows in read for message in rows.messages),
             *converted.messages,
             *_about_sheet(read, first.sheet),
@@ -153,6 +161,7 @@ def read_readings(
         ),
         temperature=head.temperature,
         date=head.date,
+        identity=head.identity,
         pressures=pressures,
         pump=head.pump,
         own_lands=of_lands.own,

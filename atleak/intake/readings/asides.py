@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, median
 
-from atleak.errors import Message, ReadingsError
+from atleak.errors import Message, ReadingsError, nearest_name
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.values import DiameterCell
 from atleak.intake.readings.words import (
+    CHARACTERISTIC,
     COUNTS,
     COUNTS_NOT,
     Summary,
@@ -23,17 +25,19 @@ from atleak.intake.readings.words import (
     letters,
     number,
     number_of,
-    part_of,
+    part_said,
+    plain,
     repeat_of,
     says_no,
     says_specification,
     says_yes,
     summary_of,
     text_of,
+    vocabulary,
 )
 from atleak.intake.sheets.sheet import Cell, rows_named
 from atleak.intake.workbook_marks import Hiding
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, some
 
 LEFT_ASIDE = (
     "summaries_left_aside",
@@ -41,8 +45,12 @@ LEFT_ASIDE = (
     "struck_left_aside",
     "hidden_rows",
     "specifications_left_aside",
+    "characteristics_left_aside",
+    "notes_left_aside",
 )  # codes of messages
 _HALF_A_MICROMETRE = 0.5e-3  # in the numbers of a sheet in mm: how far a mean may be rounded
+_SHOWN = 4
+_DIAMETER = vocabulary("diameter")
 _MARKS = {"x", "✓", "✔", "1"}
 _NAMES: dict[Summary, tuple[Sentence, Sentence]] = {  # of one, and of several
     "mean": (Sentence("mean"), Sentence("means")),
@@ -82,6 +90,8 @@ class Asides:
         self.struck: list[int] = []
         self._rejected: dict[Sentence, list[int]] = defaultdict(list)
         self._specified: dict[str, list[int]] = defaultdict(list)
+        self._characteristics: dict[str, list[int]] = defaultdict(list)
+        self._notes: dict[str, list[int]] = defaultdict(list)
         self._hidden: dict[Hiding, list[int]] = defaultdict(list)
         values = {column.index for group in columns.groups for column in group.values()}
         keys = columns.keys
@@ -90,6 +100,8 @@ class Asides:
         self._counts, self._counts_not = (
             [index for index in self._others if _asks(self.header.text(index), words)] for words in (COUNTS, COUNTS_NOT)
         )
+
+        self._machine = [index for index in self._others if self._says_characteristics(index)]
 
         # marks in some rows and nothing in others, and nowhere a "no": what is not marked does not count
         self._marked = [
@@ -102,6 +114,11 @@ class Asides:
     def _cells(self, index: int) -> list[Cell]:
         rows = range(self.header.last + 1, len(self.sheet.rows))
         return [cell for row in rows if not is_blank(cell := self.sheet.filled(row, index))]
+
+    def _says_characteristics(self, index: int) -> bool:
+        words = letters(self.header.text(index))
+        named = any(word in CHARACTERISTIC for word in words) and len(words) < 4
+        return named and any(_says_diameter(text_of(cell)) for cell in self._cells(index))
 
     def takes(self, row: int) -> bool:
         """Return whether a row that holds numbers is no reading, and note why."""
@@ -121,10 +138,39 @@ class Asides:
         if kind is not None:
             self.summaries.append(SummaryRow(row, kind))
             return True
+        other = self._other_characteristic(row)
+        if other is not None:
+            self._characteristics[other].append(row)
+            return True
+        note = self._note(row)
+        if note is not None:
+            self._notes[note].append(row)
+            return True
         specified = self._specification(row)
         if specified is not None:
             self._specified[specified].append(row)
         return specified is not None
+
+    def _other_characteristic(self, row: int) -> str | None:
+        """Return what a measuring machine's row is of, None where it is of a diameter or no column says."""
+        cells = [text_of(cell) for index in self._machine if not is_blank(cell := self.sheet.filled(row, index))]
+        return cells[0] if cells and not any(map(_says_diameter, cells)) else None
+
+    def _note(self, row: int) -> str | None:
+        """Return the label of a row that says nothing of what a diameter is of, and whose label is no component.
+
+        A label that is nearly a component's name is a slip in a reading, and is refused as one.
+        """
+        component = self.columns.component
+        others = [index for index in self._keys if component is not None and index != component.index]
+        others = [index for index in others if self._cells(index)]
+        if component is None or not others or any(not is_blank(self.sheet.filled(row, index)) for index in others):
+            return None
+        label = self.sheet.filled(row, component.index)
+        if not isinstance(label, str) or is_blank(label) or self.names.component(label) is not None:
+            return None
+        near = nearest_name(plain(label), [name for name, _ in self.names.by_length])
+        return text_of(label) if near is None and number_of(label) is None and letters(label) else None
 
     def _specification(self, row: int) -> str | None:
         """Return the word that calls the row's number a nominal or specified one, None where no word does."""
@@ -173,7 +219,7 @@ class Asides:
             understood = (
                 self.names.component(label) is not None
                 if column in (columns.component, *columns.names)
-                else part_of(label) is not None
+                else part_said(label) is not None
                 if column == columns.part
                 else direction_of(label) is not None
                 if column == columns.direction
@@ -204,6 +250,24 @@ class Asides:
                 named=rows_named(self.sheet, rows),
             )
             yield Message("info", "specifications_left_aside", text, place)
+        if self._characteristics:
+            rows = [row for each in self._characteristics.values() for row in each]
+            text = Sentence(
+                "{rows} of other characteristics left aside ({characteristics}): {named}",
+                rows=_count(rows),
+                characteristics=some(tuple(self._characteristics), _SHOWN),
+                named=rows_named(self.sheet, rows),
+            )
+            yield Message("info", "characteristics_left_aside", text, place)
+        if self._notes:
+            rows = [row for each in self._notes.values() for row in each]
+            text = Sentence(
+                "{rows} left aside, whose label is no component and which say nothing else ({labels}): {named}",
+                rows=_count(rows),
+                labels=some(tuple(map(repr, self._notes)), _SHOWN),
+                named=rows_named(self.sheet, rows),
+            )
+            yield Message("warning", "notes_left_aside", text, place)
         for reason, rows in self._rejected.items():
             text = Sentence(
                 "{rows} left aside, because {reason} ({named})",
@@ -250,7 +314,7 @@ class Asides:
             except ReadingsError:
                 pass
         if columns.part is not None:
-            labels["part"] = part_of(text_of(cell(row, columns.part.index)))
+            labels["part"] = part_said(text_of(cell(row, columns.part.index)))
         if columns.direction is not None:
             labels["direction"] = direction_of(cell(row, columns.direction.index))
         return {name: value for name, value in labels.items() if value is not None}
@@ -292,6 +356,10 @@ class Asides:
                 ),
                 self.sheet.place(summary.row, column.index, self.header.text(column.index)),
             )
+
+
+def _says_diameter(text: str) -> bool:
+    return any(word in _DIAMETER for word in re.findall(r"[ø⌀φ∅]|[^\W\d_]+", plain(text))) or text in {"D", "DM", "DIA"}
 
 
 def _asks(heading: str, words: Vocabulary) -> bool:

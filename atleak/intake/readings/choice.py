@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -10,9 +10,12 @@ from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
+from atleak.intake.readings.filled_down import filled_down
 from atleak.intake.readings.headings import EXPECTED, Header, best_header
+from atleak.intake.readings.pivot import without_pivot
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet_tables import Table, continued, find_tables
+from atleak.intake.readings.turned import turned
 from atleak.intake.readings.values import Key
 from atleak.intake.readings.words import is_repeat_title
 from atleak.intake.sheets.extent import FAULTS
@@ -25,10 +28,12 @@ from atleak.sentence import Sentence
 class Choice:
     """The tables to read, those beside them that hold no readings, and the sheets that were not asked for.
 
+    ``sheets`` are all of the file as they were understood, some with rows and columns exchanged.
     ``of_lands`` hold what lands themselves have, also on a sheet of their own beside the one asked for. ``doubtful``
     hold values of which no column says the component.
     """
 
+    sheets: tuple[Sheet, ...]
     tables: tuple[Table, ...]
     of_lands: tuple[Table, ...]
     doubtful: tuple[Table, ...]
@@ -37,15 +42,23 @@ class Choice:
     messages: tuple[Message, ...]
 
 
-def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None) -> Choice:
+def choose(
+    sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None, fill_down: bool = False
+) -> Choice:
     """Choose the tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
+
+    ``fill_down`` says that empty cells of a label go on with the one above them.
 
     Raises
     ------
     ReadingsError
         where there is no such sheet, none holds readings, or none is filled in.
     """
-    tables = {sheet.name: find_tables(sheet, names) for sheet in sheets}
+    as_written = {sheet.name: sheet for sheet in sheets}
+    understood = [_the_right_way_round(sheet, names) for sheet in sheets]
+    if not any(table.readable for _, tables in understood for table in tables):
+        understood = [_the_right_way_round(sheet, names, means=True) for sheet in sheets]
+    sheets, tables = [sheet for sheet, _ in understood], {sheet.name: found for sheet, found in understood}
     for before, sheet in pairwise(sheets):
         readable = [table for table in tables[before.name] if table.readable]
         if not tables[sheet.name] and readable and (more := continued(sheet, readable[-1], names)) is not None:
@@ -76,15 +89,32 @@ def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: s
         sheet.name for sheet in sheets if sheet.name not in read and any(table.readable for table in tables[sheet.name])
     ]
     return Choice(
-        tables=tuple(readable),
+        sheets=tuple(sheets),
+        tables=tuple(filled_down(table, fill_down) for table in readable),
         of_lands=tuple(of_lands),
         doubtful=tuple(table for table in rest if not table.aside),
         aside=tuple(table for table in rest if table.aside),
         sheets_aside=tuple(
             sheet for sheet in sheets if sheet not in looked_at and not sheet.hidden and sheet.name not in with_lands
         ),
-        messages=tuple(_about_sheets(file, [sheet.name for sheet in sheets if sheet.name in read], others, wanted)),
+        messages=(
+            *_about_sheets(file, [sheet.name for sheet in sheets if sheet.name in read], others, wanted),
+            *_about_layouts(file, [sheet for sheet in sheets if sheet.name in read], as_written),
+        ),
     )
+
+
+def _the_right_way_round(sheet: Sheet, names: ControllerNames, means: bool = False) -> tuple[Sheet, list[Table]]:
+    """Return a sheet with its tables, turned where its headings run down the first column."""
+    sheet = without_pivot(sheet, names)
+    tables = find_tables(sheet, names, means)
+    if any(table.header.of("component") and any(each.holds_size for each in table.header.columns) for table in tables):
+        return sheet, tables
+    around = turned(sheet, names)
+    tables_around = [] if around is None else find_tables(around, names, means)
+    if around is None or not any(_is_filled(table) for table in tables_around):
+        return sheet, tables
+    return around, tables_around
 
 
 def _is_filled(table: Table) -> bool:
@@ -102,6 +132,19 @@ def _about_sheets(
     if others and read and wanted is None:
         text = Sentence("read from sheet {sheets}; left aside: {others}", sheets=_quoted(read), others=_quoted(others))
         yield Message("info", "sheet_chosen", text, Place(file, read[0]))
+
+
+def _about_layouts(file: str, sheets: Iterable[Sheet], as_written: Mapping[str | None, Sheet]) -> Iterable[Message]:
+    for sheet in sheets:
+        if sheet.turned:
+            text = Sentence(
+                "the headings run down the first column: read with rows and columns exchanged, so where a message says "
+                "'row' of readings, it is a column of the sheet"
+            )
+            yield Message("info", "sheet_turned", text, Place(file, sheet.name))
+        elif sheet is not as_written[sheet.name]:
+            text = Sentence("read from a pivot table: each of its numbers counts as one reading")
+            yield Message("info", "pivot_read", text, Place(file, sheet.name))
 
 
 def _quoted(names: Iterable[str | None]) -> tuple[str, ...]:

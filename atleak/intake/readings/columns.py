@@ -9,9 +9,11 @@ from itertools import pairwise
 
 from atleak.errors import ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.headings import Column, Header, Role
+from atleak.intake.readings.headings import Header
+from atleak.intake.readings.labels import says_date
+from atleak.intake.readings.one_heading import Column, Role
 from atleak.intake.readings.sheet_tables import Table
-from atleak.intake.readings.words import is_blank, part_of, plain, text_of, vocabulary
+from atleak.intake.readings.words import is_blank, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.sentence import Sentence
@@ -65,7 +67,7 @@ def find_columns(table: Table, names: ControllerNames) -> Columns:
         component=component,
         names=tuple(_same(sheet, header, names, component)),
         part=_part(sheet, header),
-        plane=next(iter(header.of("plane")), None),
+        plane=_plane(sheet, header, names),
         land=next(iter(header.of("land")), None),
         direction=_used(sheet, header, "direction"),
         repeat=_used(sheet, header, "repeat"),
@@ -102,7 +104,7 @@ def _used(sheet: Sheet, header: Header, role: Role) -> Column | None:
 
 def _names_parts(sheet: Sheet, header: Header, column: Column) -> bool:
     cells = list(_cells(sheet, header, column))
-    return bool(cells) and sum(part_of(text_of(cell)) is not None for cell in cells) > 0.5 * len(cells)
+    return bool(cells) and sum(part_said(text_of(cell)) is not None for cell in cells) > 0.5 * len(cells)
 
 
 def _part(sheet: Sheet, header: Header) -> Column | None:
@@ -125,6 +127,14 @@ def _component(sheet: Sheet, header: Header, names: ControllerNames) -> Column |
         if best is None or (known, numbered, column.rank) > best[:3]:
             best = (known, numbered, column.rank, column)
     return best[3] if best else None
+
+
+def _plane(sheet: Sheet, header: Header, names: ControllerNames) -> Column | None:
+    """Return the column of planes; of several the one whose cells the controller knows."""
+    columns = header.of("plane")
+    if len(columns) < 2:
+        return next(iter(columns), None)
+    return max(columns, key=lambda column: sum(map(names.is_plane, _cells(sheet, header, column))))
 
 
 def _same(sheet: Sheet, header: Header, names: ControllerNames, component: Column | None) -> Iterator[Column]:
@@ -191,6 +201,7 @@ def _groups(
                 )
             )
         group.setdefault(name, column)
+    problems.extend(_unsure(sheet, header, values))
     problems.extend(_two_states(sheet, header, values))
     for group in groups.values():
         coordinates = [name for name in ("coordinate 1", "coordinate 2") if name in group]
@@ -207,10 +218,31 @@ def _groups(
     return list(groups.values())
 
 
+def _unsure(sheet: Sheet, header: Header, values: Sequence[Column]) -> Iterator[ReadingsError]:
+    """Yield a problem for columns headed by numbers alone, where the nominal diameters do not tell them for lands."""
+    unsure = [column for column in values if column.unsure]
+    if unsure and unsure[0].index in sheet.derived:
+        yield ReadingsError(
+            Sentence("nothing says in which unit the deviations are"),
+            place=sheet.place(header.last, unsure[0].index, unsure[0].heading),
+            value=unsure[0].name,
+            expected=Sentence("the unit in the heading, such as 'Deviation [µm]'"),
+        )
+    elif unsure:
+        yield ReadingsError(
+            Sentence(
+                "columns {names} are headed by numbers alone: lands, directions or repeats?",
+                names=tuple(repr(column.name) for column in unsure),
+            ),
+            place=sheet.place(header.last, unsure[0].index, unsure[0].heading),
+            expected=Sentence("headings such as 'land 1', '0°' or 'diameter 1'"),
+        )
+
+
 def _two_states(sheet: Sheet, header: Header, values: Sequence[Column]) -> Iterator[ReadingsError]:
     """Yield a problem for columns that number repeats and differ in other words: "diameter 1 before", "2 after"."""
     for column, other in pairwise(values):
-        numbered = column.group[:2] == other.group[:2] and column.repeat != other.repeat
+        numbered = column.station == other.station and column.repeat != other.repeat
         if numbered and column.besides != other.besides:
             yield ReadingsError(
                 Sentence(
@@ -252,14 +284,17 @@ def _sheet_unit(sheet: Sheet, header: Header) -> Unit | None:
 
 def _missing(table: Table, names: ControllerNames, columns: Columns) -> Iterator[ReadingsError]:
     sheet, header = table.sheet, table.header
+    dated = _dated(table, columns)
+    if dated is not None:
+        yield dated
+        return
     missing = []
     if columns.component is None and table.component is None:
         missing.append(Sentence("the component's number"))
     if columns.part is None and table.part is None and not all(column.part for column in header.values):
         missing.append(Sentence("the part (spool or sleeve)"))
-    lands = names.controller.lands
-    single = len(lands) == len(names.with_lands) or sum(land.component == table.component for land in lands) == 1
-    if columns.plane is None and columns.land is None and not single:
+    placed = bool(header.values) and all(column.land or column.plane for column in header.values)
+    if columns.plane is None and columns.land is None and not placed and not _of_one_land(table, names, columns):
         missing.append(Sentence("the measurement plane (or land)"))
     if missing:
         what = reduce(lambda first, second: Sentence("{first} nor {second}", first=first, second=second), missing)
@@ -269,3 +304,29 @@ def _missing(table: Table, names: ControllerNames, columns: Columns) -> Iterator
             value=", ".join(column.name for column in header.columns),
             expected=Sentence("headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'"),
         )
+
+
+def _of_one_land(table: Table, names: ControllerNames, columns: Columns) -> bool:
+    """Return whether every component that the table names has one land, so that nothing need say which."""
+    cells = [] if columns.component is None else list(_cells(table.sheet, table.header, columns.component))
+    named = {table.component} if columns.component is None else {names.component(cell) for cell in cells}
+    return bool(named) and all(len(names.controller.lands_of(each)) == 1 for each in named if each is not None)
+
+
+def _dated(table: Table, columns: Columns) -> ReadingsError | None:
+    """Return an error where a spreadsheet program has made dates of "8-1" in a column that says what rows are of."""
+    for column in (columns.component, columns.plane, columns.land):
+        for row in () if column is None else table.rows:
+            assert column is not None
+            cell = table.sheet.filled(row, column.index)
+            if says_date(cell):
+                return ReadingsError(
+                    Sentence("the spreadsheet program has made a date of this cell"),
+                    place=table.sheet.place(row, column.index, column.name),
+                    value=text_of(cell).removesuffix(" 00:00:00"),
+                    expected=Sentence(
+                        "component and plane, such as 8/1: format the column as text and type them again, or write a "
+                        "column for each"
+                    ),
+                )
+    return None

@@ -47,6 +47,11 @@ class ControllerNames:
             spelled.setdefault(plain(component.replace("_", " ")), component)
         return spelled
 
+    @cached_property
+    def by_length(self) -> list[tuple[str, str]]:
+        """Return every spelling of a component with its id, the longest first."""
+        return sorted(self._spellings.items(), key=lambda pair: -len(pair[0]))
+
     def component(self, cell: Cell) -> str | None:
         """Return the component that a cell names, by number or name, with or without lands; None where none is."""
         text = text_of(cell)
@@ -58,6 +63,10 @@ class ControllerNames:
         number = self._spellings.get(plain(head.rstrip(".:,–-")))
         named = self._spellings.get(plain(tail.lstrip("–-:, ")))
         return number if number is not None and number == named else None
+
+    def is_plane(self, cell: Cell) -> bool:
+        """Return whether a cell names a plane of any component."""
+        return any(plain(name) == plane for name in plane_names(cell) for _, plane in self._planes)
 
     def is_named(self, text: str) -> bool:
         """Return whether a text names a component by more than a bare number."""

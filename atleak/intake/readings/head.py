@@ -1,20 +1,23 @@
-"""What stands above the headings about the measurement itself: its temperature and date, and the pump's clearances."""
+"""What stands above the headings: temperature and date of measuring, the pump's clearances, and whose unit it is."""
 
 from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
-from atleak.errors import Message, Place, ReadingsError
+from atleak.errors import Message, ReadingsError
 from atleak.intake.dates import sure_date
+from atleak.intake.readings.head_identity import read_identity
+from atleak.intake.readings.head_labels import Stated, stated_values
 from atleak.intake.readings.sheet_tables import Table
-from atleak.intake.readings.words import Vocabulary, is_blank, letters, text_of, vocabulary
+from atleak.intake.readings.words import Vocabulary, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit, unit
 from atleak.sentence import Sentence, all_of
+from atleak.sheet_identity import SheetIdentity
 from atleak.written_numbers import (
     MEASURING_TEMPERATURE,
     PUMP_SIDE_CLEARANCE,
@@ -26,16 +29,9 @@ from atleak.written_numbers import (
 
 _DATE = vocabulary("date")
 _BESIDE = vocabulary("beside_head")
-# words that head cells of their own: one of these beside a label is no value of it
-_OTHER_LABELS = vocabulary(
-    *("state", "person", "pump", "quantity", "remark", "gauge", "name", "number", "component", "part", "unit", "date")
-)
-_LABEL = re.compile(r"(?P<label>[^:=\d]*?[^:=\d\s+\-−])\s*(?:[:=]\s*(?P<told>.*)|(?P<number>[+\-−]?\d.*))?", re.DOTALL)
 _VALUE = re.compile(
     r"(?P<number>[+\-−]?\s?[.,]?\d[\d.,]*)\s*(?:(?:±|\+/?-)\s*[\d.,]+\s*)?(?P<unit>[^\d\s.,±].*)?", re.DOTALL
 )
-_BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
-_REACH = 2  # cells to the right of a label in which its value may stand
 
 
 @dataclass(frozen=True)
@@ -95,7 +91,7 @@ _SIDE, _TIP = (
 
 @dataclass(frozen=True)
 class Head:
-    """The measuring temperature [°C], the date and the pump's clearances of a sheet's head, None where it has none.
+    """Temperature [°C] and date of measuring and the pump's clearances as a head states them, and whose unit it is.
 
     ``cells`` are those read, as sheet, row and column.
     """
@@ -103,25 +99,10 @@ class Head:
     temperature: float | None = None
     date: dt.date | None = None
     pump: PumpClearances = NO_CLEARANCES
+    identity: SheetIdentity = field(default_factory=SheetIdentity)
     cells: tuple[tuple[str | None, int, int], ...] = ()
     messages: tuple[Message, ...] = ()
     problems: tuple[ReadingsError, ...] = ()
-
-
-@dataclass(frozen=True)
-class _Stated:
-    """A value beside its label: its cell, and the unit that the label says."""
-
-    sheet: Sheet
-    row: int
-    column: int
-    value: Cell
-    unit: Unit | None
-
-    @property
-    def place(self) -> Place:
-        """Return where it stands."""
-        return self.sheet.place(self.row, self.column)
 
 
 def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
@@ -135,16 +116,18 @@ def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
         first[table.sheet.name] = min(table.header.first, first.get(table.sheet.name, table.header.first))
     heads = [(sheet, range(max(first[sheet.name], 0))) for sheet in sheets if sheet.name in first]
     read = {quantity: _read(heads, quantity) for quantity in (_TEMPERATURE, _SIDE, _TIP)}
-    dates = [each for sheet, rows in heads for each in _values(sheet, rows, (_DATE,), _BESIDE, "temperature")]
+    dates = [each for sheet, rows in heads for each in stated_values(sheet, rows, (_DATE,), _BESIDE, "temperature")]
     known = {date for each in dates if (date := _date(each.value)) is not None}
     temperature, side, tip = (one.value for one in read.values())
-    every = [each for one in read.values() for each in one.stated]
+    identity = read_identity(heads)
+    every = [*(each for one in read.values() for each in one.stated), *dates, *identity.stated]
     return Head(
         temperature=temperature,
         date=max(known, default=None),
         pump=PumpClearances.of_um(side, tip),
-        cells=tuple((each.sheet.name, each.row, each.column) for each in (*every, *dates)),
-        messages=tuple(message for one in read.values() for message in one.messages),
+        identity=identity.identity,
+        cells=tuple((each.sheet.name, each.row, each.column) for each in every),
+        messages=(*(message for one in read.values() for message in one.messages), *identity.messages),
         problems=tuple(problem for one in read.values() for problem in one.problems),
     )
 
@@ -154,7 +137,7 @@ class _Read:
     """What the heads say of one quantity, in the unit in which people are asked for it."""
 
     value: float | None
-    stated: list[_Stated]
+    stated: list[Stated]
     messages: list[Message]
     problems: list[ReadingsError]
 
@@ -162,9 +145,11 @@ class _Read:
 def _read(heads: Sequence[tuple[Sheet, range]], quantity: _Quantity) -> _Read:
     """Read one quantity; of several that differ none is taken."""
     stated = [
-        each for sheet, rows in heads for each in _values(sheet, rows, quantity.words, quantity.beside, quantity.kind)
+        each
+        for sheet, rows in heads
+        for each in stated_values(sheet, rows, quantity.words, quantity.beside, quantity.kind)
     ]
-    values: dict[float, _Stated] = {}
+    values: dict[float, Stated] = {}
     problems = []
     for each in stated:
         try:
@@ -175,7 +160,7 @@ def _read(heads: Sequence[tuple[Sheet, range]], quantity: _Quantity) -> _Read:
     return _Read(next(iter(values)) if len(values) == 1 else None, stated, messages, problems)
 
 
-def _several(values: Mapping[float, _Stated], quantity: _Quantity) -> Message:
+def _several(values: Mapping[float, Stated], quantity: _Quantity) -> Message:
     named = all_of(
         Sentence("{value:g} {unit} ({place})", value=value, unit=quantity.asked.unit, place=each.place.sentence)
         for value, each in values.items()
@@ -189,61 +174,7 @@ def _several(values: Mapping[float, _Stated], quantity: _Quantity) -> Message:
     return Message("warning", quantity.code, text, next(iter(values.values())).place)
 
 
-def _values(
-    sheet: Sheet, rows: range, meaning: Sequence[Vocabulary], beside: Vocabulary, kind: str
-) -> Iterator[_Stated]:
-    """Yield what stands behind, beside or under every label of this meaning."""
-    for row in rows:
-        for column, cell in enumerate(sheet.rows[row]):
-            match = _LABEL.fullmatch(cell.strip()) if isinstance(cell, str) else None
-            if match is None or sheet.is_struck(row, column) or not _means(match["label"], meaning, beside):
-                continue
-            in_cell = (match["told"] or match["number"] or "").strip()
-            stated = _Stated(sheet, row, column, in_cell, _unit_in(match["label"], kind))
-            found = stated if in_cell else _beside(stated, row + 1 in rows, kind)
-            if found is not None and not sheet.is_struck(found.row, found.column):
-                yield found
-
-
-def _means(label: str, meaning: Sequence[Vocabulary], beside: Vocabulary) -> bool:
-    words = letters(label)
-    known = all(any(word in each for each in (*meaning, beside)) for word in words)
-    return known and all(any(word in each for word in words) for each in meaning)
-
-
-def _unit_in(label: str, kind: str) -> Unit | None:
-    bracketed = [match[1] for match in _BRACKETS.finditer(label)]
-    written = [*bracketed, *label.split()[-1:]]
-    return next((found for text in written if (found := find_unit(text.strip(), kind))), None)
-
-
-def _beside(label: _Stated, has_row_below: bool, kind: str) -> _Stated | None:
-    """Return the value of a label that stands alone: to its right, or under it where labels stand in a row."""
-    sheet, row = label.sheet, label.row
-    for column in range(label.column + 1, label.column + 1 + _REACH):
-        cell = sheet.cell(row, column)
-        if is_blank(cell):
-            continue
-        if not _is_label(cell):
-            following = text_of(sheet.cell(row, column + 1))
-            if sheet.is_text and text_of(cell).isdecimal() and following[:1].isdecimal():
-                cell = f"{cell} | {following}"  # a decimal comma that the file also uses between its columns
-            return _Stated(sheet, row, column, cell, find_unit(following, kind) or label.unit)
-        break
-    below = sheet.cell(row + 1, label.column) if has_row_below else ""
-    if is_blank(below) or _is_label(below):
-        return None
-    return _Stated(sheet, row + 1, label.column, below, label.unit)
-
-
-def _is_label(cell: Cell) -> bool:
-    """Return whether a cell heads something else: words without a number, one of them a usual label."""
-    if not isinstance(cell, str) or re.search(r"\d", cell):
-        return False
-    return cell.rstrip().endswith(":") or any(word in _OTHER_LABELS for word in letters(cell))
-
-
-def _number(stated: _Stated, quantity: _Quantity) -> float:
+def _number(stated: Stated, quantity: _Quantity) -> float:
     """Return a number in the unit in which people are asked for it.
 
     Raises

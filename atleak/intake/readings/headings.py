@@ -4,131 +4,50 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
 
-from atleak.catalogue.instruments import Part
-from atleak.intake.readings.heading_numbers import besides_numbers, is_angle, numbers_of_heading
+from atleak.intake.readings.heading_numbers import (
+    is_explained,
+    spot_of_heading,
+    tokens_of,
+)
+from atleak.intake.readings.one_heading import (
+    KEYS,
+    LETTERED,
+    OF_LANDS,
+    SAYS_NOTHING,
+    Column,
+    Role,
+    both_ends,
+    read_heading,
+    split_unit,
+)
 from atleak.intake.readings.words import (
-    SPECIFICATIONS,
-    STATES,
     is_blank,
     number_of,
     part_of,
-    plain,
+    side_of,
     text_of,
     vocabulary,
 )
 from atleak.intake.sheets.sheet import Sheet
-from atleak.intake.units import Unit, find_unit
 from atleak.sentence import Sentence
-
-Role = Literal[
-    "component", "part", "plane", "land", "direction", "repeat", "unit", "diameter", "coordinate", "mean",
-    "raw", "specification", "quantity", "remark", "gauge", "contact length", "position", "fitted repair",
-]  # fmt: skip
-KEYS: tuple[Role, ...] = ("component", "part", "plane", "land", "direction", "repeat")
-OF_LANDS: tuple[Role, ...] = ("contact length", "position", "fitted repair")  # of a land itself, beside its diameters
-_SAYS_NOTHING: tuple[Role, ...] = ("raw", "specification", "quantity", "remark", "gauge", *OF_LANDS)
 
 EXPECTED = Sentence(
     "one row of headings with at least: component (or 'No.'), part (spool or sleeve), plane (or land), and either "
     "diameter or coordinate x1 and coordinate x2; also read: direction, repeat, unit"
 )
 
-_DEPTH = 3  # rows that headings may be spread over
+_DEPTH = 4  # rows that headings may be spread over
 
-_MEAN = vocabulary("mean", "mean_in_heading")
-_ACTUAL = vocabulary("actual")
-_NOW = vocabulary("now")
-_EARLIER = vocabulary("earlier")
-_NEW = vocabulary("new")
-_WHEN = vocabulary("when")
-_CORRECTED = vocabulary("corrected")
-_RAW = vocabulary("raw")
-_STANDING = vocabulary("corrected", "raw")
-_OUTCOME = vocabulary("actual", "corrected", "raw")
-_QUANTITY = vocabulary("quantity", "clearance", "error", "spread")
-_REMARK = vocabulary("remark")
-_DIRECTION = vocabulary("direction")
-_PLANE = vocabulary("plane")
-_LAND = vocabulary("land")
-_REPEAT = vocabulary("repeat")
 _COUNTED = vocabulary("repeat", "reading")
 _READING = vocabulary("reading", "actual")
-_SAYS_NOW = vocabulary("reading", "actual", "now", "when")
-_COORDINATE = vocabulary("coordinate")
-_DIAMETER = vocabulary("diameter")
 _SIZE = vocabulary("diameter", "coordinate")
-_PART = vocabulary("part")
-_COMPONENT = vocabulary("component")
-_NUMBER = vocabulary("number")
-_FIGURE = vocabulary("figure")
-_NAME = vocabulary("name")
-_GENERIC = vocabulary("generic")
-_NUMBERED = vocabulary("number", "generic")
-_UNIT = vocabulary("unit")
-_GAUGE = vocabulary("gauge")
-_CONTACT_LENGTH = vocabulary("contact_length")
-_CONTACT = vocabulary("contact")
-_LENGTH = vocabulary("length")
-_BESIDE_CONTACT_LENGTH = vocabulary("contact_length", "contact", "length", "beside_contact_length", "actual", "reading")
-_POSITION = vocabulary("axial_position")
-_LEFT = vocabulary("left")
-_BESIDE_POSITION = vocabulary("axial_position", "left", "beside_position", "actual", "reading")
-_FITTED = vocabulary("fitted")
-_REPAIR = vocabulary("repair")
-_FITTED_REPAIR = vocabulary("fitted", "repair")
-_BETWEEN = " ,/:;"  # a heading and its unit
-_TRAILING_UNITS = {
-    *("mm", "um", "µm", "μm", "micron", "microns", "micrometre", "micrometer", "inch", "inches", "in", "mil", "mils"),
-    *("thou", "cm", "мм", "мкм"),
-}
-_TOKEN = re.compile(r"\d+(?:°|deg\b)|[ø⌀φ#]|[^\W\d_øφ]+\d*|\d+")
-
-
-@dataclass(frozen=True)
-class Column:
-    """One column of the table.
-
-    ``rank`` says how surely a component column is one, by its heading. ``standing`` is what a heading says of a
-    diameter beside others: as read from the instrument, or corrected. ``tentative`` is a "result" or "actual" without
-    a unit: it is a diameter only if its cells are.
-    """
-
-    index: int
-    heading: str
-    role: Role
-    unit: Unit | None = None
-    coordinate: int | None = None  # 1 or 2
-    part: Part | None = None
-    direction: float | None = None
-    repeat: int | None = None
-    rank: int = 0
-    standing: Literal["raw", "corrected"] | None = None
-    tentative: bool = False
-    besides: frozenset[str] = frozenset()  # words of a value's heading that say none of this
-
-    @property
-    def name(self) -> str:
-        """Return the heading on one line."""
-        return " ".join(self.heading.split())
-
-    @property
-    def holds_value(self) -> bool:
-        return self.role in {"diameter", "coordinate"}
-
-    @property
-    def holds_size(self) -> bool:
-        """Return whether diameters may stand in it, measured or not."""
-        return self.holds_value or self.role in {"specification", "mean", "gauge"}
-
-    @property
-    def group(self) -> tuple[Part | None, float | None, int | None]:
-        """Return what the columns that make one diameter have in common."""
-        return self.part, self.direction, self.repeat
+_UNDER_ANOTHER = vocabulary(
+    "mean", "sum", "mean_in_heading", "specification", "specification_title", "actual", "reading"
+)
 
 
 @dataclass(frozen=True)
@@ -163,7 +82,7 @@ class Header:
     @property
     def roles(self) -> set[Role]:
         """Return what the headings name, of all that makes a reading."""
-        return {column.role for column in self.columns}.difference(_SAYS_NOTHING)
+        return {column.role for column in self.columns}.difference(SAYS_NOTHING)
 
     @property
     def complete(self) -> bool:
@@ -202,8 +121,8 @@ def _is_named_size(column: Column) -> bool:
     """Return whether a word of its own says a size, not only "spool" or "0°", which stand in readings too."""
     if not column.holds_value:
         return True
-    words = set(_TOKEN.findall(plain(column.heading).replace("_", " ")))
-    named = words & _SIZE or words & _READING or _both_ends(words) or column.role == "coordinate"
+    words = set(tokens_of(column.heading))
+    named = words & _SIZE or words & _READING or both_ends(words) or column.role == "coordinate"
     return bool(named or column.unit is not None or column.standing)
 
 
@@ -287,19 +206,60 @@ def _headers_at(sheet: Sheet, first: int) -> Iterator[Header]:
     for last in range(first, min(first + _DEPTH, len(sheet.rows))):
         if last > first and not any(not is_blank(cell) for cell in sheet.rows[last]):
             return
-        width = max(len(row) for row in sheet.rows[first : last + 1])
-        headings = [_heading(sheet, first, last, column) for column in range(width)]
+        headings = _headings(sheet, first, last)
         columns = [column for index, text in enumerate(headings) if (column := read_heading(text, index)) is not None]
+        columns += _numbered(columns, headings)
         header = Header(first, last, read_together(columns), tuple(headings))
         if last > first and _is_data(sheet, header, last):
             return
         yield header
 
 
-def _heading(sheet: Sheet, first: int, last: int, column: int) -> str:
-    cells = [sheet.filled(row, column) for row in range(first, last + 1)]
-    texts = [str(cell).strip() if isinstance(cell, str) else text_of(cell) for cell in cells]
-    return " ".join(dict.fromkeys(text for text in texts if text))
+def _headings(sheet: Sheet, first: int, last: int) -> list[str]:
+    """Return the text over every column: a heading over several columns counts for each of them, merged or not."""
+    width = max(len(row) for row in sheet.rows[first : last + 1])
+    levels = [[_said(sheet, row, column) for column in range(width)] for row in range(first, last + 1)]
+    for depth, texts in enumerate(levels[:-1]):
+        for column in range(1, width):
+            if texts[column] or (first + depth, column) in sheet.merged:
+                continue
+            below = [level[column] for level in levels[depth + 1 :]]
+            beside = [level[column - 1] for level in levels[depth + 1 :]]
+            same_above = all(level[column] == level[column - 1] for level in levels[:depth])
+            if any(below) and any(beside) and same_above and _heads_part(below):
+                texts[column] = texts[column - 1]
+    return [" ".join(dict.fromkeys(text for text in texts if text)) for texts in zip(*levels, strict=True)]
+
+
+def _said(sheet: Sheet, row: int, column: int) -> str:
+    cell = sheet.filled(row, column)
+    return str(cell).strip() if isinstance(cell, str) else text_of(cell)
+
+
+@lru_cache(maxsize=4096)
+def _is_under_another(text: str) -> bool:
+    rest, _ = split_unit(text)
+    words = tokens_of(rest)
+    return is_explained(spot_of_heading(words)[1]) or bool(set(words) & _UNDER_ANOTHER)
+
+
+def _heads_part(texts: Sequence[str]) -> bool:
+    """Return whether headings say only a part, a place or a repeat, so that what they are of stands over them."""
+    return all(_is_under_another(text) for text in texts if text)
+
+
+def _numbered(columns: Sequence[Column], headings: Sequence[str]) -> list[Column]:
+    """Return columns headed 1, 2 … alone beside component and part, where no other holds a diameter."""
+    roles = {column.role for column in columns}
+    if not {"component", "part"} <= roles or any(column.holds_size for column in columns):
+        return []
+    numbered = [index for index, text in enumerate(headings) if re.fullmatch(r"[1-9]", text)]
+    if len(numbered) < 2 or [headings[index] for index in numbered] != [str(at + 1) for at in range(len(numbered))]:
+        return []
+    return [
+        Column(index, headings[index], "diameter", repeat=int(headings[index]), tentative=True, unsure=True)
+        for index in numbered
+    ]
 
 
 def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
@@ -311,176 +271,8 @@ def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
     )
 
 
-@lru_cache(maxsize=4096)
-def read_heading(text: str, index: int = 0) -> Column | None:
-    """Return what a heading says of its column; None where it says nothing.
-
-    >>> column = read_heading("Coordinate x1 (y1) [mm]")
-    >>> column.role, column.coordinate, column.unit.name
-    ('coordinate', 1, 'mm')
-    >>> read_heading("Diameter Mean Value di (Di) [mm]").role
-    'mean'
-    >>> column = read_heading("spool_diameter_2_um")
-    >>> column.role, column.part, column.repeat, column.unit.name
-    ('diameter', 'spool', 2, 'µm')
-    """
-    rest, unit = split_unit(text)
-    tokens = _TOKEN.findall(plain(rest).replace("_", " "))
-    words = set(tokens)
-    if not words:
-        return None
-    of_land = _of_land(words, unit)
-    if of_land is not None:
-        return Column(index, text, of_land, unit=unit)
-    role, rank = _role(words, rest, unit)
-    if role is None:
-        return None
-    if role not in {"diameter", "coordinate"}:
-        return Column(index, text, role, unit=unit, rank=rank)
-    coordinate, direction, repeat = numbers_of_heading(role, tokens)
-    standing: Literal["raw", "corrected"] | None = (
-        "corrected" if words & _CORRECTED else "raw" if words & _RAW else None
-    )
-    outcome = bool(words & _NOW) or (unit is None and bool(words & _OUTCOME))
-    tentative = outcome and not words & _SIZE and repeat is None
-    part = _part(words, rest)
-    return Column(
-        *(index, text, role, unit, coordinate, part, direction, repeat),
-        standing=standing,
-        tentative=tentative,
-        besides=besides_numbers(words),
-    )
-
-
-def _of_land(words: set[str], unit: Unit | None) -> Role | None:
-    """Return what a heading says of a land itself; only where it says so and nothing else.
-
-    A plain "position" is as often the number of a row, or the depth at which a diameter was measured.
-
-    >>> read_heading("Contact length [mm]").role, read_heading("Contact length tolerance [mm]").role
-    ('contact length', 'specification')
-    >>> read_heading("Position from left end [mm]").role, read_heading("Position").role
-    ('position', 'component')
-    """
-    contact = words & _CONTACT_LENGTH or (words & _CONTACT and words & _LENGTH)
-    if contact and all(word in _BESIDE_CONTACT_LENGTH for word in words):
-        return "contact length"
-    if unit is not None and words & _POSITION and words & _LEFT and all(word in _BESIDE_POSITION for word in words):
-        return "position"
-    if words & _FITTED and words & _REPAIR and all(word in _FITTED_REPAIR for word in words):
-        return "fitted repair"
-    return None
-
-
-def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, int]:
-    axes = words & {"x1", "x2", "y1", "y2"}
-    diameter = bool(words & _DIAMETER)
-    sized = diameter or unit is not None
-    parts = {part_of(word) for word in words if len(word) > 2} - {None}
-    numbered = any(re.fullmatch(r"\d+", word) for word in words)
-    key = any(words & each for each in (_DIRECTION, _PLANE, _LAND, _REPEAT, _COMPONENT, _PART, _NUMBER))
-    simple: list[tuple[bool, Role]] = [
-        (_is_earlier(words, sized or (bool(parts) and not key)) and not words & _QUANTITY, "specification"),
-        (bool(words & _STANDING) and (sized or bool(words & _READING) or len(words) == 1), "diameter"),
-        (bool(words & _MEAN) or "x\u0304" in text or "x\u0305" in text, "mean"),
-        (bool(words & _QUANTITY) and not words & SPECIFICATIONS, "quantity"),
-        (bool(words & SPECIFICATIONS) and (sized or not key or bool(words & _QUANTITY)), "specification"),
-        (bool(words & _REMARK) and not (words & _GAUGE and unit is not None), "remark"),
-        (bool(words & _DIRECTION), "direction"),
-        (bool(words & _PLANE), "plane"),
-        (bool(words & _LAND) and (numbered or not diameter), "land"),
-        (bool(words & _COORDINATE) or (len(axes) >= 1 and not _both_ends(axes) and not diameter), "coordinate"),
-        (diameter or _both_ends(axes), "diameter"),
-        (bool(words & _COUNTED or words & _ACTUAL or words & _NOW) and unit is not None, "diameter"),
-        (bool(words & _COUNTED) and numbered and len(words) <= 3, "diameter"),
-        (bool(words & _REPEAT), "repeat"),
-        (bool(words & {"value", "reading"}), "diameter"),
-        (bool(words & _UNIT) and not sized, "unit"),
-        (bool(words & _PART) and not words & _NUMBER, "part"),
-        (len(parts) == 2 and unit is None, "part"),
-        (
-            bool(words & _ACTUAL or words & _NOW) and all(word in _SAYS_NOW or part_of(word) for word in words),
-            "diameter",
-        ),
-        (len(parts) == 1 and unit is not None, "diameter"),
-        (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
-        (plain(text) in {"d", "di"} and unit is not None, "diameter"),
-        (all(is_angle(word) for word in words), "diameter"),
-        (bool(words & _GAUGE) and unit is not None, "gauge"),
-    ]
-    for holds, role in simple:
-        if holds:
-            return role, 0
-    return _component_rank(words)
-
-
-def _is_earlier(words: set[str], sized: bool) -> bool:
-    """Return whether a heading says what a diameter was, or was when new; a "standard" by itself is a gauge."""
-    earlier = words & _EARLIER or (words & _NEW and (not words & _READING or words & _WHEN))
-    if not earlier or all(word in _GAUGE for word in words):
-        return False
-    return sized or all(word in _EARLIER or word in _NEW or word in _WHEN for word in words)
-
-
-def _component_rank(words: set[str]) -> tuple[Role | None, int]:
-    if words & _READING or words & STATES:
-        return None, 0  # a measurement, vehicle or inspection by its number
-    if words & _NAME:
-        return "component", 1
-    if words & _COMPONENT:
-        return "component", 4 if words & _NUMBER else 3
-    if words & _NUMBER and words & _FIGURE:
-        return "component", 4
-    if words & _NUMBERED and len([word for word in words if word not in _NUMBERED]) <= 1:
-        return "component", 2
-    return None, 0
-
-
 def _is_counted(column: Column) -> bool:
-    return bool(set(_TOKEN.findall(plain(column.heading).replace("_", " "))) & _COUNTED)
-
-
-def _both_ends(axes: set[str]) -> bool:
-    return {"x1", "x2"} <= axes or {"y1", "y2"} <= axes
-
-
-def _part(words: set[str], text: str) -> Part | None:
-    letter = part_of(text.strip())
-    if letter is not None and len(text.strip()) <= 2:
-        return letter
-    parts = {part_of(word) for word in words if len(word) > 2} - {None}
-    return parts.pop() if len(parts) == 1 else None
-
-
-@lru_cache(maxsize=4096)
-def split_unit(text: str) -> tuple[str, Unit | None]:
-    for bracketed in re.finditer(r"[\[\(<{]([^\[\]\(\)<>{}]*)[\]\)>}]", text):
-        inner = re.sub(r"^\s*in\s+(?=\S)", "", bracketed[1])
-        unit = find_unit(inner, "length") if inner.strip() else None
-        if unit is not None:
-            return f"{text[: bracketed.start()]} {text[bracketed.end() :]}", unit
-    before, unit_text = _last_word(text)
-    if before is not None and unit_text.lower() in _TRAILING_UNITS:
-        return before, find_unit(unit_text, "length")
-    if text.strip().lower() in _TRAILING_UNITS - {"in"}:
-        return "", find_unit(text, "length")
-    return text, None
-
-
-def _last_word(text: str) -> tuple[str | None, str]:
-    """Return what stands before the last word of a heading, and the word; None before a word that stands alone.
-
-    >>> _last_word("Diameter_mm "), _last_word("Diameter,/mm"), _last_word("mm")
-    (('Diameter', 'mm'), ('Diameter', 'mm'), (None, 'mm'))
-    """
-    spaced = re.sub(r"[\s_]", " ", text).rstrip()
-    start = spaced.rfind(" ") + 1
-    word = spaced[start:].lstrip(_BETWEEN)
-    if not start:
-        start = next((at for at, sign in enumerate(spaced) if sign in _BETWEEN), len(spaced))
-        word = spaced[start:].lstrip(_BETWEEN) or spaced
-    before = spaced[: len(spaced) - len(word)]
-    return (text[: len(before.rstrip(_BETWEEN))] if before else None), word
+    return bool(set(tokens_of(column.heading)) & _COUNTED)
 
 
 def read_together(columns: list[Column]) -> tuple[Column, ...]:
@@ -494,6 +286,9 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
     others = any(column.holds_value and column not in bare for column in columns)
     if others or "part" in roles or len({column.part for column in bare}) < 2:
         columns = [column for column in columns if column not in bare]
+    columns = _lettered(columns)
+    if any(column.part == "spool" and side_of(column.heading) for column in columns):
+        columns = [_as_inner(column) for column in columns]
     angles = {column.direction for column in columns if column.holds_value} - {None}
     # "x1" and "x2" without "y1" and "y2" are only the names of two coordinates
     only_names = len(angles) == 1 and any(re.search(r"\b[xy][12]\b", column.heading.lower()) for column in columns)
@@ -503,19 +298,47 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
             column = replace(column, direction=None)
         if column.holds_value and "part" in roles:
             column = replace(column, part=None)
+        if column.holds_value:
+            column = replace(
+                column,
+                land=None if "land" in roles else column.land,
+                plane=None if "plane" in roles else column.plane,
+            )
         together.append(column)
-    counted: dict[tuple[Part | None, float | None], set[int | None]] = defaultdict(set)
+    counted: dict[tuple[object, ...], set[int | None]] = defaultdict(set)
     for column in together:
         if column.holds_value:
-            counted[column.group[:2]].add(column.repeat)
+            counted[column.station].add(column.repeat)
     # repeats count from 1, behind a word for them with one left out at most: 12 and 24 are something else
     gaps = {
-        column.group[:2]
+        column.station
         for column in together
         if column.repeat is not None
         and (
-            column.repeat > len(counted[column.group[:2]]) + _is_counted(column)
-            or {None, 1} <= counted[column.group[:2]]  # "measurement 1", "measurement 2", "result"
+            column.repeat > len(counted[column.station]) + _is_counted(column)
+            or {None, 1} <= counted[column.station]  # "measurement 1", "measurement 2", "result"
         )
     }
-    return tuple(replace(column, repeat=None) if column.group[:2] in gaps else column for column in together)
+    return tuple(replace(column, repeat=None) if column.station in gaps else column for column in together)
+
+
+def _lettered(columns: list[Column]) -> list[Column]:
+    """Return diameters headed "dx" and "Dx" as of spool and bore, where both letters stand there."""
+    letters = {
+        column.index: match[1]
+        for column in columns
+        if column.holds_value and (match := LETTERED.search(column.heading))
+    }
+    if set(letters.values()) != {"d", "D"}:
+        return columns
+    return [
+        replace(column, part=part_of(letters[column.index])) if column.index in letters and not column.part else column
+        for column in columns
+    ]
+
+
+def _as_inner(column: Column) -> Column:
+    """Return a column headed "ID" beside one headed "OD" as the bore's diameter."""
+    if column.role != "component" or side_of(column.heading) != "sleeve":
+        return column
+    return replace(column, role="diameter", part="sleeve", rank=0, tentative=column.unit is None)

@@ -13,7 +13,8 @@ from atleak.intake.readings import states
 from atleak.intake.readings.asides import Asides
 from atleak.intake.readings.columns import Columns, find_columns
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.headings import Column
+from atleak.intake.readings.filled_down import FILL_DOWN, broken_blocks
+from atleak.intake.readings.one_heading import Column
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import MM as MILLIMETRE
 from atleak.intake.readings.values import MM, DiameterCell, Key, RawValue
@@ -23,9 +24,10 @@ from atleak.intake.readings.words import (
     diameter,
     direction_of,
     is_blank,
+    is_marked,
     is_page_title,
     number,
-    part_of,
+    part_said,
     part_words,
     plain,
     repeat_of,
@@ -34,15 +36,19 @@ from atleak.intake.readings.words import (
     text_of,
 )
 from atleak.intake.sheets.extent import FAULTS
-from atleak.intake.sheets.sheet import Cell, column_letter
+from atleak.intake.sheets.sheet import Cell, column_letter, rows_named
 from atleak.intake.units import Unit, find_unit, unit_names
 from atleak.phrases import PART_WORDS
 from atleak.sentence import Name, Sentence, all_of
 
-_EVERY_ROW = Sentence(
-    "the value in every row. Empty cells under a first one are understood only where a workbook has merged them"
+_EVERY_ROW = Sentence("the value in every row; or merged cells in a workbook; {fill_down}", fill_down=FILL_DOWN)
+_IN_TEXT = Sentence(
+    "the value in every row; or the workbook itself, as a text file does not keep merged cells; {fill_down}",
+    fill_down=FILL_DOWN,
 )
-_IN_TEXT = Sentence("the value in every row, or the workbook itself: a text file does not keep merged cells")
+
+
+_MARKS_SHOWN = 4
 
 
 @dataclass
@@ -60,7 +66,7 @@ class Rows:
     messages: list[Message] = field(default_factory=list)
     rows_without_reading: int = 0
     cells: set[tuple[int, int]] = field(default_factory=set)
-    of_row: dict[int, Key] = field(default_factory=dict)
+    of_row: dict[int, list[Key]] = field(default_factory=dict)
 
 
 def read_rows(
@@ -89,7 +95,7 @@ class _Reader:
         self.blanks: dict[Column, dict[int, None]] = defaultdict(dict)
         self.overridden: set[str] = set()
         self.cells: set[tuple[int, int]] = set()
-        self.of_row: dict[int, Key] = {}
+        self.of_row: dict[int, list[Key]] = {}
 
     def read(self) -> Rows:
         unread = left_out = 0
@@ -126,10 +132,12 @@ class _Reader:
                     "{count} rows left aside: read were those where {chosen}", count=left_out, chosen=chosen
                 )
             self.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
+        self.problems += broken_blocks(self.table, self.entries, self.names)
         question = states.question(self.entries, self.breaks, self.table, self.columns)
         if question is not None:
             self.problems.append(question)
         self.messages += self.asides.messages(self.entries)
+        self._report_marks()
         self.messages += states.messages(self.entries, self.table, self.columns, self.names.controller)
         return Rows(
             self.table, self.columns, self.entries, self.problems, self.messages, unread, self.cells, self.of_row
@@ -146,7 +154,7 @@ class _Reader:
             if key is not None and value is not None:
                 column = (group.get("diameter") or next(iter(group.values()))).index
                 self.entries.append(DiameterCell(row, column, key, value))
-                self.of_row.setdefault(row, key)
+                self.of_row.setdefault(row, []).append(key)
                 self.cells.update((row, column.index) for column in group.values())
         return bool(values) or row in self.asides.struck
 
@@ -277,6 +285,8 @@ class _Reader:
 
     def _unit(self, row: int, column: Column) -> Unit | None:
         """Return the unit of a cell that states none: the user's, the row's, the heading's, or that above the table."""
+        if column.index in self.sheet.derived:
+            return column.unit  # a sum of columns, made in this unit
         if self.given_unit is not None:
             if column.unit is not None and column.unit != self.given_unit:
                 self.overridden.add(column.name)
@@ -305,7 +315,7 @@ class _Reader:
         column = next(iter(group.values()))
         component = self._component(row)
         part = column.part or self._part(row)
-        plane = self._plane(row, component)
+        plane = self._plane(row, component, column)
         direction, known = self._direction(row, column)
         repeat, explicit, countable = self._repeat(row, column)
         if component is None or part is None or plane is None or not known or not countable:
@@ -362,10 +372,10 @@ class _Reader:
         cell = self._required(row, self.columns.part)
         if cell is None:
             return None
-        part = part_of(text_of(cell))
+        part = part_said(text_of(cell))
         if part is None:
             near = nearest_name(plain(text_of(cell)), part_words())
-            meant = part_of(near) if near else None
+            meant = part_said(near) if near else None
             self._add_problem_once(
                 ReadingsError(
                     Sentence("unknown part"),
@@ -377,30 +387,29 @@ class _Reader:
             )
         return part
 
-    def _plane(self, row: int, component: str | None) -> str | None:
-        """Return the plane as the controller spells it, from the column of planes, of lands, or both."""
-        plane_column, land_column = self.columns.plane, self.columns.land
-        column = plane_column or land_column
+    def _plane(self, row: int, component: str | None, value: Column) -> str | None:
+        """Return the plane as the controller spells it: of the planes or lands that columns or the heading name."""
+        columns = self.columns
         if component is None:  # reported already; whether a plane is given at all is still reported
-            if column is not None:
-                self._required(row, column)
+            self._named(row, None if value.land else columns.land or columns.plane, value.land)
             return None
-        if column is None:  # a controller whose components have one land each
-            return self.names.controller.lands_of(component)[0].planes[0]
+        land_cell = self._named(row, columns.land, value.land)
+        needed = columns.land is None and value.land is None
+        plane_cell = self._named(row, columns.plane, value.plane, needed=needed)
+        if needed and plane_cell is None:
+            return self._only_plane(row, component) if columns.plane is None and value.plane is None else None
+        if not needed and land_cell is None:
+            return None
+        column = value if needed and value.plane else columns.plane or columns.land or value
         try:
-            if land_column is None:
-                cell = self._required(row, column)
-                return None if cell is None else self.names.plane(component, cell)
-            column = land_column
-            cell = self._required(row, column)
-            if cell is None:
-                return None
-            land = self.names.land(component, cell)
-            cell = self.sheet.filled(row, plane_column.index) if plane_column else ""
-            if plane_column is None or is_blank(cell):
+            if needed:
+                return self.names.plane(component, plane_cell)
+            column = value if value.land else columns.land or value
+            land = self.names.land(component, land_cell)
+            if plane_cell is None:
                 return land.planes[0]
-            column = plane_column
-            plane = self.names.plane(component, cell)
+            column = value if value.plane else columns.plane or value
+            plane = self.names.plane(component, plane_cell)
             if plane not in land.planes:
                 raise ReadingsError(
                     Sentence(
@@ -413,6 +422,20 @@ class _Reader:
         except ReadingsError as problem:
             self._add_problem_once(at(self._place(row, column), problem))
             return None
+
+    def _named(self, row: int, column: Column | None, headed: str | None, needed: bool = True) -> Cell | None:
+        """Return what the value's heading names, or else the cell of the row; None where it is empty."""
+        if headed is not None or column is None:
+            return headed
+        if needed:
+            return self._required(row, column)
+        cell = self.sheet.filled(row, column.index)
+        return None if is_blank(cell) else cell
+
+    def _only_plane(self, row: int, component: str) -> str | None:
+        """Return the plane of a component with one land, which nothing need name."""
+        lands = self.names.controller.lands_of(component)
+        return lands[0].planes[0] if len(lands) == 1 else None
 
     def _direction(self, row: int, value: Column) -> tuple[float | None, bool]:
         column = self.columns.direction
@@ -484,6 +507,23 @@ class _Reader:
                 headings=tuple(sorted(self.overridden)),
             )
             self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))
+
+    def _report_marks(self) -> None:
+        """Say which numbers have a star or dagger, which points to a note that only people read."""
+        marked = [
+            (row, column.index)
+            for row in self.of_row
+            for column in self.header.values
+            if is_marked(self.sheet.cell(row, column.index))
+        ]
+        if marked:
+            numbers = tuple(dict.fromkeys(text_of(self.sheet.cell(*at)) for at in marked))[:_MARKS_SHOWN]
+            text = Sentence(
+                "a mark stands behind {numbers} ({rows}): read as they stand; what it means only the sheet's notes say",
+                numbers=numbers,
+                rows=rows_named(self.sheet, [row for row, _ in marked]),
+            )
+            self.messages.append(Message("info", "numbers_marked", text, self.sheet.place(*marked[0])))
 
     def _report_hidden_columns(self) -> None:
         for column in self.columns.hidden:

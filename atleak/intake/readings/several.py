@@ -20,6 +20,7 @@ def read_several(
     sheet: str | None = None,
     unit: str | None = None,
     where: Mapping[str, str] | None = None,
+    fill_down: bool = False,
     made_for: str | None = None,
 ) -> list[Readings]:
     """Return the readings of measuring sheets, in their order; what each choice means: `read_readings`.
@@ -42,7 +43,15 @@ def read_several(
         name = given if counted[given] == 1 else f"{given} ({counted[given]})"  # of another folder
         try:
             sheets.append(
-                read_readings(source, controller, name=name, sheet=sheet, unit=unit, where=where, made_for=made_for)
+                read_readings(
+                    *(source, controller),
+                    name=name,
+                    sheet=sheet,
+                    unit=unit,
+                    where=where,
+                    fill_down=fill_down,
+                    made_for=made_for,
+                )
             )
         except ReadingsRefused as refused:
             faults.extend(refused.problems)

@@ -9,18 +9,22 @@ from functools import cached_property
 from itertools import zip_longest
 
 from atleak.catalogue.instruments import Part
-from atleak.errors import Place, ReadingsError
+from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.counts import with_counts
-from atleak.intake.readings.headings import Column, Header, find_headers, read_together
+from atleak.intake.readings.deviations import with_deviations
+from atleak.intake.readings.headings import Header, find_headers, read_together
+from atleak.intake.readings.numbered_lands import with_lands
+from atleak.intake.readings.one_heading import Column
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
+from atleak.intake.readings.split_labels import with_split_labels
 from atleak.intake.readings.words import (
     ERRORS,
     is_blank,
     is_page_title,
     number_of,
     part_in,
-    part_of,
+    part_said,
     plain,
     text_of,
     vocabulary,
@@ -41,7 +45,8 @@ class Table:
 
     ``sheet`` holds its cells at the places of the whole sheet, and nothing of the tables beside and below.
     ``part`` and ``component`` are what the title or the sheet's name says, with ``said_by`` naming it. ``aside`` is why
-    a table holds no readings of this valve body, None where it may.
+    a table holds no readings of this valve body, None where it may. ``used`` are columns whose numbers went into others
+    behind the last, ``filled`` rows whose labels are those of a row above, and ``told`` is what is to be said of both.
     """
 
     sheet: Sheet
@@ -50,6 +55,9 @@ class Table:
     component: str | None = None
     said_by: Sentence | None = None
     aside: Sentence | None = None
+    used: frozenset[int] = frozenset()
+    told: tuple[Message, ...] = ()
+    filled: frozenset[int] = frozenset()
 
     @cached_property
     def title(self) -> str:
@@ -69,6 +77,14 @@ class Table:
     def rows(self) -> range:
         """Return the rows under the headings."""
         return range(self.header.last + 1, len(self.sheet.rows))
+
+    @property
+    def as_it_stands(self) -> Table:
+        """Return the table for what stands above its headings in the file, also where it was turned."""
+        if not self.sheet.turned:
+            return self
+        first = min((column.index for column in self.header.columns), default=0)
+        return replace(self, sheet=replace(self.sheet, turned=False), header=replace(self.header, first=first))
 
     @property
     def headings(self) -> Place:
@@ -110,7 +126,7 @@ class Table:
 
     def _holds_parts(self, column: Column) -> bool:
         cells = [cell for row in self.rows if not is_blank(cell := self.sheet.cell(row, column.index))]
-        return 2 * sum(part_of(text_of(cell)) is not None for cell in cells) > len(cells)
+        return 2 * sum(part_said(text_of(cell)) is not None for cell in cells) > len(cells)
 
     @property
     def is_of_lands(self) -> bool:
@@ -124,12 +140,15 @@ class Table:
         return bool(known and self.header.values and not self.aside)
 
 
-def find_tables(sheet: Sheet, names: ControllerNames) -> list[Table]:
-    """Return every table of a sheet that has headings, from top to bottom and from left to right."""
+def find_tables(sheet: Sheet, names: ControllerNames, means: bool = False) -> list[Table]:
+    """Return every table of a sheet that has headings, from top to bottom and from left to right.
+
+    With ``means``, those of a table that has no other diameters are its diameters.
+    """
     return [
         table
         for strip in _strips(sheet, names)
-        for above in _stacked(strip, names)
+        for above in _stacked(strip, names, means)
         for beside in _side_by_side(above)
         for table in _sections(_titled(beside, names), names)
     ]
@@ -182,7 +201,7 @@ def _only(sheet: Sheet, left: int, right: int, end: int | None = None) -> Sheet:
     return replace(sheet, rows=rows, faults={at: why for at, why in sheet.faults.items() if left <= at[1] < right})
 
 
-def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
+def _stacked(sheet: Sheet, names: ControllerNames, means: bool) -> Iterator[Table]:
     headers = find_headers(sheet, names.is_named)
     if len(headers) > TABLES:
         problem = Sentence("this sheet has {count} tables with headings of their own", count=len(headers))
@@ -194,14 +213,39 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
             titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
             end = min([following.first, *titles])
         view = _only(sheet, 0, sheet.width, end)
-        yield Table(view, _by_content(view, header, names))
+        of_means: tuple[Message, ...] = ()
+        if means and not header.values:
+            header, of_means = _with_means(view, header)
+        header, of_lands = with_lands(view, _by_content(view, header, names), names)
+        view, header = with_split_labels(view, header, names)
+        view, header, used, of_sums = with_deviations(view, header)
+        yield Table(view, header, used=used, told=(*of_means, *of_lands, *of_sums))
+
+
+def _with_means(sheet: Sheet, header: Header) -> tuple[Header, tuple[Message, ...]]:
+    """Return headings of means as those of diameters, and what is said about each."""
+    columns, told = [], []
+    for column in header.columns:
+        if column.role == "mean":
+            column = replace(column, role="diameter", part=part_in(column.heading), tentative=True)
+            text = Sentence(
+                "column {heading!r} is said to hold means, and their single readings are not there: each is read as "
+                "one reading",
+                heading=column.name,
+            )
+            told.append(Message("info", "mean_as_reading", text, sheet.place(header.last, column.index, column.name)))
+        columns.append(column)
+    return replace(header, columns=read_together(columns)), tuple(told)
 
 
 def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
     """Return the headings without a "result" that is no diameter, and without raw readings beside others."""
-    kept = [
-        column for column in header.columns if not column.tentative or _holds_diameters(sheet, header, column, names)
-    ]
+    kept = []
+    for column in header.columns:
+        if not column.tentative or _holds_diameters(sheet, header, column, names):
+            kept.append(column)
+        elif column.otherwise is not None:
+            kept.append(replace(column, role=column.otherwise, tentative=False))
     values = [column for column in kept if column.holds_value]
     without_raw = []
     for column in kept:

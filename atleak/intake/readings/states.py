@@ -242,7 +242,7 @@ def messages(
 ) -> Iterator[Message]:
     """Yield blocks that return with the same values, and repeats that another column calls states."""
     sheet, header = table.sheet, table.header
-    yield from _pasted_twice(entries, sheet)
+    yield from _pasted_twice(entries, sheet, numbered=columns.repeat is not None)
     if columns.repeat is None:
         yield from _returning(entries, sheet, controller)
         yield from _remarks(_several(entries), sheet, header)
@@ -268,11 +268,14 @@ def messages(
             return
 
 
-def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Message]:
-    """Yield a warning for the first block of rows that repeats the readings of rows above in the same order."""
+def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet, *, numbered: bool) -> Iterator[Message]:
+    """Yield a warning for the first block of rows that repeats the readings of rows above in the same order.
+
+    Where repeats are numbered, one part measured a second time may well give the same: only a block of several tells.
+    """
     seen: dict[object, int] = {}
     runs: list[list[tuple[int, int]]] = []
-    rows: dict[int, list[tuple[object, float, int]]] = defaultdict(list)
+    rows: dict[int, list[tuple[tuple[object, ...], float, int]]] = defaultdict(list)
     for entry in entries:
         rows[entry.row].append((_station(entry)[:5], entry.raw.size, entry.column))
     order = list(rows)
@@ -286,7 +289,8 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Mes
             runs.append([(earlier, at)])
     for run in runs:
         stations = {entry[0] for earlier, _ in run for entry in rows[order[earlier]]}
-        if len(run) >= _FEWEST and len(stations) >= _FEWEST and run[0][1] > run[-1][0]:
+        told = {station[:2] for station in stations} if numbered else stations  # parts of components
+        if len(run) >= _FEWEST and len(told) >= _FEWEST and run[0][1] > run[-1][0]:
             again, first = ([order[pair[which]] for pair in run] for which in (1, 0))
             yield Message(
                 "warning",

@@ -9,20 +9,19 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 
 from atleak.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.headings import Role, split_unit
+from atleak.intake.readings.filled_down import nominal_headings
+from atleak.intake.readings.one_heading import Role, split_unit
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, numbers_of
-from atleak.intake.readings.words import is_blank, letters, number_of, part_of, plain, text_of, vocabulary
+from atleak.intake.readings.words import is_blank, letters, number_of, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
-from atleak.readings import NOMINAL_HEADING, REPEAT_TOLERANCE
+from atleak.readings import REPEAT_TOLERANCE
 from atleak.sentence import Sentence, any_of
-from atleak.wording import languages, wording
 
 _WHY: dict[Role, Sentence] = {
     "specification": Sentence("what the diameter should be or was, not what was measured"),
@@ -66,9 +65,11 @@ class Account:
         self._tables[table.sheet.name].append((table.rows, table))
         self._headings(table)
         done |= rows.cells
+        done.update((row, index) for row in table.rows for index in table.used)
         for column in rows.columns.keys:
             done.update((row, column.index) for row in table.rows if not self._is_size(table.sheet, row, column.index))
         used = {column.index for column in (*rows.columns.keys, *table.header.values, *table.header.of_lands)}
+        used |= table.used
         unread = [index for index in range(table.sheet.width) if index not in used]
         unread = [index for index in unread if not self._is_figure(rows, index)]
         self._slipped(rows)
@@ -176,12 +177,12 @@ class Account:
     def _is_of_controller(self, rows: Rows, index: int) -> bool:
         """Return whether this is the form's own column of nominal diameters, unchanged since it was written."""
         name, unit, _ = rows.table.heading(index).partition(" [")
-        if not unit or name not in _nominal_headings():
+        if not unit or name not in nominal_headings():
             return False
         units = _units(rows.table, index) or self._units
         return all(
-            any(self._sizes.is_nominal(value, units, key.component, key.plane) for value in numbers_of(cell))
-            for row, key in rows.of_row.items()
+            any(self._sizes.is_nominal(value, units, keys[0].component, keys[0].plane) for value in numbers_of(cell))
+            for row, keys in rows.of_row.items()
             for cell in (rows.table.sheet.filled(row, index),)
         )
 
@@ -239,10 +240,11 @@ class Account:
         units = _units(rows.table, index) or self._units
         return [
             (row, index)
-            for row, key in rows.of_row.items()
+            for row, keys in rows.of_row.items()
             if any(
-                self._sizes.near_plane(value, units, key.component, key.plane)
+                self._sizes.near_plane(value, units, component, plane)
                 for value in numbers_of(rows.table.sheet.cell(row, index))
+                for component, plane in {(key.component, key.plane) for key in keys}
             )
         ]
 
@@ -311,7 +313,7 @@ class Account:
         if label is None:
             return False
         words = set(plain(label).replace(":", " ").split())
-        if words & _SAYS_SIZE or self.names.is_named(label) or part_of(label):
+        if words & _SAYS_SIZE or self.names.is_named(label) or part_said(label):
             return False
         return bool(words & _QUANTITY) or is_whole(sheet.cell(row, column))
 
@@ -320,7 +322,7 @@ class Account:
         done = self._done[sheet.name]
         cells = [cell for column, cell in enumerate(sheet.rows[row]) if (row, column) not in done]
         texts = [text_of(cell) for cell in cells if not is_blank(cell)]
-        return any(self.names.is_named(text) or part_of(text) is not None for text in texts)
+        return any(self.names.is_named(text) or part_said(text) is not None for text in texts)
 
     def _lost(self, sheet: Sheet, kind: str, index: int, cells: list[tuple[int, int]]) -> Message:
         rows = sorted({sheet.row_number(row) for row, _ in cells})
@@ -448,9 +450,3 @@ def _without_headings(sheet: Sheet, row: int, column: int) -> ReadingsError:
         value=sheet.cell(row, column),
         expected=Sentence("the row in the table, in the same columns, or headings above it"),
     )
-
-
-@cache
-def _nominal_headings() -> frozenset[str]:
-    """Return the heading of the form's own column of nominal diameters in every language, without its unit."""
-    return frozenset(" ".join(wording(each).sentence(NOMINAL_HEADING).split()) for each in languages())

@@ -70,6 +70,16 @@ def vocabulary(*meanings: str) -> Vocabulary:
     return Vocabulary(word for meaning in meanings for word in _listed(meaning))
 
 
+@lru_cache(maxsize=1)
+def _every_word() -> Vocabulary:
+    return vocabulary(*_vocabularies())
+
+
+def is_word(word: str) -> bool:
+    """Return whether measuring sheets use a word, in any meaning: it tells how a text file is encoded."""
+    return plain(word) in _every_word()
+
+
 def _listed(meaning: str) -> list[str]:
     return [word for words in _vocabularies()[meaning].values() for word in words]
 
@@ -90,13 +100,19 @@ def says_specification(text: str) -> bool:
 
 
 _ABSENT = frozenset(("", *map(plain, _listed("absent"))))
+_DASHES = re.compile(r"[-‐–—−_.…/\s]+")
 
 
 def is_blank(cell: Cell) -> bool:
-    """Return whether nothing was measured here: an empty cell, a dash, "n/a"."""
+    """Return whether nothing was measured here: an empty cell, dashes, "n/a", "nicht gem."."""
     if isinstance(cell, str):
-        return not cell or plain(cell) in _ABSENT
+        return not cell or _says_absent(cell)
     return cell is None
+
+
+@lru_cache(maxsize=16384)
+def _says_absent(text: str) -> bool:
+    return plain(text) in _ABSENT or _DASHES.fullmatch(text) is not None
 
 
 def text_of(cell: Cell) -> str:
@@ -123,6 +139,8 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
     ((12.034, None), 1234.5, 1234.5)
     >>> number("9.939 mm")[1].name
     'mm'
+    >>> number("Ø 17,998"), number("17.998*"), number("18.041 ± 0.002")
+    ((17.998, None), (17.998, None), (18.041, None))
     """
     if isinstance(cell, bool):
         raise ReadingsError(NO_NUMBER, value=cell, expected=A_DIAMETER)
@@ -134,7 +152,7 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
             value=str(cell),
             expected=Sentence("a diameter such as 9.939: format the cell as number or text and type it again"),
         )
-    text, unit = _split_unit(str(cell).strip())
+    text, unit = _split_unit(_undressed(str(cell)))
     value = decimal_number(text)
     if value is not None:
         return value, unit
@@ -155,6 +173,30 @@ def diameter(cell: Cell) -> tuple[float, Unit | None]:
     return value, unit
 
 
+_DRESSED = re.compile(
+    r"(?:[øØ⌀∅φΦ]\s*=?\s*)?(?P<number>.*?\d[.,]?)\s*(?:(?:±|\+\s?/?\s?[-−–])\s*\d[\d.,]*)?(?P<unit>\s*[^\d.,\s*†‡±]*)\s*[*†‡]*",
+    re.DOTALL,
+)
+
+
+def _undressed(text: str) -> str:
+    """Return a number as written without the sign for a diameter, its uncertainty, and stars; its unit stays."""
+    stripped = text.strip()
+    if stripped[:1].isdigit() and stripped[-1:].isdigit() and "±" not in stripped and "/" not in stripped:
+        return stripped
+    match = _DRESSED.fullmatch(stripped)
+    return stripped if match is None else match["number"] + match["unit"]
+
+
+def is_marked(cell: Cell) -> bool:
+    """Return whether a star or a dagger stands at a cell's number, which points to a note.
+
+    >>> is_marked("17.998*"), is_marked("17.998"), is_marked("* measured twice")
+    (True, False, False)
+    """
+    return isinstance(cell, str) and cell.rstrip()[-1:] in {"*", "†", "‡"} and number_of(cell) is not None
+
+
 def _split_unit(text: str) -> tuple[str, Unit | None]:
     match = _NUMBER_AND_UNIT.fullmatch(text)
     if match is None:
@@ -165,9 +207,19 @@ def _split_unit(text: str) -> tuple[str, Unit | None]:
 
 _PARTS: tuple[Part, ...] = ("spool", "sleeve")
 _PART_WORDS: dict[str, Part] = {
-    word if len(word) <= _SINGLE_LETTERS else plain(word): part for part in _PARTS for word in _listed(part)
+    word if len(word) <= _SINGLE_LETTERS else plain(word): part
+    for part in _PARTS
+    for word in _listed(part)
+    if not word.endswith("*")
+}
+_PART_STEMS: dict[Part, Vocabulary] = {
+    part: Vocabulary(word for word in _listed(part) if word.endswith("*")) for part in _PARTS
 }
 _PART_OR_OTHER = vocabulary("part_or_other")
+_SIDES: dict[Part, Vocabulary] = {"spool": vocabulary("outer"), "sleeve": vocabulary("inner")}
+_DIAMETER = vocabulary("diameter")
+_OUTER_DIAMETER = re.compile(r"(?<![^\W\d_])(?:OD|O\.D\.?)(?![^\W\d_])")
+_INNER_DIAMETER = re.compile(r"(?<![^\W\d_])(?:ID|I\.D\.?)(?![^\W\d_])")
 
 
 def part_words() -> list[str]:
@@ -186,7 +238,38 @@ def part_of(text: str) -> Part | None:
     if len(stripped) <= _SINGLE_LETTERS:
         return _PART_WORDS.get(stripped)
     folded = plain(stripped)
-    return _PART_WORDS.get(folded) or _PART_WORDS.get(re.sub(r"\s*[\(\[/].*$", "", folded))
+    known = _PART_WORDS.get(folded) or _PART_WORDS.get(re.sub(r"\s*[\(\[/].*$", "", folded))
+    return known or next((part for part, stems in _PART_STEMS.items() if " " not in folded and folded in stems), None)
+
+
+@lru_cache(maxsize=4096)
+def side_of(text: str) -> Part | None:
+    """Return whose diameter an outer or an inner one is: the spool has the outer one, its bore the inner one.
+
+    >>> side_of("Outer diameter"), side_of("Bore ID"), side_of("Innen-Ø"), side_of("Valve id")
+    ('spool', 'sleeve', 'sleeve', None)
+    """
+    words = letters(text)
+    sides: set[Part] = {part for part, said in _SIDES.items() for word in words if word in said}
+    if _OUTER_DIAMETER.search(text):
+        sides.add("spool")
+    if _INNER_DIAMETER.search(text):
+        sides.add("sleeve")
+    return sides.pop() if len(sides) == 1 else None
+
+
+@lru_cache(maxsize=4096)
+def part_said(text: str) -> Part | None:
+    """Return the part that a cell names, by a word for it or as the one with an outer or inner diameter.
+
+    >>> part_said("Bohrung"), part_said("outer diameter"), part_said("ID"), part_said("outside the box")
+    ('sleeve', 'spool', 'sleeve', None)
+    """
+    part = part_of(text)
+    if part is not None or side_of(text) is None:
+        return part
+    words = [word for word in letters(text) if word not in _DIAMETER and word not in {"o", "i", "d", "od", "id"}]
+    return side_of(text) if not any(word not in vocabulary("outer", "inner") for word in words) else None
 
 
 @lru_cache(maxsize=4096)
@@ -201,8 +284,13 @@ def part_in(text: str) -> Part | None:
     return parts.pop() if len(parts) == 1 else None
 
 
+_ANGLE = re.compile(
+    r"([+\-]?\d+(?:[.,]\d+)?)(?:°|o|deg|degree|degrees|grad|st|stopni)?(?:[-/](\d+)(?:°|o|deg|grad|st)?)?"
+)
 _DIRECTIONS = {
-    plain(word): angle for meaning, angle in (("direction_0", 0.0), ("direction_90", 90.0)) for word in _listed(meaning)
+    plain(word).replace(" ", ""): angle
+    for meaning, angle in (("direction_0", 0.0), ("direction_90", 90.0))
+    for word in _listed(meaning)
 }
 
 
@@ -211,6 +299,8 @@ def direction_of(cell: Cell) -> float | None:
 
     >>> direction_of("90°"), direction_of("y1-y2"), direction_of("II"), direction_of(270), direction_of("up")
     (90.0, 90.0, 90.0, 90.0, None)
+    >>> direction_of("0°-180°"), direction_of("90/270"), direction_of("0-90"), direction_of("quer")
+    (0.0, 90.0, None, 90.0)
     """
     if isinstance(cell, bool):
         return None
@@ -218,8 +308,8 @@ def direction_of(cell: Cell) -> float | None:
     if text in _DIRECTIONS:
         return _DIRECTIONS[text]
     # NFKD leaves ° as it is and turns º into o
-    match = re.fullmatch(r"([+\-]?\d+(?:[.,]\d+)?)(?:°|o|deg|degree|degrees|grad|st|stopni)?", text)
-    if match is None:
+    match = _ANGLE.fullmatch(text)
+    if match is None or (match[2] and (float(match[2]) - float(match[1])) % 360.0 != 180.0):
         return None
     return float(match[1].replace(",", ".")) % 180.0
 
@@ -340,6 +430,7 @@ def _summary(text: str, key: bool) -> Summary | None:
     return kinds[0] if key or not others else None
 
 
+CHARACTERISTIC = vocabulary("characteristic")
 COUNTS = vocabulary("counts")
 COUNTS_NOT = vocabulary("counts_not")
 _NO = vocabulary("no")

@@ -45,7 +45,8 @@ def read_road_test(
     units
         Quantity → unit, where the file does not state it or states it wrongly.
     constants
-        Quantity → value in SI [°C for temperatures] for a channel the log does not hold.
+        Quantity → value in SI [°C for temperatures] for a channel the log does not hold. For ``time``, the seconds from
+        row to row of a log without a clock.
     remembered
         A file of mappings chosen earlier (see `remember` and `default_path`); None: none are consulted.
 

@@ -71,6 +71,7 @@ def describe(understood: Understood) -> dict[str, Any]:
         "delimiter": _DELIMITERS.get(understood.delimiter or "", understood.delimiter),
         "decimal": understood.decimal,
         "rows": test.rows if test else None,
+        "rows_left_out": understood.rows_left_out if test else None,
         "duration_s": _number(test.duration) if test else None,
         "segments": [],
         "columns": [],

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from atleak.doors import own_errors_only
 from atleak.errors import InputError, Message, Place, RoadTestError
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Ambiguous, Assigner, stated_units
@@ -18,12 +19,14 @@ from atleak.intake.road_test.channels.reader import read_table
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.delimited import open_delimited
-from atleak.intake.road_test.files.log_file import LogFile, open_source
+from atleak.intake.road_test.files.log_file import HEAD, LogFile, open_source
 from atleak.intake.road_test.files.log_sheets import LogSheet, open_sheets
+from atleak.intake.road_test.files.other_files import of_measured_parts, without_a_table
 from atleak.intake.road_test.mdf import understand_mdf
 from atleak.intake.road_test.names import memory
 from atleak.intake.road_test.outcome import Understood, finish, labels_of
 from atleak.sentence import Sentence
+from atleak.written_numbers import INTERVAL
 
 
 @dataclass
@@ -36,7 +39,22 @@ class _Job:
     constants: Mapping[str, float]
     memory: Path | None
 
+    @property
+    def interval(self) -> float | None:
+        """Return the time from row to row [s] that is stated for a log without a clock."""
+        interval = self.constants.get("time")
+        least, longest = INTERVAL.limits
+        if interval is None or least <= interval <= longest:
+            return interval
+        raise RoadTestError(
+            Sentence("an interval between rows that no log has"),
+            place=Place(file=self.source.file),
+            value=interval,
+            expected=Sentence("more than 0 and at most {longest:g} s", longest=longest),
+        )
 
+
+@own_errors_only(RoadTestError, "name", "source")
 def understand(
     source: str | Path | bytes,
     *,
@@ -99,21 +117,26 @@ def _delimited(job: _Job) -> Understood:
         )
     table = open_delimited(job.source)
     if table is None:
-        raise RoadTestError(
-            Sentence("no table of numbers was found in it"),
-            place=Place(file=job.source.file),
-            expected=Sentence("a log with a header and rows of numbers, as the logger exports it"),
-        )
+        raise without_a_table(job.source.head[:HEAD], job.source.file)
     blank = Understood(
         job.source.file, "", "delimited text", table.encoding, table.delimiter, table.decimal,
-        table.headings, tuple(tuple(row) for row in table.sample[:8]), memory.signature(labels_of(table.headings)),
+        table.headings, tuple(tuple(row) for row in table.sample[:8]), _signature(table),
     )  # fmt: skip
-    return _one_table(table, blank, job)
+    understood = _one_table(table, blank, job)
+    if understood.road_test is None and not job.mapping:
+        parts = of_measured_parts(job.source.head[:HEAD], job.source.file)
+        understood = replace(understood, problem=parts or understood.problem)
+    return understood
+
+
+def _signature(table: LogTable) -> str:
+    """Return the key under which choices for logs like this one are kept; none where its header names no column."""
+    return memory.signature(labels_of(table.headings)) if table.has_header else ""
 
 
 def _one_table(table: LogTable, blank: Understood, job: _Job) -> Understood:
     mapping, units, notes = _with_memory(job, blank.signature)
-    assigner = Assigner(job.source.file, units, stated_units(table.headings))
+    assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval)
     assigner.messages += notes
     assigner.leave_out(mapping)
     try:
@@ -148,30 +171,30 @@ def _workbook(job: _Job) -> Understood:
             expected=Sentence("a sheet with a header and rows of numbers"),
         )
     if len(sheets) == 1:
-        return _one_table(sheets[0], _blank(job, sheets[0], labels_of(sheets[0].headings)), job)
+        return _one_table(sheets[0], _blank(job, sheets[0]), job)
     titled = [replace(sheet, titled=True) for sheet in sheets]
     good = [reading for sheet in titled if (reading := _read_sheet(sheet, job)) is not None]
     if not good:
         first = max(sheets, key=lambda sheet: len(sheet.rows))
-        return _one_table(first, _blank(job, first, labels_of(first.headings)), job)
+        return _one_table(first, _blank(job, first), job)
     with_several_signals = [reading for reading in good if len(reading.assigner.signals) >= 2]
     if with_several_signals or len(good) == 1:
         best = max(
             with_several_signals or good, key=lambda reading: (len(reading.assigner.signals), reading.result.rows)
         )
         others = [sheet.name for sheet in sheets if sheet.name != best.sheet.name]
-        understood = _one_table(best.sheet, _blank(job, best.sheet, labels_of(best.sheet.headings)), job)
+        understood = _one_table(best.sheet, _blank(job, best.sheet), job)
         text = Sentence("sheet {name!r} is read; also there: {others}", name=best.sheet.name, others=tuple(others))
         note = Message("info", "sheet_chosen", text)
         return replace(understood, messages=(*understood.messages, note))
     return _sheet_per_signal(job, good)
 
 
-def _blank(job: _Job, sheet: LogSheet, labels: list[str]) -> Understood:
+def _blank(job: _Job, sheet: LogSheet) -> Understood:
     """Return what is known of a sheet before its columns are read."""
     return Understood(
         job.source.file, "", "workbook", None, None, None, sheet.headings,
-        tuple(tuple(row) for row in sheet.sample[:8]), memory.signature(labels),
+        tuple(tuple(row) for row in sheet.sample[:8]), _signature(sheet),
     )  # fmt: skip
 
 
@@ -185,7 +208,7 @@ class _SheetReading(NamedTuple):
 
 def _read_sheet(sheet: LogSheet, job: _Job) -> _SheetReading | None:
     """Read one sheet of several; None where it is no log."""
-    assigner = Assigner(job.source.file, job.units, stated_units(sheet.headings))
+    assigner = Assigner(job.source.file, job.units, stated_units(sheet.headings), job.interval)
     labels = {heading.label for heading in sheet.headings}
     mapping = {quantity: column for quantity, column in job.mapping.items() if column in (*labels, memory.NOT_LOGGED)}
     try:
@@ -197,7 +220,8 @@ def _read_sheet(sheet: LogSheet, job: _Job) -> _SheetReading | None:
 def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
     """Put sheets that hold one signal each, with a time of its own, on one time axis."""
     headings = tuple(heading for reading in good for heading in reading.sheet.headings)
-    blank = replace(_blank(job, good[0].sheet, labels_of(headings)), headings=headings)
+    signature = memory.signature(labels_of(headings))
+    blank = replace(_blank(job, good[0].sheet), headings=headings, signature=signature)
     main = Assigner(job.source.file, job.units, ())
     offered: dict[str, list[_SheetReading]] = {}
     for reading in good:

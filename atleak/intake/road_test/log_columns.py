@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,11 +10,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from atleak.doors import own_errors_only
+from atleak.errors import RoadTestError
 from atleak.intake.road_test.channels.assign import find_candidates, match_heading
 from atleak.intake.road_test.channels.long import long_columns, long_shape
 from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.files.delimited import numbers, open_delimited
-from atleak.intake.road_test.files.layout import Heading
+from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.files.log_file import LogFile, open_source
 from atleak.intake.road_test.files.log_sheets import open_sheets
 from atleak.intake.road_test.mdf import mdf_columns
@@ -42,6 +45,7 @@ class LogColumn:
     words: tuple[str, ...] = ()
 
 
+@own_errors_only(RoadTestError, "name", "source")
 def log_columns(source: str | Path | bytes, *, name: str | None = None) -> tuple[LogColumn, ...]:
     """Return every column of a log, in file order; none where no table of numbers is found in it.
 
@@ -54,7 +58,9 @@ def log_columns(source: str | Path | bytes, *, name: str | None = None) -> tuple
     """
     opened = open_source(source, name)
     try:
-        return tuple(_column(*parts) for parts in _read(opened))
+        read = list(_read(opened))
+        labels = Counter(heading.label for heading, *_ in read)
+        return tuple(_column(*parts, labels[parts[0].label] > 1) for parts in read)
     finally:
         opened.close()
 
@@ -84,12 +90,13 @@ def _of_table(table: LogTable) -> Iterator[tuple[Heading, np.ndarray, Iterable[s
         yield heading, *numbers(frame, heading.index, table.decimal)
 
 
-def _column(heading: Heading, values: np.ndarray, words: Iterable[str]) -> LogColumn:
+def _column(heading: Heading, values: np.ndarray, words: Iterable[str], repeated: bool) -> LogColumn:
+    label = heading.numbered if repeated else heading.label
     match = match_heading(heading)
     good = values[np.isfinite(values)]
     some = tuple(dict.fromkeys(str(word) for word in pd.Series(words, dtype=object).head(10_000)))[:WORDS]
     unit, quantity = heading.unit or (match.unit if match else None), match.quantity if match else None
     if not len(good):
-        return LogColumn(heading.label, unit, quantity, 0, words=some)
+        return LogColumn(label, unit, quantity, 0, words=some)
     curve = tuple(good[thinned([good], POINTS)].tolist())
-    return LogColumn(heading.label, unit, quantity, len(good), float(good.min()), float(good.max()), curve, some)
+    return LogColumn(label, unit, quantity, len(good), float(good.min()), float(good.max()), curve, some)

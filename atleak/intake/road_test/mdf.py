@@ -15,7 +15,7 @@ from atleak.intake.road_test.channels.assign import Assigner, Candidate, find_ca
 from atleak.intake.road_test.channels.protocol import TableResult
 from atleak.intake.road_test.clock.clocks import Clock
 from atleak.intake.road_test.clock.timeline import build as build_timeline
-from atleak.intake.road_test.files.layout import Heading
+from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.files.log_file import LogFile
 from atleak.intake.road_test.names import memory
 from atleak.intake.road_test.names.matching import split_unit

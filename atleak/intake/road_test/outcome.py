@@ -10,7 +10,7 @@ from atleak.errors import Message, RoadTestError
 from atleak.intake.road_test.channels import build
 from atleak.intake.road_test.channels.assign import Ambiguous, Assigner
 from atleak.intake.road_test.channels.protocol import TableResult
-from atleak.intake.road_test.files.layout import Heading
+from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names.memory import NOT_LOGGED
 from atleak.road_test import QUANTITIES, RoadTest, Segment
 from atleak.sentence import Sentence
@@ -47,6 +47,7 @@ class Understood:
     time_unit: str = ""
     time_assumed: bool = False
     segments: tuple[Segment, ...] = ()
+    rows_left_out: int = 0  # lines below the header that are no rows: messages say what they are
 
     @property
     def rows(self) -> int:
@@ -68,9 +69,13 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
     """Make the road test of signals and clock, with every message about it."""
     timeline = reading.timeline
     build.time_messages(assigner, timeline)
+    if "time" in constants and reading.clock.form != "counted":
+        text = Sentence("the log has a clock, {column!r}: the stated interval is not used", column=reading.time_label)
+        assigner.say("interval_not_used", text, "warning")
     channels = build.channels(assigner, timeline, constants)
     used = {signal.candidate.label for signal in assigner.signals.values()} | {reading.time_label}
     offered = {label for ambiguous in assigner.ambiguous for label in ambiguous.candidates}
+    offered |= {heading.label for heading in blank.headings if heading.numbered in offered}
     labels = list(reading.used) if reading.long else labels_of(blank.headings)
     unused = tuple(dict.fromkeys(label for label in labels if label not in used | offered))
     if not assigner.signals and not assigner.ambiguous:
@@ -101,6 +106,7 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
         time_label=reading.time_label,
         time_unit=reading.clock.unit,
         time_assumed=reading.clock.unit_assumed,
+        rows_left_out=reading.left_out,
         segments=timeline.segments if reading.file_segments is None else reading.file_segments,
     )
 

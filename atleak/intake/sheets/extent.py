@@ -24,7 +24,7 @@ TABLES = 200
 """Tables under headings of their own on one sheet."""
 FAULTS = 300
 """Faults after which no more of a file is read: it is not what it was given as."""
-TEXT = 16 << 20
+TEXT = 4 << 20
 """Bytes of a text file."""
 
 EXPECTED = Sentence(

@@ -12,6 +12,7 @@ from atleak.intake.workbook_marks import Marks
 from atleak.sentence import Sentence
 
 _RUNS_SHOWN = 12
+NO_WIDTH = dict.fromkeys(map(ord, "\u200b\u200c\u200d\u2060\ufeff\u00ad"))  # signs that nobody sees, to be left out
 Cell = Any  # str, float, int, bool, date or time; "" where empty
 
 
@@ -32,6 +33,8 @@ class Sheet:
     hidden: bool = False
     note: Sentence | None = None  # how a text file was read
     marks: Marks = Marks()  # noqa: RUF009  frozen, so safe to share; rows, columns and cells hidden or crossed out
+    turned: bool = False  # its rows are the columns of the file, because its headings run down the first one
+    derived: Mapping[int, int] = field(default_factory=dict)  # columns made from others of the file, and from which
 
     @property
     def is_text(self) -> bool:
@@ -56,15 +59,21 @@ class Sheet:
         return self.merged.get((row, column), (row, column)) in self.marks.struck
 
     def row_number(self, row: int) -> int:
-        """Return the row's number as a spreadsheet or an editor shows it."""
-        return self.lines[row] if self.lines is not None else row + 1
+        """Return the row's number as a spreadsheet or an editor shows it; of a turned sheet that of the column."""
+        return self.lines[row] if self.lines is not None and not self.turned else row + 1
 
     def place(self, row: int | None = None, column: int | None = None, heading: str = "") -> Place:
         """Return where a cell is: a workbook's column by its letter, a text file's by its heading."""
-        where = None
         if column is not None:
-            where = heading or str(column + 1) if self.is_text else column_letter(column)
+            column = self.derived.get(column, column)
+        if self.turned:
+            line = None if column is None else self.lines[column] if self.lines is not None else column + 1
+            return Place(self.file, self.name, line, None if row is None else self._column_said(row))
+        where = None if column is None else (heading if self.is_text else "") or self._column_said(column)
         return Place(self.file, self.name, None if row is None else self.row_number(row), where)
+
+    def _column_said(self, column: int) -> str:
+        return str(column + 1) if self.is_text else column_letter(column)
 
 
 def rows_named(sheet: Sheet, rows: Sequence[int]) -> Sentence:

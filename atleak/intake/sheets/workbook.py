@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from atleak.errors import ReadingsError
 from atleak.intake.native.process import WORKBOOK, read_apart
 from atleak.intake.native.workbooks import Range, first_rows, measuring_sheets, stray_cells
-from atleak.intake.sheets.sheet import Sheet
+from atleak.intake.sheets.sheet import NO_WIDTH, Cell, Sheet
 from atleak.intake.workbook_marks import Marks
 
 
@@ -30,7 +30,7 @@ def read_workbook(data: bytes, file: str, *, only_look: bool = False) -> list[Sh
         Sheet(
             file=file,
             name=worksheet["name"],
-            rows=worksheet["rows"],
+            rows=[_seen(row) for row in worksheet["rows"]],
             merged=_merged(worksheet["merged"]),
             faults=worksheet["faults"],
             hidden=worksheet["hidden"],
@@ -38,6 +38,13 @@ def read_workbook(data: bytes, file: str, *, only_look: bool = False) -> list[Sh
         )
         for worksheet in read_apart(read, data, file, ReadingsError, WORKBOOK, stray_cells)
     ]
+
+
+def _seen(row: Sequence[Cell]) -> Sequence[Cell]:
+    """Return a row without the signs in its texts that nobody sees."""
+    if all(not isinstance(cell, str) or cell.isascii() for cell in row):
+        return row
+    return [cell.translate(NO_WIDTH).strip() if isinstance(cell, str) else cell for cell in row]
 
 
 def _merged(ranges: Iterable[Range]) -> dict[tuple[int, int], tuple[int, int]]:

@@ -10,7 +10,7 @@ import io
 from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
@@ -27,11 +27,14 @@ from atleak.own_lands import OwnLands
 from atleak.pressure_table import PressureTable
 from atleak.readings import NOMINAL_HEADING, Reading
 from atleak.report.lands_sheet import AS_STATED, LANDS, REPRESENTATIVE, write_lands
-from atleak.report.measuring_sheet.instructions import INSTRUCTIONS, write_instructions
+from atleak.report.measuring_sheet.head import FIELDS, INSTRUMENT, JOB, KINDS, PLACES, code_text
+from atleak.report.measuring_sheet.instructions import INSTRUCTIONS, ORDER, write_instructions
 from atleak.report.measuring_sheet.paging import BOTTOM, LEFT, RIGHT, TOP, Block, Paging
+from atleak.report.measuring_sheet.pictures import COLUMN, HEAD_COLUMN, draw_head, draw_spools
+from atleak.report.measuring_sheet.pictures import Block as DrawnBlock
 from atleak.report.measuring_sheet.words import PART_NAMES, PUMP_SIDE, PUMP_TIP, SHEET, UNWORN_END
 from atleak.report.pressure_sheet import PRESSURES, write_pressures
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.unit_systems import Quantity
 from atleak.wording import Wording, wording
@@ -55,25 +58,14 @@ _HEADINGS = (  # heading, kind of quantity that its unit is of, width in charact
     (Sentence("Deviation from\nnominal"), "clearance", 11),
     (Sentence("Taken at"), None, 11),
 )
-_INSTRUMENT = Sentence("Instrument")
-_FIELD_PLACES = {  # row, column of the label, first and last column of the field; from 0
-    Sentence("Job"): (3, 0, 2, 3),
-    Sentence("Vehicle"): (3, 4, 6, 7),
-    Sentence("Date"): (3, 8, 9, 10),
-    PUMP_SIDE: (3, 11, 13, 13),
-    Sentence("Mileage"): (4, 0, 2, 3),
-    Sentence("Measured by"): (4, 4, 6, 7),
-    Sentence("VIN"): (4, 8, 9, 10),
-    PUMP_TIP: (4, 11, 13, 13),
-    Sentence("Serial number"): (5, 0, 2, 3),
-    Sentence("Measuring temperature"): (5, 4, 6, 7),
-    _INSTRUMENT: (5, 8, 9, 10),
-}
-FIELDS: tuple[Sentence, ...] = tuple(_FIELD_PLACES)
 _HEADER = 6  # row of the headings, from 0
-_ABOVE = (20.0, 15.0, 15.0, 18.0, 18.0, 18.0, 54.0)  # [pt] heights of the rows down to the headings
+_TITLE_ROWS = (21.0, 42.0, 45.0)  # [pt] heights: the valve body, what to do, what of it is representative
+_HEADINGS_ROW = 54.0  # [pt]
+_CHOICES = 255  # characters that a spreadsheet program takes as the choices of a cell
+_ANGLES = (0, 45, 90, 135)  # [°] to choose from; another may be typed
 _Key = Callable[["_Row"], tuple[Any, ...]]
 _TAKEN_AT = 13  # column, from 0
+_NUMBER = 5  # characters of a component's number; an id of more is written upright
 _FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
 _CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same controller gives the same bytes
 
@@ -93,13 +85,22 @@ class _Row:
         return self.land.nominal_of(self.part)
 
 
-def write_template(controller: Controller, *, language: str = "en", units: str = "metric") -> bytes:
+def write_template(
+    controller: Controller,
+    *,
+    fields: Mapping[str, str] | None = None,
+    language: str = "en",
+    units: str = "metric",
+) -> bytes:
     """Return an empty measuring sheet: two directions and two repeats in every plane of every land.
 
     Parameters
     ----------
     controller
         whose lands are to be measured.
+    fields
+        what is known of the job, by the names of `FIELDS`, such as `atleak.report.measuring_sheet.head.fields_of`
+        gives; the code of the job stands beside it.
     language
         one of `atleak.wording.languages`; a sheet in any of them is read back.
     units
@@ -110,7 +111,7 @@ def write_template(controller: Controller, *, language: str = "en", units: str =
     bytes
         of an .xlsx workbook; the same controller gives the same bytes.
     """
-    return write_readings(controller, (), language=language, units=units)
+    return write_readings(controller, (), fields=fields, language=language, units=units)
 
 
 def write_readings(
@@ -136,7 +137,8 @@ def write_readings(
     fields
         what to write at the head of the sheet, by the names of `FIELDS`.
     blank_rows
-        whether planes, directions and repeats without a reading get an empty row.
+        whether planes, directions and repeats without a reading get an empty row; who is to fill them in is shown
+        every spool with its planes.
     pressures
         gauge readings to fill in on the tab of pressures, the first of each cell.
     own_lands
@@ -151,7 +153,7 @@ def write_readings(
     """
     readings, say = list(readings), wording(language, units)
     empty = not readings and not fields and pressures is None and own_lands == OwnLands()
-    rows = list(_rows(controller, readings, blank_rows))
+    rows = _rows(controller, readings, blank_rows)
     buffer = io.BytesIO()
     options = {
         "in_memory": True,
@@ -168,15 +170,16 @@ def write_readings(
         sheet = _Sheet(book.add_worksheet(say.sentence(SHEET)), formats, controller, say)
         sheet.head(fields or {})
         sheet.lay_out(rows)
-        sheet.body(rows)
-        sheet.set_up(len(rows))
+        sheet.body(rows, drawn=blank_rows)
+        sheet.set_up(len(rows), (fields or {}).get(JOB, ""))
         write_lands(book.add_worksheet(say.sentence(LANDS)), formats, controller, own_lands, say)
         write_pressures(book.add_worksheet(say.sentence(PRESSURES)), formats, controller, pressures, say)
         write_instructions(book.add_worksheet(say.sentence(INSTRUCTIONS)), formats, controller, _FAR, say)
     return sealed(buffer.getvalue()) if empty else buffer.getvalue()
 
 
-def _rows(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> Iterator[_Row]:
+def _rows(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> list[_Row]:
+    """Return the rows in the order of measuring that the sheet states, `instructions.ORDER`."""
     given: dict[tuple[Any, ...], dict[int, Reading]] = defaultdict(dict)
     directions: dict[tuple[str, Part, str], list[float | None]] = defaultdict(list)
     for reading in readings:
@@ -185,23 +188,24 @@ def _rows(controller: Controller, readings: Iterable[Reading], blank_rows: bool)
         known = directions[reading.component, reading.part, reading.plane]
         if reading.direction not in known:
             known.append(reading.direction)
+
+    def of_part(component: str, part: Part) -> Iterator[_Row]:
+        for land in controller.lands_of(component):
+            for plane in land.planes:
+                measured = directions[component, part, plane]
+                wanted = [angle for angle in DIRECTIONS if angle not in measured] if blank_rows else []
+                for direction in sorted([*measured, *wanted], key=lambda angle: -1.0 if angle is None else angle):
+                    repeats = given[component, part, plane, direction]
+                    for repeat in {*repeats, *(range(1, REPEATS + 1) if blank_rows else ())}:
+                        yield _Row(land, part, plane, direction, repeat, repeats.get(repeat))
+
     components = dict.fromkeys(land.component for land in controller.lands)
-    for component in components:
-        for part in PARTS:
-            for land in controller.lands_of(component):
-                for plane in land.planes:
-                    measured = directions[component, part, plane]
-                    wanted = [angle for angle in DIRECTIONS if angle not in measured] if blank_rows else []
-                    angles = sorted([*measured, *wanted], key=lambda angle: -1.0 if angle is None else angle)
-                    for direction in angles:
-                        repeats = given[component, part, plane, direction]
-                        numbers = {*repeats, *(range(1, REPEATS + 1) if blank_rows else ())}
-                        for repeat in sorted(numbers):
-                            yield _Row(land, part, plane, direction, repeat, repeats.get(repeat))
+    parts = [of_part(component, part) for component in components for part in PARTS]
+    return [row for rows in parts for row in sorted(rows, key=lambda row: row.repeat)]
 
 
 def _title(controller: Controller, say: Wording) -> str:
-    return say.sentence(Sentence("Measuring sheet: {name}", name=controller.name))
+    return say.sentence(Sentence("Measuring sheet: {name}", name=Name(controller.name)))
 
 
 def _formats(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
@@ -211,8 +215,11 @@ def _formats(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
     return {
         "title": book.add_format({"bold": True, "font_size": 14}),
         "label": book.add_format({"bold": True}),
-        "field": book.add_format({"bottom": 1, "bg_color": SHEET_COLOURS["entry"]}),
-        "note": book.add_format({"italic": True, "font_color": SHEET_COLOURS["note"]}),
+        "field label": book.add_format({"bold": True, "text_wrap": True, "valign": "vcenter"}),
+        "field": book.add_format({"bottom": 1, "bg_color": SHEET_COLOURS["entry"], "valign": "vcenter"}),
+        "note": book.add_format(
+            {"italic": True, "font_size": 8, "font_color": SHEET_COLOURS["note"], "text_wrap": True, "valign": "top"}
+        ),
         "heading": book.add_format(
             {
                 **cell,
@@ -224,6 +231,8 @@ def _formats(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
             }
         ),
         "text": book.add_format({**given, "text_wrap": True, "align": "left"}),
+        "upright": book.add_format({**given, "align": "center", "rotation": 90}),
+        "on top": book.add_format({**given, "text_wrap": True, "align": "left", "valign": "top"}),
         "number": book.add_format({**given, "align": "center"}),
         "angle": book.add_format({**given, "align": "center", "num_format": '0"°"'}),
         "input": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": length, "locked": False}),
@@ -231,13 +240,13 @@ def _formats(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
         "nominal": book.add_format({**given, "num_format": length, "font_color": SHEET_COLOURS["soft"]}),
         "clearance": book.add_format({**given, "num_format": "0.0", "font_color": SHEET_COLOURS["soft"]}),
         "pressure": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.0", "locked": False}),
-        "origin": book.add_format({**given, "font_color": SHEET_COLOURS["soft"], "italic": True}),
+        "origin": book.add_format({**given, "font_color": SHEET_COLOURS["soft"], "italic": True, "text_wrap": True}),
         "deviation": book.add_format({**given, "num_format": "0"}),
         "alarm": book.add_format(
             {"bg_color": SHEET_COLOURS["alarm"], "font_color": SHEET_COLOURS["on_heading"], "bold": True}
         ),
         "wrap": book.add_format({"text_wrap": True, "valign": "top"}),
-        "topic": book.add_format({"bold": True, "valign": "top"}),
+        "topic": book.add_format({"bold": True, "text_wrap": True, "valign": "top"}),
     }
 
 
@@ -249,68 +258,73 @@ class _Sheet:
         widths = (
             max(width, 1 + max(map(len, self._heading(heading, kind).split()))) for heading, kind, width in _HEADINGS
         )
-        self.paging, self.breaks = Paging(tuple(widths), _ABOVE), list[int]()
+        paging = Paging(tuple(widths), ())
+        fields = (paging.row_height,) * (_HEADER - len(_TITLE_ROWS))  # for a pencil too
+        self.paging, self.breaks = replace(paging, above=(*_TITLE_ROWS, *fields, _HEADINGS_ROW)), list[int]()
 
     def _heading(self, heading: Sentence, kind: str | None) -> str:
         return self.say.sentence(heading) + (f" [{self.say.unit(kind)}]" if kind else "")
 
     def head(self, fields: Mapping[str, str]) -> None:
         sheet, formats, controller, say = self.sheet, self.formats, self.controller, self.say
-        sheet.write_string(0, 0, _title(controller, say), formats["title"])
         told = Sentence(
             "Controller {id}. Yellow cells are to be filled in. All dimensions in {unit}",
             id=controller.id,
             unit=say.unit("length"),
         )
-        sheet.write_string(1, 0, say.sentence(told))
-        if controller.representative:
-            sheet.write_string(2, 0, controller.representative, formats["note"])
+        told_all = f"{say.sentence(told)}\n{say.sentence(ORDER)}"
+        titles = ((_title(controller, say), "title"), (told_all, "wrap"), (say.name(controller.representative), "note"))
+        for row, (text, form) in enumerate(titles):
+            sheet.merge_range(row, 0, row, HEAD_COLUMN - 1, "", formats[form])
+            sheet.write_string(row, 0, text, formats[form])
         gaps = controller.pump.gaps
         left_out = {name for name, slips in ((PUMP_SIDE, gaps.side), (PUMP_TIP, gaps.tips)) if slips is None}
-        for field, (row, label, first, last) in _FIELD_PLACES.items():
+        for field, (row, label, first, last) in PLACES.items():
             if field in left_out - fields.keys():
                 continue  # the file does not say what would slip through it
-            sheet.write_string(row, label, say.sentence(field), formats["label"])
-            if last > first:
-                sheet.merge_range(row, first, row, last, "", formats["field"])
-            sheet.write_string(row, first, fields.get(field, ""), formats["field"])
+            for start, end, text, form in (
+                (label, first - 1, self._heading(field, KINDS.get(field)), "field label"),
+                (first, last, fields.get(field, ""), "field"),
+            ):
+                if end > start:
+                    sheet.merge_range(row, start, row, end, "", formats[form])
+                sheet.write_string(row, start, text, formats[form])
         for column, (heading, kind, _) in enumerate(_HEADINGS):
             sheet.write_string(_HEADER, column, self._heading(heading, kind), formats["heading"])
             sheet.set_column(column, column, self.paging.widths[column])
         for row, height in enumerate(self.paging.above):
             sheet.set_row(row, height)
+        draw_head(sheet, code_text(controller, fields), say)
 
     def lay_out(self, rows: Sequence[_Row]) -> None:
         """Find where pages begin, so that none cuts a component, or a part or plane of a large one."""
-        self.breaks = self.paging.breaks(_nested(list(rows), (_component, _part, _plane)))
+        self.breaks = self.paging.breaks(_nested(rows, (_component, _part, _round, _plane)))
         for row in range(len(rows)):
             self.sheet.set_row(_HEADER + 1 + row, self.paging.row_height)
 
-    def body(self, rows: Sequence[_Row]) -> None:
-        """Write a row for every reading; what several rows share is merged, on each page anew."""
+    def body(self, rows: Sequence[_Row], *, drawn: bool) -> None:
+        """Write a row for every reading; what several rows share is merged, on each page anew, with its spool drawn."""
         pages = [bisect_right(self.breaks, row) for row in range(len(rows))]
         numbered = list(enumerate(rows, start=_HEADER + 1))
-        for first, last, entry in _runs(numbered, pages, _component):
-            self._label(first, last, 0, entry.land.component, "text")
-            self._label(first, last, 1, self.say.name(self.controller.components[entry.land.component]), "text")
+        on_pages = {first: (last, entry.land.component) for first, last, entry in _runs(numbered, pages, _component)}
+        blocks = [
+            DrawnBlock(component, first, (last - first + 1) * self.paging.row_height)
+            for first, (last, component) in on_pages.items()
+        ]
+        width = self.paging.widths[COLUMN]
+        with_spool = draw_spools(self.sheet, self.controller, blocks if drawn else (), width, self.say)
+        on_top = {block.row for block in with_spool}
+        for first, (last, component) in on_pages.items():
+            name = self.say.name(self.controller.components[component])
+            self._label(first, last, 0, component, "text" if len(component) <= _NUMBER else "upright")
+            self._label(first, last, COLUMN, name, "on top" if first in on_top else "text")
         for first, last, entry in _runs(numbered, pages, _part):
-            self._label(
-                first,
-                last,
-                2,
-                self.say.sentence(PART_NAMES[entry.land.part_name if entry.part == "spool" else "sleeve"]),
-                "text",
-            )
+            self._label(first, last, 2, self._part_name(entry), "text")
         for first, last, entry in _runs(numbered, pages, _plane):
             self._label(first, last, 3, entry.plane, "number")
             self._label(first, last, 9, self._shown(entry.nominal), "nominal")
-            self._label(
-                first,
-                last,
-                10,
-                round(float(self.say.convert(entry.land.mounting_high * UM, "clearance")), 6),
-                "clearance",
-            )
+            clearance = round(float(self.say.convert(entry.land.mounting_high * UM, "clearance")), 6)
+            self._label(first, last, 10, clearance, "clearance")
             self._label(first, last, 11, self.say.sentence(_origin(entry.land)), "origin")
             for row in range(first, last + 1):
                 self._deviation(row, first, rows[row - _HEADER - 1])
@@ -324,6 +338,9 @@ class _Sheet:
                     self.sheet.write_blank(row, column, None, self.formats["input"])
                 else:
                     self.sheet.write_number(row, column, self._shown(metres), self.formats["input"])
+
+    def _part_name(self, entry: _Row) -> str:
+        return self.say.sentence(PART_NAMES[entry.land.part_name if entry.part == "spool" else "sleeve"])
 
     def _label(self, first: int, last: int, column: int, value: str | float | None, name: str) -> None:
         """Write one value over several rows, merged as in Table 1."""
@@ -357,7 +374,27 @@ class _Sheet:
             row, 12, f'=IF({filled},{factor:.10g}*({measured}-{nominal}),"")', self.formats["deviation"], known
         )
 
-    def set_up(self, rows: int) -> None:
+    def _choose(self, rows: tuple[int, int], column: int, choices: Iterable[str], *, others: bool = False) -> None:
+        """Let cells be chosen from a list, which commas part; others too where they may be typed."""
+        known = [choice for choice in choices if "," not in choice]
+        while len(",".join(known)) > _CHOICES:
+            known.pop()
+        told = Sentence("One of the list: {choices}", choices=tuple(known))
+        self.sheet.data_validation(
+            rows[0],
+            column,
+            rows[1],
+            column,
+            {
+                "validate": "list",
+                "source": known,
+                "show_error": not others,
+                "error_title": self.say.sentence(Sentence("Not in the list")),
+                "error_message": self.say.sentence(told)[:_CHOICES],
+            },
+        )
+
+    def set_up(self, rows: int, job: str) -> None:
         """Add what a person needs who fills it in on a screen or on paper."""
         sheet, say, first, last = self.sheet, self.say, _HEADER + 1, _HEADER + max(rows, 1)
         far = float(say.convert(_FAR, "clearance"))
@@ -381,12 +418,14 @@ class _Sheet:
                 ),
             },
         )
-        sheet.data_validation(
-            first, _TAKEN_AT, last, _TAKEN_AT, {"validate": "list", "source": [say.sentence(UNWORN_END)]}
-        )
-        gauges = {"validate": "list", "source": self._instruments(), "error_type": "information"}
-        row, _, column, _ = _FIELD_PLACES[_INSTRUMENT]
-        sheet.data_validation(row, column, row, column, gauges)
+        self._choose((first, last), _TAKEN_AT, [say.sentence(UNWORN_END)])
+        parts = [
+            self._part_name(_Row(land, part, "", None, 1, None)) for land in self.controller.lands for part in PARTS
+        ]
+        self._choose((first, last), 2, dict.fromkeys(parts))
+        self._choose((first, last), 4, map(str, _ANGLES), others=True)
+        row, _, column, _ = PLACES[INSTRUMENT]
+        self._choose((row, row), column, self._instruments(), others=True)
         alarm = {"type": "cell", "criteria": "not between", "minimum": -far, "maximum": far}
         empty = {"type": "formula", "criteria": f"=NOT(ISNUMBER($M{first + 1}))", "stop_if_true": True}
         sheet.conditional_format(first, 12, last, 12, empty)
@@ -399,7 +438,8 @@ class _Sheet:
         sheet.print_area(0, 0, last, len(_HEADINGS) - 1)
         sheet.set_margins(left=LEFT, right=RIGHT, top=TOP, bottom=BOTTOM)
         page = say("title.page", page="&P", pages="&N")
-        sheet.set_footer(f"&L{self.controller.name.replace('&', '&&')[:120]}&R{page}")
+        name = " · ".join(filter(None, (job, say.name(self.controller.name))))
+        sheet.set_footer(f"&L{name.replace('&', '&&')[:120]}&R{page}")
         sheet.ignore_errors({"number_stored_as_text": f"A{first + 1}:E{last + 1}"})
 
 
@@ -416,8 +456,12 @@ def _part(entry: _Row) -> tuple[Any, ...]:
     return *_component(entry), entry.part
 
 
+def _round(entry: _Row) -> tuple[Any, ...]:
+    return *_part(entry), entry.repeat
+
+
 def _plane(entry: _Row) -> tuple[Any, ...]:
-    return *_part(entry), entry.plane
+    return *_round(entry), entry.plane
 
 
 def _direction(entry: _Row) -> tuple[Any, ...]:
@@ -432,7 +476,7 @@ def _runs(numbered: Sequence[tuple[int, _Row]], pages: Sequence[int], key: _Key)
 
 
 def _nested(rows: Sequence[_Row], keys: Sequence[_Key]) -> list[Block]:
-    """Return the numbers of rows of components, within them of parts, within them of planes."""
+    """Return the numbers of rows of components, within them of parts, of the rounds of measuring, of planes."""
     key, *finer = keys
     groups = [list(block) for _, block in groupby(rows, key=key)]
     return [_nested(group, finer) if finer else len(group) for group in groups]

@@ -11,13 +11,18 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
 from atleak.report.lands_sheet import LANDS
 from atleak.report.measuring_sheet.words import UNWORN_END
 from atleak.report.pressure_sheet import PRESSURES
-from atleak.sentence import Sentence
+from atleak.report.row_heights import row_height
+from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.wording import Wording
 
 INSTRUCTIONS = Sentence("How to measure")
-_WIDTHS = (18, 96)
-_LINE = 15.0  # [pt] height of a line of text
+_WIDTHS = (24, 96)
+_BETWEEN = 6.0  # [pt] height of the row below a topic, which also keeps words of several from being read as headings
+ORDER = Sentence(
+    "Down the rows, component by component: its spool in all planes by their numbers, each at 0° and 90°; lifted off "
+    "and set up afresh, all again for the second repeat; then its bore likewise."
+)
 _REFERENCE = Quantity(REFERENCE_TEMPERATURE, "temperature")
 
 
@@ -42,11 +47,13 @@ def write_instructions(
     for column, width in enumerate(_WIDTHS):
         sheet.set_column(column, column, width)
     sheet.write_string(0, 0, say.sentence(INSTRUCTIONS), formats["title"])
-    for row, (topic, text) in enumerate(_topics(controller, far, say), start=2):
+    for number, (topic, text) in enumerate(_topics(controller, far, say)):
+        row = 2 * number + 2
         said = say.sentence(text)
         sheet.write_string(row, 0, say.sentence(topic), formats["topic"])
         sheet.write_string(row, 1, said, formats["wrap"])
-        sheet.set_row(row, _LINE * (1 + len(said) // (_WIDTHS[1] - 10)))  # programs that do not fit rows themselves
+        sheet.set_row(row, row_height(zip((say.sentence(topic), said), _WIDTHS, strict=True)))
+        sheet.set_row(row + 1, _BETWEEN)
     sheet.set_landscape()
     sheet.set_paper(9)  # A4
     sheet.fit_to_pages(1, 0)
@@ -91,9 +98,21 @@ def _topics(controller: Controller, far: float, say: Wording) -> Iterator[tuple[
     )
     yield (
         Sentence("In which order"),
+        Sentence("{order} Or all spools first and then all bores, to change gauges once.", order=ORDER),
+    )
+    yield (
+        Sentence("Drawing"),
         Sentence(
-            "Down the rows: a component's spool in all its planes, then its bore, then the next component. Or all "
-            "spools first and then all bores, to change gauges once."
+            "Beside its rows every spool is shown upright with the planes that the rows ask for, numbered alike; the "
+            "end on top is the left one elsewhere. It is not to scale unless the valve body's file says where the "
+            "lands lie. 0° is up and down as the valve body lies on the bench, 90° level."
+        ),
+    )
+    yield (
+        Sentence("Code"),
+        Sentence(
+            "Where the job is known, the head has its code: a scanner types the job's number and the valve body's id "
+            "from it, into the search of the job book for one."
         ),
     )
     yield (
@@ -171,7 +190,7 @@ def _topics(controller: Controller, far: float, say: Wording) -> Iterator[tuple[
     yield (
         Sentence("Check"),
         Sentence(
-            "The last column shows how far each diameter is from the nominal one. It turns red from {far:g} {far.unit} "
+            "One column shows how far each diameter is from the nominal one. It turns red from {far:g} {far.unit} "
             "on: another plane, a slip of the pen, or inches.",
             far=Quantity(far, "clearance"),
         ),
@@ -187,5 +206,7 @@ def _topics(controller: Controller, far: float, say: Wording) -> Iterator[tuple[
     if controller.representative:
         yield (
             Sentence("Nominal values"),
-            Sentence("{representative} They are there for orientation only.", representative=controller.representative),
+            Sentence(
+                "{representative} They are there for orientation only.", representative=Name(controller.representative)
+            ),
         )

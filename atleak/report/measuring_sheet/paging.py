@@ -9,7 +9,7 @@ from dataclasses import dataclass
 _PIXEL = 0.75  # [pt] to which workbooks round a row's height
 ROW = 7.0  # [mm] least height of a row on paper, to write in by hand: choice of this project
 _PAGE = 297.0, 210.0  # [mm] A4, landscape
-LEFT, RIGHT, TOP, BOTTOM = 0.4, 0.4, 0.5, 0.6  # [in] margins
+LEFT, RIGHT, TOP, BOTTOM = 0.4, 0.4, 0.4, 0.5  # [in] margins: 24 rows fit, a component of two lands and one of one
 _INCH, _POINT = 25.4, 25.4 / 72.0  # [mm]
 _PIXELS = 96.0  # of an inch
 _SPARE = 0.82  # of the width that is used: without the sheet's font a program takes a wider one
@@ -46,10 +46,14 @@ class Paging:
     def breaks(self, blocks: Sequence[Block]) -> list[int]:
         """Return the rows before which a page begins, counted from the first row to fill in.
 
-        A block that fits on a page stands on one; of a larger one its own blocks do.
+        A block that fits on a page stands on one; of a larger one its own blocks do. The first page has the head, so
+        that of its first block too the own blocks may have to.
         """
         found: list[int] = []
         used = self._printed(sum(self.above))
+        blocks = list(blocks)
+        while blocks and not isinstance(blocks[0], int) and used + self._height(blocks[0]) > self._room:
+            blocks[:1] = blocks[0]
         for row, rows in self._pieces(blocks):
             height = self._printed(rows * self.row_height)
             if row and used + height > self._room:
@@ -69,6 +73,9 @@ class Paging:
             else:
                 yield from ((row + first, many) for first, many in self._pieces(block))
             row += rows
+
+    def _height(self, block: Block) -> float:
+        return self._printed(_rows_of(block) * self.row_height)
 
     def _printed(self, points: float) -> float:
         """Return a height on paper [mm]."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,11 @@ from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table,
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.uncertainty import DECISIONS, RuleDecision, UnitUncertainty
+from atleak.views.land_names import has_number, land_number
 from atleak.workshop_units import MM, PERCENT, UM
+
+_DIRECTIONS = 4  # of measuring, beside one another in a table
+_ABREAST = 6  # readings that a row has room for
 
 
 def coverage_factor(uncertainty: UnitUncertainty) -> float:
@@ -40,6 +44,11 @@ class Annex:
 
     def __init__(self, names: PrintedNames) -> None:
         self.names, self.diagnosis, self.job, self.say = names, names.diagnosis, names.job, names.say
+
+    @property
+    def _numbered(self) -> bool:
+        """Tell whether every component has a number, so that lands are named in a few signs."""
+        return all(has_number(self.diagnosis.controller, land.key[0]) for land in self.diagnosis.lands)
 
     # --- decisions
 
@@ -84,9 +93,9 @@ class Annex:
 
         return [
             PrintedColumn(say("printed.rule"), lambda row: names.rule_name(row[0]), width=6),
-            PrintedColumn(say("annex.value"), lambda row: names.rule_value(row[0], row[0].value), side="r"),
-            PrintedColumn(say("annex.limit"), lambda row: names.rule_value(row[0], row[1].limit), side="r"),
-            PrintedColumn("u", lambda row: self._spread(row[0], row[1].standard_uncertainty), side="r"),
+            PrintedColumn(say("annex.value"), lambda row: names.rule_value(row[0], row[0].value), side="d"),
+            PrintedColumn(say("annex.limit"), lambda row: names.rule_value(row[0], row[1].limit), side="d"),
+            PrintedColumn("u", lambda row: self._spread(row[0], row[1].standard_uncertainty), side="d"),
             PrintedColumn(say("printed.verdict"), lambda row: verdict(row[0])),
             PrintedColumn(say("printed.decision"), lambda row: say.get("decisions", row[1].decision), width=3),
             PrintedColumn("P", lambda row: self._probability(row[1]), "%", side="r"),
@@ -108,23 +117,23 @@ class Annex:
             return "–" if decision is None else what(decision)
 
         return [
-            PrintedColumn(names.column("land"), names.land_number),
-            PrintedColumn("c_r ± U", names.clearance, say.unit("clearance"), side="r"),
-            PrintedColumn("Z ± U", self._wear, "%", side="r"),
+            PrintedColumn(names.column("land"), names.land_number, width=1 if self._numbered else 4),
+            PrintedColumn("c_r ± U", names.clearance, say.unit("clearance"), side="d"),
+            PrintedColumn("Z ± U", self._wear, "%", side="d"),
             PrintedColumn(
                 say("annex.decides"), lambda land: of(land, lambda each: names.rule_name(each.rule)), width=2
             ),
             PrintedColumn(
                 say("annex.value"),
                 lambda land: of(land, lambda each: names.rule_value(each.rule, each.value)),
-                side="r",
+                side="d",
             ),
             PrintedColumn(
                 say("annex.limit"),
                 lambda land: of(land, lambda each: names.rule_value(each.rule, each.limit)),
-                side="r",
+                side="d",
             ),
-            PrintedColumn("± w", guard, side="r"),
+            PrintedColumn("± w", guard, side="d"),
             PrintedColumn(names.column("verdict"), names.verdict),
             PrintedColumn(names.column("decision"), lambda land: say.get("decisions", land.decision or ""), width=3),
             PrintedColumn("P", lambda land: of(land, self._probability), "%", side="r"),
@@ -180,10 +189,10 @@ class Annex:
         yield facts([[say(f"annex.{name}"), value] for name, value in rows])
         unit = say.unit("length")
         columns = [
-            PrintedColumn(self.names.column("land"), self._land),
+            PrintedColumn(self.names.column("land"), self._land, width=0 if self._numbered else 1),
             PrintedColumn(say("annex.part"), lambda row: say(f"annex.{row.part}")),
             PrintedColumn(say("annex.plane"), lambda row: row.plane, side="c"),
-            PrintedColumn(say("annex.each_reading"), self._each, unit, width=1),
+            *self._of_directions(readings.readings, unit),
             PrintedColumn(say("annex.mean"), self._mean, unit, side="r"),
             PrintedColumn(
                 say("annex.ovality"), lambda row: self._of_part(row, "ovality"), say.unit("clearance"), side="r"
@@ -216,17 +225,41 @@ class Annex:
         yield from rows
 
     def _land(self, row: _Row) -> str:
-        return row.component if row.land is None else f"{row.component}/{row.land.land.land}"
+        controller = self.diagnosis.controller
+        return row.component if row.land is None else land_number(controller, row.land.land.key, self.say)
 
-    def _each(self, row: _Row) -> str:
-        """Return every reading behind its direction; one that does not count stands in brackets."""
+    def _of_directions(self, readings: Sequence[Reading], unit: str) -> list[PrintedColumn]:
+        """Return a column for each direction of measuring, or one for all of them where they are many.
+
+        Where the repeats of all directions have no room beside one another, they stand below one another in every row.
+        """
+        directions = sorted({each.direction for each in readings}, key=lambda each: -1.0 if each is None else each)
+        if len(directions) > _DIRECTIONS:
+            return [PrintedColumn(self.say("annex.each_reading"), self._each, unit, width=3)]
+        repeats = max(Counter((each.component, each.part, each.plane, each.direction) for each in readings).values())
+        between = "\u2002" if repeats * len(directions) <= _ABREAST else "\n"
+
+        def at(direction: float | None) -> Callable[[_Row], str]:
+            return lambda row: between.join(self._by_direction(row)[direction])
+
+        return [PrintedColumn(self._direction(each), at(each), unit, width=1, side="d") for each in directions]
+
+    def _direction(self, direction: float | None) -> str:
+        return self.say("annex.each_reading") if direction is None else f"{self.say.plain(direction)}°"
+
+    def _by_direction(self, row: _Row) -> dict[float | None, list[str]]:
+        """Return the readings of every direction; one that does not count stands in brackets."""
         by_direction: dict[float | None, list[str]] = defaultdict(list)
         for reading in row.readings:
             written = self._diameter(reading.diameter)
             by_direction[reading.direction].append(f"({written})" if id(reading) in row.left_out else written)
+        return by_direction
+
+    def _each(self, row: _Row) -> str:
+        """Return every reading behind its direction."""
         return "; ".join(
-            f"{'' if direction is None else f'{self.say.plain(direction)}°: '}{' '.join(written)}"
-            for direction, written in by_direction.items()
+            f"{'' if direction is None else f'{self._direction(direction)}: '}{' '.join(written)}"
+            for direction, written in self._by_direction(row).items()
         )
 
     def _mean(self, row: _Row) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from atleak.wording import isolated
+from atleak.wording import Wording, isolated
 
 Block = dict[str, Any]
 
@@ -17,6 +17,11 @@ _NOTE = 1500  # letters of a note that a page can hold together with the last ro
 def text(content: str, *, small: bool = False, leads: bool = False) -> Block:
     """Return a paragraph; one that ``leads`` stays on the page of what follows it."""
     return {"kind": "text", "text": content, "small": small, "leads": leads}
+
+
+def passage(content: str, language: str, say: Wording) -> str | dict[str, str]:
+    """Return a text in its own language for a cell or a list, marked so where the report has another."""
+    return content if language == say.language else {"text": content, "lang": language}
 
 
 def facts(rows: Sequence[Sequence[str]]) -> Block:
@@ -29,14 +34,15 @@ class PrintedColumn:
     """One column of a table: its title, the content of its cells and how it is set.
 
     ``cell`` turns the item of a row into the content of the cell: a text, or a dictionary with ``sign`` and ``text``
-    for a verdict. ``width`` is the column's share of the remaining width (0: as narrow as its content).
+    for a verdict. ``width`` is the column's share of the remaining width (0: as narrow as its content). ``side`` is
+    left, centred or right, or the decimal signs below one another.
     """
 
     title: str
     cell: Callable[[Any], Any]
     unit: str = ""
     width: int = 0
-    side: Literal["l", "c", "r"] = "l"
+    side: Literal["l", "c", "r", "d"] = "l"
 
     @property
     def name(self) -> str:
@@ -44,18 +50,27 @@ class PrintedColumn:
         return f"{self.title}\n{self.unit}" if self.unit else self.title
 
 
-def table(columns: Sequence[PrintedColumn], items: Iterable[Any], *, empty: bool = True, whole: bool = False) -> Block:
+def table(
+    columns: Sequence[PrintedColumn],
+    items: Iterable[Any],
+    *,
+    empty: bool = True,
+    whole: bool = False,
+    told: Callable[[Any], str] | None = None,
+) -> Block:
     """Return a table with one row per item; with ``empty`` False, empty columns are left out.
 
-    One that is ``whole`` stands on one page, and is to be short.
+    One that is ``whole`` stands on one page, and is to be short. What is ``told`` of an item stands below its row,
+    across all columns.
     """
+    items = list(items)
     rows = [[column.cell(item) for column in columns] for item in items]
     kept = [
         index for index in range(len(columns)) if rows and (empty or any(row[index] not in ("", "–") for row in rows))
     ]
     if not kept:
         return {}
-    return {
+    made: Block = {
         "kind": "table",
         "names": [columns[index].name for index in kept],
         "rows": [[row[index] for index in kept] for row in rows],
@@ -63,17 +78,36 @@ def table(columns: Sequence[PrintedColumn], items: Iterable[Any], *, empty: bool
         "aligned": "".join(columns[index].side for index in kept),
         "whole": whole,
     }
+    if told is not None:
+        groups: list[list[list[Any]]] = [
+            [row, [{"told": said}]] if said else [row] for row, said in zip(made["rows"], map(told, items), strict=True)
+        ]
+        made |= {"rows": [row for group in groups for row in group], "groups": _held([*map(len, groups)])}
+    return made
 
 
-def grouped_table(columns: Sequence[PrintedColumn], groups: Iterable[tuple[str, Sequence[Any]]]) -> Block:
+def _held(sizes: list[int]) -> list[int]:
+    """Return how many rows hold together, so that no page begins or ends with a single item of so many rows each."""
+    return [sum(sizes)] if len(sizes) < 4 else [sum(sizes[:2]), *sizes[2:-2], sum(sizes[-2:])]
+
+
+def grouped_table(
+    columns: Sequence[PrintedColumn],
+    groups: Iterable[tuple[str, Sequence[Any]]],
+    *,
+    told: Callable[[Any], str] | None = None,
+) -> Block:
     """Return a table in which every group of rows has a heading of its own across all columns and stays on one page."""
     titled = [(title, list(items)) for title, items in groups]
     if not titled:
         return {}
-    made = table(columns, [item for _, items in titled for item in items])
+    made = table(columns, [item for _, items in titled for item in items], told=told)
     rows = iter(made["rows"])
-    made["rows"] = [row for title, items in titled for row in ([title], *itertools.islice(rows, len(items)))]
-    made["groups"] = [1 + len(items) for _, items in titled]
+    held = []
+    for title, items in titled:
+        count = sum(2 if told is not None and told(item) else 1 for item in items)
+        held.append([[title], *itertools.islice(rows, count)])
+    made |= {"rows": [row for group in held for row in group], "groups": [*map(len, held)]}
     return made
 
 

@@ -14,7 +14,17 @@ from atleak.job.doubts import record_doubts
 from atleak.job.record import RepairDecision
 from atleak.report.estimate_words import open_words
 from atleak.report.pdf.annex import Annex
-from atleak.report.pdf.blocks import Block, PrintedColumn, facts, grouped_table, joined, table, text, with_notes
+from atleak.report.pdf.blocks import (
+    Block,
+    PrintedColumn,
+    facts,
+    grouped_table,
+    joined,
+    passage,
+    table,
+    text,
+    with_notes,
+)
 from atleak.report.pdf.budget import Budget
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.estimate import estimate_blocks
@@ -71,6 +81,7 @@ OF_LANDS = (
     "readings",
     "budget",
 )
+CATALOGUE_LANGUAGE = "en"  # of the sources that the catalogue's files name
 BARS = 16  # largest number of bars in the chart of shares
 
 
@@ -143,18 +154,17 @@ class Body:
             return
         decided = any(land.decision for land in flagged)
         columns = [
-            PrintedColumn(names.column("pair"), names.pair, width=4),
+            PrintedColumn(names.column("pair"), names.pair, width=3),
             PrintedColumn(names.column("land"), names.land, side="c"),
             PrintedColumn(names.column("verdict"), names.verdict),
-            PrintedColumn(names.column("clearance"), names.clearance, say.unit("clearance"), side="r"),
+            PrintedColumn(names.column("clearance"), names.clearance, say.unit("clearance"), side="d"),
             PrintedColumn(names.column("mounting"), names.mounting, say.unit("clearance"), side="r"),
             PrintedColumn(names.column("wear"), names.wear, "%", side="r"),
-            PrintedColumn(names.column("share_largest"), names.share_largest, "%", width=3, side="r"),
+            PrintedColumn(names.column("share_largest"), names.share_largest, "%", side="r"),
         ]
         if decided:
-            columns.append(PrintedColumn(names.column("decision"), names.decision, width=5))
-        columns.append(PrintedColumn(names.column("reason"), names.reason, width=7))
-        yield table(columns, flagged)
+            columns.append(PrintedColumn(names.column("decision"), names.decision, width=2))
+        yield table(columns, flagged, told=names.reason)
         notes = [say("texts.both_rules")]
         notes += [say("texts.decision")] if decided else []
         notes += [say("texts.uncertainty")] if self.diagnosis.uncertainty else []
@@ -197,7 +207,7 @@ class Body:
                 say.unit("length"),
                 side="r",
             ),
-            PrintedColumn(names.column("clearance"), names.clearance, say.unit("clearance"), side="r"),
+            PrintedColumn(names.column("clearance"), names.clearance, say.unit("clearance"), side="d"),
             PrintedColumn(names.column("mounting"), names.mounting, say.unit("clearance"), side="r"),
             PrintedColumn(names.column("wear"), names.wear, "%", side="r"),
             PrintedColumn(
@@ -361,10 +371,15 @@ class Body:
             PrintedColumn(say("printed.rule"), lambda rule: say(f"rules.{rule[0]}"), width=3),
             PrintedColumn(say("printed.limit"), lambda rule: self._levels(*rule), width=4),
             PrintedColumn(say("printed.origin"), lambda rule: say.get("origins", rule[1].origin), width=2),
-            PrintedColumn(say("printed.source"), lambda rule: rule[1].source, width=6),
+            PrintedColumn(say("printed.source"), lambda rule: self._source_of(rule[1]), width=6),
         ]
         yield table(columns, limits.rules.items())
         yield text(f"{isolated(say.name(limits.name))}. {say('texts.limit_note')}", small=True)
+
+    def _source_of(self, steps: Steps) -> str | dict[str, str]:
+        """Return the source of a limit: what the workshop set, it says in its own words."""
+        own = steps.origin is LimitOrigin.WORKSHOP
+        return steps.source if own else passage(steps.source, CATALOGUE_LANGUAGE, self.say)
 
     def _levels(self, kind: RuleKind, steps: Steps) -> str:
         say = self.say
@@ -459,13 +474,10 @@ class Body:
         elif profile.eccentricity:
             sentences.append(say("texts.method_eccentricity", value=say.plain(profile.eccentricity)))
         yield text(" ".join((*sentences, say("texts.method_limits"))))
-        sources = [
-            say("texts.source_study"),
-            diagnosis.controller.source,
-            diagnosis.fluid.source,
-            diagnosis.limits.source,
-        ]
-        yield {"kind": "list", "items": list(dict.fromkeys(source for source in sources if source))}
+        study = say("texts.source_study")
+        sources = dict.fromkeys((diagnosis.controller.source, diagnosis.fluid.source, diagnosis.limits.source))
+        named = [passage(each, CATALOGUE_LANGUAGE, say) for each in sources if each and each != study]
+        yield {"kind": "list", "items": [study, *named]}
 
     def _decisions(self, charts: dict[str, str]) -> Iterable[Block]:
         yield from self.annex.decisions()

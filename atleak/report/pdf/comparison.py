@@ -178,7 +178,8 @@ class _Page:
         elif diagnosis.flagged:
             repair = sum(land.verdict.calls_for_repair for land in diagnosis.flagged)
             watch = len(diagnosis.flagged) - repair
-            said.append(say("comparison.wrong_lands", measured=diagnosis.judged, repair=repair, watch=watch))
+            counted = say("comparison.wrong_lands", measured=diagnosis.judged, repair=repair, watch=watch)
+            said.append(f"{say('customer.seal')} {counted}")
         else:
             said.append(say("comparison.wrong_none", measured=diagnosis.judged))
         said += filter(None, [measured_sentence(diagnosis, say)])

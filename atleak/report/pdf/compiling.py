@@ -7,7 +7,6 @@ import json
 import shutil
 import unicodedata
 from collections.abc import Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +15,10 @@ import typst
 from atleak.job.record import Job, clean_text
 from atleak.look import LOOKS, PAPER
 from atleak.paper import Paper
+from atleak.report.drawn_png import bundled_fonts
 from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.boxes import BOX_FONT, box_font
-from atleak.report.printed_charts import FONTS, glyphs
+from atleak.report.printed_fonts import FONTS, glyphs
 from atleak.system.marks import KEYWORD
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
@@ -67,6 +67,7 @@ def _letterhead(job: Job, pictures: dict[str, str], say: Wording) -> dict[str, A
         "workshop": shop.name,
         "lines": [line for line in lines if line],
         "logo": pictures.get(shop.logo or ""),
+        "logo-alt": shop.name or say("title.logo"),
     }
 
 
@@ -82,12 +83,6 @@ def _look(verdict: Verdict) -> dict[str, Any]:
         "ground": verdict.flagged,
         "bold": verdict.calls_for_repair,
     }
-
-
-@cache
-def bundled_fonts() -> typst.Fonts:
-    """Return the fonts of the package and no others."""
-    return typst.Fonts(include_system_fonts=False, include_embedded_fonts=False, font_paths=[str(FONTS)])
 
 
 def compile_pdf(template: str, folder: Path, data: dict[str, Any], date: dt.date | None, say: Wording) -> bytes:

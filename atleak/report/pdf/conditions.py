@@ -10,8 +10,9 @@ from atleak.repair import RepairPlan, RepairStep, Total
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, leaking_worst_first
+from atleak.views.land_names import land_number
 from atleak.views.measure_first import head, measure_first, reason
-from atleak.views.repair_options import option_rows
+from atleak.views.repair_options import OptionRow, option_rows
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import replace_at, shares_add_up
 from atleak.workshop_units import PERCENT
@@ -56,7 +57,7 @@ class Conditions:
             ]
             for number in numbers:
                 title = names.condition(self.diagnosis.presented[number].condition)
-                columns.append(PrintedColumn(title, self._cell(number), "%", width=2))
+                columns.append(PrintedColumn(title, self._cell(number), "%", width=2, side="d"))
             yield table(columns, rows)
         yield text(
             " ".join(
@@ -139,11 +140,16 @@ class Conditions:
                     PrintedColumn(say("printed.price"), lambda row: row.price(say), width=2, side="r"),
                     PrintedColumn(say("printed.hours"), lambda row: row.hours(say), "h", side="r"),
                     PrintedColumn(say("printed.tool"), lambda row: row.option.repair.tool or "–", width=3),
-                    PrintedColumn(say("printed.land"), lambda row: row.lands, width=2),
                 ],
                 rows,
                 empty=False,
+                told=self._repaired,
             )
+
+    def _repaired(self, row: OptionRow) -> str:
+        """Name the lands that a repair changes."""
+        lands = joined(land_number(self.diagnosis.controller, key, self.say) for key in row.option.lands)
+        return f"{self.say('printed.land')} {lands}"
 
     def _helps(self, step: RepairStep) -> str:
         if step.helps:
@@ -163,7 +169,7 @@ class Conditions:
             columns = [PrintedColumn("", lambda row: row[0], side="r")]
             for number in range(len(self.diagnosis.projections))[first : first + ABREAST]:
                 title = self.names.condition(self.diagnosis.projections[number].condition)
-                columns.append(PrintedColumn(title, self._total(number), "%", width=1))
+                columns.append(PrintedColumn(title, self._total(number), "%", width=1, side="d"))
             yield table(columns, rows)
 
     def _total(self, number: int) -> Any:

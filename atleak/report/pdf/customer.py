@@ -207,12 +207,13 @@ class CustomerPage:
     def _measured(self) -> str:
         flagged = self.diagnosis.flagged
         repair = sum(land.verdict.calls_for_repair for land in flagged)
-        return self.say(
+        found = self.say(
             f"customer.{'worn' if flagged else 'within'}",
             measured=self.diagnosis.judged,
             repair=repair,
             watch=len(flagged) - repair,
         )
+        return f"{self.say('customer.seal')} {found}"
 
     def _lost(self) -> Iterator[str]:
         say, at = self.say, self.diagnosis.worst
@@ -223,7 +224,8 @@ class CustomerPage:
             yield f"{said[0].upper()}{said[1:]}."
         elif band is None:
             if not self.diagnosis.without_sheet:
-                yield say("customer.lost_new", condition=condition, new=new)
+                key = "lost_new_over" if self.diagnosis.new_at(at).share > 1.0 else "lost_new"
+                yield say(f"customer.{key}", condition=condition, new=new)
         else:
             key = "lost_over" if at.share > 1.0 else "lost"
             yield say(
@@ -428,13 +430,16 @@ class CustomerPage:
         }
 
     def _signatures(self) -> Block:
-        say = self.say
+        """Return a line for technician and customer, and between them for who approves where the job names somebody."""
+        say, job = self.say, self.job
+        people = [
+            ("technician", job.technician),
+            *([("approver", job.approved_by)] if job.approved_by else []),
+            ("customer", job.customer.name),
+        ]
         return {
             "kind": "signatures",
             "line": say("texts.sign_place"),
             "room": 9,
-            "people": [
-                [say("texts.sign_technician"), shortened(self.job.technician, 40)],
-                [say("texts.sign_customer"), shortened(self.job.customer.name, 40)],
-            ],
+            "people": [[say(f"texts.sign_{role}"), shortened(name, 40)] for role, name in people],
         }

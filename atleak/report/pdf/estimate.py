@@ -28,10 +28,10 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
             PrintedColumn(say("printed.hours"), words.hours, side="r"),
             PrintedColumn(say("printed.labour"), lambda line: words.money(line.work), side="r"),
             PrintedColumn(say("printed.amount"), words.amount, side="r"),
-            PrintedColumn(say("printed.lacks"), words.lacks, width=5),
-            PrintedColumn(say("printed.agreed"), words.agreed, width=3),
+            PrintedColumn(say("printed.agreed"), words.agreed),
         ],
         words.estimate.lines,
+        told=lambda line: f"{say('printed.lacks')}: {words.lacks(line)}",
     )
     names_of_sums = ("state", "parts", "labour", "net", "tax", "gross")
     yield table(

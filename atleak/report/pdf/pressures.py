@@ -11,6 +11,7 @@ from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.printed_charts import pressures_chart, pump_chart
 from atleak.views.flow_diagram import FlowDiagram, flow_diagram, flow_words
 from atleak.views.flow_svg import flow_svg
+from atleak.views.land_names import land_number
 from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
 from atleak.views.pump_speed import PumpOverSpeed, pump_over_speed
 from atleak.views.pump_words import pump_sentence
@@ -142,16 +143,16 @@ class Pressures:
         column, unit = self.names.column, self.say.unit("pressure")
         return grouped_table(
             [
-                PrintedColumn(column("required"), self._required, unit, width=1, side="r"),
+                PrintedColumn(column("required"), self._required, unit, side="r"),
                 PrintedColumn(column("held"), lambda at: self._held(at.line), unit, side="r"),
                 PrintedColumn(column("held_new"), lambda at: self._kpa(at.line.new), unit, side="r"),
                 *self._repaired(lambda at: at.line.repaired, conditions),
                 PrintedColumn(column("permissible"), self._permissible, unit, side="r"),
                 PrintedColumn(column("verdict"), lambda at: self._verdict(at.line)),
-                PrintedColumn(column("decision"), lambda at: self._decision(at.line.decided)),
-                PrintedColumn(column("costs"), lambda at: self._causes(at.line), width=2),
+                PrintedColumn(column("decision"), lambda at: self._decision(at.line.decided), width=1),
             ],
             ((self._condition(at), [at]) for at in conditions),
+            told=lambda at: self._told(at.line),
         )
 
     def _required(self, at: PressuresAt) -> str:
@@ -175,7 +176,7 @@ class Pressures:
 
         unit = self.say.unit("flow")
         columns = [
-            PrintedColumn(column("supply"), lambda at: flow(at.projection.pump_supply), unit, width=1, side="r"),
+            PrintedColumn(column("supply"), lambda at: flow(at.projection.pump_supply), unit, side="r"),
             PrintedColumn(column("leakage"), lambda at: flow(at.projection.leakage), unit, side="r"),
             PrintedColumn(column("slip"), lambda at: flow(at.projection.slip), unit, side="r"),
             PrintedColumn(column("consumers"), lambda at: flow(at.projection.consumers), unit, side="r"),
@@ -188,7 +189,7 @@ class Pressures:
             columns.append(PrintedColumn(name, lambda at: say.number(at.reserve_repaired, 2), side="r"))
         if any(at.reserve_rule is not None for at in conditions):
             columns.append(PrintedColumn(column("band"), self._reserve_band))
-            columns.append(PrintedColumn(column("decision"), lambda at: self._decision(at.reserve_decided)))
+            columns.append(PrintedColumn(column("decision"), lambda at: self._decision(at.reserve_decided), width=1))
         return grouped_table(columns, ((self._condition(at), [at]) for at in conditions))
 
     def _reserve_band(self, at: PressuresAt) -> dict[str, str] | str:
@@ -212,10 +213,10 @@ class Pressures:
                 PrintedColumn(column("set_pressure"), lambda each: self._kpa(each.set_pressure), unit, side="r"),
                 PrintedColumn(column("lost"), lambda each: self._kpa(each.loss), unit, side="r"),
                 PrintedColumn(column("verdict"), self._verdict),
-                PrintedColumn(column("decision"), lambda each: self._decision(each.decided)),
-                PrintedColumn(column("costs"), self._causes, width=2),
+                PrintedColumn(column("decision"), lambda each: self._decision(each.decided), width=2),
             ],
             applied,
+            told=self._told,
         )
         vented = joined(self.names.section(each.id) for each in at.circuits if each.vented)
         if vented:
@@ -224,9 +225,14 @@ class Pressures:
     def _decision(self, decided: Any) -> str:
         return "–" if decided is None else self.names.decided(decided.decision, decided.probability_over_limit)
 
+    def _told(self, each: HeldPressure) -> str:
+        causes = self._causes(each)
+        return f"{self.names.column('costs')}, {self.say.unit('pressure')}: {causes}" if causes else ""
+
     def _causes(self, each: HeldPressure) -> str:
         shown = [cause for cause in each.causes.items() if abs(cause[1]) * KPA >= _SHOWS]
         causes = sorted(shown, key=lambda cause: -abs(cause[1]))
-        named = [f"{component}/{land}\u00a0{self._kpa(loss)}" for (component, land), loss in causes[:_LANDS]]
+        controller = self.diagnosis.controller
+        named = [f"{land_number(controller, key, self.say)}\u00a0{self._kpa(loss)}" for key, loss in causes[:_LANDS]]
         more = len(causes) - _LANDS
         return joined([*named, self.say("texts.more_lands", count=more) if more > 0 else ""])

@@ -17,8 +17,8 @@ from atleak.report.estimate_words import EstimateWords
 from atleak.report.pdf.blocks import joined
 from atleak.rules import Rule
 from atleak.uncertainty import Decision, Remedy
-from atleak.views.condition_matrix import MatrixRow
-from atleak.views.land_names import component_words
+from atleak.views.condition_matrix import LandAtCondition, MatrixRow
+from atleak.views.land_names import component_words, land_number
 from atleak.views.road_instants import instant_record
 from atleak.views.sentences import rule_value
 from atleak.wording import Wording, isolated
@@ -63,9 +63,8 @@ class PrintedNames:
         return self.say.name(circuits[name]) if name in circuits else self.say(f"pressures.{name}")
 
     def land_number(self, land: LandDiagnosis) -> str:
-        """Return component and land: ``8/2``."""
-        component, number = land.key
-        return f"{component}/{number}"
+        """Return component and land in short: ``8/2``."""
+        return land_number(self.diagnosis.controller, land.key, self.say)
 
     def land_name(self, land: LandDiagnosis) -> str:
         """Return the component, its name and the land."""
@@ -109,11 +108,12 @@ class PrintedNames:
         return self.say.number(land.share * PERCENT, 2)
 
     def share_largest(self, land: LandDiagnosis) -> str:
-        """Return the share where it is judged worst, of several where it is largest, and the condition [%]."""
-        worst = MatrixRow.of(land, self.diagnosis, self.diagnosis.projections).worst
-        if worst.drawn_from_pump == 0.0:
-            return "–"
-        return f"{self.say.number(worst.share * PERCENT, 2)}\n{self.condition(worst.projection.condition)}"
+        """Return the share where it is judged worst, of several where it is largest [%]."""
+        worst = self._worst(land)
+        return "–" if worst.drawn_from_pump == 0.0 else self.say.number(worst.share * PERCENT, 2)
+
+    def _worst(self, land: LandDiagnosis) -> LandAtCondition:
+        return MatrixRow.of(land, self.diagnosis, self.diagnosis.projections).worst
 
     def leakage_interval(self, land: LandDiagnosis) -> str:
         """Return the interval of the leakage [dm³/min]; a dash where it is not known, or the land does not leak."""
@@ -152,9 +152,9 @@ class PrintedNames:
         return "–" if land.decision is None else self.decided(land.decision, land.probability_over_limit)
 
     def decided(self, decision: Decision, probability: float | None) -> str:
-        """Return the words of a decision, below them the probability that the true value is past the limit."""
+        """Return the words of a decision with the probability that the true value is past the limit."""
         words = self.say.get("decisions", decision)
-        return words if probability is None else f"{words}\n({self.say.percent(probability, 0)})"
+        return words if probability is None else f"{words} ({self.say.percent(probability, 0)})"
 
     def advice(self, land: LandDiagnosis) -> str:
         """Return what would make an open decision clear; an empty text where it is clear already."""
@@ -212,14 +212,20 @@ class PrintedNames:
             yield say("advice.form", fraction=say.percent(remedy.form, 0))
 
     def reason(self, land: LandDiagnosis) -> str:
-        """Return the rule that gave the verdict with its limit's origin, then every other rule that reached a limit."""
-        deciding = land.deciding
-        if deciding is None:
-            return ""
-        others = [rule for rule in land.rules if rule.verdict.flagged and rule is not deciding]
-        also = "; ".join(self._reached("rules.reached_short", rule) for rule in others)
-        sentence = self._reached("rules.reached", deciding)
-        return f"{sentence}\n{self.say('rules.also', others=also)}" if also else sentence
+        """Return the rule that gave the verdict with its limit's origin, and every other rule that reached a limit.
+
+        After them stands the condition at which the share is the largest.
+        """
+        deciding, worst = land.deciding, self._worst(land)
+        said = []
+        if deciding is not None:
+            said.append(self._reached("rules.reached", deciding))
+            others = [rule for rule in land.rules if rule.verdict.flagged and rule is not deciding]
+            also = "; ".join(self._reached("rules.reached_short", rule) for rule in others)
+            said += [self.say("rules.also", others=also)] if also else []
+        if worst.drawn_from_pump > 0.0:
+            said.append(self.say("rules.largest_at", condition=self.condition(worst.projection.condition)))
+        return "; ".join(said)
 
     def reached(self, rule: Rule) -> str:
         """Return what a rule limits, its value and the limit that it reached."""

@@ -42,23 +42,36 @@ NUMBER_FORMATS = {
 }
 
 
+_ALLOWED = {  # on a protected sheet, besides changing what is unlocked: no number changes by it
+    "format_cells": True, "format_columns": True, "format_rows": True, "autofilter": True, "sort": True,
+}  # fmt: skip
+
+
+class _Sheet(Worksheet):
+    """A sheet whose formulas are written as they are: none has a function that Excel wants with a prefix."""
+
+    def _prepare_formula(self, formula: str, expand_future_functions: bool = False) -> str:
+        return formula.removeprefix("=")
+
+
 class Book:
     """The workbook with its formats, in a reader's language; text is always written as text."""
 
     def __init__(self, workbook: xlsxwriter.Workbook, paper: Paper, say: Wording) -> None:
         self.workbook, self.paper, self.say = workbook, paper, say
-        self._formats: dict[tuple[tuple[str, Any], ...], Format] = {}
+        self._formats: dict[tuple[Any, ...], Format] = {}
 
     def form(self, number: str = "plain", **properties: Any) -> Format:
         """Return the format for a kind of number; each is made once."""
-        said = NUMBER_FORMATS[number]
-        for words in (_NOTHING, _DEMAND):
-            said = said.replace(words, self.say.sentence(words))
-        wanted = {"num_format": said, "valign": "top", **properties}
-        key = tuple(sorted(wanted.items()))
-        if key not in self._formats:
-            self._formats[key] = self.workbook.add_format(wanted)
-        return self._formats[key]
+        key = number, *properties.items()
+        made = self._formats.get(key)
+        if made is None:
+            said = NUMBER_FORMATS[number]
+            for words in (_NOTHING, _DEMAND):
+                said = said.replace(words, self.say.sentence(words))
+            made = self.workbook.add_format({"num_format": said, "valign": "top", **properties})
+            self._formats[key] = made
+        return made
 
     @property
     def heading(self) -> Format:
@@ -77,8 +90,9 @@ class Book:
         return self.form(text_wrap=True)
 
     def sheet(self, name: str, *, frozen: tuple[int, int] = (0, 0), landscape: bool = True) -> Worksheet:
-        """Add a sheet, ready to print: one page wide, headings repeated, page numbers."""
-        sheet = self.workbook.add_worksheet(self.words(name))
+        """Add a sheet, protected without a password, ready to print: one page wide, headings repeated, numbered."""
+        sheet = self.workbook.add_worksheet(self.words(name), _Sheet)
+        sheet.protect("", _ALLOWED)
         sheet.set_paper(self.paper.excel)
         if landscape:
             sheet.set_landscape()

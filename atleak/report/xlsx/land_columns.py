@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.report.xlsx.book import exact
+from atleak.report.xlsx.book import cell
+from atleak.report.xlsx.directions_sheet import DirectionCells
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
@@ -26,7 +26,7 @@ from atleak.report.xlsx.live_cells import (
     verdict_of_rank,
     warm_clearance,
 )
-from atleak.report.xlsx.readings_sheets import DirectionCells, ReadingCells
+from atleak.report.xlsx.readings_sheet import ReadingCells
 from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.sentence import Sentence
 from atleak.verdicts import Verdict
@@ -48,10 +48,9 @@ _LEAKAGE_ENDS = {
 
 @dataclass(frozen=True)
 class LandRow:
-    """One land on the sheet: its diagnosis, its record, and the address of any of its cells."""
+    """One land on the sheet: its diagnosis, and the address of any of its cells."""
 
     land: LandDiagnosis
-    record: Mapping[str, Any]
     here: Callable[[ColumnKey], str]
 
 
@@ -70,7 +69,6 @@ class LandSheet:
     """The places on other sheets to which the formulas of this sheet point."""
 
     lands: Sequence[LandDiagnosis]
-    records: Sequence[Mapping[str, Any]]
     say: Wording
     components: Mapping[str, str]  # number → name, in the reader's language
     conditions: Sequence[SheetCondition]
@@ -83,7 +81,7 @@ class LandSheet:
 
 def land_columns(sheet: LandSheet) -> list[LandColumn]:
     """Return every column that has a value for this unit, in order."""
-    uncertain = any(record["uncertainty_um"] is not None for record in sheet.records)
+    uncertain = any(land.uncertainty is not None and land.uncertainty.u_clearance for land in sheet.lands)
     columns = [*_names(sheet), *_clearances(sheet, uncertain=uncertain)]
     for condition in sheet.conditions:
         columns += _at_condition(sheet, condition)
@@ -92,12 +90,13 @@ def land_columns(sheet: LandSheet) -> list[LandColumn]:
 
 def _also_flagged(sheet: LandSheet) -> LandColumn:
     """Return the order in which the summary lists the lands that are flagged by now and were not as issued."""
-    places = {land.key: place for place, land in enumerate(sheet.lands, start=1)}
+    first = cell(1, 0)
 
     def order(row: LandRow) -> Cell:
         ranks = None if row.land.verdict.flagged else sheet.rules.ranks_of(row.land.key)
         rank = f"MAX({ranks})"
-        return Cell("plain", 0, None if ranks is None else f"IF({rank}>1,{rank}-{places[row.land.key]}*1E-4,0)")
+        place = f"ROWS({first}:{row.here('component')})"
+        return Cell("plain", 0, f"IF({rank}>1,{rank}-{place}*1E-6,0)") if ranks else Cell("plain", None)
 
     return LandColumn("also", Sentence("order among those flagged since, as the summary lists them"), 14, order)
 
@@ -126,9 +125,14 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
 
     def sleeve_diameter(row: LandRow) -> Cell:
         state = row.land.state
-        as_new = f"{exact(state.land.nominal_diameter * MM)}+2*{row.here('c_n')}*0.001"  # of one that was not measured
         mean = sheet.readings.mean(row.land.key, "sleeve", row.here(EXPANSIONS["sleeve"]))
-        return Cell("mm", state.sleeve_diameter * MM, mean or as_new, CHANGEABLE)
+        if mean is None:  # as new
+            mean = f"{row.here('nominal')}+2*{row.here('c_n')}*0.001"
+        return Cell("mm", state.sleeve_diameter * MM, mean, CHANGEABLE)
+
+    def nominal(row: LandRow) -> Cell:
+        state, of_sleeve = row.land.state, row.land.state.status in ("measured", "sleeve_only")
+        return Cell("mm", None if of_sleeve else state.land.nominal_diameter * MM, look=CHANGEABLE)
 
     def radial_clearance(row: LandRow) -> Cell:
         formula = f"({row.here('sleeve')}-{row.here('spool')})/2*1000"
@@ -141,10 +145,12 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
 
     yield LandColumn("sleeve", Sentence("sleeve diameter D [mm]"), 12, sleeve_diameter)
     yield LandColumn("spool", Sentence("spool diameter d [mm]"), 12, spool_diameter)
+    if any(land.state.status in ("not_measured", "spool_only") for land in sheet.lands):
+        yield LandColumn("nominal", Sentence("nominal diameter, of a sleeve not measured [mm]"), 12, nominal)
     yield LandColumn("c_r", Sentence("radial clearance c_r [µm]"), 12, radial_clearance)
     if uncertain:
         heading = Sentence("standard uncertainty u(c_r) as issued [µm]")
-        yield LandColumn("U", heading, 12, lambda row: Cell("um", row.record["uncertainty_um"]))
+        yield LandColumn("U", heading, 12, lambda row: _recorded("um", row.land, "u_clearance", UM))
     yield from _when_new(sheet)
     yield LandColumn("wear", Sentence("wear Z [%]"), 10, wear)
     body = _changeable("plain", lambda land: land.state.land.body_expansion * PER_KELVIN)
@@ -225,11 +231,11 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
 
     def leakage(row: LandRow) -> Cell:
         flow = sheet.gaps.sum_of("q", condition, row.land.key, drawn=False)
-        return Cell("flow", at.leakage_of(row.land.key) * DM3_MIN, flow)
+        return Cell("flow", at.leakage_of(row.land.key) * DM3_MIN, flow or "0")
 
     def drawn(row: LandRow) -> Cell:
         flow = sheet.gaps.sum_of("q", condition, row.land.key)
-        return Cell("flow", at.drawn_by(row.land.key) * DM3_MIN, flow)
+        return Cell("flow", at.drawn_by(row.land.key) * DM3_MIN, flow or "0")
 
     def share(row: LandRow) -> Cell:
         formula = share_of(row.here(("drawn", prefix)), condition("capacity"))
@@ -237,7 +243,7 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
 
     def new_share(row: LandRow) -> Cell:
         new = sheet.gaps.sum_of("new_q", condition, row.land.key)
-        formula = None if new is None else share_of(new, condition("capacity"))
+        formula = "0" if new is None else share_of(new, condition("capacity"))
         return Cell("share", condition.new.share_drawn_by(row.land.key) * PERCENT, formula)
 
     at_title = {"condition": condition.title}
@@ -256,15 +262,15 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
 def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
     """Return the columns with results of the program that no formula of the workbook gives."""
 
-    def recorded(key: str, kind: str, factor: float = 1.0) -> Callable[[LandRow], Cell]:
-        def issued(row: LandRow) -> Cell:
-            value = row.record[key]
-            return Cell(kind, None if value is None else value * factor)
+    def end_of(end: int) -> Callable[[LandRow], Cell]:
+        return lambda row: _recorded("flow", row.land, "leakage_interval", DM3_MIN, end)
 
-        return issued
+    def over(row: LandRow) -> Cell:
+        probability = row.land.probability_over_limit
+        return Cell("percent", None if probability is None else probability * PERCENT)
 
     def decision(row: LandRow) -> Cell:
-        name = row.record["decision"]
+        name = row.land.decision
         return Cell("plain", None if name is None else sheet.say.get("decisions", name), look=AFTER_A_NUMBER)
 
     def because(row: LandRow) -> Cell:
@@ -278,16 +284,22 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         return Cell("plain", _value_names(row.land, sheet.say))
 
     if uncertain:
-        for end, heading in _LEAKAGE_ENDS.items():
-            yield LandColumn(end, heading, 12, recorded(f"leakage_{end}_dm3_min", "flow"))
-    if any(record["decision"] is not None for record in sheet.records):
+        for number, (end, heading) in enumerate(_LEAKAGE_ENDS.items()):
+            yield LandColumn(end, heading, 12, end_of(number))
+    if any(land.decision is not None for land in sheet.lands):
         yield LandColumn("decision", Sentence("decision as issued"), 16, decision)
-        over = recorded("probability_over_limit", "percent", PERCENT)
         yield LandColumn("probability", Sentence("probability over the limit as issued [%]"), 14, over)
     if any(land.replace_mileage is not None for land in sheet.lands):
         yield LandColumn("mileage", Sentence("replace at (90 % interval), wear ∝ mileage, as issued"), 30, mileage)
     yield LandColumn("because", Sentence("rule that gave the verdict, as issued"), 46, because)
     yield LandColumn("representative", Sentence("representative values"), 40, representative)
+
+
+def _recorded(kind: str, land: LandDiagnosis, name: str, factor: float, end: int | None = None) -> Cell:
+    """Return the cell of a result of a land's uncertainty, or of one end of an interval; empty where not known."""
+    known = getattr(land.uncertainty, name, None)
+    value = known if known is None or end is None else known[end]
+    return Cell(kind, None if value is None else value * factor)
 
 
 def _value_names(land: LandDiagnosis, say: Wording) -> str | None:

@@ -6,17 +6,19 @@ an auditor may change (diameters, contact lengths, conditions, limits) is blue.
 
 from __future__ import annotations
 
-from typing import Any
-
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import DATA_BAR
 from atleak.report.xlsx.book import Book, cell
+from atleak.report.xlsx.budget_sheet import BudgetCells
 from atleak.report.xlsx.circuits_sheet import CircuitCells
 from atleak.report.xlsx.conditions_sheet import ConditionsSheet
+from atleak.report.xlsx.constants import ConstantCells
+from atleak.report.xlsx.directions_sheet import DirectionCells, write_directions
 from atleak.report.xlsx.gaps_sheet import GapCells
+from atleak.report.xlsx.instruments_sheet import InstrumentCells
 from atleak.report.xlsx.land_columns import LandRow, LandSheet, land_columns
 from atleak.report.xlsx.limit_cells import LimitCells
 from atleak.report.xlsx.live_cells import (
@@ -28,7 +30,7 @@ from atleak.report.xlsx.live_cells import (
     sheet_conditions,
     write_cell,
 )
-from atleak.report.xlsx.readings_sheets import DirectionCells, ReadingCells, write_directions, write_readings
+from atleak.report.xlsx.readings_sheet import ReadingCells
 from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.rules import LandKey
 from atleak.sentence import Sentence
@@ -41,8 +43,8 @@ LANDS = Sentence("Lands")
 class LiveSheets:
     """The sheets of one diagnosis that compute, and where each of their cells stands."""
 
-    def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-        self.book, self.diagnosis, self.record = book, diagnosis, record
+    def __init__(self, book: Book, diagnosis: Diagnosis) -> None:
+        self.book, self.diagnosis = book, diagnosis
         say = book.say
         self.sheet = say.sentence(LANDS)
         self.lands = diagnosis.lands
@@ -50,6 +52,10 @@ class LiveSheets:
         self.conditions = sheet_conditions(diagnosis, say)
         self.readings = ReadingCells(diagnosis, say)
         self.directions = DirectionCells(self.lands, say)
+        self.constants = ConstantCells(diagnosis, say)
+        uncertainty = diagnosis.uncertainty
+        self.instruments = InstrumentCells(uncertainty, self.readings, say) if uncertainty else None
+        self.budget = BudgetCells(diagnosis, self.readings, say) if uncertainty else None
         self.gaps = GapCells(diagnosis, self.conditions, say)
         self.limits = LimitCells(diagnosis.limits, say)
         self.rules = RuleCells(diagnosis, self.conditions, self.limits, say)
@@ -58,7 +64,6 @@ class LiveSheets:
         self.columns = land_columns(
             LandSheet(
                 lands=self.lands,
-                records=record["lands"],
                 say=say,
                 components={key: say.name(name) for key, name in diagnosis.controller.components.items()},
                 conditions=self.conditions,
@@ -73,9 +78,10 @@ class LiveSheets:
 
     def land_cell(self, land: LandDiagnosis, key: ColumnKey) -> Cell:
         """Return the content of one of a land's cells."""
-        row = self.row_of[land.key]
-        row_of_land = LandRow(land, self.record["lands"][row - 1], cells_of_row(row, self.column_of))
-        return self.columns[self.column_of[key]].cell(row_of_land)
+        return self.columns[self.column_of[key]].cell(self._row(land))
+
+    def _row(self, land: LandDiagnosis) -> LandRow:
+        return LandRow(land, cells_of_row(self.row_of[land.key], self.column_of))
 
     def of_land(self, key: LandKey, column: ColumnKey) -> str:
         """Return the address of one of a land's cells, as other sheets ask for it."""
@@ -88,9 +94,9 @@ class LiveSheets:
         sheet.repeat_columns(0, 3)
         sheet.fit_to_pages(2, 0)
         for land in self.lands:
-            row = self.row_of[land.key]
+            row, row_of_land = self.row_of[land.key], self._row(land)
             for number, column in enumerate(self.columns):
-                write_cell(book, sheet, row, number, self.land_cell(land, column.key))
+                write_cell(book, sheet, row, number, column.cell(row_of_land))
         for number, column in enumerate(self.columns):
             sheet.set_column(number, number, column.width)
         sheet.autofilter(0, 0, last, len(self.columns) - 1)
@@ -123,8 +129,12 @@ class LiveSheets:
 
     def write_readings(self, sheet: Worksheet) -> None:
         """Write every reading as entered, sorted by land; the lands' diameters are means of these cells."""
-        write_readings(self.book, sheet, self.readings)
+        self.readings.write(self.book, sheet)
         sheet.set_column(0, 0, component_width(self.diagnosis.controller.components))
+
+    def write_constants(self, sheet: Worksheet) -> None:
+        """Write every number that formulas ask for by name."""
+        self.constants.write(self.book, sheet)
 
     def write_directions(self, sheet: Worksheet) -> None:
         """Write the clearance in every direction, from the readings; the lands' form follows from it."""

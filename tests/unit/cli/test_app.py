@@ -3,31 +3,113 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from atleak.cli import app
 
+from ..test_admission import SECRETS
+
 Run = Callable[..., tuple[int, str, str]]
 
 
-def test_app_serves_this_machine_alone_unless_told(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: dict[str, Any] = {}
+@dataclass
+class Served:
+    """What would have been started, and how."""
 
-    def serve(command: list[str], folder: Path) -> int:
-        seen.update(command=command, cwd=folder)
+    commands: list[list[str]] = field(default_factory=list)
+    folder: Path = Path()
+    allowed: str = "?"
+
+    def start(self, command: list[str], folder: Path, environment: Mapping[str, str]) -> int:
+        self.commands.append(command)
+        self.folder, self.allowed = folder, environment["ATLEAK_ALLOWED"]
         return 0
 
-    monkeypatch.setattr(app, "_serve", serve)
+    def given(self, option: str) -> list[str]:
+        """What the last command says of an option of the server."""
+        command = self.commands[-1]
+        return [value for name, value in pairwise(command) if name == option]
+
+
+@pytest.fixture
+def served(monkeypatch: pytest.MonkeyPatch) -> Served:
+    """The servers that would have been started."""
+    now = Served()
+    monkeypatch.setattr(app, "_serve", now.start)
+    return now
+
+
+@pytest.fixture
+def sign_in(own_home: Path) -> Path:
+    """The user's folder, with files that say who signs in, and with whom."""
+    own_home.mkdir()
+    (own_home / "secrets.toml").write_text(SECRETS, encoding="utf-8")
+    (own_home / "allowed.toml").write_text('users = ["ana@shop.example"]', encoding="utf-8")
+    return own_home
+
+
+def test_app_serves_this_machine_alone_unless_told(run: Run, served: Served) -> None:
     assert run("app")[0] == 0
-    assert seen["command"][seen["command"].index("--server.address") + 1] == "127.0.0.1"
-    assert "--server.port" not in seen["command"]
-    assert (Path(seen["cwd"]) / "app.py").is_file()
-    assert run("app", "--port", "8600", "--address", "0.0.0.0")[0] == 0
-    assert seen["command"][-4:] == ["--server.address", "0.0.0.0", "--server.port", "8600"]
+    assert served.given("--server.address") == ["127.0.0.1"]
+    assert served.given("--server.port") == served.given("--server.allowedHosts") == []
+    assert (served.folder / "app.py").is_file()
+    assert (served.folder / served.commands[0][4]).name == "serve.py"
+    assert served.allowed == ""
+
+
+def test_app_serves_the_network_to_those_on_the_list(run: Run, served: Served, sign_in: Path) -> None:
+    assert run("app", "--address", "0.0.0.0", "--port", "8600") == (0, "", "")
+    assert served.given("--server.address") == ["0.0.0.0"]
+    assert served.given("--server.port") == ["8600"]
+    assert served.given("--secrets.files") == [str(sign_in / "secrets.toml")]
+    assert served.allowed == str(sign_in / "allowed.toml")
+    names = served.given("--server.allowedHosts")
+    assert {"atleak.shop.example", "localhost", socket.gethostname().casefold()} <= set(names)
+    assert "*" not in names
+    # without a name of its own Streamlit asks a server outside for the address of this network
+    assert served.given("--browser.serverAddress") == ["atleak.shop.example"]
+
+
+@pytest.mark.parametrize("others", [("--address", "0.0.0.0"), ("--host", "atleak.shop.example")])
+def test_app_does_not_serve_others_before_it_knows_who_may_use_it(
+    run: Run, served: Served, sign_in: Path, others: tuple[str, str]
+) -> None:
+    (sign_in / "allowed.toml").unlink()
+    status, _, err = run("app", *others)
+    assert (status, served.commands) == (2, [])
+    assert "allowed.toml: cannot be read: No such file" in err
+    (sign_in / "secrets.toml").unlink()
+    status, _, err = run("app", *others)
+    assert (status, served.commands) == (2, [])
+    assert "secrets.toml: cannot be read: No such file" in err
+    assert "--without-login" in err
+    assert run("app", *others, "--without-login")[0] == 0
+    assert served.allowed == ""
+    assert "localhost" in served.given("--server.allowedHosts")
+
+
+def test_files_of_who_signs_in_may_be_named_also_for_this_machine_alone(
+    run: Run, served: Served, sign_in: Path, tmp_path: Path
+) -> None:
+    named = (sign_in / "allowed.toml").rename(tmp_path / "who.toml")
+    assert run("app", "--allowed", str(named))[0] == 0
+    assert served.allowed == str(named)
+    assert run("app", "--allowed", str(named), "--without-login")[0] == 2
+
+
+def test_signing_in_without_its_libraries_says_what_to_install(
+    run: Run, served: Served, sign_in: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(app, "find_spec", lambda name: None if name == "authlib" else name)
+    status, _, err = run("app", "--address", "0.0.0.0")
+    assert (status, served.commands) == (2, [])
+    assert "pip install" in err
+    assert "Authlib" in err
 
 
 def test_app_without_streamlit_says_what_to_install(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -37,35 +119,27 @@ def test_app_without_streamlit_says_what_to_install(run: Run, monkeypatch: pytes
     assert "pip install streamlit" in err
 
 
-@pytest.fixture
-def served(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
-    """The commands that would have started a server."""
-    commands: list[list[str]] = []
-    monkeypatch.setattr(app, "_serve", lambda command, folder: commands.append(command) or 0)
-    return commands
-
-
 @pytest.mark.parametrize("port", ["0", "-1", "65536", "99999", "8600.5", "http", ""])
-def test_a_port_that_is_none_is_a_fault_of_usage(run: Run, served: list[list[str]], port: str) -> None:
+def test_a_port_that_is_none_is_a_fault_of_usage(run: Run, served: Served, port: str) -> None:
     status, out, err = run("app", f"--port={port}")
-    assert (status, out, served) == (2, "", [])
+    assert (status, out, served.commands) == (2, "", [])
     assert f"argument --port: {port!r} is no port: write a whole number from 1 to 65535" in err
 
 
-def test_a_port_in_use_says_so(run: Run, served: list[list[str]]) -> None:
+def test_a_port_in_use_says_so(run: Run, served: Served) -> None:
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
         status, _, err = run("app", "--port", port)
-        assert (status, served) == (2, [])
+        assert (status, served.commands) == (2, [])
         assert f"--port is in use by another program (found {port})" in err
     assert run("app", "--port", port)[0] == 0
-    assert served[0][-1] == str(port)
+    assert served.commands[0][-1] == str(port)
 
 
 @pytest.mark.parametrize("address", ["192.0.2.1", "nowhere.invalid", "a" * 64 + ".invalid"])
-def test_an_address_of_another_machine_is_refused(run: Run, served: list[list[str]], address: str) -> None:
+def test_an_address_of_another_machine_is_refused(run: Run, served: Served, address: str) -> None:
     status, _, err = run("app", "--address", address)
-    assert (status, served) == (2, [])
+    assert (status, served.commands) == (2, [])
     assert f"--address is no address of this machine (found {address!r})" in err

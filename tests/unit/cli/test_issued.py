@@ -39,6 +39,7 @@ def test_the_record_says_whose_job_it_is_and_who_measured(
         "serial": None,
         "mileage_km": 90000.0,
         "measured_by": "B. Nowak",
+        "doubts": [],
     }
     assert of_none["job"] is None
     assert of_job["atleak"] == __version__

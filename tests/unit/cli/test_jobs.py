@@ -199,7 +199,7 @@ def test_a_job_is_opened_where_the_dashboard_is_up_or_starts_it(
     shown: list[str] = []
     started: list[list[str]] = []
     monkeypatch.setattr(app.webbrowser, "open", shown.append)
-    monkeypatch.setattr(app, "_serve", lambda command, folder: started.append(command) or 0)
+    monkeypatch.setattr(app, "_serve", lambda command, folder, environment: started.append(command) or 0)
     monkeypatch.setattr(app, "_is_up", lambda port: True)
     address = f"http://127.0.0.1:8600/?job={id}"
     assert run("jobs", "open", id[:6], "--port", "8600") == (0, f"{address}\n", "")

@@ -16,7 +16,7 @@ def test_a_job_travels_as_one_file_and_reads_the_same_elsewhere(
     run: Run, sample_readings: Path, sample_log: Path, tmp_path: Path, record_of: RecordOf
 ) -> None:
     record = tmp_path / "job.toml"
-    record.write_text('number = "A-17"\n[workshop]\nname = "Werkstatt Łódź"\n', encoding="utf-8")
+    record.write_text('number = "atleak sample"\n[workshop]\nname = "Werkstatt Łódź"\n', encoding="utf-8")
     bundle = tmp_path / "a-17.zip"
     first = record_of(sample_readings, "--road-test", sample_log, "--job", record, "--job-file", bundle)
     status, out, _ = run("report", bundle, "-o", tmp_path / "reports", "--formats", "json,xlsx")

@@ -69,3 +69,16 @@ def test_a_template_has_the_language_and_units_that_are_asked_for(run: Run, tmp_
     book = openpyxl.load_workbook(sheet, read_only=True)
     assert book.sheetnames == ["Pomiary", "Stopnie", "Ciśnienia", "Jak mierzyć"]
     assert "Średnica [in]" in [cell.value for cell in book["Pomiary"][7]]
+
+
+def test_what_is_known_of_the_job_stands_in_the_head_the_options_before_the_record(run: Run, tmp_path: Path) -> None:
+    record, sheet = tmp_path / "job.toml", tmp_path / "sheet.xlsx"
+    record.write_text('number = "2026-0417"\n[vehicle]\nvin = "YV1SW61"\nmileage_km = 212000\n', encoding="utf-8")
+    told = ("--job", record, "--number", "2026-0418", "--serial", "=1+1", "--measured-by", "K. Weber")
+    status, _, _ = run("template", "--controller", "minimal_example", *told, "-o", sheet)
+    assert status == 0
+    page = openpyxl.load_workbook(sheet).worksheets[0]
+    assert [page[cell].value for cell in ("C4", "J5", "C5", "C6", "G5")] == [
+        "2026-0418", "YV1SW61", "212000 km", "=1+1", "K. Weber",
+    ]  # fmt: skip
+    assert page["C6"].data_type == "s"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from atleak.job.judged_anew import judged_otherwise
+from atleak.job.judged_anew import differs, judged_otherwise
 from atleak.wording import wording
 
 BEFORE = {
@@ -34,3 +34,11 @@ def test_it_is_said_in_the_reader_s_language() -> None:
         "25/1: beobachten, heute nicht beurteilt",
         "Summe bei cold start: rot, heute gelb",
     ]
+
+
+def test_a_number_that_differs_is_said_by_name_in_the_reader_s_units() -> None:
+    land = {"component": "25", "land": 1, "verdict": "ok", "radial_clearance_um": 12.5, "share_percent": None}
+    (changed,) = differs({"lands": [land]}, {"lands": [land | {"radial_clearance_um": 25.4}]})
+    assert str(changed) == "25/1: radial clearance 12.5 µm, today radial clearance 25.4 µm"
+    said = wording("de", "us").sentence(changed.sentence)
+    assert said == "25/1: Radialspiel 0,0004921 in, heute Radialspiel 0,001 in"

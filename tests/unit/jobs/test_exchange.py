@@ -29,7 +29,7 @@ def test_a_job_comes_in_with_the_verdict_it_went_out_with_and_is_recognised(
     assert read_job_file(content).result == parts.result
     assert import_job(book, content).known
     taken = import_job(other, content)
-    assert (taken.known, taken.verdict, taken.stored_verdict) == (False, str(parts.diagnosis.verdict), None)
+    assert (taken.known, taken.verdict, taken.differs) == (False, str(parts.diagnosis.verdict), ())
     assert other.load(taken.id).file.result == parts.result
     again = import_job(other, content)
     assert (again.known, again.id) == (True, taken.id)
@@ -55,7 +55,8 @@ def test_a_verdict_that_this_version_does_not_share_is_said(book: Book, small_jo
     assert held.result["verdict"] == "watch"
     earlier = packed_job(held.choices, held.sources, held.pictures, {**held.result, "verdict": "critical"})
     taken = import_job(book, earlier)
-    assert (taken.verdict, taken.stored_verdict) == ("watch", "critical")
+    (otherwise,) = taken.differs
+    assert (taken.verdict, str(otherwise).startswith("the unit: critical")) == ("watch", True)
     with pytest.raises(InputError, match="no sound zip"):
         import_job(book, b"PK", name="torn.zip")
 

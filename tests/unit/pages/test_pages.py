@@ -142,14 +142,17 @@ def test_a_sheet_for_another_valve_body_is_taken_when_that_one_is_chosen(app: Ap
 
 
 @pytest.mark.page("2_Readings")
-def test_a_sheet_whose_head_names_another_valve_body_chooses_it(app: AppTest) -> None:
+def test_a_sheet_whose_head_names_another_valve_body_chooses_it_and_tells_whose_unit_it_is(app: AppTest) -> None:
     sheet = (ROOT / "sample_data" / "measuring_sheet_five_speed.xlsx").read_bytes()
     uploader(app).upload("five.xlsx", sheet, XLSX).run()
     assert not app.exception
+    assert "Taken into the job from the head of the sheet: job number, vehicle, mileage, instrument." in texts(app)
+    assert app.session_state["job-record"].vehicle.mileage_km == 212_000.0
     assert choice(app, "Valve body").value == "five_speed_2005"
     assert "The sheet's head names the valve body five_speed_2005: it was chosen." in texts(app)
     assert "**five.xlsx** · 34 of 34 lands measured" in texts(app)
     press(app, "Undo: five.xlsx taken in")
+    assert app.session_state["job-record"].empty
     assert choice(app, "Valve body").value == "four_speed_2023"
     assert "Sample job" in texts(app)
 

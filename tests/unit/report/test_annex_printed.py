@@ -15,8 +15,9 @@ from atleak.equations.uncertainty import normal_cdf
 from atleak.job.record import Job
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.annex import Annex
-from atleak.report.pdf.budget import BUDGETS, Budget
+from atleak.report.pdf.budget import Budget
 from atleak.report.pdf.printed_names import PrintedNames
+from atleak.uncertainty.budget import MOST_BUDGETS
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.wording import languages, wording
 from atleak.workshop_units import UM
@@ -70,12 +71,33 @@ def test_rule_risk_and_expanded_uncertainty_are_said(worn: Diagnosis, language: 
     assert wording(language).percent(float(normal_cdf(-worn.uncertainty.guard_factor)), 0) in said
 
 
-def test_every_reading_is_printed_once_with_its_direction(worn: Diagnosis) -> None:
+def test_every_reading_is_printed_once_below_its_direction(worn: Diagnosis) -> None:
     (table,) = of_kind(Annex(names_of(worn)).readings(), "table")
-    printed = [number for cell in column(table, "readings") for number in re.findall(r"\d+\.\d{4}", cell)]
-    assert len(printed) == len(worn.readings.readings)
-    assert sorted(map(float, printed)) == sorted(float(f"{each.diameter * 1e3:.4f}") for each in worn.readings.readings)
-    assert all("0°: " in cell and "90°: " in cell for cell in column(table, "readings"))
+    for direction in (0.0, 90.0):
+        cells = column(table, f"{direction:g}°")
+        printed = [number for cell in cells for number in re.findall(r"\d+\.\d{4}", cell)]
+        read = [each.diameter * 1e3 for each in worn.readings.readings if each.direction == direction]
+        assert len(printed) == len(read) > len(cells) > 0
+        assert sorted(map(float, printed)) == sorted(float(f"{each:.4f}") for each in read)
+
+
+@pytest.mark.parametrize(("directions", "repeats"), [(2, 2), (4, 1), (4, 2), (3, 3), (6, 1)])
+def test_all_rows_of_readings_are_of_one_height(worn: Diagnosis, directions: int, repeats: int) -> None:
+    plane = [each for each in worn.readings.readings if each.direction == 0.0 and each.repeat == 1]
+    readings = [
+        replace(each, direction=30.0 * number, repeat=repeat)
+        for each in plane
+        for number in range(directions)
+        for repeat in range(1, repeats + 1)
+    ]
+    again = replace(worn, readings=replace(worn.readings, readings=tuple(readings)))
+    (table,) = of_kind(Annex(names_of(again)).readings(), "table")
+    heights = {max(cell.count("\n") for cell in row) for row in table["rows"]}
+    assert len(heights) == 1
+    letters = sum(
+        max(len(line) for cell in column for line in cell.split("\n")) for column in zip(*table["rows"], strict=True)
+    )
+    assert letters < 115 or directions > 4, "one line of 9 points holds no more"
 
 
 def test_a_reading_that_does_not_count_stands_in_brackets(worn: Diagnosis) -> None:
@@ -87,7 +109,7 @@ def test_a_reading_that_does_not_count_stands_in_brackets(worn: Diagnosis) -> No
     with_slip = replace(worn.readings, readings=(*readings, third))
     again = judged(worn, with_slip)
     (table,) = of_kind(Annex(names_of(again)).readings(), "table")
-    cell = column(table, "readings")[0]
+    cell = column(table, "0°")[0]
     assert f"({third.diameter * 1e3:.4f})" in cell
     assert column(table, "mean")[0] == of_mean(worn)
 
@@ -104,7 +126,7 @@ def of_mean(worn: Diagnosis) -> str:
 
 
 def test_the_budget_of_every_flagged_land_adds_up_to_its_uncertainty(worn: Diagnosis) -> None:
-    flagged = [land for land in worn.flagged if land.uncertainty.u_clearance][:BUDGETS]
+    flagged = [land for land in worn.flagged if land.uncertainty.u_clearance][:MOST_BUDGETS]
     tables = of_kind(Budget(names_of(worn)).blocks(), "table")
     assert len(tables) == len(flagged) > 1
     for land, table in zip(flagged, tables, strict=True):

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import io
+import textwrap
+import zipfile
 from itertools import pairwise
+from xml.etree import ElementTree
 
 import openpyxl
 import pytest
@@ -13,10 +16,12 @@ from openpyxl.utils import get_column_letter
 from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
+from atleak.job.record import Job, Vehicle
 from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable, applied, taps_of
 from atleak.readings import Reading, clearances
 from atleak.report.lands_sheet import LANDS
 from atleak.report.measuring_sheet import INSTRUCTIONS, SHEET, write_readings, write_template
+from atleak.report.measuring_sheet.head import code_text, fields_of, qr_code
 from atleak.report.pressure_sheet import PRESSURES
 
 HEADER = 7  # row of the headings as a spreadsheet counts
@@ -96,7 +101,11 @@ def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
     assert sheet.freeze_panes == f"D{HEADER + 1}"
     assert sheet.print_title_rows == f"${HEADER}:${HEADER}"
     assert sheet.page_setup.orientation == "landscape"
-    validation, taken_at, instrument = sheet.data_validations.dataValidation
+    validation, taken_at, part, direction, instrument = sheet.data_validations.dataValidation
+    assert {str(one.sqref)[0] for one in (part, direction)} == {"C", "E"}
+    parts = part.formula1.strip('"').split(",")
+    assert parts == list(dict.fromkeys(merged_value(sheet, row, PART) for row in range(HEADER + 1, sheet.max_row + 1)))
+    assert (direction.formula1, bool(direction.showErrorMessage)) == ('"0,45,90,135"', False)  # another may be typed
     assert instrument.formula1 == '"Air gauge,Two-point bore gauge,Outside micrometer,Workshop microscope"'
     assert (taken_at.type, taken_at.formula1) == ("list", '"unworn end"')
     assert str(taken_at.sqref) == f"N{HEADER + 1}:N{sheet.max_row}"
@@ -110,16 +119,21 @@ def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
     assert "[µm]" in headings
 
 
-@pytest.mark.parametrize(("language", "units"), [("en", "metric"), ("de", "us")])
-def test_on_paper_rows_take_a_pencil_columns_fit_a_page_and_no_part_of_a_component_is_cut(controller, language, units):
-    sheet = openpyxl.load_workbook(io.BytesIO(write_template(controller, language=language, units=units))).worksheets[0]
+@pytest.mark.parametrize(
+    ("name", "language", "units"),
+    [("four_speed_2023", "en", "metric"), ("minimal_example", "de", "us"), ("five_speed_2005", "pl", "metric")],
+)
+def test_on_paper_rows_take_a_pencil_columns_fit_a_page_and_no_part_of_a_component_is_cut(name, language, units):
+    data = write_template(load_controller(name), language=language, units=units)
+    sheet = opened(data).worksheets[0]
     scale = sheet.page_setup.scale / 100
     heights = [sheet.row_dimensions[row].height or 15.0 for row in range(1, sheet.max_row + 1)]
-    assert min(heights[HEADER:]) * scale * 25.4 / 72 >= 7.0
+    assert min(heights[3 : HEADER - 1] + heights[HEADER:]) * scale * 25.4 / 72 >= 7.0
     widths = [sheet.column_dimensions[get_column_letter(column)].width for column in range(1, sheet.max_column + 1)]
     assert sum(7 * width for width in widths) / 96 * 25.4 * scale < 297 - 0.8 * 25.4
     ends = [mark.id for mark in sheet.row_breaks.brk]  # last rows of pages
-    room = (210 - 1.1 * 25.4) / 25.4 * 72 / scale  # [pt]
+    margins = sheet.page_margins.top + sheet.page_margins.bottom
+    room = (210 / 25.4 - margins) * 72 / scale  # [pt]
     for first, last in pairwise([0, *ends, sheet.max_row]):
         repeated = heights[HEADER - 1] if first else 0
         assert repeated + sum(heights[first:last]) <= room
@@ -128,6 +142,95 @@ def test_on_paper_rows_take_a_pencil_columns_fit_a_page_and_no_part_of_a_compone
         for on in (0, 1)
     )
     assert [one for one, other in zip(before, behind, strict=True) if one == other] == []
+
+
+def test_the_rows_follow_the_order_that_the_sheet_states(controller, template):
+    sheet = opened(template)[SHEET]
+    columns = (COMPONENT, PART, REPEAT, PLANE, DIRECTION)
+    rows = [
+        tuple(merged_value(sheet, row, column) for column in columns) for row in range(HEADER + 1, sheet.max_row + 1)
+    ]
+    components = list(dict.fromkeys(land.component for land in controller.lands))
+    assert rows == sorted(
+        rows, key=lambda row: (components.index(str(row[0])), row[1] == "sleeve", row[2], str(row[3]), row[4])
+    )
+    assert sheet["A2"].value.endswith("all again for the second repeat; then its bore likewise.")
+
+
+def test_every_spool_is_drawn_within_its_component_s_rows_and_named_for_who_cannot_see_it(controller, template):
+    sheet = opened(template)[SHEET]
+    drawn = {}
+    for picture, mark in zip(sheet._images, marks_of(template), strict=True):
+        row, below = picture.anchor._from.row + 1, picture.anchor.to.row + 1
+        if row > HEADER:
+            assert merged_value(sheet, row, COMPONENT) == merged_value(sheet, below, COMPONENT)
+            assert picture.anchor._from.col == picture.anchor.to.col == NAME - 1
+            drawn[str(merged_value(sheet, row, COMPONENT))] = mark
+    assert list(drawn) == list(dict.fromkeys(land.component for land in controller.lands))
+    for component, mark in drawn.items():
+        name = controller.components[component]
+        assert mark == f"component {component}, {name}: lands and measuring planes"
+    assert len(template) < 90_000
+
+
+def marks_of(data):
+    """The alternative text of every picture of a sheet, in the order of its pictures."""
+    with zipfile.ZipFile(io.BytesIO(data)) as parts:
+        drawing = ElementTree.fromstring(parts.read("xl/drawings/drawing1.xml"))
+    return [each.attrib.get("descr") for each in drawing.iter() if each.tag.endswith("}cNvPr")]
+
+
+def test_a_job_that_is_known_stands_in_the_head_with_a_code_to_scan(controller):
+    vehicle = Vehicle(make="Volvo", model="V70", registration="AB 123", vin="YV1SW61", mileage_km=212000.0)
+    job = Job(number="2026-0417", technician="K. Weber", measured_on="2026-04-17", vehicle=vehicle)
+    fields = fields_of(job)
+    assert fields == {
+        "Job": "2026-0417",
+        "Vehicle": "Volvo V70, AB 123",
+        "Date": "2026-04-17",
+        "Measured by": "K. Weber",
+        "VIN": "YV1SW61",
+        "Mileage": "212000 km",
+    }
+    assert code_text(controller, fields) == f"2026-0417 {controller.id}"
+    known, unknown = write_template(controller, fields=fields), write_template(controller, fields={"Vehicle": "Volvo"})
+    assert write_template(controller, fields=fields) == known
+    assert f"QR code: 2026-0417 {controller.id}" in marks_of(known)
+    assert not any("QR" in mark for mark in marks_of(unknown))
+    with zipfile.ZipFile(io.BytesIO(known)) as parts:
+        assert qr_code(f"2026-0417 {controller.id}") in [parts.read(part) for part in parts.namelist()]
+    assert {"2026-0417", "Volvo V70, AB 123", "212000 km"} <= {
+        cell.value for row in opened(known)[SHEET] for cell in row
+    }
+
+
+def test_without_a_number_the_code_names_the_transmission_and_else_the_vehicle(controller):
+    fields = {"Serial number": "T 1", "VIN": "YV1SW61"}
+    assert code_text(controller, fields) == f"T 1 {controller.id}"
+    assert code_text(controller, {"VIN": "YV1SW61"}) == f"YV1SW61 {controller.id}"
+    assert code_text(controller, {"VIN": "1" * 4000}) == ""  # no code holds so much
+
+
+def test_numbers_typed_as_text_with_a_decimal_comma_are_read_back(controller, template):
+    book = opened(template)
+    sheet = book[SHEET]
+    for row in range(HEADER + 1, sheet.max_row + 1):
+        sheet.cell(row, DIAMETER, f"{merged_value(sheet, row, NOMINAL):.3f}".replace(".", ","))
+    target = io.BytesIO()
+    book.save(target)
+    readings = read_readings(target.getvalue(), controller)
+    assert len(readings.readings) == sheet.max_row - HEADER
+    for reading in readings.readings:
+        nominal = controller.land_of_plane(reading.component, reading.plane).nominal_of(reading.part)
+        assert reading.diameter == pytest.approx(nominal, abs=0.6e-6)
+
+
+def test_the_instructions_are_as_high_as_their_texts_are_long(controller, template):
+    sheet = opened(template)[INSTRUCTIONS]
+    for row in sheet.iter_rows(min_row=3):
+        for cell, width in zip(row, (24, 96), strict=True):
+            lines = len(textwrap.wrap(cell.value or "", 0.9 * width))
+            assert sheet.row_dimensions[cell.row].height >= 13.5 * lines
 
 
 def test_the_instructions_are_there(controller, template):

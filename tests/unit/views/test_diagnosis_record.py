@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import math
+import weakref
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -54,6 +56,16 @@ MESSAGE = "level code text"
 @pytest.fixture
 def record(sample: Diagnosis) -> dict[str, Any]:
     return json.loads(to_json(diagnosis_record(sample)))
+
+
+def test_it_is_made_once_and_let_go_with_its_diagnosis(minimal: Controller, hipol: Fluid, limits: Limits) -> None:
+    diagnosis = diagnose(minimal, hipol, limits)
+    record = diagnosis_record(diagnosis)
+    assert diagnosis_record(diagnosis) is record
+    seen = weakref.ref(diagnosis)
+    del diagnosis
+    gc.collect()
+    assert seen() is None
 
 
 def lacking(promised: str, record: dict[str, Any]) -> list[str]:

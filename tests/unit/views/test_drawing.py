@@ -11,7 +11,7 @@ import pytest
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.look import LOOKS
-from atleak.views.drawing import controller_svg, shortened, spool_svg
+from atleak.views.drawing import controller_svg, shortened, spool_svg, upright_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -67,12 +67,28 @@ def test_lands_lie_where_their_positions_say_where_those_of_all_are_known():
     assert gap_over_length(None, 21.0e-3) == pytest.approx(1.0, abs=0.02)
 
 
-def test_a_readable_id_is_drawn_whole_above_its_name():
-    drawn = [
-        text.text for text in ElementTree.fromstring(controller_svg(load_controller("gm_4l60e"))).iter(f"{SVG}text")
-    ]
-    assert drawn[:2] == ["pressure_regulator", "pressure regulator valve (216)"]
-    assert {"accumulator_1_2", "accumulator_3_4", "forward_abuse_plug"} <= set(drawn)
+def words_of(svg):
+    return [text.text for text in ElementTree.fromstring(svg).iter(f"{SVG}text")]
+
+
+@pytest.mark.parametrize("columns", [5, 6])
+def test_a_name_is_drawn_whole_and_an_id_that_repeats_it_is_left_out(columns):
+    controller = load_controller("gm_4l60e")
+    drawn = words_of(controller_svg(controller, columns=columns, letters=1.6))
+    assert "pressure_regulator" not in drawn
+    assert "…" not in "".join(drawn)
+    whole = " ".join(drawn).replace("- ", "").replace("-", "")
+    names = {controller.components[land.component] for land in controller.lands}
+    assert [name for name in names if name.replace("-", "") not in whole] == []
+
+
+def test_a_word_longer_than_a_line_is_broken_and_a_name_without_end_is_cut():
+    controller = load_controller("gm_4l60e")
+    long = replace(controller, components=MappingProxyType(dict.fromkeys(controller.components, "Regel" * 20)))
+    drawn = words_of(controller_svg(long, columns=6, only=["boost_valve"]))
+    assert drawn[-4].endswith("-")
+    assert drawn[-1].endswith("…")
+    assert len({len(line) for line in drawn[-4:]}) == 1
 
 
 def test_names_from_a_file_stay_text(hostile):
@@ -91,3 +107,19 @@ def test_names_from_a_file_stay_text(hostile):
 def test_shortened_keeps_what_fits():
     assert shortened("valve", 5) == "valve"
     assert shortened("valves", 5) == "valv…"
+
+
+def test_an_upright_spool_names_its_planes_and_is_called_not_to_scale_unless_its_lands_positions_are_known():
+    controller = load_controller("four_speed_2023")
+    known = tuple(replace(land, position=0.008 * land.land) for land in controller.lands_of("25"))
+    others = tuple(land for land in controller.lands if land.component != "25")
+    for lands, note in ((controller.lands, ["not to scale"]), ((*others, *known), [])):
+        svg = upright_svg(replace(controller, lands=lands), "25", (100.0, 150.0), "not to scale")
+        said = [text.text for text in ElementTree.fromstring(svg).iter(f"{SVG}text")]
+        assert said == [plane for land in known for plane in land.planes] + note
+    drawn = rectangles(svg)[1:]  # the first is the rod
+    one_scale = {round(float(each["height"]) / land.nominal_diameter) for each, land in zip(drawn, known, strict=True)}
+    along = {round(float(each["width"]) / land.contact_length) for each, land in zip(drawn, known, strict=True)}
+    assert max(one_scale | along) - min(one_scale | along) <= 0.01 * max(along)
+    with pytest.raises(KeyError):
+        upright_svg(controller, "no such", (100.0, 150.0), "")

@@ -12,8 +12,8 @@ import numpy as np
 
 from atleak.errors import Message, MessageLevel, Place, RoadTestError, one_of, unknown
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.files.layout import Heading
-from atleak.intake.road_test.names.matching import Match, Tier, match_name, name_kind, split_unit
+from atleak.intake.road_test.files.headings import Heading
+from atleak.intake.road_test.names.matching import Match, Tier, match_name, match_short_name, name_kind, split_unit
 from atleak.intake.road_test.names.memory import NOT_LOGGED
 from atleak.intake.road_test.names.unit_choice import ATMOSPHERE, Fit, fit, given
 from atleak.road_test import QUANTITIES, ChannelKind
@@ -66,7 +66,7 @@ def match_heading(heading: Heading) -> Match | None:
     """Return the quantity a heading stands for: the first of its names that is known."""
     best: Match | None = None
     for name in heading.names:
-        match = match_name(name)
+        match = match_name(name) or match_short_name(name, heading.unit)
         if match and (best is None or match.tier < best.tier):
             best = match
     return best
@@ -78,12 +78,16 @@ def find_candidates(headings: Sequence[Heading]) -> list[Candidate]:
     for heading in headings:
         match = match_heading(heading)
         if match:
-            result.append(Candidate(heading, match.quantity, match.tier, match.kind, heading.unit or match.unit))
+            second = match.tier == 0 and heading.foreign and match.quantity != "time"
+            tier = 1 if second else match.tier
+            result.append(Candidate(heading, match.quantity, tier, match.kind, heading.unit or match.unit))
     return result
 
 
 def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading:
     """Return the column that the user names: by its full header, its name without unit, or ``column 3``.
+
+    Of several with one name it is the one with that place: ``Speed (column 3)``.
 
     Raises
     ------
@@ -92,6 +96,7 @@ def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading
     """
     tests = (
         lambda heading: heading.label == wanted.strip(),
+        lambda heading: heading.numbered == wanted.strip(),
         lambda heading: words(heading.label) == words(wanted),
         lambda heading: wanted.strip() in heading.names,
         lambda heading: any(words(name) == words(wanted) for name in heading.names) and words(wanted) != "",
@@ -147,8 +152,11 @@ def map_columns(
 class Assigner:
     """Collects the decisions about one file: chosen signals, open questions, messages."""
 
-    def __init__(self, file: str, units: Mapping[str, str], neighbours: Iterable[str]) -> None:
+    def __init__(
+        self, file: str, units: Mapping[str, str], neighbours: Iterable[str], interval: float | None = None
+    ) -> None:
         self.file, self.units, self.neighbours = file, units, tuple(neighbours)
+        self.interval = interval  # [s] between rows, as the user states it
         self.signals: dict[str, Signal] = {}
         self.ambiguous: list[Ambiguous] = []
         self.refused: dict[str, Sentence] = {}  # by quantity, why a column that bears its name was not taken
@@ -246,7 +254,8 @@ class Assigner:
                 and all(signal.candidate.kind == "commanded" for signal in tied if signal is not measured[0])
             ):
                 tied = measured
-            if len(tied) == 1:
+            resembling = tier == 1 and any(signal.candidate.tier == 2 for signal in fitting)
+            if len(tied) == 1 and not resembling:
                 others = [signal.candidate.label for signal in fitting if signal is not tied[0]]
                 if others:
                     text = Sentence(
@@ -258,12 +267,12 @@ class Assigner:
                     self.say("other_candidates", text, "info", tied[0].candidate.label)
                 return tied[0]
             if tied:
-                if same := self._same(tied):
+                if not resembling and (same := self._same(tied)):
                     return same
-                labels = tuple(signal.candidate.label for signal in fitting if signal.candidate.tier <= tier)
+                labels = _told_apart([each for each in fitting if resembling or each.candidate.tier <= tier])
                 self.ambiguous.append(Ambiguous(quantity, labels, Sentence("several columns may be meant")))
                 return None
-        labels = tuple(signal.candidate.label for signal in fitting)
+        labels = _told_apart(fitting)
         guess = labels[0] if len(labels) == 1 else None
         self.ambiguous.append(Ambiguous(quantity, labels, Sentence("the name only resembles it"), guess))
         return None
@@ -337,6 +346,15 @@ class Assigner:
             else:
                 text = Sentence("{column!r} is taken as gauge pressure", column=label)
                 self.say("pressure_gauge", text, "info", label)
+
+
+def _told_apart(signals: Sequence[Signal]) -> tuple[str, ...]:
+    """Return the columns' names, with their places where several bear the same."""
+    names = [signal.candidate.label for signal in signals]
+    return tuple(
+        signal.candidate.heading.numbered if names.count(name) > 1 else name
+        for signal, name in zip(signals, names, strict=True)
+    )
 
 
 def _dead_value(kind: str | None, sample: np.ndarray) -> float | None:

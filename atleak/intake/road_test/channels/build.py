@@ -22,11 +22,11 @@ from atleak.sentence import Sentence
 def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, float]) -> Mapping[str, Channel]:
     """Return the channels of a road test, in the order of `QUANTITIES`."""
     built: dict[str, Channel] = {}
-    speed = assigner.signals.get("engine_speed") or assigner.signals.get("vehicle_speed")
+    speeds = [assigner.signals[name] for name in _SPEEDS if name in assigner.signals]
     logged = {name: signal for name, signal in assigner.signals.items() if name != "time"}
 
     def check(signal: Signal) -> _Checked:
-        return _checked(signal, timeline, speed if signal is not speed else None)
+        return _checked(signal, timeline, next((speed for speed in speeds if speed is not signal), None))
 
     if len(timeline.time) > _MANY_SAMPLES:  # numpy leaves the other cores free for the next channel
         with ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
@@ -36,16 +36,17 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
     for quantity in QUANTITIES:
         if quantity in logged:
             built[quantity] = _channel(assigner, logged[quantity], checked[quantity], timeline)
-        elif quantity in constants:
+        elif quantity in constants and quantity != "time":  # of which the constant is the interval between rows
             built[quantity] = _constant(assigner, quantity, constants[quantity], timeline)
     possible = [name for name in QUANTITIES if name != "time"]
     for name in constants:
-        if name not in possible:
+        if name not in possible and name != "time":
             raise unknown(Sentence("unknown quantity for a constant"), name, possible, kind=RoadTestError)
     return MappingProxyType(built)
 
 
 _MANY_SAMPLES = 200_000
+_SPEEDS = ("engine_speed", "vehicle_speed", "output_speed", "turbine_speed")  # each tells whether the car moves
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
 
@@ -9,16 +11,65 @@ from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Assigner, Candidate, plain_name
 from atleak.intake.road_test.channels.protocol import LogTable
-from atleak.intake.road_test.files.cells import MISSING, Decimal, is_clock, is_destroyed
+from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, is_clock, is_destroyed
 from atleak.intake.road_test.files.delimited import numbers, words_of
-from atleak.intake.road_test.files.layout import Heading
+from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names import words_as_numbers
 from atleak.intake.road_test.names.matching import match_name, split_unit
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
 
-def without_other_lines(
+class Rows(NamedTuple):
+    """The rows of a table, and how many of its lines are none."""
+
+    frame: pd.DataFrame
+    left_out: int
+
+    @property
+    def number(self) -> int:
+        """Return how many rows there are."""
+        return len(self.frame)
+
+
+def rows_of(
+    frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner
+) -> Rows:
+    """Leave out comments, markers, repeated headers and blank rows at the end, each counted in a message.
+
+    Raises
+    ------
+    RoadTestError
+        where another header with other columns begins.
+    """
+    too_wide = say_left_out(frame, table, assigner)
+    frame, words_alone = _without_words(frame, times, channels, table, assigner)
+    attributes, end = frame.attrs, _end(frame)
+    blank = len(frame) - end
+    if blank:
+        frame = frame.iloc[:end]
+        frame.attrs = attributes
+        assigner.say("blank_rows", Sentence("{count} blank row(s) at the end left out", count=blank))
+    return Rows(frame, too_wide + words_alone + blank)
+
+
+def say_left_out(frame: pd.DataFrame, table: LogTable, assigner: Assigner) -> int:
+    """Say how many rows were left out when the file was read, also of another table above this one; return it."""
+    if table.above:
+        text = Sentence("{count} row(s) of another table above this one are not read", count=table.above)
+        assigner.say("table_above", text, "warning")
+    too_wide = int(frame.attrs.get("too_wide", 0))
+    if too_wide:
+        text = Sentence(
+            "{count} row(s) have more numbers than there are columns: which belongs to which is not known, they are "
+            "left out",
+            count=too_wide,
+        )
+        assigner.say("rows_too_wide", text, "warning")
+    return too_wide + table.above
+
+
+def _without_words(
     frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner
 ) -> tuple[pd.DataFrame, int]:
     """Remove comments, markers, repeated headers and blank lines; refuse a file in which another header begins."""
@@ -26,7 +77,7 @@ def without_other_lines(
     if frame.empty or (
         all(dtype.kind in "fiub" for dtype in frame.dtypes) and not any(map(len, words_in_columns.values()))
     ):
-        return _without_blank_rows(frame)
+        return frame, 0
     has_number = np.zeros(len(frame), bool)
     has_word = np.zeros(len(frame), bool)
     text_columns = []
@@ -52,7 +103,8 @@ def without_other_lines(
         has_number[without_number] |= number
         has_word[without_number] |= ~number & filled
     text_only = (has_word & ~has_number) | _words_for_time(frame, times, table)
-    if text_only.any():
+    count = int(text_only.sum())
+    if count:
         lines = frame[text_only].astype(object)
         for index, cells in words_in_columns.items():
             lines[index] = lines[index].where(lines[index].notna(), cells.reindex(lines.index))
@@ -61,24 +113,19 @@ def without_other_lines(
         attributes = frame.attrs
         frame = frame[~text_only]
         frame.attrs = attributes
-        count = int(text_only.sum())
         said = Sentence("{count} comment, marker or repeated header line(s) left out", count=count)
         assigner.say("lines_left_out", said)
-    return _without_blank_rows(frame)
+    return frame, count
 
 
-def _without_blank_rows(frame: pd.DataFrame) -> tuple[pd.DataFrame, int]:
-    """Remove the empty rows at the end of a table; return it with its number of rows."""
+def _end(frame: pd.DataFrame) -> int:
+    """Return the number of rows up to the last one that is not blank."""
     if frame.empty or not frame.iloc[-1].isna().all():
-        return frame, len(frame)
+        return len(frame)
     filled = frame.notna().any(axis=1).to_numpy()
     if not filled.any():  # the columns are blank throughout, but the rows exist
-        return frame, len(frame)
-    end = len(filled) - int(np.argmax(filled[::-1]))
-    attributes = frame.attrs
-    frame = frame.iloc[:end]
-    frame.attrs = attributes
-    return frame, len(frame)
+        return len(frame)
+    return len(filled) - int(np.argmax(filled[::-1]))
 
 
 def _words_for_time(frame: pd.DataFrame, times: list[Candidate], table: LogTable) -> np.ndarray:
@@ -126,6 +173,8 @@ def column_numbers(candidate: Candidate, frame: pd.DataFrame, decimal: Decimal, 
     """Return a column's numbers, NaN where there is none; a column that cannot be read is NaN throughout."""
     column = frame[candidate.heading.index]
     values, unreadable = numbers(frame, candidate.heading.index, decimal)
+    if len(unreadable) and candidate.quantity != "lock_up":  # of a switch it is a value
+        unreadable = unreadable[unreadable.str.lower() != OFF]
     if not len(unreadable):
         return _without_thousands(candidate, values, assigner)
     if candidate.quantity in ("gear", "selector", "lock_up"):

@@ -10,17 +10,19 @@ import pandas as pd
 
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Assigner, Candidate, find_candidates, map_columns
+from atleak.intake.road_test.channels.column_values import say_left_out
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.timing import clock_of, no_time, runs
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.cells import kind_of
 from atleak.intake.road_test.files.delimited import numbers
-from atleak.intake.road_test.files.layout import Heading
+from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names import words_as_numbers
 from atleak.intake.road_test.names.matching import match_name, split_unit
 from atleak.intake.road_test.names.memory import NOT_LOGGED
 from atleak.road_test import QUANTITIES, Segment
+from atleak.sentence import Sentence
 
 _NAME_HEADERS = {
     "pid",
@@ -118,7 +120,8 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     RoadTestError
         when its time cannot be read or the user names a column that it lacks.
     """
-    frame, names = _rows(table, shape)
+    read, frame, names = _rows(table, shape)
+    left_out = say_left_out(read, table, assigner) + _say_nameless(read, frame, assigner)
     clock = clock_of(shape.time, frame, table, assigner, ())
     if clock is None or not runs(clock.seconds):
         raise no_time(table, assigner)
@@ -156,19 +159,28 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
                 stamps.append(signal.time)
     base = np.unique(np.concatenate(stamps)) if stamps else np.unique(whole.time)
     timeline = _on_base(base, whole)
-    column_names = frozenset(map(str, uniques))
-    return TableResult(len(frame), timeline, shape.time.label, clock, True, column_names, whole.segments)
+    column_names = tuple(map(str, uniques))
+    return TableResult(len(frame), timeline, shape.time.label, clock, True, column_names, whole.segments, left_out)
 
 
-def _rows(table: LogTable, shape: _LongColumns) -> tuple[pd.DataFrame, pd.Series]:
-    """Return the rows that name a signal, and those names."""
+def _say_nameless(read: pd.DataFrame, kept: pd.DataFrame, assigner: Assigner) -> int:
+    """Say how many rows name no signal; return it."""
+    count = len(read) - len(kept)
+    if count:
+        text = Sentence("{count} row(s) name no signal, or repeat the header, and are left out", count=count)
+        assigner.say("lines_left_out", text)
+    return count
+
+
+def _rows(table: LogTable, shape: _LongColumns) -> tuple[pd.DataFrame, pd.DataFrame, pd.Series]:
+    """Return all rows, those that name a signal, and those names."""
     columns = [shape.time.heading.index, shape.name.index, shape.value.index]
     if shape.unit:
         columns.append(shape.unit.index)
     frame = table.read(sorted(set(columns)))
     names = frame[shape.name.index].astype("str").str.strip()
     keep = frame[shape.name.index].notna() & (names != shape.name.label)
-    return frame[keep], names[keep]
+    return frame, frame[keep], names[keep]
 
 
 def _headings(uniques: pd.Index, codes: np.ndarray, frame: pd.DataFrame, shape: _LongColumns) -> list[Heading]:
@@ -186,7 +198,7 @@ def _headings(uniques: pd.Index, codes: np.ndarray, frame: pd.DataFrame, shape: 
 
 def long_columns(table: LogTable, shape: _LongColumns) -> Iterator[tuple[Heading, np.ndarray, pd.Series]]:
     """Yield the heading of every signal of a long table, its numbers and its cells that are none."""
-    frame, names = _rows(table, shape)
+    _, frame, names = _rows(table, shape)
     values, words_there = numbers(frame, shape.value.index, table.decimal)
     codes, uniques = pd.factorize(names)
     for heading in _headings(uniques, codes, frame, shape):

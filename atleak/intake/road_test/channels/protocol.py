@@ -11,7 +11,7 @@ import pandas as pd
 from atleak.intake.road_test.clock.clocks import Clock
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.intake.road_test.files.cells import Decimal
-from atleak.intake.road_test.files.layout import Heading, Row
+from atleak.intake.road_test.files.headings import Heading, Row
 from atleak.road_test import Segment
 
 
@@ -30,6 +30,8 @@ class LogTable(Protocol):
     def preamble(self) -> Sequence[Row]: ...
     @property
     def decimal(self) -> Decimal: ...
+    @property
+    def above(self) -> int: ...
     def read(self, columns: Sequence[int]) -> pd.DataFrame: ...
 
 
@@ -42,8 +44,9 @@ class TableResult:
     time_label: str
     clock: Clock
     long: bool = False
-    used: frozenset[str] = frozenset()
+    used: tuple[str, ...] = ()
     file_segments: tuple[Segment, ...] | None = None
+    left_out: int = 0  # lines of the table that are no rows
 
 
 def reach(sample: Sequence[Row]) -> int:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import pandas as pd
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
@@ -15,14 +14,21 @@ from atleak.intake.road_test.channels.assign import (
     find_candidates,
     map_columns,
 )
-from atleak.intake.road_test.channels.column_values import column_numbers, without_other_lines
+from atleak.intake.road_test.channels.column_values import Rows, column_numbers, rows_of
 from atleak.intake.road_test.channels.long import long_shape, read_long
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult, reach
-from atleak.intake.road_test.channels.timing import best_clock, clock_of, motions_beside, no_time, runs
+from atleak.intake.road_test.channels.timing import (
+    best_clock,
+    clock_of,
+    motions_beside,
+    no_time,
+    rising_without_name,
+    runs,
+)
 from atleak.intake.road_test.clock.clocks import Clock, Motion
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.cells import is_clock
-from atleak.intake.road_test.files.layout import Heading, named_by_a_date
+from atleak.intake.road_test.files.headings import Heading, named_by_a_date
 from atleak.intake.road_test.names.matching import clean_unit
 from atleak.intake.units import kinds_of
 from atleak.road_test import QUANTITIES
@@ -40,16 +46,28 @@ def read_table(table: LogTable, assigner: Assigner, mapping: Mapping[str, str]) 
     """
     headings = table.headings
     if not table.has_header and not mapping:
-        raise RoadTestError(
-            Sentence("has no header: nothing tells what its columns are"),
-            place=Place(file=assigner.file),
-            value="; ".join(table.sample[0][:8]) if table.sample else None,
-            expected=Sentence("names for the columns, such as time = 'column 1' and engine_speed = 'column 2'"),
-        )
+        raise _no_header(table, assigner)
     candidates = map_columns(find_candidates(headings), headings, mapping, assigner.file)
     if (shape := long_shape(table, candidates, mapping)) is not None:
         return read_long(table, shape, assigner, mapping)
     return _read_wide(table, candidates, assigner)
+
+
+def _no_header(table: LogTable, assigner: Assigner) -> RoadTestError:
+    """Return the error that asks for the names of columns, and for the time where a column may be it."""
+    rising = rising_without_name(table)
+    expected = Sentence("names for the columns, such as engine_speed = 'column 2', and the interval between rows")
+    if rising is not None:
+        speed = "column 2" if rising != "column 2" else "column 1"
+        expected = Sentence(
+            "names for the columns, such as time = {time!r} and engine_speed = {speed!r}", time=rising, speed=speed
+        )
+    return RoadTestError(
+        Sentence("has no header: nothing tells what its columns are"),
+        place=Place(file=assigner.file),
+        value="; ".join(table.sample[0][:8]) if table.sample else None,
+        expected=expected,
+    )
 
 
 # --- wide ---------------------------------------------------------------------------------------------------
@@ -62,15 +80,16 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     channels = [candidate for candidate in candidates if candidate.quantity != "time"]
     chosen = [candidate.heading.index for candidate in (*times, *channels)]
     frame = table.read(sorted(set(chosen)) or [0])
-    frame, rows = without_other_lines(frame, times, channels, table, assigner)
+    rows = rows_of(frame, times, channels, table, assigner)
+    frame = rows.frame
     columns = {
         candidate.heading.index: column_numbers(candidate, frame, table.decimal, assigner) for candidate in channels
     }
     motions = motions_beside(channels, columns)
     own_times = _own_times(table.headings, times, channels)
     if own_times is not None:
-        return _read_own_times(own_times, frame, rows, columns, table, assigner, motions)
-    label, clock = best_clock(times, frame, table, assigner, motions, rows)
+        return _read_own_times(own_times, rows, columns, channels, table, assigner, motions)
+    label, clock = best_clock(times, frame, table, assigner, motions, rows.number)
     timeline = build_timeline(clock.seconds)
     if not len(timeline.time):
         raise no_time(table, assigner)
@@ -82,7 +101,7 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
         ]
         if offered:
             assigner.decide(quantity, offered)
-    return TableResult(rows, timeline, label, clock, used=frozenset([label]))
+    return TableResult(rows.number, timeline, label, clock, used=(label,), left_out=rows.left_out)
 
 
 def _may_be_time(candidate: Candidate) -> bool:
@@ -113,17 +132,31 @@ def _time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candi
         for candidate in candidates
         if candidate.quantity == "time" and (candidate.mapped or _may_be_time(candidate))
     ]
+    if any(candidate.heading.stamped for candidate in times):
+        times = [candidate for candidate in times if candidate.mapped or candidate.heading.stamped]
     if not any(candidate.mapped for candidate in times):
         for heading in table.headings[: table.width]:
             if named_by_a_date(heading) and not any(candidate.heading is heading for candidate in times):
                 times.append(Candidate(heading, "time", 0, "unknown", None))
-    if not times and table.headings and table.sample:
-        # a column without a telling name that holds clock readings
+    if not any(candidate.mapped or _runs_in_sample(candidate, table) for candidate in times):
+        # columns without a telling name that hold clock readings serve where no other does
+        named = {candidate.heading.index for candidate in candidates}
         for heading in table.headings[: table.width]:
             cells = [row[heading.index] for row in table.sample if heading.index < len(row)]
-            if cells and sum(is_clock(cell) for cell in cells) > 0.8 * len(cells):
-                times.append(Candidate(heading, "time", 0, "unknown", None))
+            if (
+                heading.index not in named
+                and not named_by_a_date(heading)
+                and cells
+                and sum(is_clock(cell) for cell in cells) > 0.8 * len(cells)
+            ):
+                times.append(Candidate(heading, "time", 2, "unknown", None))
     return sorted(times, key=lambda candidate: (not candidate.mapped, candidate.tier))
+
+
+def _runs_in_sample(candidate: Candidate, table: LogTable) -> bool:
+    """Return whether a time column's cells differ from row to row, as far as a clock's do."""
+    cells = [row[candidate.heading.index] for row in table.sample if candidate.heading.index < len(row)]
+    return len(set(cells)) > max(1, len(cells) / 20)
 
 
 # --- a time column before each channel ----------------------------------------------------------------------
@@ -152,13 +185,13 @@ def _own_times(
 
 
 def _read_own_times(
-    own_times: dict[int, Candidate], frame: pd.DataFrame, rows: int, columns: dict[int, np.ndarray],
+    own_times: dict[int, Candidate], rows: Rows, columns: dict[int, np.ndarray], channels: Sequence[Candidate],
     table: LogTable, assigner: Assigner, motions: Sequence[Motion],
 ) -> TableResult:  # fmt: skip
     clocks_by_column: dict[int, Clock] = {}
     time_columns = sorted({candidate.heading.index: candidate for candidate in own_times.values()}.items())
     for index, candidate in time_columns:
-        clock = clock_of(candidate, frame, table, assigner, motions)
+        clock = clock_of(candidate, rows.frame, table, assigner, motions)
         if clock is not None and runs(clock.seconds):
             clocks_by_column[index] = clock
     if not clocks_by_column:
@@ -166,14 +199,9 @@ def _read_own_times(
     first = min(clocks_by_column)
     base = build_timeline(clocks_by_column[first].seconds)
     assigner.base = base.time if base.order is None else None
-    candidates = [
-        candidate
-        for candidate in find_candidates(table.headings)
-        if candidate.heading.index in columns and candidate.quantity != "time"
-    ]
     for quantity in QUANTITIES:
         offered = []
-        for candidate in candidates:
+        for candidate in channels:
             time_column = own_times.get(candidate.heading.index)
             if (
                 candidate.quantity != quantity
@@ -192,4 +220,5 @@ def _read_own_times(
         if offered:
             assigner.decide(quantity, offered)
     label = dict(time_columns)[first].label
-    return TableResult(rows, base, label, clocks_by_column[first], used=frozenset([label]))
+    clock = clocks_by_column[first]
+    return TableResult(rows.number, base, label, clock, used=(label,), left_out=rows.left_out)

@@ -47,6 +47,8 @@ _STEP = {  # what a channel can change between two samples at most, per kind, in
     "speed": 40.0 / 3.6,
     "pressure": 2.5e6,
 }
+_HELD = 5  # equal samples that may be one answer, held
+_FEW, _LIVELY = 0.1, 0.25  # share of samples that may be frozen, and of others that change, where nothing else moves
 _FROZEN_SECONDS = {"rotational_speed": 15.0, "temperature": 3600.0, "pressure": 600.0}
 
 
@@ -105,7 +107,10 @@ def start_up(series: pd.Series, step: float, rows: int = 10) -> pd.Series:
 
 
 def spikes(series: pd.Series, step: float) -> pd.Series:
-    """Mark single samples that leave their neighbours by more than ``step`` and come straight back."""
+    """Mark samples that leave their neighbours by more than ``step`` and come straight back.
+
+    It is one sample, or a few equal ones: a logger's held answer.
+    """
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
     least, most = _ends(values)
@@ -113,17 +118,20 @@ def spikes(series: pd.Series, step: float) -> pd.Series:
         change = np.diff(values)
         high, low = np.flatnonzero(change > step), np.flatnonzero(change < -step)
         big = np.sort(np.concatenate([high, low]))
-        alone = big[:-1][np.diff(big) == 1] + 1
-        back = change[alone - 1] * change[alone] < 0
-        level = np.abs(values[alone + 1] - values[alone - 1]) < 0.25 * np.abs(change[alone - 1])
-        result[alone[back & level]] = True
+        leaves, returns = big[:-1], big[1:]
+        near = (returns - leaves <= _HELD) & (change[leaves] * change[returns] < 0)
+        near &= np.abs(values[returns + 1] - values[leaves]) < 0.25 * np.abs(change[leaves])
+        for first, last in zip(leaves[near] + 1, returns[near], strict=True):
+            if (values[first:last] == values[last]).all():
+                result[first : last + 1] = True
     return pd.Series(result, series.index)
 
 
 def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | None] | None = None) -> pd.Series:
     """Mark where a channel repeats one value other than zero for longer than ``seconds`` (index: stamps in s).
 
-    ``moving`` gives the samples at which the car's other channels change; a run counts only where they do.
+    ``moving`` gives the samples at which the car's other speed changes: a run counts only where it does. None of it:
+    no other speed is logged, and a run counts where it is short beside samples that keep changing.
     """
     values, time = series.to_numpy(), series.index.to_numpy()
     result = np.zeros(len(values), bool)
@@ -143,7 +151,12 @@ def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | 
     starts, stops = edges[:-1], edges[1:] - 1
     long = (time[stops] - time[starts] > seconds) & (stops - starts >= 20) & (values[starts] != 0)
     beside = moving() if moving is not None and long.any() else None
-    for start, stop in zip(starts[long], stops[long], strict=True):
+    runs = list(zip(starts[long], stops[long], strict=True))
+    if moving is not None and beside is None:
+        length = sum(stop - start + 1 for start, stop in runs)
+        changing = (len(starts) - len(runs)) / max(len(values) - length, 1)
+        runs = runs if length < _FEW * len(values) and changing > _LIVELY else []
+    for start, stop in runs:
         if beside is None or np.count_nonzero(beside[start : stop + 1]) > 10:
             result[start : stop + 1] = True
     return pd.Series(result, series.index)

@@ -16,6 +16,7 @@ from atleak.intake.road_test.clock import clocks
 from atleak.intake.road_test.clock.clocks import Clock, Motion
 from atleak.intake.road_test.files.cells import is_clock, is_destroyed, to_float
 from atleak.intake.road_test.files.delimited import numbers
+from atleak.intake.road_test.files.headings import nameless
 from atleak.intake.road_test.names.matching import split_unit
 from atleak.intake.road_test.names.unit_choice import given
 from atleak.sentence import Sentence
@@ -78,7 +79,24 @@ def clock_of(
             candidate.label,
         )
         return None
-    return clocks.numeric_clock(values, unit, motions if whole else [])
+    clock = clocks.numeric_clock(values, unit, motions if whole else [])
+    if clock.form.startswith("epoch") and _rounded(clock.seconds):
+        text = Sentence(
+            "{column!r}: a spreadsheet has cut its numbers short: few stamps differ", column=candidate.label
+        )
+        assigner.say("column_refused", text, "warning", candidate.label)
+        return None
+    return clock
+
+
+_COARSE = 600.0  # [s] between stamps that only rounding explains
+
+
+def _rounded(seconds: np.ndarray) -> bool:
+    """Return whether an epoch keeps so few digits that many rows share each stamp and the next is far off."""
+    steps = np.diff(seconds)
+    onward = steps[steps > 0]
+    return len(seconds) >= 8 and 4 * len(onward) < len(seconds) and bool((onward >= _COARSE).all())
 
 
 def _typed(column: pd.Series) -> bool:
@@ -110,6 +128,8 @@ def best_clock(
 ) -> tuple[str, Clock]:
     """Return the name and the clock of the time column that serves best, or a clock counted from the interval.
 
+    The interval is the one that the user states, else that of the lines above the table.
+
     Raises
     ------
     RoadTestError
@@ -118,32 +138,115 @@ def best_clock(
     readable: list[tuple[Candidate, Clock]] = []
     for candidate in times:
         clock = clock_of(candidate, frame, table, assigner, motions)
-        if clock is not None and runs(clock.seconds):
+        if clock is None:
+            continue
+        if runs(clock.seconds):
             readable.append((candidate, clock))
             if candidate.mapped:
                 break
+        elif _starts_again(clock.seconds):
+            text = Sentence("{column!r} starts again every few rows", column=candidate.label)
+            assigner.say("column_refused", text, "warning", candidate.label)
     if not readable:
-        interval = _interval_in_preamble(table)
-        if interval is None:
-            raise no_time(table, assigner)
-        assigner.say(
-            "time_counted",
-            Sentence(
-                "no time column: time is counted from the interval in the file's head ({interval:g} s)",
-                interval=interval,
-            ),
-        )
-        return "", Clock(np.arange(rows) * interval, "s", False, "counted")
-    best = readable[0]
-    if len(readable) > 1:
-        best = max(readable, key=lambda pair: (pair[0].mapped, -pair[0].tier, _stamps(pair[1].seconds)))
+        return "", _counted(table, assigner, rows)
+    best = _best(readable)
     if len(readable) > 1:
         _compare_clocks(best, readable, assigner)
+    _ask_where_it_cannot_be(*best, table, assigner)
     for note in best[1].notes:
         assigner.say("clock", note, "warning", best[0].label)
     if best[1].unit_assumed:
         assigner.assume_unit(best[0].label, best[1].unit, "time")
     return best[0].label, best[1]
+
+
+def _best(readable: list[tuple[Candidate, Clock]]) -> tuple[Candidate, Clock]:
+    """Return the clock that serves best: what the user names, no counter of rows, no coarse or second clock."""
+    if len(readable) == 1:
+        return readable[0]
+    stamps = {candidate.heading.index: _stamps(clock.seconds) for candidate, clock in readable}
+    most = max(stamps.values())
+
+    def worth(pair: tuple[Candidate, Clock]) -> tuple[bool, bool, int, bool, int]:
+        candidate, clock = pair
+        count = stamps[candidate.heading.index]
+        return candidate.mapped, 2 * count >= most, -candidate.tier, not _counts_rows(clock.seconds), count
+
+    return max(readable, key=worth)
+
+
+def _counts_rows(seconds: np.ndarray) -> bool:
+    """Return whether a clock goes on by exactly one with every row: a number of rows, perhaps, and no time."""
+    part = seconds[:10_000]
+    return len(part) > 2 and bool((np.diff(part) == 1).all())
+
+
+def _counted(table: LogTable, assigner: Assigner, rows: int) -> Clock:
+    """Return a clock that counts rows by the interval that is stated.
+
+    Raises
+    ------
+    RoadTestError
+        where neither the user nor the file states one.
+    """
+    stated = assigner.interval
+    interval = _interval_in_preamble(table) if stated is None else stated
+    if interval is None:
+        raise no_time(table, assigner)
+    text = Sentence(
+        "no time column: time is counted from the interval in the file's head ({interval:g} s)", interval=interval
+    )
+    if stated is not None:
+        text = Sentence("no time column: time is counted from the stated interval ({interval:g} s)", interval=interval)
+    assigner.say("time_counted", text)
+    return Clock(np.arange(rows) * interval, "s", False, "counted")
+
+
+_BRIEF = 1.0  # [s]: no road test is shorter
+_LEAST_ROWS = 8
+
+
+def _ask_where_it_cannot_be(candidate: Candidate, clock: Clock, table: LogTable, assigner: Assigner) -> None:
+    """Ask about a clock in ms by which the whole log takes less than a second: it may be another time, of injection.
+
+    Raises
+    ------
+    RoadTestError
+        naming the column, and one without a name that rises with the rows.
+    """
+    if candidate.mapped or "time" in assigner.units or clock.unit not in ("ms", "µs", "ns"):
+        return
+    finite = clock.seconds[np.isfinite(clock.seconds)]
+    other = rising_without_name(table)
+    span = float(np.ptp(finite)) if len(finite) else 0.0
+    if clock.absolute or len(finite) < _LEAST_ROWS or not (span < _BRIEF or (other and span < 10 * _BRIEF)):
+        return
+    problem = Sentence(
+        "by {column!r}, in {unit}, the whole log takes {span:g} s: that may be another time than the clock's",
+        column=candidate.label,
+        unit=clock.unit,
+        span=span,
+    )
+    expected = Sentence("the column of the time, such as time = {column!r}", column=other or candidate.label)
+    raise RoadTestError(problem, place=Place(file=assigner.file, column=candidate.label), expected=expected)
+
+
+def rising_without_name(table: LogTable) -> str | None:
+    """Return the first column without a name whose numbers rise from row to row, other than by one; else None."""
+    for heading in table.headings[: table.width]:
+        if nameless(heading):
+            cells = [to_float(row[heading.index], table.decimal) for row in table.sample if heading.index < len(row)]
+            steps = np.diff([cell for cell in cells if cell == cell])
+            if len(steps) >= _LEAST_ROWS and bool((steps > 0).all()) and not (steps == 1).all():
+                return f"column {heading.index + 1}"
+    return None
+
+
+def _starts_again(seconds: np.ndarray) -> bool:
+    """Return whether a clock rises and falls back to where it began, again and again."""
+    finite = seconds[np.isfinite(seconds)]
+    falls = np.diff(finite) < 0
+    return len(finite) > _LEAST_ROWS and np.mean(falls) > 0.1 and np.ptp(finite[1:][falls]) < 0.1 * np.ptp(finite)
 
 
 def runs(seconds: np.ndarray) -> bool:
@@ -220,5 +323,7 @@ def no_time(table: LogTable, assigner: Assigner) -> RoadTestError:
         problem,
         place=Place(file=assigner.file),
         value=", ".join(heading.label for heading in table.headings[:12]),
-        expected=Sentence("a column such as 'Time (s)', or the name of the one that tells the time"),
+        expected=Sentence(
+            "a column such as 'Time (s)', the name of the one that tells the time, or the interval between rows"
+        ),
     )

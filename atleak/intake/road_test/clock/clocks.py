@@ -15,6 +15,7 @@ from atleak.intake.units import Unit, find_unit
 from atleak.sentence import Sentence
 
 DAY = 86400.0
+_PART = 200_000  # samples that show what a clock counts
 _FIRST_EXCEL_DAY = dt.date(1899, 12, 30)
 
 
@@ -67,13 +68,16 @@ def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion
         known = find_unit(epoch, "time")
         assert known is not None
         return _epoch_clock(values, known)
-    if known is None and _excel_days(finite):
+    part = finite[:_PART]
+    if known is None and _excel_days(part):
         day = _FIRST_EXCEL_DAY + dt.timedelta(int(first))
         return Clock(np.round((values - first) * DAY, 6), "d", False, "Excel days", (), True, day)
     if known is not None:
         if epoch:
             return _epoch_clock(values, known)
         return Clock(values if known.factor == 1.0 else values * known.factor, known.name)
+    if _digits_of_a_clock(part):
+        return Clock(_relative(_unwrap(_seconds_of_digits(values), DAY)), "clock", False, "time of day, HHMMSS")
     name, sure = _guess(finite, values, motions)
     factor = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name]
     return Clock(values if factor == 1.0 else values * factor, name, not sure)
@@ -95,6 +99,30 @@ def _epoch(value: float) -> str | None:
     return None
 
 
+def _seconds_of_digits(values: np.ndarray) -> np.ndarray:
+    """Return the seconds since midnight of numbers whose digits are those of a clock: 100059.5 is 10:00:59.5."""
+    minutes, hours = values // 100 % 100, values // 10_000
+    return hours * 3600 + minutes * 60 + np.round(values % 100, 6)
+
+
+def _digits_of_a_clock(values: np.ndarray) -> bool:
+    """Return whether numbers are the digits HHMMSS of a clock: none has 60 seconds or minutes, and they leap there."""
+    if len(values) < 3 or values.min() < 0 or values.max() >= 240_000 or (values % 100 >= 60).any():
+        return False
+    if (values // 100 % 100 >= 60).any():
+        return False
+    steps, true = np.diff(values), np.diff(_seconds_of_digits(values))
+    usual = float(np.median(steps))
+    leaps = np.abs(steps - true) > 1
+    if not 0 < usual < 30 or not leaps.any():
+        return False
+    # where the number leaps, the clock goes on as usual: a recording with gaps does not
+    return bool(np.mean((true[leaps] >= 0) & (true[leaps] <= 3 * usual)) > 0.7)
+
+
+_LONGEST_STEP_IN_DAYS = 60 / DAY
+
+
 def _excel_days(values: np.ndarray) -> bool:
     middle = np.median(values)
     steps = np.diff(values)
@@ -102,14 +130,14 @@ def _excel_days(values: np.ndarray) -> bool:
     return bool(
         25000 < middle < 80000
         and len(steps)
-        and np.median(steps) < 0.01
+        and np.median(steps) < _LONGEST_STEP_IN_DAYS
         and np.ptp(values) < 30
         and not np.allclose(values * 1000, np.round(values * 1000), rtol=0, atol=1e-7)
     )
 
 
 def _guess(finite: np.ndarray, values: np.ndarray, motions: Sequence[Motion]) -> tuple[str, bool]:
-    steps = np.diff(finite[:200_000])
+    steps = np.diff(finite[:_PART])
     steps = steps[steps > 0]
     if not len(steps):
         return "s", False

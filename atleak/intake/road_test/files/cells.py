@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import Literal
+
+import pandas as pd
+
+from atleak.intake.road_test.names.matching import is_unit
 
 Decimal = Literal[".", ","]
 CellKind = Literal["number", "clock", "missing", "text"]
 
+OFF = "off"
+"""A word for *missing* that is a value in a column of switches."""
 MISSING = frozenset(
     {
         "", "-", "--", "---", "nan", "-nan", "nan(ind)", "-nan(ind)", "inf", "-inf", "+inf", "infinity", "-infinity",
-        "∞", "-∞", "n/a", "na", "#n/a", "null", "none", "off", "not running", "läuft nicht", "laeuft nicht",
+        "∞", "-∞", "n/a", "na", "#n/a", "null", "none", OFF, "not running", "läuft nicht", "laeuft nicht",
         "nie pracuje", "не работает", "?", "---.-", "no data", "nodata", "n.a.", "n.v.", "not available",
         "not supported", "invalid", "err", "error", "#ref!", "#value!", "#div/0!", "#num!", "#name?", "<null>", "nil",
         "undefined", "x", "*", ".", "не число",
@@ -50,7 +58,35 @@ def kind_of(cell: str, decimal: Decimal) -> CellKind:
         return "number"
     if is_clock(text):
         return "clock"
-    return "text"
+    return "number" if _with_unit(text, decimal) else "text"
+
+
+_WITH_UNIT = re.compile(r"([+-]?[\d.,]+(?:[eE][+-]?\d+)?)\s*([^\W\d_][^\d,;:\s]*|[%°][^\d,;:\s]*)\Z")
+
+
+def _with_unit(text: str, decimal: Decimal) -> str | None:
+    """Return the unit of a cell that holds a number and behind it its unit, else None."""
+    match = _WITH_UNIT.match(text)
+    return match[2] if match and _NUMBER[decimal].match(match[1]) and is_unit(match[2]) else None
+
+
+def unit_in_cells(cells: Iterable[str], decimal: Decimal) -> str | None:
+    """Return the unit that stands behind the number in nearly all cells of a column, None where there is no one.
+
+    >>> unit_in_cells(["900RPM", "910RPM", "-"], "."), unit_in_cells(["20km/h", "12mph"], ".")
+    ('RPM', None)
+    """
+    filled = [cell for cell in cells if cell.strip().lower() not in MISSING]
+    if len(filled) < 2 or filled[0][-1:].isdigit():
+        return None
+    units = Counter(_with_unit(cell.strip(), decimal) for cell in filled)
+    unit, count = units.most_common(1)[0]
+    return unit if unit is not None and count >= 0.95 * len(filled) else None
+
+
+def without_unit(column: pd.Series, unit: str) -> pd.Series:
+    """Return the cells of a column without the unit that stands behind their numbers."""
+    return column.str.strip().str.removesuffix(unit).str.strip()
 
 
 def is_clock(text: str) -> bool:

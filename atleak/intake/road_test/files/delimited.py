@@ -5,17 +5,21 @@ from __future__ import annotations
 import csv
 import io
 import warnings
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 
-from atleak.intake.road_test.files.cells import MISSING, Decimal, kind_of
+from atleak.errors import Place, RoadTestError
+from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, kind_of, without_unit
 from atleak.intake.road_test.files.decoding import LogText, to_text
-from atleak.intake.road_test.files.layout import WHITESPACE, Heading, Layout, Row, find_dialect, find_table, split_line
-from atleak.intake.road_test.files.log_file import HEAD, LARGE, LogFile
+from atleak.intake.road_test.files.headings import Heading, Row
+from atleak.intake.road_test.files.layout import WHITESPACE, Layout, find_dialect, find_table, split_line
+from atleak.intake.road_test.files.log_file import HEAD, LARGE, PIECE, LogFile
+from atleak.intake.road_test.files.rows import QUOTE, Tallying, mended, one_line_end, signs_per_line
+from atleak.sentence import Sentence
 
 _Numeric = dict[int, Literal["float64"]]  # column → how it is read
 
@@ -29,6 +33,7 @@ class Delimited:
     """Delimited text whose table is located but not read yet.
 
     ``text`` is the whole text, or None where the fast reader may take the file at ``source.path`` as it is.
+    ``per_line``: how many delimiters and quotation marks each of the first rows has, where all have as many.
     """
 
     source: LogFile
@@ -42,6 +47,7 @@ class Delimited:
     sample: tuple[Row, ...]
     quoted: bool
     spaced: bool
+    per_line: tuple[int, int] | None
 
     @property
     def headings(self) -> tuple[Heading, ...]:
@@ -63,8 +69,60 @@ class Delimited:
         """Return the rows above the header."""
         return self.layout.preamble
 
+    @property
+    def above(self) -> int:
+        """Return the number of rows of another table above this one."""
+        return self.layout.above
+
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
-        """Read these columns from the first data row on: numbers as floats, anything else as text."""
+        """Read these columns from the first data row on: numbers as floats, anything else as text.
+
+        Every line is a row. How many were left out, because they have more numbers than the table has columns, stands
+        in ``attrs["too_wide"]``.
+
+        Raises
+        ------
+        RoadTestError
+            when its lines cannot be told apart, or many of them have more numbers than the table has columns.
+        """
+        tallying = Tallying(self._pieces(), self.delimiter)
+        try:
+            frame = self._read_once(columns)
+        except pd.errors.ParserError:
+            frame = None
+        if tallying.result().even(-1 if frame is None else len(frame), self.per_line) and frame is not None:
+            return self._without_cell_units(frame)
+        text = self.text or prepared(self.source)
+        rows = mended(text.data[self.offset :], self.delimiter, self.width, pad=frame is None)
+        if rows.too_wide > 0.1 * (rows.count + rows.too_wide):
+            problem = Sentence("{count} of its rows have more numbers than it has columns", count=rows.too_wide)
+            expected = Sentence("as many cells in every row; is the decimal comma used as delimiter too?")
+            raise RoadTestError(problem, place=Place(file=self.source.file), expected=expected)
+        if frame is None or rows.changed or rows.count != len(frame):
+            again = replace(self, text=LogText(rows.data, text.encoding, text.codec), offset=0, quoted=True)
+            try:
+                frame = again._read_once(columns)
+            except pd.errors.ParserError as error:
+                problem = Sentence("its lines cannot be read: {reason}", reason=str(error))
+                raise RoadTestError(problem, place=Place(file=self.source.file)) from error
+        frame.attrs["too_wide"] = rows.too_wide
+        return self._without_cell_units(frame)
+
+    def _pieces(self) -> Iterator[memoryview]:
+        """Return the bytes of the rows, a piece at a time."""
+        if self.text is None:
+            return self.source.pieces(self.offset + 3 * self.encoding.endswith("sig"))
+        data = memoryview(self.text.data)
+        return (data[at : at + PIECE] for at in range(self.offset, len(data), PIECE))
+
+    def _without_cell_units(self, frame: pd.DataFrame) -> pd.DataFrame:
+        """Take the unit out of the cells of the columns in which it stands behind every number."""
+        for index, unit in self.layout.cell_units.items():
+            if index in frame and frame[index].dtype.kind not in "fiub":
+                frame[index] = without_unit(frame[index], unit)
+        return frame
+
+    def _read_once(self, columns: Sequence[int]) -> pd.DataFrame:
         clean, dirty = self._expected(columns)
         rest = [index for index in columns if index not in dirty]
         frame = self._read_numbers(rest, clean) if rest else pd.DataFrame()
@@ -80,6 +138,8 @@ class Delimited:
         """Return the columns that hold only numbers in the sample, and those that also hold words for *missing*."""
         clean, dirty = set(), set()
         for index in columns:
+            if index in self.layout.cell_units:
+                continue
             cells = [row[index] for row in self.sample if index < len(row) and row[index]]
             kinds = {kind_of(cell, self.decimal) for cell in cells}
             if kinds == {"number"}:
@@ -188,18 +248,10 @@ class Delimited:
         }
 
 
-def _lines(data: bytes) -> list[bytes]:
-    if b"\n" not in data[:HEAD] and b"\r" in data[:HEAD]:
-        return data.split(b"\r")
-    return data.split(b"\n")
-
-
 def prepared(source: LogFile) -> LogText:
     """Return the whole text of a log, mended: no zero bytes, line feeds at line ends, no half-written cell."""
     text = to_text(source.data)
-    if b"\n" not in text.data[:HEAD] and b"\r" in text.data[:HEAD]:
-        text = LogText(text.data.replace(b"\r", b"\n"), text.encoding, text.codec)
-    return without_cut_cell(text)
+    return without_cut_cell(LogText(one_line_end(text.data), text.encoding, text.codec))
 
 
 def _plain_head(source: LogFile) -> LogText | None:
@@ -210,7 +262,7 @@ def _plain_head(source: LogFile) -> LogText | None:
     tail = source.part(source.size - HEAD, source.size)
     if head.codec != "utf-8" or not head.encoding.startswith("utf-8") or b"\n" not in source.head[:HEAD]:
         return None
-    if b"\x00" in source.head or not tail.endswith(b"\n"):
+    if b"\x00" in source.head or not tail.endswith(b"\n") or one_line_end(source.head) is not source.head:
         return None
     return head
 
@@ -221,7 +273,7 @@ def open_delimited(source: LogFile) -> Delimited | None:
         return None  # one endless line
     plain = _plain_head(source)
     text = plain or prepared(source)
-    head = _lines(text.data[:_LONG_HEAD])
+    head = text.data[:_LONG_HEAD].split(b"\n")
     if source.size > _LONG_HEAD:
         head = head[:-1]
     dialect = find_dialect(_sample_lines(source, text, head, plain is not None))
@@ -233,14 +285,16 @@ def open_delimited(source: LogFile) -> Delimited | None:
     for count in (LOOK, 4 * LOOK, 16 * LOOK, len(head)):
         rows += [split_line(text.decode(line), delimiter) for line in head[len(rows) : count]]
         layout = find_table(rows, decimal, dialect.width)
-        if (layout is not None and layout.start < 0.8 * len(rows)) or count >= len(head):
+        # lines of the head may look like a table until one with as many cells as the rows comes
+        met = layout is not None and abs(layout.width - dialect.width) <= 1
+        if (met and layout is not None and layout.start < 0.8 * len(rows)) or count >= len(head):
             break
     if layout is None:
         return None
     offset = sum(len(line) + 1 for line in head[: layout.start])
     end = source.part(source.size - HEAD, source.size) if plain else text.data[-HEAD:]
     body = (text.data[offset : offset + HEAD], end)
-    quoted = any(b'"' in part for part in body)
+    quoted = any(QUOTE in part for part in body)
     spaced = any(delimiter.encode() + b" " in part for part in body)
     sample = tuple(rows[layout.start :][:400])
     return Delimited(
@@ -255,6 +309,7 @@ def open_delimited(source: LogFile) -> Delimited | None:
         sample,
         quoted,
         spaced,
+        signs_per_line(head[layout.start :][:400], delimiter),
     )
 
 
@@ -266,7 +321,7 @@ def _sample_lines(source: LogFile, text: LogText, head: list[bytes], plain: bool
         for share in (0.3, 0.5, 0.75, 1.0):
             at = min(int(size * share), size - 1) - (1 << 14)
             part = source.part(at, at + (1 << 14)) if plain else text.data[at : at + (1 << 14)]
-            chosen += _lines(part)[1:-1][:20]
+            chosen += part.split(b"\n")[1:-1][:20]
     return [text.decode(line) for line in chosen]
 
 
@@ -286,13 +341,16 @@ def without_cut_cell(text: LogText) -> LogText:
     return text
 
 
+_NO_WORDS = pd.Series([], dtype="str")
+
+
 def split_words(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, pd.Series]:
     """Return a column as floats, and those of its cells that are neither a number nor a word for *missing*."""
     if column.dtype.kind in "fiub":
         values = column.to_numpy(dtype=float)
         if column.dtype.kind == "f" and not np.isfinite(values.sum()) and np.isinf(values).any():
             values = np.where(np.isinf(values), np.nan, values)
-        return values, pd.Series([], dtype="str")
+        return values, _NO_WORDS
     text = column.astype("str").str.strip().str.strip('"').str.strip()
     plain = text
     if decimal == ",":
@@ -301,7 +359,7 @@ def split_words(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, pd.Ser
     values = pd.to_numeric(plain, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
     values = np.where(np.isinf(values), np.nan, values)
     rest = text[np.isnan(values) & column.notna().to_numpy()]
-    return values, rest[~rest.str.lower().isin(MISSING)]
+    return values, rest[~rest.str.lower().isin(MISSING - {OFF})]
 
 
 def words_of(frame: pd.DataFrame, index: int, decimal: Decimal) -> pd.Series:

@@ -4,35 +4,24 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
-from atleak.intake.road_test.files.cells import CellKind, Decimal, is_clock, kind_of
-from atleak.intake.road_test.names.matching import clean_unit, is_unit, match_name, split_unit
+from atleak.intake.road_test.files.cells import CellKind, Decimal, kind_of, unit_in_cells
+from atleak.intake.road_test.files.file_heads import defined_above, with_stated_units
+from atleak.intake.road_test.files.headings import Heading, Row, headings_of, names_columns, units_share
 from atleak.intake.sheets.extent import cut
 
-Row = list[str]
 WHITESPACE = " "
 _COMMENTS = ("#", "%", "//", "'", "*")
 
 
 @dataclass(frozen=True)
-class Heading:
-    """A column as the rows above the data describe it.
-
-    ``label`` is the name as written (the caller maps by it), ``names`` every name that may tell the quantity,
-    the most telling first, without unit; ``unit`` the unit's text or None.
-    """
-
-    index: int
-    label: str
-    names: tuple[str, ...]
-    unit: str | None
-
-
-@dataclass(frozen=True)
 class Layout:
-    """The place of the table: ``start`` is the index of the first data row among the rows looked at."""
+    """The place of the table: ``start`` is the index of the first data row among the rows looked at.
+
+    ``cell_units`` are the units that stand in every cell of a column; ``above`` counts rows of another table above.
+    """
 
     start: int
     width: int
@@ -40,17 +29,22 @@ class Layout:
     has_header: bool
     preamble: tuple[Row, ...]
     header_rows: tuple[Row, ...]
+    cell_units: Mapping[int, str] = field(default_factory=dict)
+    above: int = 0
 
 
 def split_line(line: str, delimiter: str) -> Row:
     """Return the cells of one line without the blanks and quotes around them."""
     if delimiter == WHITESPACE:
         return line.split()
+    line = line.strip("\r\n")
     if '"' in line:
-        quoted = line.strip("\r\n").replace("\r", " ")  # a lone carriage return is no end of line to us
-        cells = next(csv.reader([quoted], delimiter=delimiter, skipinitialspace=True), [])
-        return [cut(cell.strip()) for cell in cells]
-    return [cut(cell.strip()) for cell in line.strip("\r\n").split(delimiter)]
+        try:
+            cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True, strict=True), [])
+            return [cut(cell.strip()) for cell in cells]
+        except csv.Error:  # a quotation mark that none closes on this line parts nothing
+            line = line.replace('"', "")
+    return [cut(cell.strip()) for cell in line.split(delimiter)]
 
 
 @dataclass(frozen=True)
@@ -73,7 +67,7 @@ def find_dialect(lines: Sequence[str]) -> Dialect | None:
     lines = [line for line in lines if line.strip()]
     tries = [_scored_dialect(lines)]
     if len(lines) > 12:
-        tries += [_scored_dialect(lines[-count:]) for count in (60, 12) if count < len(lines)]
+        tries += [_scored_dialect(lines[-count:]) for count in (60, 12, 4) if count < len(lines)]
     dialects = [scored for scored in tries if scored is not None]
     best = max(dialects, key=lambda scored: scored[0], default=None)
     return best[1] if best is not None and best[0] >= 0.25 else None
@@ -119,44 +113,30 @@ def find_table(rows: Sequence[Row], decimal: Decimal, width: int | None = None) 
     if start is None:
         return None
     header, top = _rows_above(rows, start, width, decimal)
-    defined = defined_channels(rows[:start], width)
+    preamble, above = tuple(rows[:top]), _rows_of_another(rows[:top], flags, width)
+    defined = defined_above(rows[:start], width)
     if defined is not None:
-        return Layout(start, width, defined, True, tuple(rows[:top]), ())
-    headings = _headings(header, width)
-    return Layout(start, width, headings, bool(header), tuple(rows[:top]), tuple(header))
+        return Layout(start, width, defined, True, preamble, (), above=above)
+    headings = with_stated_units(headings_of(header, width), preamble)
+    cell_units = {index: unit for index in range(width) if (unit := _cell_unit(rows[start:], index, decimal))}
+    headings = tuple(
+        replace(heading, unit=cell_units.get(heading.index, heading.unit)) if cell_units else heading
+        for heading in headings
+    )
+    return Layout(start, width, headings, names_columns(header), preamble, tuple(header), cell_units, above)
 
 
-# raw whole numbers by the channel's type; pressures are absolute, their zero on the gauge is 1013
-_TYPE_UNITS = {
-    "enginespeed": "rpm",
-    "temperature": "0.1 K",
-    "pressure": "0.1 kPa abs",
-    "abspressure": "0.1 kPa abs",
-    "speed": "0.1 km/h",
-    "gear": "gear",
-}
+_FEW = 3  # lines with as many cells as the table above it, which are no other table
 
 
-def defined_channels(rows: Sequence[Row], width: int) -> tuple[Heading, ...] | None:
-    """Return the channels defined in blocks ``Channel : …``, ``ID : …``, ``Type : …`` above data without names.
+def _rows_of_another(above: Sequence[Row], flags: Sequence[bool], width: int) -> int:
+    """Return how many rows of numbers, as wide as the table, stand above it under a header of their own."""
+    count = sum(flag and len(row) == width for row, flag in zip(above, flags, strict=False))
+    return count if count >= _FEW else 0
 
-    The first column of the data is the clock, the others follow the order of the blocks.
-    """
-    channels: list[list[str]] = []
-    for row in rows:
-        key, _, value = ",".join(row).partition(":")
-        key = key.strip().lower()
-        if key == "channel" and value.strip():
-            channels.append([value.strip(), ""])
-        elif key == "type" and channels:
-            channels[-1][1] = value.strip()
-    if not channels or abs(len(channels) + 1 - width) > 1:
-        return None
-    headings = [Heading(0, "time of day", ("time",), None)]
-    for index, (name, kind) in enumerate(channels, start=1):
-        unit = _TYPE_UNITS.get(kind.lower(), kind or None)
-        headings.append(Heading(index, name, (name,), unit))
-    return tuple(headings)
+
+def _cell_unit(rows: Sequence[Row], index: int, decimal: Decimal) -> str | None:
+    return unit_in_cells([row[index] for row in rows if index < len(row)], decimal)
 
 
 def _has_number(row: Row, decimal: Decimal) -> bool:
@@ -195,7 +175,7 @@ def is_name_row(row: Row, width: int, decimal: Decimal) -> bool:
         return False
     kinds = Counter(kind_of(cell, decimal) for cell in filled)
     wordy = kinds["text"] + sum(1 for cell in filled if kind_of(cell, decimal) == "missing" and len(cell) > 1)
-    return kinds["number"] <= 0.3 * len(filled) and (wordy >= 0.4 * len(filled) or _units_share(row) > 0.5)
+    return kinds["number"] <= 0.3 * len(filled) and (wordy >= 0.4 * len(filled) or units_share(row) > 0.5)
 
 
 def is_comment(row: Row) -> bool:
@@ -219,7 +199,7 @@ def _longest_block(rows: Sequence[Row], flags: list[bool], width: int, decimal: 
             if count > best_count:
                 best, best_count = start, count
         elif not is_comment(row) and is_name_row(row, width, decimal):
-            if pending is None:
+            if pending is None or row == header:
                 pending = row
             if start is None:
                 header = pending
@@ -246,51 +226,3 @@ def _uncommented(row: Row) -> Row:
     if len(first) > 1 and first.startswith(_COMMENTS[:3]):
         first = first.lstrip("#%/ ")
     return [first, *row[1:]]
-
-
-def _units_share(row: Row) -> float:
-    filled = [cell for cell in row if cell.strip() and cell.strip() != "-"]
-    if not filled:
-        return 0.0
-    return sum(is_unit(cell) for cell in filled) / len(filled)
-
-
-def _known_names(row: Row) -> int:
-    return sum(match_name(split_unit(cell).text) is not None for cell in row if cell)
-
-
-def _headings(header: list[Row], width: int) -> tuple[Heading, ...]:
-    units: Row = []
-    names = list(header)
-    if len(header) > 1:
-        shares = [(_units_share(row), index) for index, row in enumerate(header)]
-        share, place = max(shares)
-        others = [row for index, row in enumerate(header) if index != place]
-        if share >= 0.5 and (place > 0 or max(map(_known_names, others)) >= _known_names(header[0])):
-            units, names = header[place], others
-    # a row of descriptions shifted against the data says nothing about columns
-    straight = [row for row in names if abs(_filled_width(row) - width) <= 1]
-    names = straight or names
-    names = sorted(names, key=_known_names, reverse=True)
-    columns = max([width, *(_filled_width(row) for row in names)])
-    headings = []
-    for index in range(columns):
-        written = [row[index] for row in names if index < len(row) and row[index]]
-        split = [split_unit(name) for name in written]
-        unit = next((part.unit for part in split if part.unit is not None), None)
-        if unit is None and index < len(units) and clean_unit(units[index]):
-            unit = clean_unit(units[index])
-        label = written[0].replace("\ufeff", "").strip() if written else f"column {index + 1}"
-        label = split[0].text if label.count("|") >= 2 else label
-        headings.append(Heading(index, label, tuple(dict.fromkeys(part.text for part in split)), unit))
-    return tuple(headings)
-
-
-def _filled_width(row: Row) -> int:
-    """Return the number of cells up to the last one that is not blank."""
-    return max((index + 1 for index, cell in enumerate(row) if cell), default=0)
-
-
-def named_by_a_date(heading: Heading) -> bool:
-    """Return whether a column's header is itself a date, which one app writes above its clock."""
-    return bool(heading.names) and is_clock(heading.names[0])

@@ -9,12 +9,14 @@ import mmap
 import tempfile
 import threading
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
 from atleak.errors import Place, RoadTestError
+from atleak.intake.road_test.files.other_files import refuse_what_is_no_log
 from atleak.sentence import Sentence
 from atleak.system.reasons import reason_of
 
@@ -22,35 +24,13 @@ HEAD = 1 << 16
 """Bytes that show what a file is."""
 LARGE = 1 << 18
 """Text files beyond this size are not read into memory as a whole unless they must be."""
+PIECE = 1 << 18
+"""Bytes that are looked at together where a whole file is looked through."""
 SPARE = 120 << 20
 """Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
 GROWTH = 4
 
 Form = Literal["text", "workbook", "mdf"]
-
-_PICTURES = {
-    b"\x89PNG": Sentence("a PNG picture"),
-    b"\xff\xd8\xff": Sentence("a JPEG picture"),
-    b"GIF8": Sentence("a GIF picture"),
-    b"BM": Sentence("a bitmap picture"),
-    b"II*\x00": Sentence("a TIFF picture"),
-    b"MM\x00*": Sentence("a TIFF picture"),
-    b"%PDF": Sentence("a PDF document"),
-    b"{\\rtf": Sentence("a formatted text document"),
-    b"Rar!": Sentence("a RAR archive"),
-    b"7z\xbc\xaf": Sentence("a 7z archive"),
-    b"TDSm": Sentence("a TDMS file of LabVIEW"),
-    b"\x7fELF": Sentence("a program"),
-    b"MZ\x90": Sentence("a program"),
-    b"SQLite format 3": Sentence("a database"),
-    b"PAR1": Sentence("a Parquet file"),
-    b"\x89HDF": Sentence("an HDF5 file"),
-    b"MATLAB 5.0": Sentence("a MATLAB file"),
-    b"MLVLG": Sentence("a binary log of MegaLogViewer"),
-    b"<?xml": Sentence("an XML document"),
-    b"<!DOCTYPE": Sentence("a web page"),
-    b"<html": Sentence("a web page"),
-}
 
 
 class Digest:
@@ -144,6 +124,15 @@ class LogFile:
         if self.folder is not None:
             self.folder.cleanup()
 
+    def pieces(self, start: int) -> Iterator[memoryview]:
+        """Yield the log's bytes from ``start`` on, a piece at a time, each in place of the one before."""
+        assert self.path is not None
+        piece = memoryview(bytearray(PIECE))
+        with self.path.open("rb", buffering=0) as stream:
+            stream.seek(start)
+            while length := stream.readinto(piece):
+                yield piece[:length]
+
     def part(self, start: int, stop: int) -> bytes:
         """Return the log's bytes from ``start`` to ``stop``."""
         if self.content is not None or self.path is None:
@@ -164,14 +153,14 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
     """
     if isinstance(source, bytes):
         file = name or "log"
-        _refuse_what_is_no_log(source[:HEAD], file)
+        refuse_what_is_no_log(source[:HEAD], file)
         return _packed_or_not(source, file, Digest(source), None)
     path = Path(source)
     file = name or path.name
     try:
         with path.open("rb") as stream:
             head = stream.read(LARGE)
-            _refuse_what_is_no_log(head[:HEAD], file)
+            refuse_what_is_no_log(head[:HEAD], file)
             size = path.stat().st_size
             if size > LARGE and _form_of(head) == "text" and head[:2] != b"\x1f\x8b":
                 return LogFile(file, Digest(path), head, "text", size, path)
@@ -211,24 +200,6 @@ def _form_of(data: bytes) -> Form:
     return "text"
 
 
-def _refuse_what_is_no_log(head: bytes, file: str) -> None:
-    place = Place(file=file)
-    if not head.strip(b" \t\r\n\x00\xef\xbb\xbf\xff\xfe"):
-        if head.strip(b" \t\r\n"):
-            raise RoadTestError(
-                Sentence("holds nothing but zero bytes: the logger did not finish writing it, or the card is damaged"),
-                place=place,
-            )
-        raise RoadTestError(Sentence("is empty: the logger wrote nothing"), place=place)
-    for magic, what in _PICTURES.items():
-        if head.startswith(magic) and (magic != b"BM" or b"\x00" in head[:32]):
-            raise RoadTestError(
-                Sentence("is {what}, no road-test log, whatever its name says", what=what),
-                place=place,
-                expected=Sentence("delimited text, xlsx or MDF4 as the logger exports it"),
-            )
-
-
 def _unpack(data: bytes, file: str, target: Path) -> bool:
     """Unpack into a file; return whether zero bytes were among what came out."""
     limit, total, nul = GROWTH * len(data) + SPARE, 0, False
@@ -237,7 +208,7 @@ def _unpack(data: bytes, file: str, target: Path) -> bool:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream, target.open("wb") as out:
             while part := stream.read(1 << 20):
                 if not total:
-                    _refuse_what_is_no_log(part[:HEAD], file)
+                    refuse_what_is_no_log(part[:HEAD], file)
                     if part[:2] == b"\x1f\x8b":
                         raise RoadTestError(Sentence("is packed twice; unpack it first"), place=place)
                 total += len(part)

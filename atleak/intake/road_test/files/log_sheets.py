@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,8 +14,9 @@ from atleak.errors import RoadTestError
 from atleak.intake.native.process import WORKBOOK, read_apart
 from atleak.intake.native.workbooks import log_rows, stray_cells
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.files.cells import MISSING, Decimal
-from atleak.intake.road_test.files.layout import Heading, Layout, Row, find_table
+from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, without_unit
+from atleak.intake.road_test.files.headings import Heading, Row, nameless
+from atleak.intake.road_test.files.layout import Layout, find_table
 from atleak.intake.road_test.files.log_file import LogFile
 from atleak.intake.road_test.names.matching import match_name, split_unit
 from atleak.intake.sheets.extent import cut
@@ -42,15 +43,22 @@ class LogSheet:
         result = []
         for heading in self.layout.headings:
             known = any(match_name(name) for name in heading.names)
-            if not known and _plain(heading) in _GENERIC_NAMES:
+            if heading.index == 0 and self._is_a_pair_without_names:
+                heading = replace(heading, names=("time",))
+            elif not known and _plain(heading) in _GENERIC_NAMES:
                 heading = Heading(heading.index, self.name, (split.text,), heading.unit or split.unit)
             result.append(heading)
         return tuple(result)
 
     @property
+    def _is_a_pair_without_names(self) -> bool:
+        """Return whether it is a signal and, in front of it, its time, neither of which is named."""
+        return self.width == 2 and all(map(nameless, self.layout.headings))
+
+    @property
     def has_header(self) -> bool:
-        """Return whether any row names the columns."""
-        return self.layout.has_header
+        """Return whether any row names the columns, or the sheet's own name does."""
+        return self.layout.has_header or (self.titled and self._is_a_pair_without_names)
 
     @cached_property
     def sample(self) -> tuple[Row, ...]:
@@ -68,12 +76,22 @@ class LogSheet:
         """Return the rows above the header."""
         return self.layout.preamble
 
+    @property
+    def above(self) -> int:
+        """Return the number of rows of another table above this one."""
+        return self.layout.above
+
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
         """Read these columns from the first data row on, as `delimited.Delimited.read` does."""
         body = self.rows[self.layout.start :]
         return pd.DataFrame(
-            {index: _column([row[index] if index < len(row) else None for row in body]) for index in columns}
+            {index: self._cells([row[index] if index < len(row) else None for row in body], index) for index in columns}
         )
+
+    def _cells(self, cells: list[object], index: int) -> pd.Series:
+        column = _column(cells)
+        unit = self.layout.cell_units.get(index)
+        return column if unit is None or column.dtype != "str" else without_unit(column, unit)
 
 
 _GENERIC_NAMES = {
@@ -94,8 +112,7 @@ _GENERIC_NAMES = {
 
 
 def _plain(heading: Heading) -> str:
-    text = words(heading.names[0]) if heading.names else ""
-    return "" if text.startswith("column ") else text
+    return "" if nameless(heading) else words(heading.names[0])
 
 
 def _text(cell: object, decimal: Decimal = ".") -> str:
@@ -121,7 +138,7 @@ def _column(cells: list[object]) -> pd.Series:
     for index, cell in enumerate(cells):
         if isinstance(cell, int | float):
             floats[index] = cell
-        elif cell is None or (isinstance(cell, str) and cell.strip().lower() in MISSING):
+        elif cell is None or (isinstance(cell, str) and cell.strip().lower() in MISSING - {OFF}):
             continue
         else:
             break

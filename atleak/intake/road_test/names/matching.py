@@ -203,6 +203,7 @@ class _Table:
     veto: tuple[str, ...]
     commanded: tuple[str, ...]
     measured: tuple[str, ...]
+    with_unit: dict[str, str]
 
 
 @cache
@@ -223,7 +224,9 @@ def synonyms() -> _Table:
                 exact[_squash(words(name))] = (quantity, tier, kind)
     lexicon = {key: tuple(words(word) for word in value) for key, value in data["words"].items()}
     lexicon["neutral"] = tuple(sorted(lexicon["neutral"], key=len, reverse=True))
-    return _Table(exact, **lexicon)
+    short = {quantity: data.get(quantity, {}).get("with_unit", ()) for quantity in QUANTITIES}
+    with_unit = {_squash(words(name)): quantity for quantity, names in short.items() for name in names}
+    return _Table(exact, **lexicon, with_unit=with_unit)
 
 
 def _squash(text: str) -> str:
@@ -288,9 +291,18 @@ def match_name(name: str) -> Match | None:
     return _offer(text, bare)
 
 
+def match_short_name(name: str, unit: str | None) -> Match | None:
+    """Return the quantity that a short name stands for in a unit of its kind: *N* in rpm, *VS* in km/h; else None."""
+    quantity = synonyms().with_unit.get(_squash(words(name)))
+    kind = QUANTITIES[quantity].unit_kind if quantity else None
+    if quantity is None or kind is None or unit is None or find_unit(clean_unit(unit), kind) is None:
+        return None
+    return Match(quantity, 0)
+
+
 def _own_unit(name: str, quantity: str) -> str | None:
     kind = QUANTITIES[quantity].unit_kind
-    if kind is None:
+    if kind is None or words(name) == "time of day":  # which is in seconds, as a rule, and never in days
         return None
     if find_unit(name, kind):  # a column called "mph" or "RPM"
         return name.strip()
@@ -340,6 +352,8 @@ def _phrases() -> tuple[tuple[str, tuple[str, Tier, ChannelKind]], ...]:
     data = tomllib.loads(resources.files(__package__).joinpath("synonyms.toml").read_text(encoding="utf-8"))
     table, phrases = synonyms(), []
     for quantity in QUANTITIES:
-        for names in data.get(quantity, {}).values():
+        for key, names in data.get(quantity, {}).items():
+            if key == "with_unit":
+                continue
             phrases += [(words(name), table.exact[_squash(words(name))]) for name in names]
     return tuple(phrases)

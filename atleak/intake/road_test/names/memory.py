@@ -43,6 +43,8 @@ class RememberedColumns:
 def signature(labels: Iterable[str]) -> str:
     """Return a header's signature: the same for every log with these column names in this order.
 
+    A log whose header names no column has none, "": nothing is remembered for it, since logs of any logger look so.
+
     >>> signature(["Time (s)", "RPM"]) == signature(["time (s) ", "rpm"])
     True
     """
@@ -67,7 +69,7 @@ def default_path() -> Path:
 
 def recall(path: Path, header: str) -> RememberedColumns | None:
     """Return the choices kept for a header's signature, or None. A damaged file counts as empty."""
-    return _understood(_readable(path).get(header))
+    return _understood(_readable(path).get(header)) if header else None
 
 
 def recall_all(path: Path) -> dict[str, RememberedColumns]:
@@ -115,8 +117,10 @@ def remember(
     Raises
     ------
     OutputError
-        where the file cannot be written.
+        where the log has no header, or the file cannot be written.
     """
+    if not header:
+        raise OutputError(Sentence("the log names no columns by which others like it could be told"))
     now = dt.datetime.now(dt.UTC).isoformat(timespec="seconds")
     restore(path, header, RememberedColumns(dict(mapping), dict(units or {}), format, tuple(columns), now))
 
@@ -158,7 +162,11 @@ def _rewritten(path: Path) -> Iterator[dict[str, object]]:
         with lock.acquire(poll_interval=_POLL):
             entries = _load(path)
             yield entries
-            replace_file(path, json.dumps(entries, ensure_ascii=False, indent=1).encode("utf-8"), mode=PRIVATE)
+            replace_file(
+                path,
+                json.dumps(entries, ensure_ascii=False, indent=1).encode("utf-8", "backslashreplace"),
+                mode=PRIVATE,
+            )
     except Timeout:
         problem = Sentence("another program has kept it locked for {seconds} s", seconds=_PATIENCE)
         raise OutputError(problem, place=place) from None

@@ -135,7 +135,7 @@ def _typed(cell: str) -> str | float | None:
 def filled_in() -> Callable[..., bytes]:
     """Return a sheet written with semicolons as a text file, or as a workbook; several by name as a workbook."""
 
-    def build(sheets: str | dict[str, str], form: str) -> bytes:
+    def build(sheets: str | dict[str, str], form: str, merged: Sequence[str] = ()) -> bytes:
         if form == "text":
             assert isinstance(sheets, str)
             return sheets.encode()
@@ -145,6 +145,8 @@ def filled_in() -> Callable[..., bytes]:
             sheet = book.create_sheet(title)
             for line in lines.split("\n"):
                 sheet.append([_typed(cell) for cell in line.split(";")])
+            for cells in merged:
+                sheet.merge_cells(cells)
         return saved(book)
 
     return build

@@ -305,6 +305,18 @@ def test_a_block_pasted_twice_is_told(controller):
     )
 
 
+@pytest.mark.parametrize(("parts", "told"), [(("piston",), False), (("piston", "bore"), True)])
+def test_one_part_that_measures_the_same_in_its_second_round_is_not_called_pasted(controller, parts, told):
+    rounds = [
+        f"accumulator;1;{part};{angle};{repeat};{18.041 if part == 'bore' else 17.998}"
+        for repeat in (1, 2)
+        for part in parts
+        for angle in (0, 90)
+    ]
+    readings = read_readings(sheet("component;plane;part;direction;repeat;diameter [mm]", *rounds), controller)
+    assert bool(said(readings, "block_repeated")) == told
+
+
 def test_stations_that_merely_return_are_told(controller):
     data = sheet(
         HEADINGS["en"],

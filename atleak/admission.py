@@ -1,0 +1,114 @@
+"""Who may use the dashboard where other machines reach it, and with whom these people sign in."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+from pydantic import BaseModel, ConfigDict
+
+from atleak.errors import InputError, Place
+from atleak.faults import validated
+from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of, text_reason
+
+CALLBACK = "/oauth2callback"  # where Streamlit takes people back who have signed in
+_EMAIL = "email"
+
+
+class Allowed(BaseModel):
+    """Who may use the dashboard: people by what the provider calls them, and groups.
+
+    ``user_claim`` and ``group_claim`` name the entries of the identity token in which it does.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    users: list[str] = []
+    groups: list[str] = []
+    user_claim: str = _EMAIL
+    group_claim: str = "groups"
+
+    def admits(self, claims: Mapping[str, Any]) -> bool:
+        """Tell whether somebody with these claims may come in; capitals count in groups, not in users.
+
+        >>> Allowed(users=["ana@shop.example"]).admits({"email": "Ana@shop.example"})
+        True
+
+        An address that the provider itself has not confirmed is nobody's:
+
+        >>> Allowed(users=["ana@shop.example"]).admits({"email": "ana@shop.example", "email_verified": False})
+        False
+        """
+        user = claims.get(self.user_claim)
+        confirmed = self.user_claim != _EMAIL or claims.get("email_verified", True) in (True, "true")
+        if isinstance(user, str) and confirmed and user.casefold() in {name.casefold() for name in self.users}:
+            return True
+        groups = claims.get(self.group_claim)
+        groups = [groups] if isinstance(groups, str) else groups if isinstance(groups, list) else []
+        return any(group in self.groups for group in groups)
+
+
+class _Provider(BaseModel):
+    """What Streamlit needs to know of the provider with which people sign in."""
+
+    redirect_uri: str
+    cookie_secret: str
+    client_id: str
+    client_secret: str
+    server_metadata_url: str
+
+
+class _Secrets(BaseModel):
+    auth: _Provider
+
+
+def read_allowed(path: Path) -> Allowed:
+    """Read the file of who may use the dashboard.
+
+    Raises
+    ------
+    InputError
+        where it cannot be read, says something else, or names nobody.
+    """
+    allowed = validated(Allowed, _tables(path, Sentence("a file of who may use the dashboard")), path.name)
+    if not any(name.strip() for name in (*allowed.users, *allowed.groups)):
+        expected = Sentence("somebody under users, or a group under groups")
+        raise InputError(Sentence("allows nobody to use the dashboard"), place=Place(file=str(path)), expected=expected)
+    return allowed
+
+
+def read_sign_in(path: Path) -> str:
+    """Check the file of secrets with which people sign in; return the name of the dashboard that they come back to.
+
+    Raises
+    ------
+    InputError
+        where it cannot be read, or a key is missing that signing in needs.
+    """
+    expected = Sentence("a file of secrets that says with whom people sign in, or --without-login")
+    address = validated(_Secrets, _tables(path, expected), path.name).auth.redirect_uri
+    try:
+        parts = urlsplit(address)
+        name = parts.hostname if parts.scheme in ("http", "https") and parts.path.endswith(CALLBACK) else None
+    except ValueError:
+        name = None
+    if name is None:
+        place = Place(file=str(path), table="auth", key="redirect_uri")
+        expected = Sentence("the address of the dashboard, such as https://atleak.shop.example/oauth2callback")
+        raise InputError(Sentence("people cannot come back there"), place=place, value=address, expected=expected)
+    return name
+
+
+def _tables(path: Path, expected: Sentence) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
+        raise InputError(problem, place=Place(file=str(path)), expected=expected) from error
+    except (ValueError, RecursionError) as error:
+        problem = Sentence("is not valid TOML: {reason}", reason=text_reason(error))
+        raise InputError(problem, place=Place(file=str(path)), expected=expected) from error

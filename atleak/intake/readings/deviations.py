@@ -1,0 +1,110 @@
+"""Tables that state a nominal diameter and how far the measured one is from it: the diameter is their sum."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from atleak.errors import Message, ReadingsError
+from atleak.intake.readings.headings import Header
+from atleak.intake.readings.one_heading import Column
+from atleak.intake.readings.sizes import MM as MILLIMETRE
+from atleak.intake.readings.words import is_blank, letters, number, part_in, vocabulary
+from atleak.intake.sheets.sheet import Cell, Sheet
+from atleak.sentence import Sentence
+
+_DEVIATION = vocabulary("deviation")
+_DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
+
+
+def with_deviations(sheet: Sheet, header: Header) -> tuple[Sheet, Header, frozenset[int], tuple[Message, ...]]:
+    """Return a table with diameters behind its last column, if it has none but nominal ones and deviations from them.
+
+    Also returned are the columns whose numbers went into them, and what is to be said about it.
+    """
+    if header.values:
+        return sheet, header, frozenset(), ()
+    pairs = [
+        (nominal, deviation)
+        for deviation in header.columns
+        if deviation.role == "quantity" and _is_deviation(deviation)
+        for nominal in _nominal_of(deviation, header)
+    ]
+    if not pairs or len({nominal.index for nominal, _ in pairs}) < len(pairs):
+        return sheet, header, frozenset(), ()
+    first = max(sheet.width, len(header.texts))
+    columns = [
+        Column(
+            *(first + at, deviation.heading, "diameter", MILLIMETRE),
+            part=part_in(nominal.heading),
+            unsure=_says_no_unit(sheet, header, deviation),
+        )
+        for at, (nominal, deviation) in enumerate(pairs)
+    ]
+    rows = [
+        [
+            *cells,
+            *[""] * (first - len(cells)),
+            *(_sum(sheet, row, nominal, deviation) if row > header.last else "" for nominal, deviation in pairs),
+        ]
+        for row, cells in enumerate(sheet.rows)
+    ]
+    used = frozenset(column.index for pair in pairs for column in pair)
+    texts = (*header.texts, *[""] * (first - len(header.texts)), *(deviation.heading for _, deviation in pairs))
+    kept = tuple(column for column in header.columns if column.index not in used)
+    derived = {column.index: deviation.index for column, (_, deviation) in zip(columns, pairs, strict=True)}
+    return (
+        replace(sheet, rows=rows, derived={**sheet.derived, **derived}),
+        replace(header, columns=(*kept, *columns), texts=texts),
+        used,
+        tuple(_told(sheet, header, *pair) for pair in pairs),
+    )
+
+
+def _is_deviation(column: Column) -> bool:
+    return any(word in _DEVIATION for word in letters(column.heading))
+
+
+def _nominal_of(deviation: Column, header: Header) -> list[Column]:
+    """Return the nominal diameters that a deviation may be from: those of its part, where headings say one."""
+    nominal = [column for column in header.of("specification") if not _is_deviation(column)]
+    if len(nominal) < 2:
+        return nominal
+    part = part_in(deviation.heading)
+    return [column for column in nominal if part is not None and part_in(column.heading) == part]
+
+
+def _sum(sheet: Sheet, row: int, nominal: Column, deviation: Column) -> Cell:
+    size, off = sheet.filled(row, nominal.index), sheet.cell(row, deviation.index)
+    if is_blank(off):
+        return ""
+    try:
+        value, of_value = number(size)
+        apart, of_apart = number(off)
+    except ReadingsError:
+        return f"{size} {off}"
+    unit, small = of_value or nominal.unit or MILLIMETRE, of_apart or deviation.unit or MILLIMETRE
+    return round((unit.to_si(value) + small.to_si(apart)) / MILLIMETRE.factor, _DIGITS)
+
+
+def _told(sheet: Sheet, header: Header, nominal: Column, deviation: Column) -> Message:
+    text = Sentence(
+        "diameters are those of column {nominal!r} plus the deviations of column {deviation!r}",
+        nominal=nominal.name,
+        deviation=deviation.name,
+    )
+    place = sheet.place(header.last, deviation.index, deviation.heading)
+    return Message("info", "diameters_of_deviations", text, place)
+
+
+def _says_no_unit(sheet: Sheet, header: Header, deviation: Column) -> bool:
+    """Return whether neither the heading nor every cell says in which unit the deviations are."""
+    if deviation.unit is not None:
+        return False
+    for row in range(header.last + 1, len(sheet.rows)):
+        cell = sheet.cell(row, deviation.index)
+        try:
+            if not is_blank(cell) and number(cell)[1] is None:
+                return True
+        except ReadingsError:
+            continue
+    return False

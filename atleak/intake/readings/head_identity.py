@@ -1,0 +1,107 @@
+"""Whose unit the sheet is of, and who measured it with what, as its head says it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+from atleak.errors import Message
+from atleak.intake.readings.head_labels import Stated, stated_values
+from atleak.intake.readings.words import Vocabulary, letters, plain, text_of, vocabulary
+from atleak.intake.sheets.sheet import Sheet
+from atleak.sentence import Sentence, all_of
+from atleak.sheet_identity import SheetIdentity
+from atleak.workshop_units import MILE
+from atleak.written_numbers import MILEAGE, read_number
+
+_LONGEST = 200  # signs of a text; what is longer is no entry of a field
+_BESIDE = vocabulary("beside_identity")
+_OF_VEHICLE = vocabulary("beside_identity", "head_vehicle")
+_DISTANCE = re.compile(r"(?P<number>.*?)\s*(?P<unit>km|kms|mi|mile|miles)\.?", re.IGNORECASE | re.DOTALL)
+_OF_MILES = frozenset(("mi", "mile", "miles"))  # in a label
+_MILES = replace(MILEAGE, unit="mi")
+
+
+@dataclass(frozen=True)
+class _Field:
+    """A field of the head: by which words its label is known, and what it is called in a message."""
+
+    words: Vocabulary
+    beside: Vocabulary
+    what: Sentence
+
+
+# in the order in which a label is tried: "vehicle identification number" is no vehicle
+_FIELDS: Mapping[str, _Field] = MappingProxyType(
+    {
+        "vin": _Field(vocabulary("head_vin"), _OF_VEHICLE, Sentence("VIN")),
+        "mileage": _Field(vocabulary("head_mileage"), _OF_VEHICLE, Sentence("mileage")),
+        "vehicle": _Field(vocabulary("head_vehicle"), _BESIDE, Sentence("vehicle")),
+        "serial": _Field(vocabulary("head_serial"), _BESIDE, Sentence("serial number")),
+        "job": _Field(vocabulary("head_job"), _BESIDE, Sentence("job")),
+        "technician": _Field(vocabulary("head_technician"), _BESIDE, Sentence("name of who measured")),
+        "instrument": _Field(vocabulary("head_instrument"), _BESIDE, Sentence("instrument")),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What the heads say of the job, from which cells, and what is doubtful about it."""
+
+    identity: SheetIdentity
+    stated: tuple[Stated, ...]
+    messages: tuple[Message, ...]
+
+
+def read_identity(heads: Sequence[tuple[Sheet, range]]) -> Identity:
+    """Read the fields of the job from the rows above the headings.
+
+    Of a field that is stated twice, differently, nothing is taken, nor is a mileage that cannot be read: a message says
+    so. No field makes a sheet unusable.
+    """
+    every: list[Stated] = []
+    messages: list[Message] = []
+    values: dict[str, str | float] = {}
+    for name, field in _FIELDS.items():
+        taken = {(each.sheet.name, each.row, each.column) for each in every}
+        found = [
+            each
+            for sheet, rows in heads
+            for each in stated_values(sheet, rows, (field.words,), field.beside, None)
+            if (each.sheet.name, each.row, each.column) not in taken and len(text_of(each.value)) <= _LONGEST
+        ]
+        every += found
+        told = {plain(text_of(each.value)): each for each in found}
+        if len(told) > 1:
+            messages.append(_several(told.values(), field))
+        for each in told.values() if len(told) == 1 else ():
+            value = _mileage(each, messages) if name == "mileage" else text_of(each.value)
+            if value not in ("", None):
+                values[name] = value
+    return Identity(SheetIdentity(**values), tuple(every), tuple(messages))  # type: ignore[arg-type]
+
+
+def _several(stated: Iterable[Stated], field: _Field) -> Message:
+    each = list(stated)
+    named = all_of(Sentence("{value!r} ({place})", value=text_of(one.value), place=one.place.sentence) for one in each)
+    text = Sentence(
+        "the head states the {what} more than once, differently: {named}. None is taken", what=field.what, named=named
+    )
+    return Message("warning", "head_unclear", text, each[0].place)
+
+
+def _mileage(stated: Stated, messages: list[Message]) -> float | None:
+    """Return a mileage [km], None where it cannot be read; a message then says so."""
+    written = text_of(stated.value)
+    match = _DISTANCE.fullmatch(written)
+    unit = match["unit"] if match else ""
+    in_miles = unit.lower().startswith("mi") or (not unit and not _OF_MILES.isdisjoint(letters(stated.label)))
+    read = read_number(match["number"] if match else written, _MILES if in_miles else MILEAGE)
+    if read.value is None:
+        text = Sentence("the mileage in the head is not taken: {reason}", reason=read.reason)
+        messages.append(Message("warning", "head_unclear", text, stated.place))
+        return None
+    return read.value * MILE / 1e3 if in_miles else read.value

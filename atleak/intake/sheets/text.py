@@ -1,0 +1,202 @@
+"""Text as sheets: in which code page it is written, and what separates its columns."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+
+from atleak.errors import Place, ReadingsError
+from atleak.intake.sheets.extent import EXPECTED, TEXT, bounded, excess
+from atleak.intake.sheets.sheet import NO_WIDTH, Sheet
+from atleak.sentence import Sentence
+
+WANTED = Sentence("a measuring sheet as .xlsx workbook or .csv text")
+Knows = Callable[[str], bool]  # whether sheets of this kind use a word
+
+_ALIGNED, _WORDS = "aligned", "words"
+_DELIMITERS = {
+    ";": Sentence("semicolon"),
+    "\t": Sentence("tab"),
+    ",": Sentence("comma"),
+    "|": Sentence("bar"),
+    _ALIGNED: Sentence("columns of spaces"),
+    _WORDS: Sentence("single spaces"),
+}
+_LOOKED_AT = 400  # lines that are read to choose encoding and delimiter
+_LOOKED_AT_NEXT = 4000  # the same, where nothing is found in those
+_COMPLETE = 4.0  # score of headings that say what a diameter is of
+_USUAL = ("cp1252", "cp1250")
+_CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp850", "cp852", "cp866")
+_RULE = re.compile(r"\s*:?[-=]{2,}:?\s*")  # between the headings and the rows of a table in Markdown
+_WORD = re.compile(r"[^\W\d_]+")
+_SIGNS = tuple(map(re.compile, (r"(?<!\w)µm", r"\d°", r"(?<!\w)[Øø](?!\w)", "±")))
+_UNREADABLE = re.compile(r"[\ufffd\x80-\x9f\u2500-\u259f]|(?<=\d)[øш](?!\w)")  # "0°" of another code page ends in ø
+
+
+def read_text(data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None) -> Sheet:
+    """Read a text file; encoding and delimiter are those with the highest `score`.
+
+    Parameters
+    ----------
+    data, file
+        the file's bytes, and its name for messages.
+    score
+        how much a sheet looks like what is looked for.
+    knows
+        whether sheets of this kind use a word: it tells code pages with one byte per letter apart. Without it only the
+        two most usual ones are tried.
+
+    Raises
+    ------
+    ReadingsError
+        where this is no text, or no table.
+    """
+    if len(data) > TEXT:
+        problem = Sentence("this text has {size} MB", size=len(data) >> 20)
+        raise ReadingsError(problem, place=Place(file), expected=EXPECTED)
+    best: tuple[float, str, str, str] | None = None
+    for encoding, text in _decoded(data, file, knows):
+        lines = text.splitlines(keepends=True)
+        found = _best_delimiter("".join(lines[:_LOOKED_AT]), file, score)
+        if found[0] <= 0.0 and len(lines) > _LOOKED_AT:
+            found = _best_delimiter("".join(lines[:_LOOKED_AT_NEXT]), file, score)
+        if best is None or found[0] > best[0]:
+            best = (*found, encoding, text)
+    assert best is not None  # at least one encoding decodes
+    _, delimiter, encoding, text = best
+    note = Sentence(
+        "read as {encoding}, columns separated by {delimiter}", encoding=encoding, delimiter=_DELIMITERS[delimiter]
+    )
+    sheet = _sheet(text, file, delimiter, note)
+    if (too_much := excess(sheet.rows)) is not None:
+        raise ReadingsError(too_much, place=Place(file), expected=EXPECTED)
+    return sheet
+
+
+def _best_delimiter(start: str, file: str, score: Callable[[Sheet], float]) -> tuple[float, str]:
+    def likeness(delimiter: str) -> float:
+        sheet = _sheet(start, file, delimiter)
+        return score(sheet) if excess(sheet.rows) is None else -1.0
+
+    found = [(likeness(delimiter), delimiter) for delimiter in _delimiters(start)]
+    best = max(found, key=lambda each: each[0])
+    if best[0] < _COMPLETE and " " in start:
+        by_spaces = [(likeness(spaces), spaces) for spaces in (_ALIGNED, _WORDS)]
+        best = max([best, *(each for each in by_spaces if each[0] >= _COMPLETE)], key=lambda each: each[0])
+    return best
+
+
+# --- encodings --------------------------------------------------------------------------------------------------------
+
+
+def _decoded(data: bytes, file: str, knows: Knows | None) -> Iterator[tuple[str, str]]:
+    for mark, encoding in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
+        if data.startswith(mark):
+            try:
+                yield encoding, data.decode(encoding)
+            except UnicodeDecodeError as error:
+                raise _not_text(file) from error
+            return
+    start = data[:4000]
+    if b"\0" in start:
+        # UTF-16 without its mark: every second byte of plain text is zero
+        for encoding, zeros in (("utf-16-le", start[1::2]), ("utf-16-be", start[0::2])):
+            if zeros.count(0) > 0.8 * len(zeros):
+                try:
+                    yield encoding, data.decode(encoding)
+                except UnicodeDecodeError as error:
+                    raise _not_text(file) from error
+                return
+        raise _not_text(file)
+    try:
+        yield "utf-8", data.decode("utf-8")
+    except UnicodeDecodeError:
+        # with one byte per letter, the words show which encoding is meant
+        for encoding in _USUAL if knows is None else _by_words(data, knows):
+            yield encoding, data.decode(encoding, "replace")
+
+
+def _by_words(data: bytes, knows: Knows) -> Sequence[str]:
+    """Return the code pages in which most of the words with other letters than English ones are known."""
+    lines = (line for line in data.splitlines()[:_LOOKED_AT_NEXT] if not line.isascii())
+    start = b"\n".join(lines)[: 1 << 16]
+    scores = {encoding: _known(start.decode(encoding, "replace"), knows) for encoding in _CODE_PAGES}
+    best = max(scores.values())
+    return [encoding for encoding, known in scores.items() if known == best][: len(_USUAL)]
+
+
+def _known(text: str, knows: Knows) -> int:
+    words = {word for word in _WORD.findall(text) if len(word) > 2 and not word.isascii()}
+    signs = sum(sign.search(text) is not None for sign in _SIGNS)
+    return sum(map(knows, words)) + signs - len(set(_UNREADABLE.findall(text)))
+
+
+def _not_text(file: str) -> ReadingsError:
+    return ReadingsError(Sentence("this is neither a workbook nor text"), place=Place(file), expected=WANTED)
+
+
+# --- columns ----------------------------------------------------------------------------------------------------------
+
+
+def _delimiters(text: str) -> tuple[str, ...]:
+    first = text.split("\n", 1)[0].strip().strip('"').lower()
+    if first.startswith("sep=") and len(first) == 5 and first[4] in _DELIMITERS:
+        return (first[4],)
+    return tuple(delimiter for delimiter in _DELIMITERS if len(delimiter) == 1 and delimiter in text) or (",",)
+
+
+def _sheet(text: str, file: str, delimiter: str, note: Sentence | None = None) -> Sheet:
+    text = text.translate(NO_WIDTH)
+    if delimiter in (_ALIGNED, _WORDS):
+        rows = [line.split() for line in text.splitlines()] if delimiter == _WORDS else _aligned(text.splitlines())
+        return Sheet(file=file, name=None, rows=bounded(rows), lines=range(1, len(rows) + 1), note=note)
+    table: list[list[str]] = []
+    lines: list[int] = []
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    before = 0
+    try:
+        for record in reader:
+            first = before == 0 and len(record) <= 2 and record and record[0].lower().startswith("sep=")
+            if not first and not (delimiter == "|" and _is_rule(record)):
+                table.append([value.strip() for value in record])
+                lines.append(before + 1)
+            before = reader.line_num
+    except csv.Error as error:
+        problem = Sentence("this text is no table ({reason})", reason=str(error))
+        raise ReadingsError(problem, place=Place(file, row=before + 1), expected=WANTED) from None
+    table = bounded(table)
+    return Sheet(file=file, name=None, rows=table, lines=lines[: len(table)], note=note)
+
+
+def _is_rule(record: Sequence[str]) -> bool:
+    cells = [cell for cell in record if cell.strip()]
+    return bool(cells) and all(_RULE.fullmatch(cell) for cell in cells)
+
+
+def _aligned(lines: Sequence[str]) -> list[list[str]]:
+    """Cut lines into cells where all lines of a block have spaces, two at least side by side."""
+    rows: list[list[str]] = []
+    block: list[str] = []
+    for line in (*lines, ""):
+        if line.strip():
+            block.append(line.expandtabs())
+            continue
+        rows += _cut(block)
+        rows.append([])
+        block = []
+    return rows[:-1]
+
+
+def _cut(block: Sequence[str]) -> list[list[str]]:
+    width = max(map(len, block), default=0)
+    taken = bytearray(width)
+    for line in block:
+        for at, letter in enumerate(line):
+            if letter != " ":
+                taken[at] = 1
+    edges = [0, *(match.end() for match in re.finditer(rb"\x00{2,}", bytes(taken))), width]
+    spans = [(begin, end) for begin, end in pairwise(dict.fromkeys(edges)) if end > begin]
+    return [[line[begin:end].strip() for begin, end in spans] for line in block]

@@ -1,0 +1,92 @@
+"""Bring what the head of a measuring sheet says of the job into its record, and doubt where the two differ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from atleak.errors import Message
+from atleak.intake.readings.words import plain
+from atleak.job.record import InstrumentUsed, Job
+from atleak.readings import Readings
+from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+
+
+def with_sheet(job: Job | None, readings: Readings | None) -> Job | None:
+    """Return the record with what the sheet's head says where the record says nothing; None where neither does.
+
+    Parameters
+    ----------
+    job
+        what the workshop wrote down; what stands there counts.
+    readings
+        as the measuring sheet was read.
+    """
+    if readings is None or readings.identity.empty:
+        return job
+    head, record = readings.identity, job or Job()
+    vehicle: dict[str, Any] = {}
+    if head.vehicle and not (record.vehicle.make or record.vehicle.model):
+        vehicle["model"] = head.vehicle
+    if head.vin and not record.vehicle.vin:
+        vehicle["vin"] = head.vin
+    if head.mileage is not None and record.vehicle.mileage_km is None:
+        vehicle["mileage_km"] = head.mileage
+    changes: dict[str, Any] = {
+        "number": record.number or head.job,
+        "technician": record.technician or head.technician,
+        "vehicle": record.vehicle.model_copy(update=vehicle),
+        "transmission": record.transmission.model_copy(update={"serial": record.transmission.serial or head.serial}),
+    }
+    if head.instrument and not record.instruments:
+        changes["instruments"] = (InstrumentUsed(name=head.instrument),)
+    return record.model_copy(update=changes).with_pictures(record.pictures)
+
+
+def taken_from_sheet(before: Job, filled: Job) -> tuple[str, ...]:
+    """Return the names of what `with_sheet` brought into a record."""
+    told: tuple[dict[str, Any], ...] = tuple(
+        {
+            "number": job.number,
+            "vehicle": job.vehicle.model,
+            "vin": job.vehicle.vin,
+            "serial": job.transmission.serial,
+            "mileage": job.vehicle.mileage_km,
+            "technician": job.technician,
+            "instrument": job.instruments,
+        }
+        for job in (before, filled)
+    )
+    return tuple(name for name, value in told[1].items() if value != told[0][name])
+
+
+def sheet_doubts(job: Job, readings: Readings | None) -> Iterator[Message]:
+    """Doubt that a sheet is of this job: its head names another unit, or another mileage, than the record does."""
+    if readings is None:
+        return
+    head = readings.identity
+    stated = (
+        (Sentence("job number"), job.number, head.job),
+        (Sentence("VIN"), job.vehicle.vin, head.vin),
+        (Sentence("serial number"), job.transmission.serial, head.serial),
+    )
+    for what, own, written in stated:
+        if own and written and plain(own) != plain(written):
+            text = Sentence(
+                "The record has the {what} {own}, the head of the measuring sheet {written}: is it the sheet of this "
+                "unit? The record counts.",
+                what=what,
+                own=own,
+                written=written,
+            )
+            yield Message("warning", "sheet_of_another_job", text)
+    own_km, written_km = job.vehicle.mileage_km, head.mileage
+    if own_km is not None and written_km is not None and abs(own_km - written_km) >= 1.0:
+        text = Sentence(
+            "The record has a mileage of {own:g} {own.unit}, the head of the measuring sheet {written:g} "
+            "{written.unit}: the record counts.",
+            own=Quantity(own_km, "distance"),
+            written=Quantity(written_km, "distance"),
+        )
+        yield Message("warning", "mileages_differ", text)

@@ -1,0 +1,74 @@
+"""Let in who may use the dashboard: everybody on its own machine, and where others reach it those on a list."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import streamlit as st
+
+from atleak.errors import InputError
+from atleak.network import ALLOWED, is_here_alone
+from pages.shared import reader
+
+if TYPE_CHECKING:
+    from atleak.admission import Allowed
+
+
+def is_open() -> bool:
+    """Tell whether the visitor may see the dashboard; the list is read each time, so that it holds at once."""
+    path = os.environ.get(ALLOWED)
+    if path is None:
+        return is_here_alone(str(st.get_option("server.address")))
+    if not path:
+        return True
+    try:
+        return bool(st.user.get("is_logged_in")) and _allowed(path).admits(st.user.to_dict())
+    except InputError:
+        return False
+
+
+def draw() -> None:
+    """Draw what somebody sees who is not let in: a way to sign in, or out again."""
+    say, path = reader.say(), os.environ.get(ALLOWED)
+    st.title("atleak")
+    if not path:
+        st.error(say("entrance.no_start"))
+    elif not st.user.get("is_logged_in"):
+        st.text(say("entrance.closed"))
+        st.button(say("entrance.sign_in"), on_click=st.login, type="primary")
+    else:
+        st.text(_refusal(path))
+        st.button(say("entrance.sign_out"), on_click=st.logout)
+
+
+def draw_sign_out() -> None:
+    """Say at the foot of the sidebar who is signed in, and offer to sign out."""
+    if os.environ.get(ALLOWED):
+        say = reader.say()
+        with st.sidebar:
+            st.text(say("entrance.signed_in", name=_name()))
+            st.button(say("entrance.sign_out"), on_click=st.logout, width="stretch")
+
+
+def _refusal(path: str) -> str:
+    say = reader.say()
+    try:
+        _allowed(path)
+    except InputError as error:
+        error.rename_file(lambda _: Path(path).name)  # where it lies is nobody's business
+        return say("entrance.nobody", problem=say.sentence(error.sentence))
+    return say("entrance.not_allowed", name=_name() or say("entrance.somebody"))
+
+
+def _allowed(path: str) -> Allowed:
+    from atleak.admission import read_allowed  # what it imports would keep the first visitor waiting
+
+    return read_allowed(Path(path))
+
+
+def _name() -> str:
+    """Return how the provider calls the visitor."""
+    names = (st.user.get(claim) for claim in ("email", "preferred_username", "name"))
+    return str(next(filter(None, names), ""))

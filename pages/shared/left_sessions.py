@@ -1,0 +1,32 @@
+"""Let sessions go that were left: Streamlit looks for those that nobody came back to only when another one ends."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import streamlit as st
+
+from atleak.system.memory import give_back
+
+EVERY = 30.0  # [s]
+
+
+async def let_go_in_time() -> None:
+    """Let them go as long as the server runs, and give back the memory that they held."""
+    while True:
+        await asyncio.sleep(EVERY)
+        if let_go():
+            await asyncio.to_thread(give_back)
+
+
+def let_go() -> bool:
+    """Let go of every session whose time for coming back is over, and return whether there was any.
+
+    It is nothing that Streamlit offers; where another version keeps its sessions otherwise, nothing is done.
+    """
+    kept: Any = st.runtime.get_instance()
+    for name in ("_session_mgr", "_session_storage", "_cache"):
+        kept = getattr(kept, name, None)
+    expire = getattr(kept, "expire", None)
+    return expire is not None and bool(expire())

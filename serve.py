@@ -1,0 +1,31 @@
+"""Serve the dashboard: ``atleak app`` starts it by ``streamlit run``."""
+
+import asyncio
+import threading
+import webbrowser
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import streamlit as st
+
+from pages.shared.left_sessions import let_go_in_time
+from pages.shared.requests_let_in import bracketed, guards
+
+
+@asynccontextmanager
+async def served(_: st.App) -> AsyncIterator[None]:
+    """Show the dashboard in a browser, where this machine has a screen, and let sessions go that were left."""
+    if not st.get_option("server.headless"):
+        address = f"http://{bracketed(st.get_option('server.address'))}:{st.get_option('server.port')}"
+        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+    letting_go = asyncio.create_task(let_go_in_time())
+    yield
+    letting_go.cancel()
+
+
+app = st.App(
+    Path(__file__).with_name("app.py"),
+    lifespan=served,
+    middleware=guards(st.get_option("server.allowedHosts")),
+)

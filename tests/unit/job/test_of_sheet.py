@@ -1,0 +1,63 @@
+"""What the head of a measuring sheet says of the job comes into its record, and where the two differ is told."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from atleak.diagnosis import Diagnosis
+from atleak.job.doubts import record_doubts
+from atleak.job.of_sheet import taken_from_sheet, with_sheet
+from atleak.job.record import Job
+from atleak.readings import Readings
+from atleak.sheet_identity import SheetIdentity
+
+HEAD = SheetIdentity("4711", "Golf IV", "WVWZZZ1JZXW000001", "S-1", "J. K.", "micrometer", 182_000.0)
+
+
+@pytest.fixture
+def readings(worn: Diagnosis) -> Readings:
+    assert worn.readings is not None
+    return replace(worn.readings, identity=HEAD)
+
+
+def test_an_empty_record_takes_all_that_the_head_says(readings: Readings) -> None:
+    filled = with_sheet(None, readings)
+    assert filled is not None
+    assert filled.identity == {
+        "number": "4711",
+        "date": None,
+        "vin": "WVWZZZ1JZXW000001",
+        "plate": None,
+        "serial": "S-1",
+        "mileage_km": 182_000.0,
+        "measured_by": "J. K.",
+    }
+    assert (filled.vehicle.model, filled.instruments[0].name) == ("Golf IV", "micrometer")
+    assert len(taken_from_sheet(Job(), filled)) == 7
+
+
+def test_what_the_record_says_itself_counts(readings: Readings) -> None:
+    own = Job(
+        number="12",
+        technician="A. B.",
+        vehicle={"make": "Ford", "vin": "1FA", "mileage_km": 5.0},
+        transmission={"serial": "S-2"},
+        instruments=[{"name": "bore gauge"}],
+    )
+    assert with_sheet(own, readings) == own
+    assert taken_from_sheet(own, own) == ()
+
+
+def test_a_sheet_without_a_head_makes_no_record(worn: Diagnosis) -> None:
+    assert with_sheet(None, worn.readings) is None
+    assert with_sheet(None, None) is None
+
+
+def test_a_sheet_of_another_unit_is_doubted(worn: Diagnosis, readings: Readings) -> None:
+    own = Job(number="4711", vehicle={"vin": "1FA", "mileage_km": 18_200.0}, transmission={"serial": "s-1"})
+    said = {doubt.code: doubt.text for doubt in record_doubts(own, replace(worn, readings=readings))}
+    assert "the VIN 1FA, the head of the measuring sheet WVWZZZ1JZXW000001" in said["sheet_of_another_job"]
+    assert "18200 km, the head of the measuring sheet 182000 km" in said["mileages_differ"]
+    assert len(said) == 2  # neither number nor serial differ

@@ -1,0 +1,41 @@
+"""Sessions that were left."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+from types import SimpleNamespace
+
+import pytest
+import streamlit as st
+from streamlit.runtime.memory_session_storage import MemorySessionStorage
+from streamlit.runtime.session_manager import SessionInfo
+
+from pages.shared.left_sessions import let_go
+
+
+class Left:
+    """A session with all that its visitor had."""
+
+    id = "left"
+
+
+@pytest.mark.parametrize(("seconds", "goes"), [(0, True), (600, False)])
+def test_a_session_goes_when_its_time_for_coming_back_is_over(
+    monkeypatch: pytest.MonkeyPatch, seconds: int, goes: bool
+) -> None:
+    storage, session = MemorySessionStorage(ttl_seconds=seconds), Left()
+    storage.save(SessionInfo(None, session))
+    manager = SimpleNamespace(_session_storage=storage)
+    monkeypatch.setattr(st.runtime, "get_instance", lambda: SimpleNamespace(_session_mgr=manager))
+    seen = weakref.ref(session)
+    del session
+    assert let_go() is goes
+    gc.collect()
+    assert (seen() is None) is goes
+    assert let_go() is False
+
+
+def test_another_way_of_keeping_sessions_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(st.runtime, "get_instance", SimpleNamespace)
+    assert let_go() is False

@@ -1,0 +1,65 @@
+"""What a browser can be made to ask the dashboard for, and what is let in."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+from starlette.middleware import Middleware
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from pages.shared.requests_let_in import guards
+
+LET_IN = 200
+
+
+async def answering(scope: Scope, receive: Receive, send: Send) -> None:
+    """Let in whatever comes this far."""
+    await send({"type": f"{scope['type']}.let_in", "status": LET_IN})
+
+
+def behind(guards: list[Middleware]) -> ASGIApp:
+    served: ASGIApp = answering
+    for guard in reversed(guards):
+        served = guard.cls(served, *guard.args, **guard.kwargs)
+    return served
+
+
+def answers(**headers: str) -> set[int]:
+    """The status that a page and a session's websocket are answered with."""
+    said: list[Message] = []
+
+    async def send(message: Message) -> None:
+        said.append(message)
+
+    async def nothing() -> Message:
+        return {"type": "http.request"}
+
+    raw = [(name.encode(), value.encode()) for name, value in headers.items()]
+    served = behind(guards(["localhost", "127.0.0.1", "::1"]))
+    for kind in ("http", "websocket"):
+        scope: dict[str, Any] = {"type": kind, "path": "/", "method": "GET", "headers": raw, "query_string": b""}
+        asyncio.run(served(scope, nothing, send))
+    return {message["status"] for message in said if "status" in message}
+
+
+@pytest.mark.parametrize("host", ["localhost", "LOCALHOST:8501", "127.0.0.1:8501", "[::1]:8501"])
+def test_requests_under_the_dashboards_own_names_are_let_in(host: str) -> None:
+    assert answers(host=host) == answers(host=host, origin=f"http://{host}") == {LET_IN}
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:8501", "localhost.evil.example", "127.0.0.1.evil.example", "[::2]", "a b"]
+)
+def test_a_foreign_name_that_leads_here_gets_no_page_and_no_session(host: str) -> None:
+    assert answers(host=host, origin=f"http://{host}") == {400}
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "http://127.0.0.1:3000", "null", "", "http://[x", "file://"])
+def test_a_page_of_another_origin_gets_nothing(origin: str) -> None:
+    assert answers(host="127.0.0.1:8501", origin=origin) == {403}
+
+
+def test_a_request_without_host_is_refused() -> None:
+    assert answers() == {400}

@@ -1,0 +1,110 @@
+"""Who may use the dashboard, and with whom these people sign in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from atleak.admission import Allowed, read_allowed, read_sign_in
+from atleak.errors import InputError
+
+SECRETS = """[auth]
+redirect_uri = "https://atleak.shop.example/oauth2callback"
+cookie_secret = "0123456789abcdef"
+client_id = "atleak"
+client_secret = "secret"
+server_metadata_url = "https://id.example/.well-known/openid-configuration"
+"""
+SHOP = Allowed(users=["ana@shop.example"], groups=["bench"])
+
+
+@pytest.mark.parametrize(
+    "claims",
+    [
+        {"email": "ana@shop.example"},
+        {"email": "Ana@Shop.example", "email_verified": True},
+        {"email": "other@shop.example", "groups": ["office", "bench"]},
+        {"groups": "bench"},
+    ],
+)
+def test_people_of_the_list_and_of_its_groups_come_in(claims: dict[str, object]) -> None:
+    assert SHOP.admits(claims)
+
+
+@pytest.mark.parametrize(
+    "claims",
+    [
+        {},
+        {"email": "other@shop.example"},
+        {"email": "ana@shop.example", "email_verified": False},
+        {"email": "ana@shop.example", "email_verified": "false"},
+        {"email": ["ana@shop.example"]},
+        {"preferred_username": "ana@shop.example"},
+        {"groups": ["Bench", "bench2"]},
+        {"groups": {"bench": True}},
+        {"groups": [["bench"]]},
+        {"email": "", "groups": ""},
+    ],
+)
+def test_nobody_else_comes_in(claims: dict[str, object]) -> None:
+    assert not SHOP.admits(claims)
+
+
+def test_the_file_may_name_the_claims_of_its_provider() -> None:
+    allowed = Allowed(users=["ana"], groups=["bench"], user_claim="preferred_username", group_claim="roles")
+    assert allowed.admits({"preferred_username": "ana", "email_verified": False})
+    assert allowed.admits({"roles": ["bench"]})
+    assert not allowed.admits({"email": "ana", "groups": ["bench"]})
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "allows nobody to use the dashboard"),
+        ('users = [" "]\ngroups = []', "allows nobody to use the dashboard"),
+        ('users = "ana@shop.example"', "a list in square brackets"),
+        ('user = ["ana@shop.example"]', "did you mean 'users'?"),
+        ("users = [", "is not valid TOML"),
+    ],
+)
+def test_a_list_that_says_nobody_or_something_else_is_refused(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "allowed.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=r"allowed\.toml") as refused:
+        read_allowed(path)
+    assert said in str(refused.value)
+
+
+def test_a_list_is_read_as_it_is_now(tmp_path: Path) -> None:
+    path = tmp_path / "allowed.toml"
+    for name in ("ana@shop.example", "ben@shop.example"):
+        path.write_text(f'users = ["{name}"]', encoding="utf-8")
+        assert read_allowed(path).admits({"email": name})
+    path.unlink()
+    with pytest.raises(InputError, match="cannot be read: No such file or directory"):
+        read_allowed(path)
+
+
+def test_the_secrets_say_where_people_come_back_to(tmp_path: Path) -> None:
+    path = tmp_path / "secrets.toml"
+    path.write_text(SECRETS, encoding="utf-8")
+    assert read_sign_in(path) == "atleak.shop.example"
+
+
+@pytest.mark.parametrize("key", [line.partition(" ")[0] for line in SECRETS.splitlines()[1:]])
+def test_a_key_that_signing_in_needs_is_named(tmp_path: Path, key: str) -> None:
+    path = tmp_path / "secrets.toml"
+    path.write_text("".join(line for line in SECRETS.splitlines(True) if not line.startswith(key)), encoding="utf-8")
+    with pytest.raises(InputError, match=f"secrets.toml.*{key}.*required key is missing"):
+        read_sign_in(path)
+
+
+@pytest.mark.parametrize(
+    "address", ["https://atleak.shop.example/", "atleak.shop.example/oauth2callback", "https://[x"]
+)
+def test_an_address_to_which_nobody_comes_back_is_refused(tmp_path: Path, address: str) -> None:
+    path = tmp_path / "secrets.toml"
+    path.write_text(SECRETS.replace("https://atleak.shop.example/oauth2callback", address), encoding="utf-8")
+    with pytest.raises(InputError, match="people cannot come back there"):
+        read_sign_in(path)
