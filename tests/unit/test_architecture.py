@@ -48,6 +48,7 @@ FLOORS = (
     (
         "equations",
         "faults",
+        "doors",
         "system.files",
         "system.home",
         "system.shipped",
