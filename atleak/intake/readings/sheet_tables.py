@@ -138,15 +138,12 @@ class Table:
         return bool(known and self.header.values and not self.aside)
 
 
-def find_tables(sheet: Sheet, names: ControllerNames, means: bool = False) -> list[Table]:
-    """Return every table of a sheet that has headings, from top to bottom and from left to right.
-
-    With ``means``, those of a table that has no other diameters are its diameters.
-    """
+def find_tables(sheet: Sheet, names: ControllerNames) -> list[Table]:
+    """Return every table of a sheet that has headings, from top to bottom and from left to right."""
     return [
         table
         for strip in _strips(sheet, names)
-        for above in _stacked(strip, names, means)
+        for above in _stacked(strip, names)
         for beside in _side_by_side(above)
         for table in _sections(_titled(beside, names), names)
     ]
@@ -199,7 +196,7 @@ def _only(sheet: Sheet, left: int, right: int, end: int | None = None) -> Sheet:
     return replace(sheet, rows=rows, faults={at: why for at, why in sheet.faults.items() if left <= at[1] < right})
 
 
-def _stacked(sheet: Sheet, names: ControllerNames, means: bool) -> Iterator[Table]:
+def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
     headers = find_headers(sheet, names.is_named)
     for header, following in zip_longest(headers, headers[1:]):
         end = len(sheet.rows)
@@ -207,29 +204,10 @@ def _stacked(sheet: Sheet, names: ControllerNames, means: bool) -> Iterator[Tabl
             titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
             end = min([following.first, *titles])
         view = _only(sheet, 0, sheet.width, end)
-        of_means: tuple[Message, ...] = ()
-        if means and not header.values:
-            header, of_means = _with_means(view, header)
         header, of_lands = with_lands(view, _by_content(view, header, names), names)
         view, header = with_split_labels(view, header, names)
         view, header, used, of_sums = with_deviations(view, header)
-        yield Table(view, header, used=used, told=(*of_means, *of_lands, *of_sums))
-
-
-def _with_means(sheet: Sheet, header: Header) -> tuple[Header, tuple[Message, ...]]:
-    """Return headings of means as those of diameters, and what is said about each."""
-    columns, told = [], []
-    for column in header.columns:
-        if column.role == "mean":
-            column = replace(column, role="diameter", part=part_in(column.heading), tentative=True)
-            text = Sentence(
-                "column {heading!r} is said to hold means, and their single readings are not there: each is read as "
-                "one reading",
-                heading=column.name,
-            )
-            told.append(Message("info", "mean_as_reading", text, sheet.place(header.last, column.index, column.name)))
-        columns.append(column)
-    return replace(header, columns=read_together(columns)), tuple(told)
+        yield Table(view, header, used=used, told=(*of_lands, *of_sums))
 
 
 def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
