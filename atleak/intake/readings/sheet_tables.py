@@ -14,7 +14,7 @@ from atleak.intake.readings.counts import with_counts
 from atleak.intake.readings.deviations import with_deviations
 from atleak.intake.readings.headings import Header, find_headers, read_together
 from atleak.intake.readings.numbered_lands import with_lands
-from atleak.intake.readings.one_heading import Column
+from atleak.intake.readings.one_heading import KEYS, Column
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
 from atleak.intake.readings.split_labels import with_split_labels
 from atleak.intake.readings.words import (
@@ -25,6 +25,7 @@ from atleak.intake.readings.words import (
     part_in,
     part_said,
     plain,
+    summary_of,
     text_of,
     vocabulary,
 )
@@ -33,6 +34,7 @@ from atleak.sentence import Sentence, all_of
 
 _ASIDE = vocabulary("specification_title", "calibration")
 _READ = vocabulary("reading", "actual")
+_DIAMETER = vocabulary("diameter")
 _WORD = re.compile(r"[^\W\d_]+")
 _TITLE_ROWS = 4
 
@@ -81,7 +83,7 @@ class Table:
         """Return the table for what stands above its headings in the file, also where it was turned."""
         if not self.sheet.turned:
             return self
-        first = min((column.index for column in self.header.columns), default=0)
+        first = min((each.index for each in self.header.columns if each.holds_size or each.role in KEYS), default=0)
         return replace(self, sheet=replace(self.sheet, turned=False), header=replace(self.header, first=first))
 
     @property
@@ -320,7 +322,8 @@ def _why_aside(table: Table, titles: Sequence[str]) -> Sentence | None:
         return Sentence("no measured diameter by its headings")
     for title in titles:
         words = set(_WORD.findall(plain(title)))
-        if words & _ASIDE and not words & _READ and not words & ERRORS:
+        counted = summary_of(title.partition(" ")[0]) in ("count", "spread") and bool(words & _DIAMETER)
+        if counted or (words & _ASIDE and not words & _READ and not words & ERRORS):
             return Sentence("by its title {title!r} no readings", title=title)
     if not header.of("component") and header.of("gauge"):
         return Sentence("a check of the instrument")
