@@ -3,7 +3,7 @@
     python benchmarks/reports.py [--batch 100] [--small]
 
 Imports are done and one report written beforehand; median of 7 taken in turn. Peers: typst compiling the same document
-with its data ready, and XlsxWriter writing the same cells as plain values. Goals: PDF 1.5 s, workbook 0.5 s. With
+with its data ready, and XlsxWriter writing the same cells as plain values. Goals: PDF 0.6 s, workbook 0.4 s. With
 ``--batch``, so many job files are also reported one after another.
 """
 

@@ -7,12 +7,12 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from pathlib import Path
 
 import typst
 from PIL import Image, ImageColor
 
-FONTS = Path(__file__).parent / "fonts"
+from atleak.report.printed_fonts import FONTS
+
 DOTS = 150  # of an inch: on paper, where a sheet is shrunk, about 200
 _PAGES = b"""
 #for each in json(bytes(sys.inputs.drawings)) {

@@ -70,7 +70,7 @@ def table(
     ]
     if not kept:
         return {}
-    made = {
+    made: Block = {
         "kind": "table",
         "names": [columns[index].name for index in kept],
         "rows": [[row[index] for index in kept] for row in rows],
@@ -79,7 +79,7 @@ def table(
         "whole": whole,
     }
     if told is not None:
-        groups = [
+        groups: list[list[list[Any]]] = [
             [row, [{"told": said}]] if said else [row] for row, said in zip(made["rows"], map(told, items), strict=True)
         ]
         made |= {"rows": [row for group in groups for row in group], "groups": _held([*map(len, groups)])}

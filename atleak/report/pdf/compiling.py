@@ -15,10 +15,10 @@ import typst
 from atleak.job.record import Job, clean_text
 from atleak.look import LOOKS, PAPER
 from atleak.paper import Paper
-from atleak.report.drawn_png import FONTS, bundled_fonts
+from atleak.report.drawn_png import bundled_fonts
 from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.boxes import BOX_FONT, box_font
-from atleak.report.printed_charts import glyphs
+from atleak.report.printed_fonts import FONTS, glyphs
 from atleak.system.marks import KEYWORD
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__

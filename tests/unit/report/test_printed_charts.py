@@ -1,22 +1,26 @@
-"""The printed charts of pressures: words of the language, every circuit named, hatches and signs beside shades."""
+"""The printed charts: words of the language, every circuit named, hatches and signs beside shades, axes apart."""
 
 from __future__ import annotations
 
 import math
 import re
 from dataclasses import replace
+from itertools import pairwise
 from xml.etree import ElementTree
 
 import pytest
 
 from atleak.diagnosis import Diagnosis
+from atleak.look import PAPER
 from atleak.repair import plan_repairs
-from atleak.report.printed_charts import Bar, pressures_chart, pump_chart, shares_chart
-from atleak.verdicts import Verdict
+from atleak.report.printed_charts import Bar, pressures_chart, pump_chart, road_chart, shares_chart
+from atleak.verdicts import Band, Verdict
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_speed import pump_over_speed
+from atleak.views.road_series import road_series
 from atleak.wording import languages, wording
 
+NEEDS_PUMP = ("share_percent", "pump_capacity_dm3_min")
 SVG = "{http://www.w3.org/2000/svg}"
 
 
@@ -56,22 +60,25 @@ def test_every_applied_circuit_stands_with_its_pressure_and_the_word_of_its_verd
 
 def test_repaired_bars_are_drawn_only_with_a_plan(worn_clutch: Diagnosis) -> None:
     def bars(svg: str) -> int:
-        return len(re.findall(r'id="patch_', svg))
+        return len(re.findall(rf"fill: {PAPER.rule.lower()}[^\"]*stroke: {PAPER.ink.lower()}", svg))
 
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
     planned = pressures_at(worn_clutch, worn_clutch.hot_idle, plan_repairs(worn_clutch).ends)
     say = wording("en")
-    assert bars(pressures_chart(planned, say)) - bars(pressures_chart(at, say)) == len(at.applied)
+    assert bars(pressures_chart(at, say)) == 0
+    assert bars(pressures_chart(planned, say)) == len(at.applied)
 
 
-def test_signs_that_no_font_has_are_drawn_as_boxes(worn_clutch: Diagnosis, hostile: tuple[str, ...]) -> None:
+def test_names_from_a_file_stay_text_in_charts(worn_clutch: Diagnosis, hostile: tuple[str, ...]) -> None:
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
+    usual = {element.tag for element in ElementTree.fromstring(pressures_chart(at, wording("en"))).iter()}
     names = iter(hostile)
     while named := [
         replace(each, circuit=replace(each.circuit, name=name)) for each, name in zip(at.circuits, names, strict=False)
     ]:
         circuits = (*named, *at.circuits[len(named) :])
-        ElementTree.fromstring(pressures_chart(replace(at, circuits=circuits), wording("en")))
+        drawn = ElementTree.fromstring(pressures_chart(replace(at, circuits=circuits), wording("en")))
+        assert {element.tag for element in drawn.iter()} == usual, "no name became an element of the drawing"
     marked = tuple((name, 10.0 + number) for number, name in enumerate(hostile))
     data = replace(pump_over_speed(worn_clutch, worn_clutch.hot_idle), marked=marked)
     ElementTree.fromstring(pump_chart(data, wording("en")))
@@ -83,3 +90,19 @@ def test_shares_of_a_pump_that_may_deliver_nothing_are_drawn_to_the_edge(low: fl
     said = words(shares_chart(bars, "share [%]", wording("en")))
     assert "9.00" in said
     assert "4.00" in said
+
+
+@pytest.mark.parametrize("share", [True, False])
+def test_leakage_pump_and_share_are_each_drawn_over_an_axis_of_their_own(worn: Diagnosis, share: bool) -> None:
+    series, say = road_series(worn.road, 200), wording("de")
+    if not share:
+        known = {name: values for name, values in series.columns.items() if name not in NEEDS_PUMP}
+        series = replace(series, columns=known)
+    drawn = road_chart(series, [(1.0, 2.0, 10.0)], [(Band.RED, 5.0)], say)
+    said = words(drawn)
+    titles = [say(f"charts.{name}", unit=say.unit("flow")) for name in ("leakage_in", "capacity_in", "share")]
+    assert [title in said for title in titles] == [True, share, share]
+    curves = [path for path in ElementTree.fromstring(drawn).iter(f"{SVG}path") if path.attrib["d"].count("L") > 15]
+    heights = [[float(y) for y in re.findall(r"[ML] \S+ ([\d.]+)", path.attrib["d"])] for path in curves]
+    assert len(heights) == (3 if share else 1)
+    assert all(max(above) < min(below) for above, below in pairwise(heights)), "no curve reaches into another field"
