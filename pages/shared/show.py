@@ -115,7 +115,7 @@ def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **o
     }
     frame = pd.DataFrame(cells)
     style, config = frame.style, {}
-    written: dict[Any, Any] = {}
+    written: dict[Any, str | Callable[[object], str] | None] = {}
     for heading, column in headings.items():
         config[heading] = st.column_config.Column(help=column.help(say), width=column.width)
         if column.is_number:
