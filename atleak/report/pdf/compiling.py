@@ -22,27 +22,30 @@ from atleak.report.printed_fonts import FONTS, glyphs
 from atleak.system.marks import KEYWORD
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
+from atleak.views.drawing import shortened
 from atleak.wording import Wording
 
 STANDARDS: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")
 TEMPLATES = Path(__file__).parent.parent / "templates"
 _UNDATED = dt.date(2000, 1, 1)  # PDF/A requires a date; today's date would make two files of one job differ
 _MISSING_NAMED = 8
+_RUNNING = 24  # letters of each name that stand at the head of every page, in one line
 
 
 def common_data(
     title: str, subject: str, job: Job, paper: Paper, say: Wording, pictures: dict[str, str]
 ) -> dict[str, Any]:
     """Return what ``common.typ`` places on every kind of page: the file's properties, letterhead, colours and signs."""
+    plate = job.vehicle.registration or job.vehicle.vin
     return {
         "lang": say.language,
         "paper": paper.typst,
         "title": title,
-        "name": joined((title, job.number, job.vehicle.registration or job.vehicle.vin), " · "),
+        "name": joined((title, job.number, plate), " · "),
         "author": job.workshop.name or "atleak",
         "description": subject,
         "keywords": KEYWORD,
-        "running": joined((job.workshop.name, job.number, job.vehicle.registration or job.vehicle.vin), " · "),
+        "running": joined((shortened(each, _RUNNING) for each in (job.workshop.name, job.number, plate)), " · "),
         "made": f"atleak {__version__}",
         "page": say("title.page", page="{page}", pages="{pages}"),
         "end": "",

@@ -23,6 +23,7 @@ _BELOW = 32.0
 _PUMP = 150.0  # height of the pump's field
 _DASHES = ((5.0, 2.0), (2.0, 1.5), (1.0, 1.5), (8.0, 2.0, 1.0, 2.0), (5.0, 2.0, 1.0, 2.0, 1.0, 2.0))
 _SOLID: tuple[float, ...] = ()
+_ROW = 12.0  # of the words of engine speeds, above the field
 _SAMPLE = 22.0  # length of a line in a legend
 
 Mark = tuple[float, float | None, float | None]
@@ -103,6 +104,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
         named = say("charts.taken_at", temperature=say.plain_value(demand.temperature, "temperature"))
         entries.append((named, colour, width, _SOLID if own else _DASHES[number % len(_DASHES)]))
     places, top = _legend([name for name, *_ in entries])
+    top += _ROW * len(data.marked)
     highest = max(float(data.supply[-1]), *(demand.flow for demand in data.demands)) * flow
     surface = Surface(top + _PUMP + _BELOW)
     up = Scale(0.0, 1.05 * highest or 1.0, top + _PUMP, top)
@@ -117,8 +119,9 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
     for demand, (_, colour, width, dashes) in zip(data.demands, entries[1:], strict=True):
         y = up(demand.flow * flow)
         surface.line([(left, y), (_RIGHT, y)], colour, width, dashes)
-    for label, speed in data.marked:
-        _marked(surface, over(speed * RPM), up, f"{label}: {say.number(speed * RPM, 0)} 1/min")
+    for number, (label, speed) in enumerate(data.marked, start=1):
+        height = top - _ROW * (number - 0.5)
+        _marked(surface, (over(speed * RPM), height), up.start, f"{label}: {say.number(speed * RPM, 0)} 1/min")
     _crossings(surface, data, over, up, say)
     return surface.svg()
 
@@ -141,11 +144,13 @@ def _crossings(surface: Surface, data: PumpOverSpeed, over: Scale, up: Scale, sa
             surface.words((x, y - 9.0), words, anchor=anchor, bold=True)
 
 
-def _marked(surface: Surface, x: float, up: Scale, words: str) -> None:
-    """Draw an engine speed as an upright line with its words along it."""
-    surface.line([(x, up.start), (x, up.stop)], width=0.8, dashes=(6.0, 2.0))
-    surface.words((x - 6.0, up.stop + 2.0), fitting(words, SMALL, up.start - up.stop - 6.0), size=SMALL, anchor="end",
-                  turned=True)  # fmt: skip
+def _marked(surface: Surface, at: tuple[float, float], bottom: float, words: str) -> None:
+    """Draw an engine speed as an upright line with its words at its upper end, on the side that has more room."""
+    x, y = at
+    surface.line([(x, bottom), (x, y - 4.0)], width=0.8, dashes=(6.0, 2.0))
+    right = x < WIDTH / 2.0
+    words = fitting(words, SMALL, WIDTH - x - 4.0 if right else x - 4.0)
+    surface.words((x + 4.0 if right else x - 4.0, y), words, size=SMALL, anchor="start" if right else "end")
 
 
 def _legend(names: Sequence[str]) -> tuple[list[tuple[float, float]], float]:

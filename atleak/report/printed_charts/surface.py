@@ -18,9 +18,6 @@ SIZE, SMALL = 9.0, 8.0  # of words
 RULE, THIN, LINE = 0.5, 0.6, 1.1  # widths of lines
 _TICK = 3.5
 _MIDDLE = 0.36  # of the size, from the middle of a line of words to where they stand
-_HALO = (
-    ' stroke="#FFFFFF" stroke-width="2.5" stroke-linejoin="round" paint-order="stroke"'  # over lines that it crosses
-)
 _STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 
 Point = tuple[float, float]
@@ -83,7 +80,7 @@ class Surface:
         place = f'transform="translate({x + shift:.1f} {y:.1f}) rotate(-90)"' if turned else _at(x, y + shift)
         self._parts.append(
             f'<text {place} font-family="{FONT}" font-size="{size:g}" fill="{PAPER.ink}" text-anchor="{anchor}"'
-            f"{weight}{_HALO if turned else ''}>{escape(text)}</text>"
+            f"{weight}>{escape(text)}</text>"
         )
 
     def line(
