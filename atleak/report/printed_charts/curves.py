@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from operator import itemgetter
 
 import numpy as np
 
@@ -119,7 +120,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
     for demand, (_, colour, width, dashes) in zip(data.demands, entries[1:], strict=True):
         y = up(demand.flow * flow)
         surface.line([(left, y), (_RIGHT, y)], colour, width, dashes)
-    for number, (label, speed) in enumerate(data.marked, start=1):
+    for number, (label, speed) in enumerate(sorted(data.marked, key=itemgetter(1)), start=1):
         height = top - _ROW * (number - 0.5)
         _marked(surface, (over(speed * RPM), height), up.start, f"{label}: {say.number(speed * RPM, 0)} 1/min")
     _crossings(surface, data, over, up, say)
