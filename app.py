@@ -4,7 +4,7 @@ from pathlib import Path
 
 import streamlit as st
 
-from atleak.system.memory import collect_soon, set_imports_aside
+from atleak.system.memory import collect_soon
 from pages.shared import entrance, reader
 
 HERE = Path(__file__).parent
@@ -43,7 +43,6 @@ try:
     page.run()
 finally:  # also where the page ends early
     news = book.keep(page.url_path)
-    set_imports_aside()
     collect_soon()
 if news:
     st.rerun()

@@ -46,6 +46,7 @@ from atleak.uncertainty import (
     GUARD_FACTOR,
     Assumptions,
     Decision,
+    Known,
     RuleDecision,
     UnitUncertainty,
     assess,
@@ -460,6 +461,7 @@ def diagnose(
             instruments=instruments,
             assumptions=assumptions,
             guard_factor=guard_factor,
+            known=_known(readings, (model, limits, instruments, assumptions)),
         )
         of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
     checked = (
@@ -507,6 +509,15 @@ def diagnose(
         complaint=complaint,
         messages=tuple(messages),
     )
+
+
+def _known(readings: Readings, rests_on: tuple[Any, ...]) -> Known:
+    """Return what was carried through for these readings before, where nothing but the conditions has changed since."""
+    kept: dict[str, tuple[Any, Known]] = kept_with(readings, "spreads", "", dict)
+    last = kept.get("last")
+    if last is None or last[0] != rests_on:
+        last = kept["last"] = rests_on, Known()
+    return last[1]
 
 
 def _evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoint) -> RoadLeakage:

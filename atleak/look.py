@@ -57,7 +57,7 @@ class Look:
     dashes: str  # of the outline in the drawings, as SVG states them
     style: str  # on a terminal, as rich states it
     pattern: str  # over bars on the screen, as plotly states it
-    hatch: Literal["", "lines", "dots"]  # over bars on paper
+    hatch: str  # over bars on paper, as matplotlib states it
     marker: str  # on the screen, as plotly names it
     box: Literal["success", "warning", "error", "info"]  # of the page's first sentence
 
@@ -67,7 +67,7 @@ LOOKS: dict[Verdict, Look] = {
         sign="○", shape=_RING,
         screen="#8793a0", on_screen="", fill="#FFFFFF", line="#7A858F", on_fill="#7A858F",
         tint="#EEEEEE", on_tint="#555555", width=1.0, dashes="3 2.5",
-        style="", pattern=".", hatch="dots", marker="circle-open", box="info",
+        style="", pattern=".", hatch="...", marker="circle-open", box="info",
     ),
     Verdict.OK: Look(
         sign="●", shape=_DISC,
@@ -79,7 +79,7 @@ LOOKS: dict[Verdict, Look] = {
         sign="▲", shape=_TRIANGLE,
         screen="#e8a317", on_screen="#000000", fill="#F7D774", line="#6B4A00", on_fill="#4A3300",
         tint="#FBEBB8", on_tint="#6B4A00", width=1.4, dashes="",
-        style="yellow", pattern="/", hatch="lines", marker="triangle-up", box="warning",
+        style="yellow", pattern="/", hatch="///", marker="triangle-up", box="warning",
     ),
     Verdict.REPLACE: Look(
         sign="■", shape=_SQUARE,

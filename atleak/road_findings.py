@@ -19,7 +19,7 @@ from atleak.engine.road_pressure import (
     judge_pressure,
 )
 from atleak.equations.uncertainty import normal_cdf
-from atleak.events import Event, events
+from atleak.events import ConverterSlip, Event, converter_slip, events
 from atleak.keeping import kept_with
 from atleak.road_test import RoadTest
 from atleak.rules import Rule
@@ -39,6 +39,7 @@ class RoadFindings:
     pressure: RoadPressure | NotJudged
     commanded: CommandedPressure | None
     decisions: tuple[RuleDecision, ...]  # on main pressure: beside what is permitted, beside what was commanded
+    slip: ConverterSlip | None = None  # None where engine or turbine speed are not logged, or the car never drives
 
     @property
     def rules(self) -> tuple[Rule, ...]:
@@ -93,6 +94,7 @@ def road_findings(
         pressure=pressure,
         commanded=commanded,
         decisions=tuple(_decided(rule, u, guard_factor) for rule, u in judged),
+        slip=kept_with(road_test, "slip", "", lambda: converter_slip(road_test)),
     )
 
 

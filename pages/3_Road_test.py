@@ -38,6 +38,7 @@ show.messages(log.messages, say("road_test.about_log"), opened=log_form.refused(
 
 own = diagnosis.log if file == case.road_test else None
 if own is not None:
+    test = own.road_test
     st.subheader(say("road_test.says"))
     road_page.findings(diagnosis)
 happened = kept_with(test, "events", "", partial(events, test)) if own is None else own.events

@@ -134,7 +134,8 @@ def add_columns(parser: Options) -> None:
         type=constant,
         action="append",
         default=[],
-        help="what stands for a channel that the log lacks, in kPa, °C or rpm: converter_pressure=300",
+        help="what stands for a channel that the log lacks, in kPa, °C or rpm: converter_pressure=300; in a diagnosis "
+        "main_pressure=operating-points, those of the valve body's file by gear",
     )
     parser.add_argument(
         "--interval",
@@ -197,14 +198,20 @@ def length_of(asked: AskedNumber) -> Callable[[str], float]:
     return read
 
 
-def constant(text: str) -> tuple[str, float]:
-    """Read ``converter_pressure=300`` in kPa, °C, rpm or a plain number, and return name and value in SI."""
+def constant(text: str) -> tuple[str, float | str]:
+    """Read ``converter_pressure=300`` in kPa, °C, rpm or a plain number, and return name and value in SI.
+
+    Main pressure may be that of the valve body's operating points, ``main_pressure=operating-points``.
+    """
+    from atleak.engine.assumed_pressure import OPERATING_POINTS
     from atleak.intake.units import unit
     from atleak.road_test import QUANTITIES
 
     name, value = pair(text)
     if name not in QUANTITIES:
         raise argparse.ArgumentTypeError(str(unknown(Sentence("no such quantity of a log"), name, QUANTITIES)))
+    if name == "main_pressure" and value.replace("-", "_") == OPERATING_POINTS:
+        return name, OPERATING_POINTS
     known = QUANTITIES[name]
     stated = number_of(AskedNumber(known.label, known.workshop_unit))(value)
     return name, unit(known.workshop_unit, known.unit_kind).to_si(stated) if known.unit_kind else stated
@@ -224,10 +231,11 @@ def chosen_controller(options: argparse.Namespace) -> Controller:
 
 def log_choices(options: argparse.Namespace) -> dict[str, Any]:
     """Return the choices about a log: columns, units and values for missing channels."""
-    return {"mapping": dict(options.map), "units": dict(options.unit), "constants": dict(log_constants(options))}
+    constants = {name: value for name, value in log_constants(options) if not isinstance(value, str)}
+    return {"mapping": dict(options.map), "units": dict(options.unit), "constants": constants}
 
 
-def log_constants(options: argparse.Namespace) -> tuple[tuple[str, float], ...]:
+def log_constants(options: argparse.Namespace) -> tuple[tuple[str, float | str], ...]:
     """Return what stands for channels that the log lacks; for its time, the interval between rows."""
     interval = () if options.interval is None else (("time", options.interval),)
     return (*options.constant, *interval)

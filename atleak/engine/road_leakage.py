@@ -111,6 +111,13 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     """
     main = _main_pressure(road_test)
     messages: list[Message] = []
+    if (pressure := road_test.channel("main_pressure")) is not None and pressure.source == "constant":
+        text = Sentence(
+            "Main pressure is not logged: {pressure:g} {pressure.unit} are assumed for all of it. No loss of pressure "
+            "shows in it, and leakage and share over the log are estimates.",
+            pressure=Quantity(float(pressure.values[0]) * KPA, "pressure"),
+        )
+        messages.append(Message("warning", "pressure_assumed", text))
 
     def channel(quantity: str, value: float, text: Sentence) -> np.ndarray:
         values = road_test.values(quantity)

@@ -106,7 +106,7 @@ def judge_pressure(controller: Controller, road_test: RoadTest) -> RoadPressure 
     channel = road_test.channel("main_pressure")
     if channel is None:
         return "no_main_pressure"
-    if channel.source == "constant" or channel.kind == "commanded":
+    if channel.source != "logged" or channel.kind == "commanded":
         return "not_measured"
     if not controller.permissible:
         return "not_permitted"
@@ -200,7 +200,7 @@ def compare_with_commanded(road_test: RoadTest) -> CommandedPressure | None:
     channel, wanted = road_test.channel("main_pressure"), road_test.channel("commanded_pressure")
     if channel is None or wanted is None or channel.kind == "commanded":
         return None
-    if "constant" in (channel.source, wanted.source):
+    if {channel.source, wanted.source} != {"logged"}:
         return None
     counted = CountedSamples(road_test)
     names = ("main_pressure", "commanded_pressure")

@@ -12,13 +12,16 @@ from atleak.events.acceleration import minimum_acceleration
 from atleak.events.driving import engine_starts, hot_idle, lock_ups, stalls, steady_driving
 from atleak.events.event import AccelerationTest, Event, EventKind, Thresholds, runs
 from atleak.events.gears import gear_shifts, ratio_levels, with_derived_gear
+from atleak.events.slip import ConverterSlip, converter_slip
 from atleak.road_test import RoadTest
 
 __all__ = [
     "AccelerationTest",
+    "ConverterSlip",
     "Event",
     "EventKind",
     "Thresholds",
+    "converter_slip",
     "engine_starts",
     "events",
     "gear_shifts",

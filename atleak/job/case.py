@@ -10,7 +10,7 @@ import hashlib
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any, Protocol, Self, TypedDict, TypeVar
@@ -30,6 +30,7 @@ from atleak.catalogue.limits import load_limits
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import find_repairs
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.assumed_pressure import OPERATING_POINTS, with_assumed_pressure
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
 from atleak.errors import InputError, Message, Place, RoadTestError
@@ -37,6 +38,7 @@ from atleak.intake.gauge_table import read_pressure_table
 from atleak.intake.plain_words import words
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import NOT_LOGGED, Understood, default_path, recall, understand
+from atleak.keeping import kept_with
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.road_test import RoadTest
@@ -195,7 +197,7 @@ class Case:
     sheet_where: tuple[tuple[str, str], ...] = ()  # heading → value of the rows to read, where it holds several states
     columns: tuple[tuple[str, str], ...] = ()  # quantity → column of the log, where the user chose it
     units: tuple[tuple[str, str], ...] = ()  # quantity → unit
-    constants: tuple[tuple[str, float], ...] = ()  # quantity → value in SI of a channel that the log lacks
+    constants: Pairs = ()  # quantity → value in SI of a channel that the log lacks; of main pressure `OPERATING_POINTS`
     remember: bool = True  # whether to use what this computer remembers of such logs
     assumptions: Pairs = ()  # those that differ from the defaults
     guard_factor: float | None = None
@@ -243,7 +245,13 @@ class Case:
     @property
     def log_choices(self) -> LogChoices:
         """Return how the log's columns are read."""
-        return {"mapping": dict(self.columns), "units": dict(self.units), "constants": dict(self.constants)}
+        constants = {name: float(value) for name, value in self.constants if value != OPERATING_POINTS}
+        return {"mapping": dict(self.columns), "units": dict(self.units), "constants": constants}
+
+    @property
+    def assumes_pressure(self) -> bool:
+        """Return whether the valve body's operating points stand for a main pressure that the log lacks."""
+        return dict(self.constants).get("main_pressure") == OPERATING_POINTS
 
     def condition(self, controller: Controller) -> OperatingPoint:
         """Return the stated condition.
@@ -299,7 +307,7 @@ class Case:
             fluid_state=self.fluid_state,
             readings=readings if readings is not None and readings.readings else None,
             pressures=_one_table(pressures, readings),
-            road_test=None if self.road_test is None else _road_test(loader.log(self)),
+            road_test=None if self.road_test is None else self._driven(loader.log(self), controller),
             profile=self.engine_profile,
             condition=self.condition(controller),
             mileage=self.mileage,
@@ -311,6 +319,14 @@ class Case:
             complaint=controller.complaint(self.complaint),
         )
         return replace(diagnosis, repairs=find_repairs(controller.repairs, self.repairs, controller.name))
+
+    def _driven(self, log: Understood, controller: Controller) -> RoadTest:
+        """Return the road test of a log, with the main pressure that is assumed for it."""
+        road_test = _road_test(log)
+        if not self.assumes_pressure:
+            return road_test
+        make = partial(with_assumed_pressure, controller, road_test)
+        return kept_with(road_test, "assumed pressure", repr(controller.operating_points), make)
 
     def measured(self, loader: Loader | None = None) -> tuple[LandSources, ...]:
         """Return every land as this job's sheet measured it, with what makes it uncertain; none without a sheet.

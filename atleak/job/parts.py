@@ -158,7 +158,7 @@ def _reading_choices(case: Case) -> ReadingChoices:
 def _log_choices(case: Case) -> _LogChoices:
     chosen = case.log_choices
     columns: _LogChoices = {"mapping": {**chosen["mapping"]}, "units": {**chosen["units"]}}
-    return columns | {"constants": {**chosen["constants"]}} if chosen["constants"] else columns
+    return columns | {"constants": dict(case.constants)} if case.constants else columns
 
 
 # --- a job in parts

@@ -87,7 +87,7 @@ def _plain_files(
     if case.road_test is not None:
         understood = _read(reader.log, case)
         test = None if understood is None else understood.road_test
-        log = None if test is None else plain_log(test, case.constants)
+        log = None if test is None else plain_log(test, tuple(case.log_choices["constants"].items()))
         files["road_test"] = None if log is None else log.file
     kept = {slot: file for slot, file in files.items() if file is not None}
     return kept, log, tuple(_CALLED[slot] for slot in files if slot not in kept)

@@ -7,12 +7,12 @@ import gc
 import sys
 import threading
 from collections.abc import Callable
-from functools import cache
 
 
 def give_back() -> None:
     """Collect what nothing refers to any more, and hand free memory to the system where the C library can be asked."""
-    gc.collect()
+    gc.unfreeze()
+    _set_aside()
     arrow = sys.modules.get("pyarrow")
     if arrow is not None:
         arrow.default_memory_pool().release_unused()
@@ -22,18 +22,28 @@ def give_back() -> None:
             trim(0)
 
 
-@cache
-def set_imports_aside() -> None:
-    """Let every later collection pass over what there is now; only the first call does anything.
+_aside = 0  # modules that were there when what there was was set aside
 
-    What was imported until then are some 240 000 objects that stay as long as the process.
+
+def set_imports_aside() -> None:
+    """Let later collections pass over what there is now, where modules were imported since the last time.
+
+    These are some 240 000 objects with the first page, and more with others, that stay as long as the process. What
+    else is there and ends later is let go of by whoever refers to it, or else by `give_back`, which looks at all.
     """
+    if len(sys.modules) > _aside:
+        _set_aside()
+
+
+def _set_aside() -> None:
+    global _aside
+    _aside = len(sys.modules)
     gc.collect()
     gc.freeze()
 
 
 _LATER = (20.0, 150.0, 900.0)  # [s]
-_SOON = 5.0  # [s]
+_SOON = 10.0  # [s]
 _waiting: dict[float, threading.Timer] = {}
 
 
@@ -49,10 +59,15 @@ def give_back_soon() -> None:
 def collect_soon() -> None:
     """Collect once within some seconds, however often this is asked for meanwhile.
 
-    A collection looks at all that the process holds and keeps every page waiting meanwhile, so that one after each run
-    of a page, as Streamlit would have it, costs more than most of these runs.
+    A collection looks at all that was not set aside and keeps every page waiting meanwhile: one after each run of a
+    page, as Streamlit would have it, costs more than most of these runs.
     """
-    _do_in(_SOON, gc.collect)
+    _do_in(_SOON, _collect)
+
+
+def _collect() -> None:
+    gc.collect()
+    set_imports_aside()
 
 
 def _do_in(seconds: float, what: Callable[[], object]) -> None:

@@ -16,6 +16,7 @@ from atleak.uncertainty.decision import (
     RuleDecision,
     decide,
 )
+from atleak.uncertainty.propagation import Known
 from atleak.uncertainty.results import (
     AtCondition,
     InstantUncertainty,
@@ -35,6 +36,7 @@ __all__ = [
     "AtCondition",
     "Decision",
     "InstantUncertainty",
+    "Known",
     "LandSources",
     "LandUncertainty",
     "LevelDecision",

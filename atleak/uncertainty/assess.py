@@ -26,6 +26,7 @@ from atleak.uncertainty.propagation import (
     DRAWS_OF_CIRCUITS,
     SEED,
     InstantSpread,
+    Known,
     LandSpread,
     TotalSpread,
     propagate,
@@ -61,6 +62,7 @@ def assess(
     guard_factor: float = GUARD_FACTOR,
     draws: int | None = None,
     seed: int = SEED,
+    known: Known | None = None,
 ) -> UnitUncertainty:
     """Carry the measurement uncertainty of a unit through the cube to every flow, the total and every decision.
 
@@ -89,6 +91,8 @@ def assess(
     draws, seed
         number of draws, rounded up to a power of two, and seed of the Monte Carlo; the same input gives the same
         digits. Unless given, `DRAWS`, or `DRAWS_OF_CIRCUITS` where pressures of circuits are solved.
+    known
+        what was carried through before, with the same of everything but ``projections`` and ``instants``.
 
     Returns
     -------
@@ -129,6 +133,7 @@ def assess(
         draws=draws,
         seed=seed,
         instants=tuple(instants.values()),
+        known=known,
     )
     lands = tuple(
         _land(land, land_spreads, projections, rules, coverage, guard_factor)

@@ -10,6 +10,7 @@ from typing import Literal
 from atleak.equations.uncertainty import rectangular
 from atleak.uncertainty.sources import MEASURING_TEMPERATURE, MOUNTING, LandSources, UncertaintySource
 
+MOST_BUDGETS = 12  # lands of a unit whose budget a report shows in full, the worst first
 InputKind = Literal["diameter", "temperature", "clearance"]
 
 
@@ -50,8 +51,25 @@ def budget_lines(land: LandSources) -> tuple[BudgetLine, ...]:
     ----------
     JCGM 100:2008, 5.1 and H.1; JCGM 101:2008, 6.4.9.
     """
-    lines = (_line(land, source, fraction) for source, fraction in land.budget)
-    return tuple(line for line in lines if line.input_uncertainty > 0.0)
+    return tuple(line for line in every_line(land) if line.input_uncertainty > 0.0)
+
+
+def every_line(land: LandSources) -> tuple[BudgetLine, ...]:
+    """Return the same with what is taken as exact: what may become uncertain where a number is changed."""
+    return tuple(_line(land, source, fraction) for source, fraction in land.budget)
+
+
+def effective_degrees(lines: Sequence[BudgetLine]) -> float:
+    """Return the effective degrees of freedom of the combined uncertainty; infinite where nothing rests on repeats.
+
+    They say how much of it repeats carry. No factor is taken from them: the spread of few repeats is widened already.
+
+    References
+    ----------
+    JCGM 100:2008, G.4.1 (Welch-Satterthwaite).
+    """
+    over = math.fsum(line.contribution**4 / line.degrees_of_freedom for line in lines)
+    return combined(lines) ** 4 / over if over > 0.0 else math.inf
 
 
 def combined(lines: Sequence[BudgetLine]) -> float:

@@ -14,13 +14,15 @@ The circuits' pressures are solved in every trial: a land that leaks more in it 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from operator import attrgetter
+from typing import TypeVar
 
 import numpy as np
 
+from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Limits, Steps
 from atleak.engine.balance import Balance
 from atleak.engine.circuits import Network
@@ -44,6 +46,7 @@ from atleak.uncertainty.pressures import DrawnUnit, PressureSpread, pressure_spr
 from atleak.uncertainty.sources import LandSources
 from atleak.uncertainty.spread import Spread, flow_ratio, interval_of, spread_of
 
+Value = TypeVar("Value")
 SEED = 7667
 _NOW, _NEW, _UNWORN = attrgetter("now"), attrgetter("new"), attrgetter("unworn")  # of the draws of a land
 DRAWS = 8_192
@@ -81,6 +84,46 @@ class InstantSpread:
     share_interval: tuple[float, float]
 
 
+@dataclass(frozen=True)
+class UnitSpread:
+    """The spread of every land, in the order of the controller, and of the total at one condition."""
+
+    lands: tuple[LandSpread, ...]
+    total: TotalSpread
+
+
+class Known:
+    """What was carried through for one unit already, by condition; those that were asked for last are kept."""
+
+    MOST = 64
+
+    def __init__(self) -> None:
+        """Start with nothing known."""
+        self.units: dict[OperatingPoint, UnitSpread] = {}
+        self.instants: dict[OperatingPoint, InstantSpread] = {}
+        self._settings: tuple[float, int, int] | None = None
+
+    def at(self, coverage: float, draws: int, seed: int) -> Known:
+        """Return the same; nothing known where it was carried through in another way."""
+        settings = coverage, draws, seed
+        if settings != self._settings:
+            self.units, self.instants, self._settings = {}, {}, settings
+        return self
+
+    def keep(
+        self, units: Mapping[OperatingPoint, UnitSpread], instants: Mapping[OperatingPoint, InstantSpread]
+    ) -> None:
+        """Keep these as the latest."""
+        self.units = _latest(self.units, units)
+        self.instants = _latest(self.instants, instants)
+
+
+def _latest(kept: Mapping[OperatingPoint, Value], asked: Mapping[OperatingPoint, Value]) -> dict[OperatingPoint, Value]:
+    """Return the same with those that were asked for at the end; a new one, as another thread may read the first."""
+    every = {at: value for at, value in kept.items() if at not in asked} | {**asked}
+    return dict(list(every.items())[-Known.MOST :])
+
+
 @dataclass
 class Propagated:
     """The spread of every land and of the total, at each condition in the order given; of the instants' totals."""
@@ -101,6 +144,7 @@ def propagate(
     draws: int,
     seed: int,
     instants: Sequence[Projection] = (),
+    known: Known | None = None,
 ) -> Propagated:
     """Carry every uncertainty through the gap law.
 
@@ -115,52 +159,96 @@ def propagate(
         number of draws, a power of two, and seed of the Monte Carlo: the same input gives the same digits.
     instants
         conditions of which only the total's interval is wanted: those of some instants of a log.
+    known
+        what was carried through before, of the same unit with the same of all that stands above but the conditions:
+        only what is new is computed, and added to it.
 
     Raises
     ------
     DomainError
         A condition's temperature outside the fluid's data.
     """
-    shared = Draws(Cube(draws, seed, 0))
-    deviates = deviates_of_factors(shared)
-    common = common_errors(shared, sources)
-    fraction = one_sided_fraction(shared, model, assumptions)
-    conditions = [Condition(model, projection, assumptions) for projection in projections]
-    drawn = [condition.at(deviates) for condition in conditions]
-    at_instants = [Condition(model, instant, assumptions).at(deviates) for instant in instants]
-    # at one and the same condition, so that what else is asked for does not change what is drawn
-    first = model.controller.operating_points[0]
-    at = next((number for number, each in enumerate(projections) if each.condition == first), 0)
-    own = Beside(Cube(draws, seed, 3), drawn[at].score(leakiest(sources, projections[at]), common, fraction))
-    positions = Positions(model, own, seed)
-    lands: Iterable[LandDraws] = (
-        land_draws(own.draws(seed, 1, number), land, common, fraction, assumptions, positions.of(land))
-        for number, land in enumerate(sources)
-    )
-    # circuits need all lands at once; without any, one land's draws make room for the next one's
-    at_once: Sequence[LandDraws] = ()
-    if model.controller.circuits:
-        lands = at_once = list(lands)
-    units = [
-        _Unit(model, projection, now, linear, at_once, limits, coverage)
-        for projection, now, linear in zip(
-            projections,
-            drawn,
-            (Linear(condition, sources, assumptions, positions.relative_spread) for condition in conditions),
-            strict=True,
-        )
-    ]
-    totals = [_Total(_NOW, now.with_circuits(map(_NOW, at_once))) for now in at_instants]
-    for each in lands:
-        for unit in units:
-            unit.add(each)
-        for total in totals:
-            total.add(each)
+    known = (known or Known()).at(coverage, draws, seed)
+    of_units, of_instants = known.units, known.instants  # another thread may replace them
+    units = {each.condition: of_units[each.condition] for each in projections if each.condition in of_units}
+    totals = {each.condition: of_instants[each.condition] for each in instants if each.condition in of_instants}
+    new = [each for each in projections if each.condition not in units]
+    moments = [each for each in instants if each.condition not in totals]
+    if new or moments:
+        # at one and the same condition, so that what else is asked for does not change what is drawn
+        first = model.controller.operating_points[0]
+        leading = next((each for each in projections if each.condition == first), projections[0])
+        trials = _Trials(model, sources, assumptions, leading, draws, seed)
+        new_units, new_totals = trials.carry(new, moments, limits, coverage)
+        units |= new_units
+        totals |= new_totals
+    known.keep(units, totals)
     return Propagated(
-        [tuple(unit.spreads[number] for unit in units) for number in range(len(sources))],
-        [unit.total() for unit in units],
-        [InstantSpread(interval_of(total.drawn, coverage), interval_of(total.share, coverage)) for total in totals],
+        [tuple(units[each.condition].lands[number] for each in projections) for number in range(len(sources))],
+        [units[each.condition].total for each in projections],
+        [totals[each.condition] for each in instants],
     )
+
+
+class _Trials:
+    """The draws of all that conditions share: one trial is one unit, whatever it is asked for."""
+
+    def __init__(
+        self,
+        model: LeakageModel,
+        sources: Sequence[LandSources],
+        assumptions: Assumptions,
+        leading: Projection,
+        draws: int,
+        seed: int,
+    ) -> None:
+        """Draw what all lands share; the land that leaks most at the ``leading`` condition is drawn most evenly."""
+        self._model, self._sources, self._assumptions = model, sources, assumptions
+        shared = Draws(Cube(draws, seed, 0))
+        self._deviates = deviates_of_factors(shared)
+        common = common_errors(shared, sources)
+        fraction = one_sided_fraction(shared, model, assumptions)
+        drawn = Condition(model, leading, assumptions).at(self._deviates)
+        own = Beside(Cube(draws, seed, 3), drawn.score(leakiest(sources, leading), common, fraction))
+        positions = Positions(model, own, seed)
+        self._spread_of_positions = positions.relative_spread
+        # circuits need all lands at once; without any, one land's draws make room for the next one's
+        self._lands: Iterable[LandDraws] = (
+            land_draws(own.draws(seed, 1, number), land, common, fraction, assumptions, positions.of(land))
+            for number, land in enumerate(sources)
+        )
+        self._at_once: Sequence[LandDraws] = ()
+        if model.controller.circuits:
+            self._lands = self._at_once = list(self._lands)
+
+    def carry(
+        self, projections: Sequence[Projection], instants: Sequence[Projection], limits: Limits, coverage: float
+    ) -> tuple[dict[OperatingPoint, UnitSpread], dict[OperatingPoint, InstantSpread]]:
+        """Return how the lands and the total spread at each condition, and the total at each of the instants."""
+        units = {each.condition: self._unit(each, limits, coverage) for each in projections}
+        totals = {each.condition: self._total(each) for each in instants}
+        for land in self._lands:
+            for unit in units.values():
+                unit.add(land)
+            for total in totals.values():
+                total.add(land)
+        return (
+            {at: UnitSpread(tuple(unit.spreads), unit.total()) for at, unit in units.items()},
+            {
+                at: InstantSpread(interval_of(total.drawn, coverage), interval_of(total.share, coverage))
+                for at, total in totals.items()
+            },
+        )
+
+    def _unit(self, projection: Projection, limits: Limits, coverage: float) -> _Unit:
+        condition = Condition(self._model, projection, self._assumptions)
+        linear = Linear(condition, self._sources, self._assumptions, self._spread_of_positions)
+        drawn = condition.at(self._deviates)
+        return _Unit(self._model, projection, drawn, linear, self._at_once, limits, coverage)
+
+    def _total(self, instant: Projection) -> _Total:
+        drawn = Condition(self._model, instant, self._assumptions).at(self._deviates)
+        return _Total(_NOW, drawn.with_circuits(map(_NOW, self._at_once)))
 
 
 class _Total:

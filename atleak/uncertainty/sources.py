@@ -48,10 +48,11 @@ SourceKind = Literal[
     "mounting clearance",
 ]
 
-_ENOUGH_DEGREES = 6  # of freedom, from which on the repeats are trusted alone: choice of this project
+TOLERANCE_HOLDS = 0.95  # of the pairs of a type, as a tolerance of the mounting clearance is stated
+ENOUGH_DEGREES = 6  # of freedom, from which on the repeats are trusted alone: choice of this project
 _SUSPECT = 3.0  # standard uncertainties under the mounting clearance: choice of this project
 _STEPS = (0.1e-6, 0.254e-6, 0.5e-6, 1e-6, 1.27e-6, 2e-6, 2.54e-6, 5e-6, 1e-5, 1.27e-5, 2.54e-5)  # [m]
-_STEP_TOLERANCE = 1e-9  # [m]
+STEP_TOLERANCE = 1e-9  # [m]
 _READINGS_THAT_SHOW_A_STEP = 12
 
 
@@ -72,6 +73,18 @@ class UncertaintySource:
 
 
 @dataclass(frozen=True)
+class PooledRepeats:
+    """What the independent repeats of one part show over the unit, step by step."""
+
+    squares: float  # [m²] sum of the squared deviations from the mean of each place, slips limited
+    degrees_of_freedom: int
+    standard_deviation: float  # [m] of a rounded reading, pooled
+    widened: float  # [m] the same for few degrees of freedom; 0 where repeats are identical
+    before_rounding: float  # [m]
+    step: float  # [m] in which the sheet is written; 0 where it shows none
+
+
+@dataclass(frozen=True)
 class RepeatSpread:
     """The spread of single readings of one part in this unit, and the step in which they are written."""
 
@@ -82,6 +95,7 @@ class RepeatSpread:
     roundings: int  # in one diameter: 2 where it is the difference of two coordinates
     origin: Literal["repeats", "instrument", "resolution"]
     ovality: float | None  # [m] root mean square over the lands measured in several directions
+    pooled: PooledRepeats | None = None  # from which it follows
 
     @cached_property
     def persistent_variance(self) -> float:
@@ -284,7 +298,7 @@ def mounting_uncertainty(land: Land, assumptions: Assumptions) -> float:
     if low < high:
         return rectangular(0.5 * (high - low))
     if land.mounting_tolerance is not None:
-        return land.mounting_tolerance / float(normal_quantile(0.975))
+        return land.mounting_tolerance / float(normal_quantile(0.5 + 0.5 * TOLERANCE_HOLDS))
     return assumptions.mounting_clearance
 
 
@@ -394,7 +408,7 @@ def _plan(stations: Mapping[tuple[str, float | None], list[Reading]], resolution
         repeats.append(len(counts))
         means.append(math.fsum(reading.diameter for reading in group) / len(group))
     # places with the same reading are rounded the same way; others are rounded independently
-    apart = max(means) - min(means) >= resolution
+    apart = max(means) - min(means) >= resolution - STEP_TOLERANCE  # a step apart, but for floating point
     return _MeasuringPlan(
         repeat_weight=repeat_weight,
         rounding_weight=math.fsum(weight * weight for weight in weights) if apart else 1.0,
@@ -441,13 +455,17 @@ def _spread(
                 within = min(REPEAT_TOLERANCE / apart, 1.0) if apart else 1.0
                 deviations.append(within * math.sqrt(squares / (len(independent) - 1)))
                 degrees.append(len(independent) - 1)
-    resolution = max(instrument.resolution, _step(everything))
+    step = _step(everything)
+    resolution = max(instrument.resolution, step)
     roundings = 2 if everything and all(reading.coordinates is not None for reading in everything) else 1
     freedom = sum(degrees)
     pooled = float(pooled_standard_deviation(deviations, degrees)) if freedom else 0.0
-    if pooled < _STEP_TOLERANCE:  # identical repeats show the resolution, not perfection
+    squares, degrees_of_repeats, shown = pooled**2 * freedom, freedom, pooled
+    if pooled < STEP_TOLERANCE:  # identical repeats show the resolution, not perfection
         freedom, pooled = 0, 0.0
-    s, origin = _single_reading(pooled, freedom, resolution, roundings, instrument)
+    widened = _widened(pooled, freedom)
+    before_rounding = _before_rounding(widened, resolution, roundings) if freedom else 0.0
+    s, origin = _single_reading(before_rounding, freedom, instrument)
     ovalities = [state.spool_ovality if part == "spool" else state.sleeve_ovality for state in states]
     measured = [ovality for ovality in ovalities if ovality is not None]
     return RepeatSpread(
@@ -458,19 +476,23 @@ def _spread(
         roundings=roundings,
         origin=origin,
         ovality=math.sqrt(math.fsum(o * o for o in measured) / len(measured)) if measured else None,
+        pooled=PooledRepeats(squares, degrees_of_repeats, shown, widened, before_rounding, step),
     )
 
 
+def _widened(pooled: float, freedom: int) -> float:
+    """Return the spread of few repeats, which may agree by chance, with Student's variance: JCGM 101, 6.4.9."""
+    return pooled * math.sqrt(freedom / (freedom - 2.0) if freedom > 2 else 3.0)
+
+
 def _single_reading(
-    pooled: float, freedom: int, resolution: float, roundings: int, instrument: Instrument
+    s: float, freedom: int, instrument: Instrument
 ) -> tuple[float, Literal["repeats", "instrument", "resolution"]]:
+    """Return the spread of one reading, from that of the repeats before rounding and what the instrument states."""
     declared = instrument.repeatability
     if freedom == 0:
         return (0.0, "resolution") if declared is None else (declared, "instrument")
-    # few repeats may agree by chance: the variance of Student's t, JCGM 101, 6.4.9
-    widened = pooled * math.sqrt(freedom / (freedom - 2.0) if freedom > 2 else 3.0)
-    s = _before_rounding(widened, resolution, roundings)
-    if freedom < _ENOUGH_DEGREES and declared is not None and declared > s:
+    if freedom < ENOUGH_DEGREES and declared is not None and declared > s:
         return declared, "instrument"
     return s, "repeats"
 
@@ -500,6 +522,6 @@ def _step(readings: Sequence[Reading]) -> float:
     fitting = (
         step
         for step in reversed(_STEPS)
-        if all(abs(diameter - step * round(diameter / step)) <= _STEP_TOLERANCE for diameter in diameters)
+        if all(abs(diameter - step * round(diameter / step)) <= STEP_TOLERANCE for diameter in diameters)
     )
     return next(fitting, 0.0)

@@ -43,6 +43,7 @@ def road_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
         "permissible_pressure": _permissible(log),
         "permissible_pressure_not_judged": log.not_judged,
         "commanded_pressure": _commanded(log),
+        "converter_slip": _slip(log),
         "events": [event_record(event) for event in log.events],
         "check_next": _checks(diagnosis),
         **_leakage(road, uncertainty, measured=diagnosis.judged > 0),
@@ -134,6 +135,21 @@ def _departure(departure: Departure | None) -> dict[str, Any] | None:
         "outside_kpa": departure.outside * KPA,
         "outside_percent": departure.fraction * PERCENT,
         "source": departure.source,
+    }
+
+
+def _slip(log: RoadFindings) -> dict[str, float | None] | None:
+    """Return how far the converter slips while the car drives; None where the log does not show it."""
+    slip = log.slip
+    if slip is None:
+        return None
+    return {
+        "low_rpm": slip.low * RPM,
+        "median_rpm": slip.median * RPM,
+        "high_rpm": slip.high * RPM,
+        "locked_s": slip.locked_seconds,
+        "lock_up_commanded_s": slip.commanded_seconds,
+        "lock_up_commanded_median_rpm": None if slip.commanded_median is None else slip.commanded_median * RPM,
     }
 
 

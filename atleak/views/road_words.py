@@ -119,7 +119,7 @@ def event_remark(event: Event, say: Wording) -> str:
 
 
 def log_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
-    """Say which temperatures, gears and events the log holds."""
+    """Say which temperatures, gears, slip of the converter and events the log holds."""
     if log.temperatures is None:
         yield say("findings.no_temperature")
     else:
@@ -132,12 +132,25 @@ def log_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
             say("findings.in_gear", gear=str(gear), seconds=say.number(time, 1)) for gear, time in log.gears.items()
         )
         yield say("findings.time_in_gears", gears=", ".join(each))
+    yield from _slip_sentences(log, say)
     counts = Counter(event.kind for event in log.events)
     if not counts:
         yield say("findings.no_events")
     else:
         named = ", ".join(f"{count} × {say(f'events.{kind}')}" for kind, count in counts.items())
         yield say("findings.counted", events=named)
+
+
+def _slip_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
+    """Say how far the converter slips; nothing where engine or turbine speed are not logged."""
+    slip = log.slip
+    if slip is None:
+        return
+    low, median, high = (say.number(each * RPM, 0) for each in (slip.low, slip.median, slip.high))
+    yield say("findings.slip", low=low, median=median, high=high, locked=say.number(slip.locked_seconds, 1))
+    if slip.commanded_seconds is not None and slip.commanded_median is not None:
+        seconds, slips = say.number(slip.commanded_seconds, 1), say.number(slip.commanded_median * RPM, 0)
+        yield say("findings.slip_commanded", seconds=seconds, slip=slips)
 
 
 def checks_of(diagnosis: Diagnosis) -> tuple[NextCheck, ...]:

@@ -15,7 +15,7 @@ from weakref import WeakValueDictionary
 import streamlit as st
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.entries import Listed, catalogue_files, listed
+from atleak.catalogue.entries import Listed, catalogue_files, listed, own_files
 from atleak.catalogue.instruments import Instruments
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, CatalogueError, Message, OutputError
@@ -220,7 +220,7 @@ def catalogue_list(name: str) -> Listed[Any]:
 def own_faults() -> list[CatalogueError]:
     """Return what is wrong with each file of the user's own catalogue that cannot be used, of every kind."""
     names = {slot.folder: name for name, slot in SLOTS.items()}
-    return [fault for name in names.values() for fault in catalogue_list(name).faults]
+    return [fault for folder, name in names.items() if own_files(folder) for fault in catalogue_list(name).faults]
 
 
 def shown_name(entry: Any, say: Wording) -> str:

@@ -12,15 +12,17 @@ import pandas as pd
 import streamlit as st
 
 from atleak.channel_formulas import channel_scales
+from atleak.engine.assumed_pressure import OPERATING_POINTS
 from atleak.errors import AtleakError
 from atleak.intake.road_test import FORMATS, NOT_LOGGED, Ambiguous, LogColumn, Understood, describe
 from atleak.intake.road_test.describe import workshop_unit
 from atleak.intake.units import unit_names
-from atleak.job.case import Case, SourceFile
+from atleak.job.case import Case, Pairs, SourceFile
 from atleak.keeping import kept_with
 from atleak.road_test import QUANTITIES
 from atleak.views.log_rows import short, whole
 from atleak.wording import Wording
+from atleak.written_numbers import INTERVAL
 from pages.shared import fields, reader, show
 from pages.shared.cases import Kept, PageCase, columns_of, remember_columns, remembered_columns, understood
 from pages.shared.state import choose, put_file, session
@@ -40,6 +42,7 @@ class Tried:
     sha256: str
     columns: Mapping[str, str]
     units: Mapping[str, str]
+    constants: Pairs = ()
 
 
 def pending(case: PageCase) -> tuple[SourceFile, Understood] | None:
@@ -48,7 +51,8 @@ def pending(case: PageCase) -> tuple[SourceFile, Understood] | None:
     if refused is not None and refused.file is not None:
         file, choices = refused.file, Case()
         if (tried := _tried_for(file)) is not None:
-            choices = Case(columns=tuple(tried.columns.items()), units=tuple(tried.units.items()), remember=False)
+            columns, units = tuple(tried.columns.items()), tuple(tried.units.items())
+            choices = Case(columns=columns, units=units, constants=tried.constants, remember=False)
         try:
             return file, understood(file, choices)
         except AtleakError:
@@ -172,6 +176,7 @@ class _Asked:
     units: Mapping[str, str]
     say: Wording
     open: Mapping[str, Ambiguous] = field(default_factory=dict)
+    constants: Pairs = ()
 
     def taken(self, name: str) -> str | None:
         """Return the column from which a quantity is taken now."""
@@ -236,15 +241,17 @@ def form(file: SourceFile, log: Understood, case: PageCase) -> None:
 def _asked(
     file: SourceFile, log: Understood, case: PageCase, say: Wording, columns: tuple[LogColumn, ...] = ()
 ) -> _Asked:
+    constants = case.constants if file == case.road_test else ()
     if (tried := _tried_for(file)) is not None:
-        chosen, units = dict(tried.columns), dict(tried.units)
+        chosen, units, constants = dict(tried.columns), dict(tried.units), tried.constants
     else:
         earlier = remembered_columns(file) if file != case.road_test or case.remember else None
         chosen, units = (dict(earlier.mapping), dict(earlier.units)) if earlier is not None else ({}, {})
         if file == case.road_test:
             chosen |= dict(case.columns)
             units |= dict(case.units)
-    return _Asked(log, columns, chosen, units, say, {question.quantity: question for question in log.ambiguous})
+    questions = {question.quantity: question for question in log.ambiguous}
+    return _Asked(log, columns, chosen, units, say, questions, constants)
 
 
 def _say_what_is_wanting(asked: _Asked, file: SourceFile) -> None:
@@ -292,11 +299,36 @@ def _fields(asked: _Asked, file: SourceFile) -> None:
             places = st.columns([3, 1, 3, 1])
             for name, left, right in zip(names[first : first + 2], places[::2], places[1::2], strict=False):
                 picked[name], units[name] = _field(asked, file, name, left, right)
+    lacking = _lacking(asked, file)
     st.caption(say("mapping.remembered_here"))
     used = st.form_submit_button(say("mapping.use"))
     place = st.container()
     if used:
-        _use(asked, file, picked, {name: unit for name, unit in units.items() if unit}, place)
+        _use(asked, file, picked, {name: unit for name, unit in units.items() if unit}, lacking, place)
+
+
+def _lacking(asked: _Asked, file: SourceFile) -> dict[str, float | str]:
+    """Ask what stands for a clock and for a main pressure that the log lacks; return what was said."""
+    say, lacking, given = asked.say, dict(asked.constants), dict(asked.constants)
+    without_clock, without_pressure = not asked.log.time_label, asked.taken("main_pressure") is None
+    if without_clock or without_pressure:
+        st.markdown(f"**{say('mapping.lacking')}**")
+    if without_clock:
+        start = given.get("time")
+        interval = fields.number(say("mapping.interval"), INTERVAL, start, key=f"interval-{file.sha256}", optional=True)
+        _set(lacking, "time", interval)
+    if without_pressure:
+        kept = given.get("main_pressure") == OPERATING_POINTS
+        chosen = st.checkbox(say("mapping.assume_points"), kept, key=f"points-{file.sha256}")
+        _set(lacking, "main_pressure", OPERATING_POINTS if chosen else None if kept else given.get("main_pressure"))
+    return lacking
+
+
+def _set(constants: dict[str, float | str], name: str, value: float | str | None) -> None:
+    if value is None:
+        constants.pop(name, None)
+    else:
+        constants[name] = value
 
 
 def _field(asked: _Asked, file: SourceFile, name: str, left: Any, right: Any) -> tuple[str, str]:
@@ -341,7 +373,14 @@ def _option(asked: _Asked, name: str, option: str) -> str:
     return say("mapping.range", label=option, least=least, largest=largest, unit=column.unit or "").rstrip()
 
 
-def _use(asked: _Asked, file: SourceFile, picked: Mapping[str, str], units: Mapping[str, str], place: Any) -> None:
+def _use(
+    asked: _Asked,
+    file: SourceFile,
+    picked: Mapping[str, str],
+    units: Mapping[str, str],
+    lacking: Mapping[str, float | str],
+    place: Any,
+) -> None:
     """Read the log with the columns that were picked; they are remembered once it was taken with them."""
     say = asked.say
     columns: dict[str, str] = {}
@@ -359,7 +398,8 @@ def _use(asked: _Asked, file: SourceFile, picked: Mapping[str, str], units: Mapp
         place.error(say("mapping.twice", column=show.plain(label), quantities=names))
     if twice:
         return
-    st.session_state[_TRIED] = Tried(file.sha256, columns, dict(units))
+    constants = tuple(lacking.items())
+    st.session_state[_TRIED] = Tried(file.sha256, columns, dict(units), constants)
     put_file("road_test", file)
-    choose(columns=tuple(columns.items()), units=tuple(units.items()), remember=False)
+    choose(columns=tuple(columns.items()), units=tuple(units.items()), constants=constants, remember=False)
     st.rerun()

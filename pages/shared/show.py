@@ -114,16 +114,18 @@ def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **o
         for heading, column in headings.items()
     }
     frame = pd.DataFrame(cells)
-    style, config = frame.style, {}
+    style, config, written = frame.style, {}, {}
     for heading, column in headings.items():
         config[heading] = st.column_config.Column(help=column.help(say), width=column.width)
         if column.is_number:
-            style = style.format(partial(column.written, say=say), subset=[heading])
+            written[heading] = partial(column.written, say=say)
         elif column.kind == VERDICT:
             levels = frame[heading].tolist()
             frame[heading] = [_sorted_verdict(level, say) for level in levels]
             shades = ["" if level is None else colours(level) for level in levels]
             style = style.apply(lambda _, shades=shades: shades, subset=[heading])
+    if written:
+        style = style.format(written, subset=list(written))
     return st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–", **options)
 
 

@@ -41,7 +41,7 @@ FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
 JOB = "job"  # the parameter of the address that names a job of the job book
 RECORD = "job-record"  # where the session keeps it; no parameter of the address may have this name
-RESULTS = 3  # that a session keeps
+RESULTS = 2  # that a session keeps
 UNDOABLE = 10  # steps back that a session keeps
 
 

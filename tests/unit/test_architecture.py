@@ -65,7 +65,7 @@ FLOORS = (
     ("engine.balance",),
     ("engine.circuits",),
     ("engine.leakage", "engine.lasting"),
-    ("engine.line", "engine.gap_polynomials"),
+    ("engine.line", "engine.gap_polynomials", "engine.assumed_pressure"),
     ("engine.circuit_series",),
     ("engine.series", "engine.projection", "engine.repaired", "engine.flows"),
     ("engine.road_leakage", "engine.road_pressure", "rules"),

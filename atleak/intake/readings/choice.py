@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -53,7 +53,10 @@ def choose(
     ReadingsError
         where there is no such sheet, none holds readings, or none is filled in.
     """
+    as_written = {sheet.name: sheet for sheet in sheets}
     understood = [_the_right_way_round(sheet, names) for sheet in sheets]
+    if not any(table.readable for _, tables in understood for table in tables):
+        understood = [_the_right_way_round(sheet, names, means=True) for sheet in sheets]
     sheets, tables = [sheet for sheet, _ in understood], {sheet.name: found for sheet, found in understood}
     for before, sheet in pairwise(sheets):
         readable = [table for table in tables[before.name] if table.readable]
@@ -93,18 +96,21 @@ def choose(
         sheets_aside=tuple(
             sheet for sheet in sheets if sheet not in looked_at and not sheet.hidden and sheet.name not in with_lands
         ),
-        messages=tuple(_about_sheets(file, [sheet.name for sheet in sheets if sheet.name in read], others, wanted)),
+        messages=(
+            *_about_sheets(file, [sheet.name for sheet in sheets if sheet.name in read], others, wanted),
+            *_about_layouts(file, [sheet for sheet in sheets if sheet.name in read], as_written),
+        ),
     )
 
 
-def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, list[Table]]:
+def _the_right_way_round(sheet: Sheet, names: ControllerNames, means: bool = False) -> tuple[Sheet, list[Table]]:
     """Return a sheet with its tables, turned where its headings run down the first column."""
     sheet = without_pivot(sheet, names)
-    tables = find_tables(sheet, names)
+    tables = find_tables(sheet, names, means)
     if any(table.header.of("component") and any(each.holds_size for each in table.header.columns) for table in tables):
         return sheet, tables
     around = turned(sheet, names)
-    tables_around = [] if around is None else find_tables(around, names)
+    tables_around = [] if around is None else find_tables(around, names, means)
     if around is None or not any(_is_filled(table) for table in tables_around):
         return sheet, tables
     return around, tables_around
@@ -125,6 +131,19 @@ def _about_sheets(
     if others and read and wanted is None:
         text = Sentence("read from sheet {sheets}; left aside: {others}", sheets=_quoted(read), others=_quoted(others))
         yield Message("info", "sheet_chosen", text, Place(file, read[0]))
+
+
+def _about_layouts(file: str, sheets: Iterable[Sheet], as_written: Mapping[str | None, Sheet]) -> Iterable[Message]:
+    for sheet in sheets:
+        if sheet.turned:
+            text = Sentence(
+                "the headings run down the first column: read with rows and columns exchanged, so where a message says "
+                "'row' of readings, it is a column of the sheet"
+            )
+            yield Message("info", "sheet_turned", text, Place(file, sheet.name))
+        elif sheet is not as_written[sheet.name]:
+            text = Sentence("read from a pivot table: each of its numbers counts as one reading")
+            yield Message("info", "pivot_read", text, Place(file, sheet.name))
 
 
 def _quoted(names: Iterable[str | None]) -> tuple[str, ...]:

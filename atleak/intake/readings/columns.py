@@ -9,8 +9,9 @@ from itertools import pairwise
 
 from atleak.errors import ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.headings import Column, Header, Role
+from atleak.intake.readings.headings import Header
 from atleak.intake.readings.labels import says_date
+from atleak.intake.readings.one_heading import Column, Role
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import is_blank, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
@@ -309,7 +310,7 @@ def _of_one_land(table: Table, names: ControllerNames, columns: Columns) -> bool
     """Return whether every component that the table names has one land, so that nothing need say which."""
     cells = [] if columns.component is None else list(_cells(table.sheet, table.header, columns.component))
     named = {table.component} if columns.component is None else {names.component(cell) for cell in cells}
-    return bool(named) and all(len(names.controller.lands_of(component)) == 1 for component in named - {None})
+    return bool(named) and all(len(names.controller.lands_of(each)) == 1 for each in named if each is not None)
 
 
 def _dated(table: Table, columns: Columns) -> ReadingsError | None:

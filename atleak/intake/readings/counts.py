@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
-from atleak.intake.readings.headings import Column, Header, Role
+from atleak.intake.readings.headings import Header
+from atleak.intake.readings.one_heading import Column, Role
 from atleak.intake.readings.words import is_blank, letters, repeat_of, summary_of, vocabulary
 from atleak.intake.sheets.sheet import Sheet
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from atleak.errors import Message, ReadingsError
-from atleak.intake.readings.headings import Column, Header
+from atleak.intake.readings.headings import Header
+from atleak.intake.readings.one_heading import Column
 from atleak.intake.readings.sizes import MM as MILLIMETRE
 from atleak.intake.readings.words import is_blank, letters, number, part_in, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet

@@ -8,7 +8,7 @@ from functools import cache
 
 from atleak.errors import Message, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.headings import Role
+from atleak.intake.readings.one_heading import Role
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
 from atleak.intake.readings.values import DiameterCell

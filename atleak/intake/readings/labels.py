@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from atleak.errors import ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.heading_numbers import Spot, is_angle, spot_of_heading, tokens_of
-from atleak.intake.readings.headings import split_unit
+from atleak.intake.readings.one_heading import split_unit
 from atleak.intake.readings.words import direction_of, part_of, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell
 
@@ -83,9 +83,9 @@ def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, 
                 yield component, f"{folded[: at[0]]} {folded[at[1] :]}"
     leading = re.sub(r"^(?:(?:[^\W\d_]+|#)[\s.:]*)", _unless_label, folded)
     match = _LEADING_NUMBER.match(leading)
-    component = names.component(match[1]) if match else None
-    if match is not None and component in names.with_lands:
-        yield str(component), leading[match.end() :]
+    numbered = names.component(match[1]) if match else None
+    if match is not None and numbered is not None and numbered in names.with_lands:
+        yield numbered, leading[match.end() :]
 
 
 def _unless_label(match: re.Match[str]) -> str:

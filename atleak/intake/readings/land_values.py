@@ -15,7 +15,7 @@ from atleak.catalogue.repairs import Repair
 from atleak.errors import Message, Place, ReadingsError, one_of, unknown
 from atleak.intake.readings.columns import Columns, find_columns
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.headings import Column
+from atleak.intake.readings.one_heading import Column
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import MM
 from atleak.intake.readings.states import rows_left_out

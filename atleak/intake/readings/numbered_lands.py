@@ -5,22 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from atleak.errors import ReadingsError
+from atleak.errors import Message, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.headings import Column, Header
+from atleak.intake.readings.headings import Header
+from atleak.intake.readings.one_heading import Column
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes
 from atleak.intake.readings.words import is_blank, number
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit
 from atleak.readings import NOMINAL_TOLERANCE
+from atleak.sentence import Sentence
 
 _Cells = Sequence[tuple[str, str, float]]  # component, number in the heading, diameter as written
 
 
-def with_lands(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
+def with_lands(sheet: Sheet, header: Header, names: ControllerNames) -> tuple[Header, tuple[Message, ...]]:
     """Return the headings with numbers as lands, where every diameter fits that land and they can be no repeats.
 
-    They can be none where the diameters of a row are further apart than repeats of one place ever are.
+    They can be none where the diameters of a row are further apart than repeats of one place ever are. The message
+    says which columns are so read.
     """
     numbered = [column for column in header.values if column.repeat is not None]
     if (
@@ -29,22 +32,29 @@ def with_lands(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
         or header.of("plane")
         or any(each.land or each.plane for each in numbered)
     ):
-        return header
+        return header, ()
     sizes = Sizes(names.controller)
     for component in header.of("component"):
         rows = list(_rows(sheet, header, component, numbered, names))
         for unit in (MM, UM, INCH):
             if rows and all(_fits(row, unit, names, sizes) for row in rows) and any(_apart(row, unit) for row in rows):
-                return replace(
-                    header,
-                    columns=tuple(
-                        replace(column, land=str(column.repeat), repeat=None, unsure=False)
-                        if column in numbered
-                        else column
-                        for column in header.columns
-                    ),
+                columns = tuple(
+                    replace(column, land=str(column.repeat), repeat=None, unsure=False)
+                    if column in numbered
+                    else column
+                    for column in header.columns
                 )
-    return header
+                return replace(header, columns=columns), (_told(sheet, header, numbered),)
+    return header, ()
+
+
+def _told(sheet: Sheet, header: Header, numbered: Sequence[Column]) -> Message:
+    text = Sentence(
+        "columns {names} are read as lands by their numbers: the diameters fit the nominal ones of these lands, and "
+        "are too far apart for repeats",
+        names=tuple(repr(column.name) for column in numbered),
+    )
+    return Message("info", "numbers_as_lands", text, sheet.place(header.last, numbered[0].index, numbered[0].heading))
 
 
 def _rows(

@@ -8,8 +8,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.headings import read_heading, split_unit
 from atleak.intake.readings.labels import Label, read_label
+from atleak.intake.readings.one_heading import read_heading, split_unit
 from atleak.intake.readings.words import letters, summary_of, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 

@@ -14,7 +14,7 @@ from atleak.intake.readings.asides import Asides
 from atleak.intake.readings.columns import Columns, find_columns
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.filled_down import FILL_DOWN, broken_blocks
-from atleak.intake.readings.headings import Column
+from atleak.intake.readings.one_heading import Column
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import MM as MILLIMETRE
 from atleak.intake.readings.values import MM, DiameterCell, Key, RawValue

@@ -12,8 +12,9 @@ from atleak.errors import Message, Place
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.counts import with_counts
 from atleak.intake.readings.deviations import with_deviations
-from atleak.intake.readings.headings import Column, Header, find_headers, read_together
+from atleak.intake.readings.headings import Header, find_headers, read_together
 from atleak.intake.readings.numbered_lands import with_lands
+from atleak.intake.readings.one_heading import Column
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
 from atleak.intake.readings.split_labels import with_split_labels
 from atleak.intake.readings.words import (
@@ -137,12 +138,15 @@ class Table:
         return bool(known and self.header.values and not self.aside)
 
 
-def find_tables(sheet: Sheet, names: ControllerNames) -> list[Table]:
-    """Return every table of a sheet that has headings, from top to bottom and from left to right."""
+def find_tables(sheet: Sheet, names: ControllerNames, means: bool = False) -> list[Table]:
+    """Return every table of a sheet that has headings, from top to bottom and from left to right.
+
+    With ``means``, those of a table that has no other diameters are its diameters.
+    """
     return [
         table
         for strip in _strips(sheet, names)
-        for above in _stacked(strip, names)
+        for above in _stacked(strip, names, means)
         for beside in _side_by_side(above)
         for table in _sections(_titled(beside, names), names)
     ]
@@ -195,7 +199,7 @@ def _only(sheet: Sheet, left: int, right: int, end: int | None = None) -> Sheet:
     return replace(sheet, rows=rows, faults={at: why for at, why in sheet.faults.items() if left <= at[1] < right})
 
 
-def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
+def _stacked(sheet: Sheet, names: ControllerNames, means: bool) -> Iterator[Table]:
     headers = find_headers(sheet, names.is_named)
     for header, following in zip_longest(headers, headers[1:]):
         end = len(sheet.rows)
@@ -203,9 +207,29 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
             titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
             end = min([following.first, *titles])
         view = _only(sheet, 0, sheet.width, end)
-        view, header = with_split_labels(view, _by_content(view, header, names), names)
-        view, header, used, told = with_deviations(view, header)
-        yield Table(view, header, used=used, told=told)
+        of_means: tuple[Message, ...] = ()
+        if means and not header.values:
+            header, of_means = _with_means(view, header)
+        header, of_lands = with_lands(view, _by_content(view, header, names), names)
+        view, header = with_split_labels(view, header, names)
+        view, header, used, of_sums = with_deviations(view, header)
+        yield Table(view, header, used=used, told=(*of_means, *of_lands, *of_sums))
+
+
+def _with_means(sheet: Sheet, header: Header) -> tuple[Header, tuple[Message, ...]]:
+    """Return headings of means as those of diameters, and what is said about each."""
+    columns, told = [], []
+    for column in header.columns:
+        if column.role == "mean":
+            column = replace(column, role="diameter", part=part_in(column.heading), tentative=True)
+            text = Sentence(
+                "column {heading!r} is said to hold means, and their single readings are not there: each is read as "
+                "one reading",
+                heading=column.name,
+            )
+            told.append(Message("info", "mean_as_reading", text, sheet.place(header.last, column.index, column.name)))
+        columns.append(column)
+    return replace(header, columns=read_together(columns)), tuple(told)
 
 
 def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
@@ -224,8 +248,7 @@ def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             column = replace(column, role="raw")
         without_raw.append(column)
-    counted = with_counts(sheet, replace(header, columns=tuple(without_raw)))
-    return with_lands(sheet, counted, names)
+    return with_counts(sheet, replace(header, columns=tuple(without_raw)))
 
 
 def _holds_diameters(sheet: Sheet, header: Header, column: Column, names: ControllerNames) -> bool:

@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.headings import Column, Header, Role
+from atleak.intake.readings.headings import Header
 from atleak.intake.readings.labels import Label, read_label
+from atleak.intake.readings.one_heading import Column, Role
 from atleak.intake.readings.words import is_blank, number_of, part_said, text_of
 from atleak.intake.sheets.sheet import Cell, Sheet
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from itertools import zip_longest
 
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.headings import Role, read_heading
 from atleak.intake.readings.labels import read_label
+from atleak.intake.readings.one_heading import Role, read_heading
 from atleak.intake.readings.words import is_blank, text_of
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.workbook_marks import Marks

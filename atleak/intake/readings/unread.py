@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from atleak.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.filled_down import nominal_headings
-from atleak.intake.readings.headings import Role, split_unit
+from atleak.intake.readings.one_heading import Role, split_unit
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, numbers_of

@@ -27,7 +27,7 @@ from atleak.own_lands import OwnLands
 from atleak.pressure_table import PressureTable
 from atleak.readings import NOMINAL_HEADING, Reading
 from atleak.report.lands_sheet import AS_STATED, LANDS, REPRESENTATIVE, write_lands
-from atleak.report.measuring_sheet.head import FIELDS, INSTRUMENT, JOB, PLACES, code_text
+from atleak.report.measuring_sheet.head import FIELDS, INSTRUMENT, JOB, KINDS, PLACES, code_text
 from atleak.report.measuring_sheet.instructions import INSTRUCTIONS, ORDER, write_instructions
 from atleak.report.measuring_sheet.paging import BOTTOM, LEFT, RIGHT, TOP, Block, Paging
 from atleak.report.measuring_sheet.pictures import COLUMN, HEAD_COLUMN, draw_head, draw_spools
@@ -283,7 +283,7 @@ class _Sheet:
             if field in left_out - fields.keys():
                 continue  # the file does not say what would slip through it
             for start, end, text, form in (
-                (label, first - 1, say.sentence(field), "field label"),
+                (label, first - 1, self._heading(field, KINDS.get(field)), "field label"),
                 (first, last, fields.get(field, ""), "field"),
             ):
                 if end > start:

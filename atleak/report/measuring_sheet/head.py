@@ -32,6 +32,7 @@ PLACES = {  # row, column of the label, first and last column of the field; from
     TEMPERATURE: (5, 4, 6, 7),
     INSTRUMENT: (5, 8, 9, 10),
 }
+KINDS = {MILEAGE: "distance", TEMPERATURE: "temperature"}  # of what stands without a unit: the label states it
 FIELDS: tuple[Sentence, ...] = tuple(PLACES)
 _NAMED_BY = (JOB, SERIAL, VIN)  # the first that is known tells the job from others
 _LONGEST = 80  # characters of a number that a code of the head's size takes

@@ -12,10 +12,9 @@ from atleak.report.pdf.annex import coverage_factor
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
-from atleak.uncertainty.budget import BudgetLine, budget_lines, combined
+from atleak.uncertainty.budget import MOST_BUDGETS, BudgetLine, budget_lines, combined
 from atleak.workshop_units import PERCENT, UM
 
-BUDGETS = 12  # lands whose budget is printed in full, the worst first
 _OF_SHARE = 6  # of the sources of a share that are named
 
 
@@ -39,11 +38,11 @@ class Budget:
         if uncertainty is None or not flagged:
             return
         yield text(say("annex.model"), leads=True)
-        for land in flagged[:BUDGETS]:
+        for land in flagged[:MOST_BUDGETS]:
             assert land.uncertainty is not None
             yield from self._of_land(land, land.uncertainty, uncertainty)
-        if len(flagged) > BUDGETS:
-            others = joined(map(self.names.land_number, flagged[BUDGETS:]))
+        if len(flagged) > MOST_BUDGETS:
+            others = joined(map(self.names.land_number, flagged[MOST_BUDGETS:]))
             yield text(say("annex.more_budgets", lands=others))
         yield text(say("annex.about_budgets"), small=True)
 

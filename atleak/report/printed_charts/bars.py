@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
-from atleak.look import PAPER, look_of
-from atleak.report.printed_charts.surface import SMALL, WIDTH, Scale, Surface, widest
-from atleak.report.printed_fonts import fitting
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from atleak.look import PAPER, Look, look_of
+from atleak.report.printed_charts import plotting
+from atleak.report.printed_charts.plotting import BELOW, WIDTH, interval, name_row, sign, widest, words
 from atleak.verdicts import Band, Verdict
 from atleak.views.pressures import HeldPressure, PressuresAt
 from atleak.wording import Wording
 from atleak.workshop_units import KPA
 
 _TOP = 4.0
-_BELOW = 32.0  # of the field, for the axis and its title
-_NAMES = 220.0  # most that the names of rows take
+_NAMES = 220.0  # [pt] most that the names of rows take
 
 
 @dataclass(frozen=True)
@@ -42,49 +46,55 @@ class TwoBars:
     levels: tuple[tuple[Band, float], ...]  # where each band begins
 
 
-class _Rows:
-    """A surface of rows, each with its name, over one axis; ``words`` is the room that is kept right of the axis."""
+@contextmanager
+def _rows(
+    names: Sequence[str], row: float, right: float, room: float, title: str, say: Wording
+) -> Iterator[tuple[Figure, Axes]]:
+    """Set up a field of rows, the last at 0, each with its name, over an axis that ends at ``right``.
 
-    def __init__(self, names: Sequence[str], height: float, ends: Sequence[float], words: float) -> None:
-        left = min(widest(names), _NAMES) + 7.0
-        high = max((end for end in ends if math.isfinite(end)), default=0.0)
-        self.height, self.bottom = height, _TOP + height * max(len(names), 1)
-        self.scale = Scale(0.0, high or 1.0, left, WIDTH - words)
-        self.surface = Surface(self.bottom + _BELOW)
-        self._names = names
+    A row is so many points high; so many points of ``room`` are kept for words right of the axis.
+    """
+    height = row * max(len(names), 1)
+    with plotting.drawing():
+        figure = plotting.figure_of(_TOP + height + BELOW)
+        axes = plotting.field(figure, min(widest(names), _NAMES) + 7.0, WIDTH - room, _TOP, height)
+        axes.set_xlim(0.0, right if math.isfinite(right) and right > 0.0 else 1.0)
+        axes.set_ylim(-0.5, max(len(names), 1) - 0.5)
+        axes.set_yticks([])
+        axes.set_xlabel(plotting.drawable(title))
+        plotting.number_axes(axes, say, "x")
+        for place, name in zip(_places(names), names, strict=True):
+            name_row(axes, name, place, _NAMES)
+        yield figure, axes
 
-    def draw(self, title: str, say: Wording) -> None:
-        """Draw the axis and the names, before anything else."""
-        self.surface.across(self.scale, _TOP, self.bottom, lambda value: say.plain(value, 5), title)
-        self.surface.line([(self.scale.start, _TOP), (self.scale.start, self.bottom)], width=0.6)
-        for row, name in enumerate(self._names):
-            at = (self.scale.start - 5.0, self.middle(row))
-            self.surface.words(at, fitting(name, SMALL, _NAMES), size=SMALL, anchor="end")
 
-    def middle(self, row: int) -> float:
-        """Return the middle of a row."""
-        return _TOP + self.height * (row + 0.5)
+def _places(rows: Sequence[Any]) -> range:
+    """Return where rows stand, the first on top."""
+    return range(len(rows))[::-1]
 
-    def interval(self, low: float, high: float, middle: float) -> float:
-        """Draw an interval, to the edge where it has no end; return where it ends."""
-        end = self.scale(min(high, self.scale.high))
-        self.surface.interval(self.scale(low), end, middle)
-        return end
+
+def _largest(ends: Sequence[float]) -> float:
+    return max((end for end in ends if math.isfinite(end)), default=1.0)
+
+
+def _bar(axes: Axes, end: float, place: float, thick: float, look: Look) -> None:
+    """Draw a bar in the shade of a verdict."""
+    axes.barh(place, end, height=thick, color=look.fill, edgecolor=look.line, lw=0.8, hatch=look.hatch)
 
 
 def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
     """Draw the lands that leak most, the largest on top, each in the shade of its verdict."""
-    ends = [end for bar in bars for end in (bar.share, bar.high or 0.0)]
-    rows = _Rows([bar.label for bar in bars], 15.0, ends, words=34.0)
-    rows.draw(label, say)
-    for row, bar in enumerate(bars):
-        middle = rows.middle(row)
-        end = rows.scale(bar.share)
-        rows.surface.bar(rows.scale.start, end, middle, 10.0, look_of(bar.verdict))
-        if bar.low is not None and bar.high is not None and math.isfinite(bar.low):
-            end = max(end, rows.interval(bar.low, bar.high, middle))
-        rows.surface.words((end + 5.0, middle), say.number(bar.share, 2), size=SMALL)
-    return rows.surface.svg()
+    right = _largest([end for bar in bars for end in (bar.share, bar.high or 0.0)])
+    with _rows([bar.label for bar in bars], 15.0, right, 34.0, label, say) as (figure, axes):
+        for place, bar in zip(_places(bars), bars, strict=True):
+            _bar(axes, bar.share, place, 0.68, look_of(bar.verdict))
+            end = bar.share
+            if bar.low is not None and bar.high is not None and math.isfinite(bar.low):
+                high = min(bar.high, right)  # the interval of a pump that may deliver nothing has no end
+                interval(axes, bar.low, high, place)
+                end = max(end, high)
+            words(axes, (end, place), say.number(bar.share, 2), (5.0, 0.0))
+        return plotting.svg(figure)
 
 
 def two_visits_chart(visits: Sequence[TwoBars], label: str, say: Wording) -> str:
@@ -92,27 +102,26 @@ def two_visits_chart(visits: Sequence[TwoBars], label: str, say: Wording) -> str
 
     A line is the 95 % interval, the upright mark is the unit new, signs show where a band begins.
     """
-    ends = [end for row in visits for end in (*row.shares, row.new, *(e for span in row.intervals for e in span or ()))]
-    said = {when: say(f"comparison.{when}").lower() for when in ("before", "after")}
-    rows = _Rows([row.label for row in visits], 36.0, ends, words=widest(said.values()) + 40.0)
-    rows.draw(label, say)
-    for number, row in enumerate(visits):
-        middle = rows.middle(number)
-        bars = zip((-7.0, 7.0), row.shares, row.verdicts, row.intervals, said.values(), strict=True)
-        for offset, share, verdict, span, when in bars:
-            at = middle + offset
-            end = rows.scale(min(share, rows.scale.high))
-            rows.surface.bar(rows.scale.start, end, at, 12.0, look_of(verdict))
-            if span is not None and math.isfinite(span[0]):
-                end = max(end, rows.interval(*span, at))
-            rows.surface.words((end + 5.0, at), f"{when} {say.number(share, 1)} %", size=SMALL)
-        if math.isfinite(row.new):
-            x = rows.scale(row.new)
-            rows.surface.line([(x, middle - 15.0), (x, middle + 15.0)], width=1.6)
-        for band, begins in row.levels:
-            if begins < rows.scale.high:
-                rows.surface.sign(look_of(band), (rows.scale(begins), middle + 18.0))
-    return rows.surface.svg()
+    right = _largest(
+        [end for row in visits for end in (*row.shares, row.new, *(e for span in row.intervals for e in span or ()))]
+    )
+    said = [say(f"comparison.{when}").lower() for when in ("before", "after")]
+    with _rows([row.label for row in visits], 36.0, right, widest(said) + 40.0, label, say) as (figure, axes):
+        for place, row in zip(_places(visits), visits, strict=True):
+            for offset, share, verdict, span, when in zip(
+                (0.19, -0.19), row.shares, row.verdicts, row.intervals, said, strict=True
+            ):
+                at, end = place + offset, min(share, right)
+                _bar(axes, end, at, 0.34, look_of(verdict))
+                if span is not None and math.isfinite(span[0]):
+                    interval(axes, span[0], min(span[1], right), at)
+                    end = max(end, min(span[1], right))
+                words(axes, (end, at), f"{when} {say.number(share, 1)} %", (5.0, 0.0))
+            axes.plot([row.new] * 2, [place - 0.4, place + 0.4], color=PAPER.ink, lw=1.6, zorder=4)
+            for band, begins in row.levels:
+                if begins < right:
+                    sign(axes, look_of(band), begins, place - 0.5)
+        return plotting.svg(figure)
 
 
 def pressures_chart(at: PressuresAt, say: Wording) -> str:
@@ -121,19 +130,17 @@ def pressures_chart(at: PressuresAt, say: Wording) -> str:
     A bar's line is the 95 % interval of what holds now; short upright marks are what is set or required, triangles
     what is permissible, and signs where a loss reaches a level.
     """
-    held = at.applied
-    scale = say.convert(KPA, "pressure")
-    ends = [scale * end for each in held for end in (each.now, each.new, *(each.interval or ()), *_permissible(each))]
-    repaired = any(each.repaired is not None for each in held)
+    held, scale = at.applied, say.convert(KPA, "pressure")
+    ends = [max(each.now, each.new, *(each.interval or ()), *_permissible(each)) * scale for each in held]
     names = [say("held.line") if each.circuit is None else say.name(each.circuit.name) for each in held]
-    words = [_held_words(each, say) for each in held]
-    rows = _Rows(names, 36.0 if repaired else 28.0, ends, words=widest(words) + 14.0)
-    rows.draw(say("charts.pressure"), say)
-    for row, (each, said) in enumerate(zip(held, words, strict=True)):
-        _held_bars(rows, each, rows.middle(row), scale)
-        end = max(each.now, each.new, *(each.interval or ()), *_permissible(each))
-        rows.surface.words((rows.scale(min(end * scale, rows.scale.high)) + 10.0, rows.middle(row)), said, size=SMALL)
-    return rows.surface.svg()
+    said = [_held_words(each, say) for each in held]
+    row = 36.0 if any(each.repaired is not None for each in held) else 28.0
+    room, title = widest(said) + 14.0, say("charts.pressure")
+    with _rows(names, row, _largest(ends), room, title, say) as (figure, axes):
+        for place, each, end, told in zip(_places(held), held, ends, said, strict=True):
+            _held_bars(axes, each, place, scale)
+            words(axes, (end, place), told, (10.0, 0.0))
+        return plotting.svg(figure)
 
 
 def _held_words(each: HeldPressure, say: Wording) -> str:
@@ -141,33 +148,30 @@ def _held_words(each: HeldPressure, say: Wording) -> str:
     return held if each.verdict is None else f"{held} {say.level(each.verdict)}"
 
 
-def _held_bars(rows: _Rows, held: HeldPressure, middle: float, scale: float) -> None:
+def _held_bars(axes: Axes, held: HeldPressure, place: float, scale: float) -> None:
     """Draw the bars of one pressure and what it is judged by; ``scale`` is from Pa to the unit of the axis."""
-    surface, left = rows.surface, rows.scale.start
 
-    def plain(value: float, offset: float, fill: str) -> None:
-        size = (rows.scale(value * scale) - left, 8.0)
-        surface.box((left, middle + offset - 4.0), size, fill, PAPER.ink, 0.7)
+    def plain(value: float, at: float, fill: str) -> None:
+        axes.barh(at, value * scale, height=0.24, color=fill, edgecolor=PAPER.ink, lw=0.7)
 
-    plain(held.new, -9.0, "#FFFFFF")
+    plain(held.new, place + 0.26, "white")
     if held.verdict is None:
-        plain(held.now, 0.0, PAPER.metal)
+        plain(held.now, place, PAPER.metal)
     else:
-        surface.bar(left, rows.scale(held.now * scale), middle, 8.0, look_of(held.verdict))
+        _bar(axes, held.now * scale, place, 0.24, look_of(held.verdict))
     if held.repaired is not None:
-        plain(held.repaired, 9.0, PAPER.rule)
+        plain(held.repaired, place - 0.26, PAPER.rule)
     if held.interval is not None:
-        rows.interval(held.interval[0] * scale, held.interval[1] * scale, middle)
+        interval(axes, held.interval[0] * scale, held.interval[1] * scale, place)
     if held.set_pressure is not None:
-        x = rows.scale(min(held.set_pressure * scale, rows.scale.high))
-        surface.line([(x, middle - 14.0), (x, middle + 14.0)], width=1.6)
+        axes.plot([held.set_pressure * scale] * 2, [place - 0.42, place + 0.42], color=PAPER.ink, lw=1.6, zorder=4)
     if held.permissible is not None:
-        for pressure, way in ((held.permissible.low, 1.0), (held.permissible.high, -1.0)):
+        for pressure, marker in ((held.permissible.low, ">"), (held.permissible.high, "<")):
             if pressure is not None:
-                surface.triangle((rows.scale(pressure * scale), middle), way)
+                axes.plot([pressure * scale], [place], marker, ms=6, color=PAPER.ink, zorder=5, clip_on=False)
     for level, pressure in held.limits if held.circuit else ():
         if pressure > 0.0:
-            surface.sign(look_of(level), (rows.scale(min(pressure * scale, rows.scale.high)), middle))
+            sign(axes, look_of(level), pressure * scale, place)
 
 
 def _permissible(held: HeldPressure) -> list[float]:

@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from operator import itemgetter
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from atleak.look import PAPER
-from atleak.report.printed_charts.surface import SIZE, SMALL, WIDTH, Scale, Surface, points, widest
+from atleak.report.printed_charts import plotting
+from atleak.report.printed_charts.plotting import BELOW, SIZE, SMALL, WIDTH, interval, widest, words
 from atleak.report.printed_fonts import fitting, width_of
 from atleak.verdicts import Band
 from atleak.views.pump_speed import PumpOverSpeed
@@ -19,13 +21,10 @@ from atleak.workshop_units import DM3_MIN, RPM
 
 _RIGHT = WIDTH - 14.0
 _BETWEEN = 10.0  # two fields
-_HIGH, _LOW = 96.0, 62.0  # heights of fields
-_BELOW = 32.0
-_PUMP = 150.0  # height of the pump's field
-_DASHES = ((5.0, 2.0), (2.0, 1.5), (1.0, 1.5), (8.0, 2.0, 1.0, 2.0), (5.0, 2.0, 1.0, 2.0, 1.0, 2.0))
-_SOLID: tuple[float, ...] = ()
-_ROW = 12.0  # of the words of engine speeds, above the field
-_SAMPLE = 22.0  # length of a line in a legend
+_HIGH, _LOW, _PUMP = 96.0, 62.0, 150.0  # heights of fields
+_DASHES = ((5, 2), (2, 1.5), (1, 1.5), (8, 2, 1, 2), (5, 2, 1, 2, 1, 2))  # of curves that differ by temperature
+_LEGEND_ROW, _MARK_ROW = 13.0, 12.0  # of the legend, and of the words of engine speeds below it
+_FIELD = 50.0  # about where a field begins
 
 Mark = tuple[float, float | None, float | None]
 
@@ -44,51 +43,75 @@ def road_chart(series: RoadSeries, marks: Sequence[Mark], bands: Sequence[tuple[
     say
         words and decimal sign.
     """
-    columns = series.columns
-    time, unit = columns["time_s"], say.unit("flow")
+    columns, unit = series.columns, say.unit("flow")
     leakage, share = say.convert(columns["leakage_dm3_min"], "flow"), columns.get("share_percent")
-    fields = [(say("charts.leakage_in", unit=unit), leakage, _HIGH, PAPER.leakage)]
+    curves = [(say("charts.leakage_in", unit=unit), leakage, _HIGH, PAPER.leakage)]
     if share is not None:
         capacity = say.convert(columns["pump_capacity_dm3_min"], "flow")
-        fields.append((say("charts.capacity_in", unit=unit), capacity, _LOW, PAPER.pump))
-        fields.append((say("charts.share"), share, _HIGH, PAPER.ink))
-    surface = Surface(sum(height + _BETWEEN for _, _, height, _ in fields) + _BELOW)
-    scales, top = [], 8.0
-    for _, values, height, _ in fields:
-        known = values[np.isfinite(values)]
-        high = 1.12 * float(known.max()) if len(known) else 1.0
-        scales.append(Scale(0.0, high or 1.0, top + height, top))
-        top += height + _BETWEEN
-    left = 28.0 + max(widest((say.plain(value, 5) for value in each.ticks()), SIZE) for each in scales)
-    over = Scale(float(time[0]), max(float(time[-1]), float(time[0]) + 1.0), left, _RIGHT)
-    for number, ((title, values, _, colour), scale) in enumerate(zip(fields, scales, strict=True)):
-        last = number == len(fields) - 1
-        surface.across(over, scale.stop, scale.start, lambda value: say.plain(value, 5), say("charts.time") * last)
-        surface.up(scale, left, _RIGHT, lambda value: say.plain(value, 5), title)
-        surface.line(points(over, scale, time, values), colour, 1.2)
-    if share is not None:
-        _bands(surface, scales[-1], left, bands, say)
-    for number, (at, leaks, part) in enumerate(marks, start=1):
-        _mark(surface, over(at), scales[0], None if leaks is None else say.convert(leaks, "flow"), number)
+        curves.append((say("charts.capacity_in", unit=unit), capacity, _LOW, PAPER.pump))
+        curves.append((say("charts.share"), share, _HIGH, PAPER.ink))
+    time, tops = columns["time_s"], [_top_of(values) for _, values, *_ in curves]
+    left = _left_of(tops, say)
+    with plotting.drawing():
+        figure = plotting.figure_of(8.0 + sum(height + _BETWEEN for _, _, height, _ in curves) - _BETWEEN + BELOW)
+        fields, above = [], 8.0
+        for (title, values, height, colour), top in zip(curves, tops, strict=True):
+            axes = plotting.field(figure, left, _RIGHT, above, height)
+            axes.plot(time, values, color=colour, lw=1.2)
+            axes.set_ylim(0.0, top)
+            axes.set_xlim(float(time[0]), max(float(time[-1]), float(time[0]) + 1.0))
+            plotting.number_axes(axes, say, "x", "y", most=max(int(height / 18.0), 2))
+            _title(axes, title, left)
+            axes.tick_params(labelbottom=False, bottom=False)
+            fields.append(axes)
+            above += height + _BETWEEN
+        fields[-1].tick_params(labelbottom=True, bottom=True)
+        fields[-1].set_xlabel(say("charts.time"))
         if share is not None:
-            _mark(surface, over(at), scales[-1], part, number)
-    return surface.svg()
+            _bands(fields[-1], bands, say)
+        for number, (at, leaks, part) in enumerate(marks, start=1):
+            _mark(fields[0], at, None if leaks is None else say.convert(leaks, "flow"), number)
+            if share is not None:
+                _mark(fields[-1], at, part, number)
+        return plotting.svg(figure)
 
 
-def _bands(surface: Surface, scale: Scale, left: float, bands: Sequence[tuple[Band, float]], say: Wording) -> None:
+def _top_of(values: np.ndarray) -> float:
+    known = values[np.isfinite(values)]
+    return (1.12 * float(known.max()) if len(known) else 1.0) or 1.0
+
+
+def _left_of(tops: Sequence[float], say: Wording) -> float:
+    """Return the room for a title and for the values beside axes that end there."""
+    digits = [f"{10.0 ** math.floor(math.log10(top)):g}" for top in tops]
+    return 26.0 + widest([say.plain(2.5 * float(each), 5) for each in digits], SIZE)
+
+
+def _title(axes: Axes, title: str, left: float) -> None:
+    """Write what an upright axis shows along it, at the edge of the paper."""
+    axes.annotate(
+        title, (0.0, 0.5), xycoords="axes fraction", xytext=(8.0 - left, 0.0), textcoords="offset points",
+        rotation=90, ha="center", va="center", fontsize=SIZE,
+    )  # fmt: skip
+
+
+def _bands(axes: Axes, bands: Sequence[tuple[Band, float]], say: Wording) -> None:
+    (_, top), (_, end) = axes.get_ylim(), axes.get_xlim()
     for name, begins in bands:
-        if begins < scale.high:
-            y = scale(begins)
-            surface.line([(left, y), (_RIGHT, y)], width=0.7, dashes=(1.5, 1.5))
-            surface.words(
-                (_RIGHT - 2.0, y - 6.0), f"{say.level(name)} ≥ {say.plain(begins)} %", size=SMALL, anchor="end"
-            )
+        if begins < top:
+            axes.axhline(begins, color=PAPER.ink, lw=0.7, ls=(0, (1.5, 1.5)))
+            halo = {"boxstyle": "square,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.85}
+            said = f"{say.level(name)} ≥ {say.plain(begins)} %"
+            words(axes, (end, begins), said, (-2.0, 1.5), ha="right", va="bottom", bbox=halo, zorder=4)
 
 
-def _mark(surface: Surface, x: float, scale: Scale, value: float | None, number: int) -> None:
-    if value is not None and math.isfinite(value):
-        surface.disc((x, scale(value)), 5.5, "#FFFFFF")
-        surface.words((x, scale(value)), str(number), size=SMALL, anchor="middle")
+def _mark(axes: Axes, time: float, value: float | None, number: int) -> None:
+    if value is None or not math.isfinite(value):
+        return
+    axes.plot(
+        [time], [value], marker="o", ms=10.5, mfc="white", mec=PAPER.ink, mew=0.9, ls="none", zorder=5, clip_on=False
+    )
+    words(axes, (time, value), str(number), ha="center", va="center_baseline", zorder=6)
 
 
 def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
@@ -98,70 +121,59 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
     the engine speeds that are marked.
     """
     flow = say.convert(DM3_MIN, "flow")
-    entries = [(say("charts.supply"), PAPER.pump, 1.6, _SOLID)]
-    for number, demand in enumerate(data.demands):
-        own = demand.of_condition
-        colour, width = (PAPER.leakage, 1.4) if own else (PAPER.soft, 0.9)
-        named = say("charts.taken_at", temperature=say.plain_value(demand.temperature, "temperature"))
-        entries.append((named, colour, width, _SOLID if own else _DASHES[number % len(_DASHES)]))
-    places, top = _legend([name for name, *_ in entries])
-    top += _ROW * len(data.marked)
-    highest = max(float(data.supply[-1]), *(demand.flow for demand in data.demands)) * flow
-    surface = Surface(top + _PUMP + _BELOW)
-    up = Scale(0.0, 1.05 * highest or 1.0, top + _PUMP, top)
-    left = 28.0 + widest((say.plain(value, 5) for value in up.ticks()), SIZE)
-    over = Scale(0.0, float(data.speeds[-1]) * RPM, left, _RIGHT)
-    surface.across(over, top, up.start, lambda value: say.plain(value, 5), say("charts.speed"))
-    surface.up(up, left, _RIGHT, lambda value: say.plain(value, 5), say("charts.flow"))
-    for (x, y), (name, colour, width, dashes) in zip(places, entries, strict=True):
-        surface.line([(x, y), (x + _SAMPLE, y)], colour, width, dashes)
-        surface.words((x + _SAMPLE + 5.0, y), name, size=SMALL)
-    surface.line(points(over, up, data.speeds * RPM, data.supply * flow), *entries[0][1:])
-    for demand, (_, colour, width, dashes) in zip(data.demands, entries[1:], strict=True):
-        y = up(demand.flow * flow)
-        surface.line([(left, y), (_RIGHT, y)], colour, width, dashes)
-    for number, (label, speed) in enumerate(sorted(data.marked, key=itemgetter(1)), start=1):
-        height = top - _ROW * (number - 0.5)
-        _marked(surface, (over(speed * RPM), height), up.start, f"{label}: {say.number(speed * RPM, 0)} 1/min")
-    _crossings(surface, data, over, up, say)
-    return surface.svg()
+    names = [say("charts.supply")]
+    for each in data.demands:
+        names.append(say("charts.taken_at", temperature=say.plain_value(each.temperature, "temperature")))
+    columns = max(int((WIDTH - 16.0) / (widest(names) + 42.0)), 1)
+    top = 8.0 + _LEGEND_ROW * math.ceil(len(names) / columns) + _MARK_ROW * len(data.marked)
+    highest = 1.05 * max(float(data.supply[-1]), *(each.flow for each in data.demands)) * flow or 1.0
+    with plotting.drawing():
+        figure = plotting.figure_of(top + _PUMP + BELOW)
+        axes = plotting.field(figure, _left_of([highest], say), _RIGHT, top, _PUMP)
+        axes.plot(data.speeds * RPM, data.supply * flow, color=PAPER.pump, lw=1.6, label=names[0])
+        for number, (each, name) in enumerate(zip(data.demands, names[1:], strict=True)):
+            own, taken = each.of_condition, each.flow * flow
+            look = (PAPER.leakage, 1.4, "-") if own else (PAPER.soft, 0.8, (0, _DASHES[number % len(_DASHES)]))
+            axes.axhline(taken, color=look[0], lw=look[1], ls=look[2], label=name)
+            axes.plot([each.crossing * RPM], [taken], "o", ms=6 if own else 3, color=PAPER.ink, zorder=5)
+        axes.set_xlim(0.0, float(data.speeds[-1]) * RPM)
+        axes.set_ylim(0.0, highest)
+        for number, (label, speed) in enumerate(sorted(data.marked, key=itemgetter(1))):
+            _marked_speed(axes, speed * RPM, number, f"{label}: {say.number(speed * RPM, 0)} 1/min")
+        _crossing(axes, data, say)
+        axes.set_xlabel(say("charts.speed"))
+        _title(axes, say("charts.flow"), _left_of([highest], say))
+        plotting.number_axes(axes, say, "x", "y")
+        figure.legend(
+            loc="upper left", ncols=columns, frameon=False, fontsize=SMALL, borderaxespad=0.0, bbox_to_anchor=(0.0, 1.0)
+        )
+        return plotting.svg(figure)
 
 
-def _crossings(surface: Surface, data: PumpOverSpeed, over: Scale, up: Scale, say: Wording) -> None:
-    """Mark where the supply meets what is taken, with the speed and its interval at the condition's temperature."""
-    flow = say.convert(DM3_MIN, "flow")
-    for demand in data.demands:
-        speed, y = demand.crossing * RPM, up(demand.flow * flow)
-        if not speed <= over.high:
-            continue
-        surface.disc((over(speed), y), 2.6 if demand.of_condition else 1.2)
-        if demand.of_condition:
-            if data.interval is not None:
-                low, high = (over(min(end * RPM, over.high)) for end in data.interval)
-                surface.interval(low, high, y)
-            words = f"{say.number(speed, 0)} 1/min"
-            beside = over(speed) - 4.0 - width_of(words, SIZE) * 1.1 > over.start
-            x, anchor = (over(speed) - 4.0, "end") if beside else (over.start + 4.0, "start")
-            surface.words((x, y - 9.0), words, anchor=anchor, bold=True)
+def _marked_speed(axes: Axes, speed: float, row: int, said: str) -> None:
+    """Draw an engine speed as an upright line, its words in a row above the field on the side that has more room.
+
+    The lowest speed has the lowest row, so that no line crosses the words of another one.
+    """
+    (_, end), (_, top) = axes.get_xlim(), axes.get_ylim()
+    above = (row + 0.5) * _MARK_ROW
+    reach = top * (1.0 + (above + 3.0) / _PUMP)
+    axes.plot([speed, speed], [0.0, reach], color=PAPER.ink, lw=0.8, ls=(0, (6, 2)), clip_on=False)
+    place = speed / end
+    room, off, side = ((1.0 - place), 4.0, "left") if place < 0.5 else (place, -4.0, "right")
+    words(axes, (speed, top), fitting(said, SMALL, room * (_RIGHT - _FIELD) - 6.0), (off, above), ha=side)
 
 
-def _marked(surface: Surface, at: tuple[float, float], bottom: float, words: str) -> None:
-    """Draw an engine speed as an upright line with its words at its upper end, on the side that has more room."""
-    x, y = at
-    surface.line([(x, bottom), (x, y - 4.0)], width=0.8, dashes=(6.0, 2.0))
-    right = x < WIDTH / 2.0
-    words = fitting(words, SMALL, WIDTH - x - 4.0 if right else x - 4.0)
-    surface.words((x + 4.0 if right else x - 4.0, y), words, size=SMALL, anchor="start" if right else "end")
-
-
-def _legend(names: Sequence[str]) -> tuple[list[tuple[float, float]], float]:
-    """Return where the entries of a legend stand, in rows, and where the field below them begins."""
-    places: list[tuple[float, float]] = []
-    x, y = 8.0, 7.0
-    for name in names:
-        width = _SAMPLE + 5.0 + width_of(name, SMALL) + 14.0
-        if x + width > WIDTH and places:
-            x, y = 8.0, y + 13.0
-        places.append((x, y))
-        x += width
-    return places, y + 14.0
+def _crossing(axes: Axes, data: PumpOverSpeed, say: Wording) -> None:
+    """Mark where the supply meets what is taken at the condition's temperature, with the speed and its interval."""
+    demand, flow = data.demand, say.convert(DM3_MIN, "flow")
+    speed, taken, (_, end) = demand.crossing * RPM, demand.flow * flow, axes.get_xlim()
+    if not speed <= end:
+        return
+    if data.interval is not None:
+        low, high = (min(each * RPM, end) for each in data.interval)
+        interval(axes, low, high, taken)
+    said = f"{say.number(speed, 0)} 1/min"
+    left = 1.1 * width_of(said, SIZE) + 4.0 < speed / end * (_RIGHT - 60.0)
+    off, side = ((-4.0, 9.0), "right") if left else ((4.0, 9.0), "left")
+    words(axes, (speed, taken), said, off, ha=side, fontsize=SIZE, fontweight="bold")

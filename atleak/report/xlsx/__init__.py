@@ -15,15 +15,19 @@ from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.xlsx.book import Book
+from atleak.report.xlsx.budget_sheet import BUDGET
 from atleak.report.xlsx.circuits_sheet import CIRCUITS
 from atleak.report.xlsx.conditions_sheet import CONDITIONS
+from atleak.report.xlsx.constants import CONSTANTS
+from atleak.report.xlsx.directions_sheet import DIRECTIONS
 from atleak.report.xlsx.estimate_sheet import SHEET as ESTIMATE
 from atleak.report.xlsx.estimate_sheet import write_estimate
 from atleak.report.xlsx.gauges_sheet import SHEET as GAUGES
 from atleak.report.xlsx.gauges_sheet import write_gauges
+from atleak.report.xlsx.instruments_sheet import INSTRUMENTS
 from atleak.report.xlsx.limit_cells import LIMITS
 from atleak.report.xlsx.live import LANDS, LiveSheets
-from atleak.report.xlsx.readings_sheets import DIRECTIONS, READINGS
+from atleak.report.xlsx.readings_sheet import READINGS
 from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets
 from atleak.report.xlsx.rules_sheet import RULES
 from atleak.report.xlsx.sheets import Sheets
@@ -102,6 +106,7 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     if not diagnosis.without_sheet:
         live.write_conditions(book.sheet(CONDITIONS, frozen=(1, 2)))
         live.write_limits(book.sheet(LIMITS, frozen=(1, 1)))
+        live.write_constants(book.sheet(CONSTANTS, frozen=(1, 1)))
     if job.estimated and not diagnosis.without_sheet:
         write_estimate(book, book.sheet(ESTIMATE, frozen=(1, 1)), diagnosis, job)
     if not job.empty:
@@ -124,3 +129,6 @@ def _write_unit(book: Book, diagnosis: Diagnosis, live: LiveSheets, rest: Sheets
         live.write_readings(book.sheet(READINGS, frozen=(1, 2)))
     if live.directions.lines:
         live.write_directions(book.sheet(DIRECTIONS, frozen=(1, 2)))
+    if live.instruments is not None and live.budget is not None:
+        live.instruments.write(book, book.sheet(INSTRUMENTS, frozen=(1, 1)))
+        live.budget.write(book, book.sheet(BUDGET), live.of_land)

@@ -42,6 +42,11 @@ NUMBER_FORMATS = {
 }
 
 
+_ALLOWED = {  # on a protected sheet, besides changing what is unlocked: no number changes by it
+    "format_cells": True, "format_columns": True, "format_rows": True, "autofilter": True, "sort": True,
+}  # fmt: skip
+
+
 class _Sheet(Worksheet):
     """A sheet whose formulas are written as they are: none has a function that Excel wants with a prefix."""
 
@@ -85,8 +90,9 @@ class Book:
         return self.form(text_wrap=True)
 
     def sheet(self, name: str, *, frozen: tuple[int, int] = (0, 0), landscape: bool = True) -> Worksheet:
-        """Add a sheet, ready to print: one page wide, headings repeated, page numbers."""
+        """Add a sheet, protected without a password, ready to print: one page wide, headings repeated, numbered."""
         sheet = self.workbook.add_worksheet(self.words(name), _Sheet)
+        sheet.protect("", _ALLOWED)
         sheet.set_paper(self.paper.excel)
         if landscape:
             sheet.set_landscape()

@@ -70,11 +70,11 @@ class CircuitCells:
             pressures = pressures_at(diagnosis, at.projection)
             self.lines += [_Line(at, held) for held in (pressures.line, *pressures.circuits)]
 
-    def held(self, at: SheetCondition, circuit: Circuit) -> str:
-        """Return the cell of the pressure that a circuit holds at a condition."""
+    def held(self, at: SheetCondition, circuit: Circuit, column: str) -> str:
+        """Return the cell of the pressure that a circuit holds at a condition, ``held`` or ``new``."""
         rows = enumerate(self.lines, start=1)
         row = next(row for row, line in rows if line.at is at and line.held.circuit == circuit)
-        return cell(row, _COLUMN["held"], self.sheet)
+        return cell(row, _COLUMN[column], self.sheet)
 
     def write(self, book: Book, sheet: Worksheet) -> None:
         """Write one row per condition and circuit, the line before its circuits."""

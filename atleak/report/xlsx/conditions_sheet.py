@@ -8,12 +8,11 @@ from typing import Any, NamedTuple
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.limits import RuleKind
-from atleak.catalogue.pump import TIP_DENSITY, Pump, TipGaps
+from atleak.catalogue.pump import Pump
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import LeakFlow, Projection
-from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
-from atleak.equations.gap import ENTRY_AND_EXIT_LOSS
-from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact
+from atleak.report.xlsx.book import Book, cell
+from atleak.report.xlsx.constants import ORDERED_BELOW
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.live_cells import (
     CHANGEABLE,
@@ -26,6 +25,21 @@ from atleak.report.xlsx.live_cells import (
     share_of,
     write_cell,
 )
+from atleak.report.xlsx.names import (
+    ABSOLUTE,
+    D341_A,
+    D341_B,
+    D341_SHIFT,
+    DENSITY,
+    DENSITY_AT,
+    DENSITY_SLOPE,
+    LARGEST_SHARE,
+    NOTHING_DELIVERED,
+    STUDY_NAMES,
+    of_leak,
+    of_relation,
+    of_tips,
+)
 from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.sentence import Name, Sentence
 from atleak.uncertainty import TotalUncertainty
@@ -33,7 +47,7 @@ from atleak.verdicts import BANDS
 from atleak.views.positions import spools_taken
 from atleak.views.sentences import counted_in_speed, fluid_in_state
 from atleak.wording import Wording
-from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, MPA_S, PERCENT, RPM
+from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, PERCENT, RPM
 
 CONDITIONS = Sentence("Conditions")
 BAND_ROWS = ("band", "reserve_band")
@@ -41,7 +55,6 @@ SPEED = Sentence("pump covers leakage, slip and consumers from")
 _SOLVED = Sentence(
     "Solved, not followed by the sheet: a changed reading changes flows at the pressures that stand here."
 )
-_LARGEST = 900000  # share [%] that still tells two totals of a band apart
 NO_GROWTH = "–"  # where the same unit new draws nothing, or the pump delivers nothing
 AS_SPOOLS_MAY_LIE = Sentence(
     "Nobody knows where a spool lies; one that touches its sleeve leaks up to 2.5 times as much as a concentric one, "
@@ -78,7 +91,7 @@ class Quantity(NamedTuple):
     formula: str | None  # None for an input
     value: Any
     kind: str  # of number
-    issued: bool = False  # a result that no formula gives, not an input
+    fixed: bool = False  # a result that no formula gives, or what the rows of other sheets rest on; not an input
 
     @property
     def heading(self) -> Sentence:
@@ -107,7 +120,7 @@ class ConditionsSheet:
             for row, each in enumerate(quantities, start=1):
                 book.put(sheet, row, 0, each.label, book.bold)
                 book.put(sheet, row, 1, each.unit)
-                look = {"align": "right", **(CHANGEABLE if each.formula is None and not each.issued else {})}
+                look = {"align": "right", **(CHANGEABLE if each.formula is None and not each.fixed else {})}
                 write_cell(book, sheet, row, column, Cell(each.kind, each.value, each.formula, look))
                 book.workbook.define_name(at(each.name), f"={cell(row, column, self.sheet)}")
             end = len(quantities)
@@ -170,7 +183,7 @@ class ConditionsSheet:
     def _condition(self, at: SheetCondition) -> Iterable[Quantity]:
         """Return the quantities of one condition, in their order."""
         projection, condition = at.projection, at.projection.condition
-        yield Quantity(Sentence("gear"), "", "gear", str(condition.gear), condition.gear, "count")
+        yield Quantity(Sentence("gear"), "", "gear", None, condition.gear, "count", fixed=True)
         yield Quantity(Sentence("temperature"), "°C", "T", None, condition.temperature, "temperature")
         yield Quantity(Sentence("engine speed"), "1/min", "n", None, condition.engine_speed * RPM, "rpm")
         yield Quantity(
@@ -178,9 +191,9 @@ class ConditionsSheet:
         )
         for section, label in _SET_BY_RELATIONS:
             relation = self.diagnosis.controller.relations[section]
-            text = f"{at('p_g')}*{exact(relation.ratio)}+{exact(relation.offset * KPA)}"
+            text = f"{at('p_g')}*{of_relation(section, 'ratio')}+{of_relation(section, 'offset')}"
             if relation.limit is not None:
-                text = f"MIN({text},{exact(relation.limit * KPA)})"
+                text = f"MIN({text},{of_relation(section, 'limit')})"
             yield Quantity(label, "kPa", section, text, projection.pressures[section] * KPA, "kpa")
         yield Quantity(
             Sentence("converter pressure p_k"), "kPa", "p_k", None, condition.converter_pressure * KPA, "kpa"
@@ -206,7 +219,7 @@ class ConditionsSheet:
                 at.new.main_pressure_held,
             ),
         ):
-            yield Quantity(label, "kPa", name, None, None if value is None else value * KPA, "kpa", issued=True)
+            yield Quantity(label, "kPa", name, None, None if value is None else value * KPA, "kpa", fixed=True)
         for end, label in _PERMISSIBLE:
             value = None if permissible is None else getattr(permissible, end)
             scaled = None if value is None else value * KPA
@@ -226,18 +239,13 @@ class ConditionsSheet:
         density = fluid.density(temperature, model) * G_CM3
         texts: tuple[str | None, str | None] = (None, None)
         if model == "d341":
-            a, b = fluid.d341
-            reference, slope = fluid.density_at, exact(fluid.density_slope * G_CM3)
             texts = (
-                f"10^(10^({exact(a)}-{exact(b)}*LOG10({at('T')}+{exact(-ABSOLUTE_ZERO)})))-{ASTM_D341_SHIFT}",
-                f"{exact(reference[1] * G_CM3)}+{slope}*({at('T')}-{exact(reference[0])})",
+                f"10^(10^({D341_A}-{D341_B}*LOG10({at('T')}+{ABSOLUTE})))-{D341_SHIFT}",
+                f"{DENSITY}+{DENSITY_SLOPE}*({at('T')}-{DENSITY_AT})",
             )
         elif model == "regression":
-            (nu, exponent), (rho, per_kelvin) = STUDY_VISCOSITY, STUDY_DENSITY
-            texts = (
-                f"{exact(nu)}*EXP({exponent}*{at('T')})",
-                f"{per_kelvin * G_CM3}*{at('T')}+{exact(rho * G_CM3)}",
-            )
+            nu, exponent, rho, per_kelvin = STUDY_NAMES
+            texts = (f"{nu}*EXP({exponent}*{at('T')})", f"{per_kelvin}*{at('T')}+{rho}")
         yield Quantity(Sentence("kinematic viscosity ν"), "mm²/s", "nu", texts[0], viscosity, "nu")
         yield Quantity(Sentence("density ρ"), "g/cm³", "rho", texts[1], density, "rho")
 
@@ -264,7 +272,9 @@ class ConditionsSheet:
         yield Quantity(coefficient, "", f"C_s{end}", None, pump.slip_coefficient, "scientific")
         text = f"{at('q_p')}*{at(f'C_s{end}')}*{at('p_g')}*60/(2*PI()*{at('nu')}*{at('rho')})"
         if pump.gaps.tips is not None and pump.tips:
-            over_tips = "".join(f"{sign:+g}*{_over_tips(pump.gaps.tips, size, at)}" for sign, size in pump.tips)
+            over_tips = "".join(
+                f"{sign:+g}*{_over_tips(end, number, at)}" for number, (sign, _) in enumerate(pump.tips, start=1)
+            )
             text = f"MAX({text}{over_tips},0)"
         yield Quantity(label, "dm³/min", f"slip{end}", text, slip * DM3_MIN, "flow")
 
@@ -292,7 +302,7 @@ class ConditionsSheet:
                 ("new_", Sentence("{leak} of the same unit new", leak=named), at.new_pressure, at.new),
             ):
                 flow = next((each for each in of.leaks if each.leak is leak), None)
-                text = "0" if flow is None else _leak_formula(flow, at, name_of)
+                text = "0" if flow is None else _leak_formula(number, flow, at, name_of)
                 leaked = 0.0 if flow is None else flow.flow * DM3_MIN
                 yield Quantity(label, "dm³/min", f"{prefix}leak_{number}", text, leaked, "flow")
         if controller.circuits:
@@ -301,7 +311,7 @@ class ConditionsSheet:
                 ("new_", Sentence("relieved to the sump by circuits of the same unit new, as issued"), at.new),
             ):
                 value = of.relieved * DM3_MIN
-                yield Quantity(label, "dm³/min", f"{prefix}relieved", None, value, "flow", issued=True)
+                yield Quantity(label, "dm³/min", f"{prefix}relieved", None, value, "flow", fixed=True)
 
     def _consumers(self, at: SheetCondition, *, after_line: bool | None = None) -> str:
         """Return the formula of the sum of the consumers, or of those behind the line or before it; "" of none."""
@@ -347,8 +357,8 @@ class ConditionsSheet:
         band = quote(not_measured) if reached is None else band_of_rank(rank, self.say)
         said = not_measured if reached is None else self.say.level(reached)
         yield Quantity(Sentence("band of the total share"), "", "band", band, said, "plain")
-        order = f"{rank}+MIN({at('share')},{_LARGEST})*1E-6"
-        worst = RANKED.index(rule.verdict) + 1 + min(now.share * PERCENT, _LARGEST) * 1e-6
+        order = f"{rank}+MIN({at('share')},{LARGEST_SHARE})*1E-6"
+        worst = RANKED.index(rule.verdict) + 1 + min(now.share * PERCENT, ORDERED_BELOW) * 1e-6
         label = Sentence("order of the totals, the worst largest: rank of the band, then the share")
         yield Quantity(label, "", "order", order, worst, "plain")
 
@@ -389,14 +399,14 @@ class ConditionsSheet:
             ("reserve_new", Sentence("reserve of the same unit new"), "leakage_new", new_slip, at.new),
         ):
             demand = self._demand(at, leakage, slip)
-            text = f"IF({demand}>0,{at('supply')}/({demand}),{exact(NO_DELIVERY)})"
+            text = f"IF({demand}>0,{at('supply')}/({demand}),{NOTHING_DELIVERED})"
             yield Quantity(label, "", name, text, each.reserve, "reserve")
         low, high = self._interval(at, lambda total: total.reserve_interval)
         for end, label, value in (
             ("low", Sentence("reserve, low as issued"), low),
             ("high", Sentence("reserve, high as issued"), high),
         ):
-            yield Quantity(label, "", f"reserve_{end}", None, value, "reserve", issued=True)
+            yield Quantity(label, "", f"reserve_{end}", None, value, "reserve", fixed=True)
         if rule is not None:
             limits, rank = self.rules.limits_and_rank(rule)
             for level, limit in rule.steps.levels:
@@ -418,23 +428,21 @@ def covers(diagnosis: Diagnosis, say: Wording) -> Sentence:
     return Sentence("The pump covers leakage and its own slip from the speed named; {counted}.", counted=counted)
 
 
-def _over_tips(tips: TipGaps, clearance: float, at: SheetCondition) -> str:
+def _over_tips(end: str, number: int, at: SheetCondition) -> str:
     """Return the formula of what slips over a pump's tips [dm³/min], from their slip without viscosity's share."""
-    per_viscous = clearance**2 / (12.0 * tips.land * 1e-3)  # of one mPa·s
-    conductance = tips.rims * tips.width * clearance * per_viscous / tips.in_a_row * 1e3 * DM3_MIN  # per kPa
-    bend = 2.0 * ENTRY_AND_EXIT_LOSS * TIP_DENSITY * per_viscous**2 / tips.in_a_row * 1e3
+    conductance, bend = (of_tips(end, number, what) for what in ("conductance", "bend"))
     viscous = f"({at('nu')}*{at('rho')})"
-    return f"2*{exact(conductance)}*{at('p_g')}/{viscous}/(1+SQRT(1+{exact(bend)}*{at('p_g')}/{viscous}^2))"
+    return f"2*{conductance}*{at('p_g')}/{viscous}/(1+SQRT(1+{bend}*{at('p_g')}/{viscous}^2))"
 
 
-def _leak_formula(flow: LeakFlow, at: SheetCondition, name_of: Callable[[str], str]) -> str:
+def _leak_formula(number: int, flow: LeakFlow, at: SheetCondition, name_of: Callable[[str], str]) -> str:
     """Return the formula of a leak [dm³/min] from the one point at which it was measured."""
     leak = flow.leak
     drop = drop_between(leak, name_of)
-    measured, over = exact(leak.flow * DM3_MIN), exact(leak.pressure_drop * KPA)
+    measured, over = of_leak(number, "flow"), of_leak(number, "drop")
     if leak.viscosity is not None:
         driving = f"({drop})" if flow.leaks_back else f"MAX({drop},0)"
-        return f"{measured}*{driving}/{over}*{exact(leak.viscosity * MPA_S)}/({at('nu')}*{at('rho')})"
+        return f"{measured}*{driving}/{over}*{of_leak(number, 'viscosity')}/({at('nu')}*{at('rho')})"
     size = f"ABS({drop})" if flow.leaks_back else f"MAX({drop},0)"
     sign = f"IF({drop}<0,-1,1)*" if flow.leaks_back else ""
-    return f"{sign}{measured}*SQRT({size}/{over}*{exact(leak.density * G_CM3)}/{at('rho')})"
+    return f"{sign}{measured}*SQRT({size}/{over}*{of_leak(number, 'density')}/{at('rho')})"

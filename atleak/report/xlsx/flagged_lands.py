@@ -96,7 +96,8 @@ class FlaggedLands:
     def _since(self, sheet: Worksheet, row: int, number: int) -> None:
         """Write the land at this place among those flagged since; cells stay empty where there are not so many."""
         book, live = self.book, self.live
-        largest = f"LARGE({self._column('also')},{number})"
+        first, here = (cell(at, live.column_of["also"], live.sheet) for at in (1, number))
+        largest = f"LARGE({self._column('also')},ROWS({first}:{here.rpartition('!')[2]}))"
         place = f"MATCH({largest},{self._column('also')},0)"
         for column, key in enumerate((*_COLUMNS, *self._values)):
             kind = live.land_cell(live.lands[0], key).kind
@@ -108,7 +109,8 @@ class FlaggedLands:
         """Write how many more lands are flagged since than there are rows."""
         count = f'COUNTIF({self._column("also")},">0")'
         self.book.put(sheet, row, 2, Sentence("further lands flagged since, not listed here"), self.book.bold)
-        formula(sheet, row, 4, f"MAX({count}-{rows},0)", 0, self.book.form("count", align="left"))
+        listed = span(row + 1, row + rows, 0)
+        formula(sheet, row, 4, f"MAX({count}-ROWS({listed}),0)", 0, self.book.form("count", align="left"))
 
     def _column(self, key: ColumnKey) -> str:
         return span(1, len(self.live.lands), self.live.column_of[key], self.live.sheet)

@@ -12,8 +12,6 @@ from typing import Any
 from atleak.catalogue.controller import Gap
 from atleak.engine.leakage import GapLaw, GapLeakage
 from atleak.engine.profile import UNKNOWN
-from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, FULLY_ECCENTRIC, MEAN_ECCENTRIC
-from atleak.report.xlsx.book import exact
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
     CHANGEABLE,
@@ -23,6 +21,7 @@ from atleak.report.xlsx.live_cells import (
     drop_between,
     warm_clearance,
 )
+from atleak.report.xlsx.names import ECCENTRICITY, ENTRY_LOSS, FULLY, GAIN, MEAN_OF_POSITIONS
 from atleak.sentence import Sentence
 from atleak.views.condition_matrix import ANOTHER_CIRCUIT
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, MM3_S, UM
@@ -78,7 +77,7 @@ def _new_clearance(row: GapRow) -> Cell:
     """Return the clearance of the same gap when new: no form, the same spool, the same growth with temperature."""
     spool, cold = row.of_land("spool"), row.of_land("c_u")
     expansions = row.of_land("beta_k"), row.of_land("beta_s")
-    formula = warm_clearance(cold, spool, f"({spool}+{cold}*0.002)", expansions, row.at("T"))
+    formula = warm_clearance(cold, spool, f"({spool}+2*{cold}*0.001)", expansions, row.at("T"))
     return Cell("um", row.new.effective_clearance * UM, formula)
 
 
@@ -86,8 +85,8 @@ def _taken(row: GapRow) -> str:
     """Return the formula of the factor of the position that the profile takes the spool to have."""
     eccentricity = row.law.profile.eccentricity
     if eccentricity == UNKNOWN:
-        return exact(MEAN_ECCENTRIC)
-    return f"(1+{ECCENTRIC_GAIN}*{exact(eccentricity)}^2)" if eccentricity else CONCENTRIC
+        return MEAN_OF_POSITIONS
+    return f"(1+{GAIN}*{ECCENTRICITY}^2)" if eccentricity else CONCENTRIC
 
 
 def _flow(row: GapRow, factor: str, prefix: str = "") -> str:
@@ -104,7 +103,7 @@ def _flow(row: GapRow, factor: str, prefix: str = "") -> str:
     if row.law.linear:
         law = f"PI()*{d}*{c}^3*{drop}*0.001/{viscous}"
     else:
-        root = f"SQRT({viscous}^2+2*{ENTRY_AND_EXIT_LOSS}*{rho}*{size}*{c}^4*1E-6)"
+        root = f"SQRT({viscous}^2+2*{ENTRY_LOSS}*{rho}*{size}*{c}^4*1E-6)"
         law = f"2*PI()*{d}*{c}^3*{drop}*0.001/({viscous}+{root})"
     return law if row.leak.leaks_back else f"IF({drop}>0,{law},0)"
 
@@ -168,7 +167,7 @@ GAP_COLUMNS = (
     GapColumn(
         "q_touching",
         Sentence("leakage with the spool touching its bore [mm³/s]"),
-        lambda row: Cell("mm3", row.leak.touching_leakage * MM3_S, _flow(row, exact(FULLY_ECCENTRIC))),
+        lambda row: Cell("mm3", row.leak.touching_leakage * MM3_S, _flow(row, FULLY)),
     ),
     GapColumn("drawn", Sentence("drawn from the pump"), _drawn),
     GapColumn("new_clearance", Sentence("effective clearance when new [µm]"), _new_clearance),

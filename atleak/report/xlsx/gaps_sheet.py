@@ -48,7 +48,7 @@ class GapCells:
         if not rows:
             return None
         flows, counted = (span(rows[0], rows[-1], GAP_COLUMN_OF[name], at.sheet) for name in (key, "drawn"))
-        return f"SUMIF({counted},{self._drawn},{flows})*6E-5" if drawn else f"SUM({flows})*6E-5"
+        return f"SUMIF({counted},{self._drawn},{flows})*60*1E-6" if drawn else f"SUM({flows})*60*1E-6"
 
     def write(
         self, book: Book, sheet: Worksheet, at: SheetCondition, of_land: Callable[[LandKey, ColumnKey], str]

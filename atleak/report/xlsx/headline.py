@@ -10,9 +10,10 @@ import re
 from collections.abc import Iterable, Mapping
 
 from atleak.diagnosis import Diagnosis
-from atleak.report.xlsx.book import NO_DELIVERY, exact, span
+from atleak.report.xlsx.book import span
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.live_cells import RANKED, quote
+from atleak.report.xlsx.names import NOTHING_DELIVERED
 from atleak.verdicts import BANDS, FLAGGED
 from atleak.views.first_sentence import lands_part, total_part
 from atleak.wording import Wording
@@ -75,7 +76,7 @@ class Headline:
         good = f"OR(INT({order})>1,{self.rank}<2)" if self.nothing_open else f"INT({order})>1"
         said = f"IF({good},{leaks},{self._said('diagnosis.leaks_open', places)})"
         nothing = self._said("diagnosis.no_delivery", {"condition": condition})
-        return f"IF({share}>={exact(NO_DELIVERY / 10.0)},{nothing},{said})"
+        return f"IF({share}>={NOTHING_DELIVERED}/10,{nothing},{said})"
 
     def _percent(self, share: str) -> str:
         """Return the formula of a share [%] as text, with the language's decimal sign whatever program shows it."""

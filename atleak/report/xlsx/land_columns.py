@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.report.xlsx.book import exact
+from atleak.report.xlsx.book import cell
+from atleak.report.xlsx.directions_sheet import DirectionCells
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
@@ -25,7 +26,7 @@ from atleak.report.xlsx.live_cells import (
     verdict_of_rank,
     warm_clearance,
 )
-from atleak.report.xlsx.readings_sheets import DirectionCells, ReadingCells
+from atleak.report.xlsx.readings_sheet import ReadingCells
 from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.sentence import Sentence
 from atleak.verdicts import Verdict
@@ -89,12 +90,13 @@ def land_columns(sheet: LandSheet) -> list[LandColumn]:
 
 def _also_flagged(sheet: LandSheet) -> LandColumn:
     """Return the order in which the summary lists the lands that are flagged by now and were not as issued."""
-    places = {land.key: place for place, land in enumerate(sheet.lands, start=1)}
+    first = cell(1, 0)
 
     def order(row: LandRow) -> Cell:
         ranks = None if row.land.verdict.flagged else sheet.rules.ranks_of(row.land.key)
         rank = f"MAX({ranks})"
-        return Cell("plain", 0, None if ranks is None else f"IF({rank}>1,{rank}-{places[row.land.key]}*1E-4,0)")
+        place = f"ROWS({first}:{row.here('component')})"
+        return Cell("plain", 0, f"IF({rank}>1,{rank}-{place}*1E-6,0)") if ranks else Cell("plain", None)
 
     return LandColumn("also", Sentence("order among those flagged since, as the summary lists them"), 14, order)
 
@@ -123,9 +125,14 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
 
     def sleeve_diameter(row: LandRow) -> Cell:
         state = row.land.state
-        as_new = f"{exact(state.land.nominal_diameter * MM)}+2*{row.here('c_n')}*0.001"  # of one that was not measured
         mean = sheet.readings.mean(row.land.key, "sleeve", row.here(EXPANSIONS["sleeve"]))
-        return Cell("mm", state.sleeve_diameter * MM, mean or as_new, CHANGEABLE)
+        if mean is None:  # as new
+            mean = f"{row.here('nominal')}+2*{row.here('c_n')}*0.001"
+        return Cell("mm", state.sleeve_diameter * MM, mean, CHANGEABLE)
+
+    def nominal(row: LandRow) -> Cell:
+        state, of_sleeve = row.land.state, row.land.state.status in ("measured", "sleeve_only")
+        return Cell("mm", None if of_sleeve else state.land.nominal_diameter * MM, look=CHANGEABLE)
 
     def radial_clearance(row: LandRow) -> Cell:
         formula = f"({row.here('sleeve')}-{row.here('spool')})/2*1000"
@@ -138,6 +145,8 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
 
     yield LandColumn("sleeve", Sentence("sleeve diameter D [mm]"), 12, sleeve_diameter)
     yield LandColumn("spool", Sentence("spool diameter d [mm]"), 12, spool_diameter)
+    if any(land.state.status in ("not_measured", "spool_only") for land in sheet.lands):
+        yield LandColumn("nominal", Sentence("nominal diameter, of a sleeve not measured [mm]"), 12, nominal)
     yield LandColumn("c_r", Sentence("radial clearance c_r [µm]"), 12, radial_clearance)
     if uncertain:
         heading = Sentence("standard uncertainty u(c_r) as issued [µm]")
@@ -222,11 +231,11 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
 
     def leakage(row: LandRow) -> Cell:
         flow = sheet.gaps.sum_of("q", condition, row.land.key, drawn=False)
-        return Cell("flow", at.leakage_of(row.land.key) * DM3_MIN, flow)
+        return Cell("flow", at.leakage_of(row.land.key) * DM3_MIN, flow or "0")
 
     def drawn(row: LandRow) -> Cell:
         flow = sheet.gaps.sum_of("q", condition, row.land.key)
-        return Cell("flow", at.drawn_by(row.land.key) * DM3_MIN, flow)
+        return Cell("flow", at.drawn_by(row.land.key) * DM3_MIN, flow or "0")
 
     def share(row: LandRow) -> Cell:
         formula = share_of(row.here(("drawn", prefix)), condition("capacity"))
@@ -234,7 +243,7 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
 
     def new_share(row: LandRow) -> Cell:
         new = sheet.gaps.sum_of("new_q", condition, row.land.key)
-        formula = None if new is None else share_of(new, condition("capacity"))
+        formula = "0" if new is None else share_of(new, condition("capacity"))
         return Cell("share", condition.new.share_drawn_by(row.land.key) * PERCENT, formula)
 
     at_title = {"condition": condition.title}
@@ -287,7 +296,7 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
 
 
 def _recorded(kind: str, land: LandDiagnosis, name: str, factor: float, end: int | None = None) -> Cell:
-    """Return the cell of a result of a land's uncertainty, or of one end of an interval; empty where it is not known."""
+    """Return the cell of a result of a land's uncertainty, or of one end of an interval; empty where not known."""
     known = getattr(land.uncertainty, name, None)
     value = known if known is None or end is None else known[end]
     return Cell(kind, None if value is None else value * factor)

@@ -13,9 +13,10 @@ from typing import Literal
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.limits import Level, Limits, RuleKind, Steps
-from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact
+from atleak.report.xlsx.book import Book, cell
 from atleak.report.xlsx.live_cells import CHANGEABLE, largest_of
-from atleak.sentence import Sentence
+from atleak.report.xlsx.names import NOTHING_DELIVERED
+from atleak.sentence import Name, Sentence
 from atleak.verdicts import BANDS, FLAGGED
 from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
@@ -62,50 +63,50 @@ class _Row:
 
 
 class LimitCells:
-    """Where every part of every limit stands on its sheet."""
+    """The name of every part of every limit, and the sheet on which they stand."""
 
     def __init__(self, limits: Limits, say: Wording) -> None:
         self.limits = limits
-        sheet = say.sentence(LIMITS)
+        self._sheet = say.sentence(LIMITS)
         self.levels = list[Level](dict.fromkeys([*FLAGGED, *BANDS[1:]]))  # a column each
         self._rows = [row for kind, steps in limits.rules.items() for row in _rows(kind, steps)]
-        self._cells = {
-            (row.kind, level, row.part): cell(number, 1 + self.levels.index(level), sheet)
-            for number, row in enumerate(self._rows, start=1)
+        self._names = {
+            (row.kind, level, row.part): f"limit_{row.kind}_{row.part}_{level}"
+            for row in self._rows
             for level in row.values
         }
 
     def wear(self, level: Level, mounting: str, tolerance: str | None, before: str | None) -> str:
         """Return the formula of a limit of wear [%] from the cells of c_m, its tolerance and the limit before it."""
         kind = RuleKind.WEAR
-        terms = [self._cells[kind, level, "limit"]]
-        if (kind, level, "at_least") in self._cells:
-            at_least = self._cells[kind, level, "at_least"]
+        terms = [self._names[kind, level, "limit"]]
+        if (kind, level, "at_least") in self._names:
+            at_least = self._names[kind, level, "at_least"]
             least = f"({at_least}+{tolerance})" if tolerance else at_least
             terms.append(f"{least}/{mounting}*100")
         return largest_of([*terms, *([before] if before else [])])
 
     def plain(self, kind: RuleKind, level: Level) -> str:
         """Return the cell of a limit that is the same for every value of its kind."""
-        return self._cells[kind, level, "limit"]
+        return self._names[kind, level, "limit"]
 
     def reserve(self, level: Level, new: str, worse: str | None) -> str:
         """Return the formula of a limit of the reserve from the cells of that when new and of the worse level's limit.
 
         See `atleak.catalogue.limits.Steps.under`.
         """
-        limit, fall = (self._cells[RuleKind.RESERVE, level, part] for part in ("limit", "fall"))
+        limit, fall = (self._names[RuleKind.RESERVE, level, part] for part in ("limit", "fall"))
         fallen = f"IF({new}<{limit},(1-{fall}/100)*{new},{limit})"
         return largest_of([fallen, *([worse] if worse else [])])
 
     def share(self, kind: RuleKind, level: Level, new: str) -> str:
         """Return the formula of a limit of a share [%] from the cell of the same share when new [%]."""
-        terms = [self._cells[kind, level, "limit"]] if (kind, level, "limit") in self._cells else []
-        if (kind, level, "growth") not in self._cells:
+        terms = [self._names[kind, level, "limit"]] if (kind, level, "limit") in self._names else []
+        if (kind, level, "growth") not in self._names:
             return largest_of(terms)
-        growth, added = (self._cells[kind, level, part] for part in ("growth", "added"))
+        growth, added = (self._names[kind, level, part] for part in ("growth", "added"))
         grown = largest_of([*terms, f"{new}*(1+{growth}/100)", f"{new}+{added}"])
-        return f"MIN({grown},{exact(NO_DELIVERY)})"
+        return f"MIN({grown},{NOTHING_DELIVERED})"
 
     def write(self, book: Book, sheet: Worksheet) -> None:
         """Write every limit with its origin; what is blue is followed."""
@@ -115,14 +116,19 @@ class LimitCells:
             first = each.part == "limit"
             book.put(sheet, row, 0, _LABELS[each.kind][each.part], book.form(bold=first, indent=0 if first else 1))
             for level, value in each.values.items():
-                book.put(sheet, row, 1 + self.levels.index(level), value, book.form("um", **CHANGEABLE))
+                column = 1 + self.levels.index(level)
+                book.put(sheet, row, column, value, book.form("um", **CHANGEABLE))
+                name = self._names[each.kind, level, each.part]
+                book.workbook.define_name(name, f"={cell(row, column, self._sheet)}")
             if first:
                 steps = self.limits.rules[each.kind]
                 book.put(sheet, row, origin, book.say.get("origins", steps.origin), book.wrapped)
                 book.put_text(sheet, row, origin + 1, steps.source, book.wrapped, 64)
         row = len(self._rows) + 2
         book.put(sheet, row, 0, _NOTE)
-        book.pairs(sheet, row + 1, [(Sentence("limit set"), self.limits.name), (Sentence("note"), self.limits.note)])
+        book.pairs(
+            sheet, row + 1, [(Sentence("limit set"), Name(self.limits.name)), (Sentence("note"), self.limits.note)]
+        )
         sheet.set_column(0, 0, 46)
         sheet.set_column(1, origin - 1, 12)
         sheet.set_column(origin, origin, 24)

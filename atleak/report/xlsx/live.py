@@ -12,9 +12,13 @@ from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import DATA_BAR
 from atleak.report.xlsx.book import Book, cell
+from atleak.report.xlsx.budget_sheet import BudgetCells
 from atleak.report.xlsx.circuits_sheet import CircuitCells
 from atleak.report.xlsx.conditions_sheet import ConditionsSheet
+from atleak.report.xlsx.constants import ConstantCells
+from atleak.report.xlsx.directions_sheet import DirectionCells, write_directions
 from atleak.report.xlsx.gaps_sheet import GapCells
+from atleak.report.xlsx.instruments_sheet import InstrumentCells
 from atleak.report.xlsx.land_columns import LandRow, LandSheet, land_columns
 from atleak.report.xlsx.limit_cells import LimitCells
 from atleak.report.xlsx.live_cells import (
@@ -26,7 +30,7 @@ from atleak.report.xlsx.live_cells import (
     sheet_conditions,
     write_cell,
 )
-from atleak.report.xlsx.readings_sheets import DirectionCells, ReadingCells, write_directions, write_readings
+from atleak.report.xlsx.readings_sheet import ReadingCells
 from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.rules import LandKey
 from atleak.sentence import Sentence
@@ -48,6 +52,10 @@ class LiveSheets:
         self.conditions = sheet_conditions(diagnosis, say)
         self.readings = ReadingCells(diagnosis, say)
         self.directions = DirectionCells(self.lands, say)
+        self.constants = ConstantCells(diagnosis, say)
+        uncertainty = diagnosis.uncertainty
+        self.instruments = InstrumentCells(uncertainty, self.readings, say) if uncertainty else None
+        self.budget = BudgetCells(diagnosis, self.readings, say) if uncertainty else None
         self.gaps = GapCells(diagnosis, self.conditions, say)
         self.limits = LimitCells(diagnosis.limits, say)
         self.rules = RuleCells(diagnosis, self.conditions, self.limits, say)
@@ -121,8 +129,12 @@ class LiveSheets:
 
     def write_readings(self, sheet: Worksheet) -> None:
         """Write every reading as entered, sorted by land; the lands' diameters are means of these cells."""
-        write_readings(self.book, sheet, self.readings)
+        self.readings.write(self.book, sheet)
         sheet.set_column(0, 0, component_width(self.diagnosis.controller.components))
+
+    def write_constants(self, sheet: Worksheet) -> None:
+        """Write every number that formulas ask for by name."""
+        self.constants.write(self.book, sheet)
 
     def write_directions(self, sheet: Worksheet) -> None:
         """Write the clearance in every direction, from the readings; the lands' form follows from it."""

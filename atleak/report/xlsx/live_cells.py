@@ -8,20 +8,19 @@ from typing import Any, Protocol
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.section_pressures import SECTIONS, Pressure
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import INPUT
-from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, formula
+from atleak.report.xlsx.book import Book, cell, formula
+from atleak.report.xlsx.names import NOTHING_DELIVERED, REFERENCE, RESERVED, constant_pressure, share_of_pressure
 from atleak.sentence import Sentence
 from atleak.verdicts import BANDS, VERDICTS, Verdict
 from atleak.wording import Wording
-from atleak.workshop_units import KPA
 
-CHANGEABLE: Mapping[str, Any] = {"font_color": INPUT}  # numbers that an auditor may change
+CHANGEABLE: Mapping[str, Any] = {"font_color": INPUT, "locked": False}  # what an auditor may change
 AFTER_A_NUMBER: Mapping[str, Any] = {"align": "left", "indent": 1}  # text to the right of a column of numbers
 RANKED: tuple[Verdict, ...] = tuple(verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED)
 _SHEET_NAME = 31  # characters that Excel allows in a sheet's name
@@ -85,7 +84,7 @@ def sheet_conditions(diagnosis: Diagnosis, say: Wording) -> list[SheetCondition]
             made.append(SheetCondition(at, new, "stated", gaps, label, say.sentence(Sentence("stated condition"))))
             continue
         name = at.condition.name
-        prefix = f"_{name}" if name[0].isdigit() else name
+        prefix = f"_{name}" if name[0].isdigit() or name in RESERVED else name
         sheet = _free_name(f"{gaps} {say.get('conditions', name).replace('_', ' ')}", made)
         made.append(SheetCondition(at, new, prefix, sheet, label, label))
     return made
@@ -148,9 +147,9 @@ def drop_between(ends: Ends, name_of: Callable[[str], str]) -> str:
 
     def term(pressure: Pressure) -> str:
         if pressure.section is None:
-            return exact(pressure.constant * KPA) if pressure.constant else ""
+            return constant_pressure(pressure) if pressure.constant else ""
         name = name_of(pressure.section)
-        return name if pressure.coefficient == 1.0 else f"{exact(pressure.coefficient)}*{name}"
+        return name if pressure.coefficient == 1.0 else f"{share_of_pressure(pressure)}*{name}"
 
     taken = term(ends.low)
     return (term(ends.high) or "0") + (f"-{taken}" if taken else "")
@@ -158,7 +157,7 @@ def drop_between(ends: Ends, name_of: Callable[[str], str]) -> str:
 
 def share_of(leakage: str, capacity: str) -> str:
     """Return the formula of a share [%]: 0 without leakage, infinite where a pump without flow feeds any leakage."""
-    return f"IF({capacity}>0,{leakage}/{capacity}*100,IF({leakage}>0,{exact(NO_DELIVERY)},0))"
+    return f"IF({capacity}>0,{leakage}/{capacity}*100,IF({leakage}>0,{NOTHING_DELIVERED},0))"
 
 
 def warm_clearance(cold: str, spool: str, sleeve: str, expansions: tuple[str, str], temperature: str) -> str:
@@ -168,7 +167,7 @@ def warm_clearance(cold: str, spool: str, sleeve: str, expansions: tuple[str, st
     """
     body, of_spool = expansions
     opening = f"({body}*{sleeve}-{of_spool}*{spool})/2"
-    return f"MAX({cold}+{opening}*({temperature}-{exact(REFERENCE_TEMPERATURE)})*0.001,0)"
+    return f"MAX({cold}+{opening}*({temperature}-{REFERENCE})*0.001,0)"
 
 
 def largest_of(terms: Sequence[str]) -> str:

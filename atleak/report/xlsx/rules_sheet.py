@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.circuits import Circuit
-from atleak.catalogue.limits import ROUNDING, Level, RuleKind
+from atleak.catalogue.limits import Level, RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.xlsx.book import Book, cell, formula, span
@@ -23,6 +23,7 @@ from atleak.report.xlsx.live_cells import (
     fine_of,
     verdict_of_rank,
 )
+from atleak.report.xlsx.names import ROUNDED
 from atleak.rules import LandKey, Rule
 from atleak.sentence import Sentence
 from atleak.verdicts import FLAGGED, VERDICTS, Band, Verdict
@@ -114,9 +115,9 @@ class RuleCells:
         book: Book,
         sheet: Worksheet,
         of_land: Callable[[LandKey, ColumnKey], str],
-        held: Callable[[SheetCondition, Circuit], str],
+        held: Callable[[SheetCondition, Circuit, str], str],
     ) -> None:
-        """Write what each rule says; ``of_land`` gives a cell of the sheet of lands, ``held`` that of a pressure."""
+        """Write what each rule says; ``of_land`` gives a cell of the sheet of lands, ``held`` that of a circuit."""
         levels = (Sentence("{level} from", level=self.say.level(level)) for level in FLAGGED)
         names = [*_BEFORE_LEVELS, *levels, *_BEHIND_LEVELS]
         book.headings(sheet, 0, names)
@@ -146,14 +147,15 @@ class RuleCells:
         sheet.print_area(0, 0, self.last, len(names) - 2)  # the sources stand beside the limits
         book.colour_words(sheet, (1, _VERDICT), (self.last, _VERDICT), VERDICTS)
 
-    def _unit_line(self, rule: Rule, row: int, held: Callable[[SheetCondition, Circuit], str]) -> _Line:
+    def _unit_line(self, rule: Rule, row: int, held: Callable[[SheetCondition, Circuit, str], str]) -> _Line:
         at = next(at for at in self.conditions if at.projection.condition == rule.condition)
         if rule.kind is RuleKind.TOTAL_SHARE:
             return _Line(rule, None, at("share"), at("share_new"))
         if rule.kind is RuleKind.RESERVE:
             return _Line(rule, None, at("reserve"), at("reserve_new"))
         if rule.circuit is not None:
-            return _Line(rule, None, f"ABS({cell(row, _NEW)}-{held(at, rule.circuit)})")
+            now, new = (held(at, rule.circuit, column) for column in ("held", "new"))
+            return _Line(rule, None, f"ABS({cell(row, _NEW)}-{now})", new)
         return _Line(rule, None, f"(1-{at('p_g_held')}/MIN({at('permissible_low')},{at('p_g_held_new')}))*100")
 
     def _line(self, land: LandDiagnosis, rule: Rule, of_land: Callable[[LandKey, ColumnKey], str]) -> _Line:
@@ -177,8 +179,6 @@ class RuleCells:
         formula(sheet, row, _VALUE, line.value, rule.value * factor, form)
         if line.new is not None and rule.new is not None:
             formula(sheet, row, _NEW, line.new, rule.new * factor, form)
-        elif rule.circuit is not None:  # of a pressure, as issued
-            book.put(sheet, row, _NEW, None if rule.new is None else rule.new * factor, form)
         rank = "1"
         for level, limit in rule.steps.levels:
             column = _column(level)
@@ -227,8 +227,13 @@ def _named(rule: Rule) -> str:
 def _reached(rule: Rule, value: str, limit: str) -> str:
     """Return the formula of whether a value has reached a limit; see `atleak.catalogue.limits.reaches`."""
     if rule.steps.falling:
-        return f"{value}<{limit}*(1-{ROUNDING:E})"
-    return f"{value}>=MAX({limit}*(1-{ROUNDING:E}),{ROUNDING * rule.kind.factor:E})"
+        return f"{value}<{limit}*(1-{ROUNDED})"
+    return f"{value}>=MAX({limit}*(1-{ROUNDED}),{ROUNDED}*{_factor(rule.kind.factor)})"
+
+
+def _factor(factor: float) -> str:
+    """Return the factor from SI to the unit of a rule as a formula takes it: ``1000``, ``0.001``, ``1E6``."""
+    return f"{factor:g}".replace("e+0", "E").replace("e-0", "E-")
 
 
 def _verdict(level: Level) -> Verdict:

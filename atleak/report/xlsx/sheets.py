@@ -59,6 +59,17 @@ _OF_AN_OPTION = (
     Sentence("lands"),
     Sentence("source"),
 )
+_HOW_TO_CHANGE = (
+    Sentence("Blue cells may be changed: everything in black follows from them."),
+    Sentence(
+        "What is marked “as issued” is atleak's result and does not follow; nor do the sheets of the road test, of "
+        "gauge readings, of the estimate, of the job and its messages."
+    ),
+    Sentence(
+        "All sheets are protected against slips, without a password: only blue cells take a change. Who wants to "
+        "change more unprotects the sheet (Review, Unprotect Sheet)."
+    ),
+)
 _LEVELS: dict[MessageLevel, Sentence] = {"info": Sentence("info"), "warning": Sentence("warning")}
 _SENTENCE = 9  # last column of a long sentence
 MEASURE_FIRST = 6  # lands named for a complaint
@@ -97,9 +108,9 @@ class Sheets:
             (Sentence("VIN"), vehicle.vin),
             (Sentence("transmission"), " ".join(filter(None, (box.maker, box.code, box.serial)))),
             (Sentence("mileage [km]"), record["mileage_km"] or vehicle.mileage_km),
-            (Sentence("valve body"), record["controller"]["name"]),
+            (Sentence("valve body"), Name(record["controller"]["name"])),
             (Sentence("fluid"), fluid_in_state(diagnosis, self.say)),
-            (Sentence("limits"), record["limits"]["name"]),
+            (Sentence("limits"), Name(record["limits"]["name"])),
             (Sentence("profile"), diagnosis.profile.label),
             (Sentence("measuring sheet"), record["readings"]["file"]),
             (Sentence("measured at"), measuring_temperature(diagnosis, self.say)),
@@ -117,17 +128,10 @@ class Sheets:
         row = self._totals(sheet, row) + 1
         row = FlaggedLands(book, diagnosis, self.live, self.headline).write(sheet, row) + 1
         row = self._repair(sheet, row) + 1
-        self.book.put(
-            sheet, row, 0, Sentence("Blue numbers may be changed: everything in black follows from them."), book.form()
-        )
-        self.book.put(
-            sheet,
-            row + 1,
-            0,
-            Sentence("What is marked “as issued” is atleak's result and does not follow."),
-            book.form(),
-        )
-        sheet.print_area(0, 0, row + 1, len(_TOTALS))  # a long text beside it would shrink the page
+        for note in _HOW_TO_CHANGE:
+            self.book.put(sheet, row, 0, note)
+            row += 1
+        sheet.print_area(0, 0, row - 1, len(_TOTALS))  # a long text beside it would shrink the page
 
     def _complaint(self) -> list[tuple[str, Any]]:
         """Return the customer's complaint, where it shows and which lands to measure first."""
@@ -140,7 +144,7 @@ class Sheets:
         return [
             (Sentence("complaint"), say.name(diagnosis.complaint.label)),
             (Sentence("shows at"), "; ".join(say.condition(each.condition) for each in diagnosis.complained)),
-            (Sentence("lands behind it"), head(ranked, say)),
+            (Sentence("lands behind it, as issued"), head(ranked, say)),
             *((f"{number}.", land) for number, land in enumerate(lands, start=1)),
         ]
 

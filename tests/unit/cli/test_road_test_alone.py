@@ -86,3 +86,27 @@ def test_a_log_without_main_pressure_is_a_job_alone(run: Run, sample_log: Path, 
     assert not record["repair_plan_ends"]["reached"]
     again = read_job_file(tmp_path / "a.zip").diagnose()
     assert diagnosis_record(again)["road_test"] == road
+
+
+def test_a_scan_tool_s_log_is_worth_its_slip_and_an_estimate_of_leakage(
+    run: Run, sample_log: Path, tmp_path: Path
+) -> None:
+    log, record_file = tmp_path / "scan.csv", tmp_path / "result.json"
+    rows = [row.split(";") for row in sample_log.read_text(encoding="utf-8").splitlines()[1::10]]
+    head = "engine_speed [rpm];turbine speed [rpm];atf_temperature [°C];gear"
+    body = [f"{cells[1]};{float(cells[1]) - 90};{cells[4]};{cells[5]}" for cells in rows]
+    log.write_text("\n".join([head, *body]) + "\n", encoding="utf-8")
+    options = ("--interval", "0,1", "--constant", "main_pressure=operating-points", "--json", record_file)
+    status, out, _ = run("diagnose", "--road-test", log, *options, "--job-file", tmp_path / "a.zip")
+    assert status == 0
+    said = " ".join(out.split())
+    assert "Converter slip (engine minus turbine speed) while driving: 90 rpm in the middle" in said
+    assert "Main pressure is not logged: that of the valve body's operating points is assumed" in said
+    record = json.loads(record_file.read_text(encoding="utf-8"))
+    road = record["road_test"]
+    assert road["converter_slip"]["median_rpm"] == pytest.approx(90, abs=1e-6)
+    assert (road["permissible_pressure_not_judged"], road["leakage_as_new"]) == ("not_measured", True)
+    assert road["max_leakage_sustained"]["leakage_dm3_min"] > 0.0
+    assert road["duration_s"] == pytest.approx(12.0, abs=0.05)
+    again = read_job_file(tmp_path / "a.zip").diagnose()
+    assert diagnosis_record(again)["road_test"] == road

@@ -15,8 +15,9 @@ from atleak.equations.uncertainty import normal_cdf
 from atleak.job.record import Job
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.annex import Annex
-from atleak.report.pdf.budget import BUDGETS, Budget
+from atleak.report.pdf.budget import Budget
 from atleak.report.pdf.printed_names import PrintedNames
+from atleak.uncertainty.budget import MOST_BUDGETS
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.wording import languages, wording
 from atleak.workshop_units import UM
@@ -125,7 +126,7 @@ def of_mean(worn: Diagnosis) -> str:
 
 
 def test_the_budget_of_every_flagged_land_adds_up_to_its_uncertainty(worn: Diagnosis) -> None:
-    flagged = [land for land in worn.flagged if land.uncertainty.u_clearance][:BUDGETS]
+    flagged = [land for land in worn.flagged if land.uncertainty.u_clearance][:MOST_BUDGETS]
     tables = of_kind(Budget(names_of(worn)).blocks(), "table")
     assert len(tables) == len(flagged) > 1
     for land, table in zip(flagged, tables, strict=True):

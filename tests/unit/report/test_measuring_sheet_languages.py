@@ -12,14 +12,24 @@ import pytest
 from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
+from atleak.job.of_sheet import with_sheet
+from atleak.job.record import Job, Transmission, Vehicle
 from atleak.own_lands import OwnLands, OwnLength
 from atleak.pressure_table import Cell, Engine, GaugeReading, PressureTable
 from atleak.readings import Reading, Readings
 from atleak.report.measuring_sheet import SHEET, UNWORN_END, write_readings, write_template
+from atleak.report.measuring_sheet.head import fields_of
 from atleak.wording import languages, wording
 
 READERS = [(language, units) for language in languages() for units in ("metric", "us")]
 UM = 1e-6
+JOB = Job(
+    number="2026-0417",
+    technician="K. Weber",
+    measured_on=dt.date(2026, 4, 17),
+    vehicle=Vehicle(make="Volvo", model="V70", vin="YV1SW61", mileage_km=212000.0),
+    transmission=Transmission(serial="77-1"),
+)
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +58,7 @@ def written(unit, language: str, units: str) -> bytes:
     return write_readings(
         unit,
         found,
-        fields={"Date": "2026-04-17", "Measuring temperature": "26.5 °C"},
+        fields=fields_of(JOB) | {"Measuring temperature": "26.5 °C"},
         pressures=PressureTable("", "", None, (), gauges),
         own_lands=OwnLands(lengths=lengths),
         language=language,
@@ -61,7 +71,7 @@ def values_of(found: Readings) -> tuple:
     readings = [replace(each, place=None, diameter=round(each.diameter, 9)) for each in found.readings]
     gauges = [(each.cell, round(each.pressure)) for each in found.pressures.readings]
     lengths = [(each.key, round(each.contact_length, 9), round(each.position, 9)) for each in found.own_lands.lengths]
-    return readings, gauges, lengths, found.temperature, found.date
+    return readings, gauges, lengths, found.temperature, found.date, found.identity
 
 
 @pytest.mark.parametrize(("language", "units"), READERS)
@@ -73,6 +83,7 @@ def test_a_sheet_of_any_language_and_units_is_read_back_as_the_same(unit, langua
         dt.date(2026, 4, 17),
         26.5,
     )
+    assert with_sheet(None, back).identity == JOB.identity
     assert [message.code for message in back.messages] == ["rows_not_measured", "contact_length_measured"]
 
 

@@ -14,7 +14,6 @@ from atleak.diagnosis import Diagnosis
 from atleak.look import PAPER
 from atleak.repair import plan_repairs
 from atleak.report.printed_charts import Bar, pressures_chart, pump_chart, road_chart, shares_chart
-from atleak.report.printed_charts.surface import Scale, Surface
 from atleak.verdicts import Band, Verdict
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_speed import pump_over_speed
@@ -61,7 +60,7 @@ def test_every_applied_circuit_stands_with_its_pressure_and_the_word_of_its_verd
 
 def test_repaired_bars_are_drawn_only_with_a_plan(worn_clutch: Diagnosis) -> None:
     def bars(svg: str) -> int:
-        return svg.count(f'fill="{PAPER.rule}" stroke="{PAPER.ink}"')
+        return len(re.findall(rf"fill: {PAPER.rule.lower()}[^\"]*stroke: {PAPER.ink.lower()}", svg))
 
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
     planned = pressures_at(worn_clutch, worn_clutch.hot_idle, plan_repairs(worn_clutch).ends)
@@ -72,14 +71,14 @@ def test_repaired_bars_are_drawn_only_with_a_plan(worn_clutch: Diagnosis) -> Non
 
 def test_names_from_a_file_stay_text_in_charts(worn_clutch: Diagnosis, hostile: tuple[str, ...]) -> None:
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
+    usual = {element.tag for element in ElementTree.fromstring(pressures_chart(at, wording("en"))).iter()}
     names = iter(hostile)
     while named := [
         replace(each, circuit=replace(each.circuit, name=name)) for each, name in zip(at.circuits, names, strict=False)
     ]:
         circuits = (*named, *at.circuits[len(named) :])
         drawn = ElementTree.fromstring(pressures_chart(replace(at, circuits=circuits), wording("en")))
-        kinds = {element.tag.removeprefix(SVG) for element in drawn.iter()}
-        assert kinds <= {"svg", "title", "defs", "pattern", "path", "circle", "rect", "polygon", "text"}
+        assert {element.tag for element in drawn.iter()} == usual, "no name became an element of the drawing"
     marked = tuple((name, 10.0 + number) for number, name in enumerate(hostile))
     data = replace(pump_over_speed(worn_clutch, worn_clutch.hot_idle), marked=marked)
     ElementTree.fromstring(pump_chart(data, wording("en")))
@@ -93,23 +92,6 @@ def test_shares_of_a_pump_that_may_deliver_nothing_are_drawn_to_the_edge(low: fl
     assert "4.00" in said
 
 
-def test_ticks_are_round_few_and_inside_the_axis() -> None:
-    for high in (0.02, 0.9, 1.0, 7.3, 31.0, 1000.0, 1e6):
-        scale = Scale(0.0, high, 0.0, 100.0)
-        ticks = scale.ticks()
-        assert 3 <= len(ticks) <= 7
-        assert ticks[0] == 0.0
-        assert ticks[-1] <= high * (1.0 + 1e-6)
-        assert scale(ticks[-1]) <= 100.001
-
-
-def test_a_gap_in_a_curve_is_not_drawn_over() -> None:
-    surface = Surface(50.0)
-    surface.line([(0.0, 0.0), (1.0, 1.0), (2.0, math.nan), (3.0, 3.0), (3.01, 3.0), (4.0, 4.0)])
-    (path,) = ElementTree.fromstring(surface.svg()).iter(f"{SVG}path")
-    assert path.attrib["d"] == "M0.0 0.0L1.0 1.0M3.0 3.0L4.0 4.0"
-
-
 @pytest.mark.parametrize("share", [True, False])
 def test_leakage_pump_and_share_are_each_drawn_over_an_axis_of_their_own(worn: Diagnosis, share: bool) -> None:
     series, say = road_series(worn.road, 200), wording("de")
@@ -120,7 +102,7 @@ def test_leakage_pump_and_share_are_each_drawn_over_an_axis_of_their_own(worn: D
     said = words(drawn)
     titles = [say(f"charts.{name}", unit=say.unit("flow")) for name in ("leakage_in", "capacity_in", "share")]
     assert [title in said for title in titles] == [True, share, share]
-    curves = [path for path in ElementTree.fromstring(drawn).iter(f"{SVG}path") if path.attrib["d"].count("L") > 50]
-    heights = [[float(y) for y in re.findall(r"[ML]\S+ ([\d.]+)", path.attrib["d"])] for path in curves]
+    curves = [path for path in ElementTree.fromstring(drawn).iter(f"{SVG}path") if path.attrib["d"].count("L") > 15]
+    heights = [[float(y) for y in re.findall(r"[ML] \S+ ([\d.]+)", path.attrib["d"])] for path in curves]
     assert len(heights) == (3 if share else 1)
     assert all(max(above) < min(below) for above, below in pairwise(heights)), "no curve reaches into another field"

@@ -30,8 +30,9 @@ def test_every_formula_of_another_language_gives_its_cached_value(german, calcul
 
 @pytest.mark.parametrize("language", ["de", "pl"])
 def test_no_cell_stays_in_english(worn_clutch, language):
-    file = resources.files("atleak").joinpath("texts", language, "messages_workbook.toml")
-    messages = tomllib.loads(file.read_text(encoding="utf-8"))["messages"]
+    texts, messages = resources.files("atleak").joinpath("texts", language), {}
+    for name in ("messages_workbook.toml", "messages_workbook_audit.toml"):
+        messages |= tomllib.loads(texts.joinpath(name).read_text(encoding="utf-8"))["messages"]
     english = {template for template, said in messages.items() if template != said and "{" not in template}
     shown = texts_of(write_workbook(worn_clutch, language=language))
     assert shown & english - set(messages.values()) == set()

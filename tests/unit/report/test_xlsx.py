@@ -24,7 +24,7 @@ from atleak.views.repair_words import plan_ends
 from atleak.wording import signed, wording
 
 SHEETS = ["Summary", "Lands", "Land by condition", "Gaps", "Gaps hot idle", "Rules", "Readings", "Directions"]
-SHEETS += ["Road test", "Road test events", "Conditions", "Limits"]
+SHEETS += ["Instruments", "Uncertainty budget", "Road test", "Road test events", "Conditions", "Limits", "Constants"]
 
 # the first of the hostile texts at once, the others in the longer round
 FIRST_AND_THE_REST = pytest.mark.parametrize(

@@ -6,11 +6,12 @@ import gc
 import subprocess
 import sys
 import threading
+from types import ModuleType
 
 import pytest
 
 from atleak.system import memory
-from atleak.system.memory import collect_soon, set_imports_aside
+from atleak.system.memory import collect_soon, give_back, set_imports_aside
 
 SCRIPT = """
 import psutil
@@ -29,21 +30,37 @@ print(before - held())
 """
 
 
-def test_only_the_first_call_sets_imports_aside(monkeypatch: pytest.MonkeyPatch) -> None:
-    frozen: list[bool] = []
-    monkeypatch.setattr(gc, "freeze", lambda: frozen.append(True))
-    set_imports_aside.cache_clear()
+@pytest.fixture
+def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What the collector was asked for, in place of doing it; nothing was set aside before."""
+    asked: list[str] = []
+    for name in ("collect", "freeze", "unfreeze"):
+        monkeypatch.setattr(gc, name, lambda name=name: asked.append(name))
+    monkeypatch.setattr(memory, "_aside", 0)
+    return asked
+
+
+def test_what_was_imported_is_set_aside_once_and_again_after_further_imports(
+    calls: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     set_imports_aside()
     set_imports_aside()
-    set_imports_aside.cache_clear()
-    assert frozen == [True]
+    assert calls == ["collect", "freeze"]
+    monkeypatch.setitem(sys.modules, "a page's own library", ModuleType("library"))
+    set_imports_aside()
+    assert calls == ["collect", "freeze"] * 2
+
+
+def test_memory_is_given_back_of_all_that_was_set_aside_too(calls: list[str]) -> None:
+    give_back()
+    assert calls == ["unfreeze", "collect", "freeze"]
 
 
 def test_a_collection_that_many_ask_for_is_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     made = threading.Event()
     times: list[bool] = []
     monkeypatch.setattr(memory, "_SOON", 0.05)
-    monkeypatch.setattr(gc, "collect", lambda: (times.append(True), made.set()))
+    monkeypatch.setattr(memory, "_collect", lambda: (times.append(True), made.set()))
     for _ in range(5):
         collect_soon()
     assert made.wait(20.0)

@@ -11,7 +11,7 @@ from atleak.catalogue.instruments import load_instruments
 from atleak.diagnosis import Diagnosis
 from atleak.readings import clearances
 from atleak.uncertainty import Assumptions
-from atleak.uncertainty.budget import BudgetLine, budget_lines, combined
+from atleak.uncertainty.budget import BudgetLine, budget_lines, combined, effective_degrees, every_line
 from atleak.uncertainty.sources import LandSources, find_sources
 
 
@@ -87,3 +87,14 @@ def test_only_repeats_of_this_unit_have_degrees_of_freedom(worn: Diagnosis) -> N
     told = replace(land.spreads["sleeve"], origin="instrument")
     by_gauge = replace(land, spreads={**land.spreads, "sleeve": told})
     assert not lines_of(by_gauge)["repeats", "sleeve"].statistical
+
+
+def test_effective_degrees_of_freedom_are_those_of_repeats_alone_where_nothing_else_counts(worn: Diagnosis) -> None:
+    land = sources_of(worn, "air_gauge", "air_gauge", Assumptions())[0]
+    lines = every_line(land)
+    assert {line.source for line in budget_lines(land)} <= {line.source for line in lines}
+    repeats = [line for line in lines if line.statistical]
+    alone = [replace(repeats[0], degrees_of_freedom=7.0)]
+    assert effective_degrees(alone) == pytest.approx(7.0, rel=1e-12, abs=0.0)
+    assert effective_degrees([replace(repeats[0], degrees_of_freedom=math.inf)]) == math.inf
+    assert effective_degrees(lines) > effective_degrees(repeats) >= min(line.degrees_of_freedom for line in repeats)

@@ -45,6 +45,21 @@ def test_resolution_of_one_reading_is_rectangular(four_speed: Controller) -> Non
     assert spreads["spool"].origin == "resolution"
 
 
+def test_two_directions_a_step_apart_round_apart_whatever_the_diameter(four_speed: Controller) -> None:
+    """A difference of one step decided by the last digit of floating point, from one diameter to the next."""
+    tools = two_instruments(calibration=0.0, resolution=1 * UM, repeatability=None)
+    sheet = a_sheet(four_speed, clearance=25 * UM)
+    found = set()
+    for size in range(12_001, 12_013):
+        readings = tuple(
+            replace(each, diameter=(size + 50 * (each.part == "sleeve") + (each.direction == 90.0)) * UM)
+            for each in sheet.readings
+        )
+        land, _ = _found(four_speed, replace(sheet, readings=readings), tools)
+        found.add(round(land.standard_uncertainty / UM, 9))
+    assert found == {round(0.5 / math.sqrt(12.0), 9)}
+
+
 def test_mirrored_and_identical_repeats_count_as_resolution_not_as_zero(four_speed: Controller) -> None:
     tools = two_instruments(calibration=0.0, resolution=1 * UM, repeatability=None)
     once, _ = _found(four_speed, a_sheet(four_speed), tools)

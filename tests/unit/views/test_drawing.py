@@ -11,7 +11,7 @@ import pytest
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.look import LOOKS
-from atleak.views.drawing import controller_svg, shortened, spool_svg
+from atleak.views.drawing import controller_svg, shortened, spool_svg, upright_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -107,3 +107,19 @@ def test_names_from_a_file_stay_text(hostile):
 def test_shortened_keeps_what_fits():
     assert shortened("valve", 5) == "valve"
     assert shortened("valves", 5) == "valv…"
+
+
+def test_an_upright_spool_names_its_planes_and_is_called_not_to_scale_unless_its_lands_positions_are_known():
+    controller = load_controller("four_speed_2023")
+    known = tuple(replace(land, position=0.008 * land.land) for land in controller.lands_of("25"))
+    others = tuple(land for land in controller.lands if land.component != "25")
+    for lands, note in ((controller.lands, ["not to scale"]), ((*others, *known), [])):
+        svg = upright_svg(replace(controller, lands=lands), "25", (100.0, 150.0), "not to scale")
+        said = [text.text for text in ElementTree.fromstring(svg).iter(f"{SVG}text")]
+        assert said == [plane for land in known for plane in land.planes] + note
+    drawn = rectangles(svg)[1:]  # the first is the rod
+    one_scale = {round(float(each["height"]) / land.nominal_diameter) for each, land in zip(drawn, known, strict=True)}
+    along = {round(float(each["width"]) / land.contact_length) for each, land in zip(drawn, known, strict=True)}
+    assert max(one_scale | along) - min(one_scale | along) <= 0.01 * max(along)
+    with pytest.raises(KeyError):
+        upright_svg(controller, "no such", (100.0, 150.0), "")

@@ -27,8 +27,8 @@ class Rows(NamedTuple):
     left_out: int
 
     @property
-    def count(self) -> int:
-        """Return the number of rows."""
+    def number(self) -> int:
+        """Return how many rows there are."""
         return len(self.frame)
 
 
@@ -173,7 +173,7 @@ def column_numbers(candidate: Candidate, frame: pd.DataFrame, decimal: Decimal, 
     """Return a column's numbers, NaN where there is none; a column that cannot be read is NaN throughout."""
     column = frame[candidate.heading.index]
     values, unreadable = numbers(frame, candidate.heading.index, decimal)
-    if candidate.quantity != "lock_up":  # of a switch it is a value
+    if len(unreadable) and candidate.quantity != "lock_up":  # of a switch it is a value
         unreadable = unreadable[unreadable.str.lower() != OFF]
     if not len(unreadable):
         return _without_thousands(candidate, values, assigner)

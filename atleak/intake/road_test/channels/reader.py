@@ -89,7 +89,7 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     own_times = _own_times(table.headings, times, channels)
     if own_times is not None:
         return _read_own_times(own_times, rows, columns, channels, table, assigner, motions)
-    label, clock = best_clock(times, frame, table, assigner, motions, rows.count)
+    label, clock = best_clock(times, frame, table, assigner, motions, rows.number)
     timeline = build_timeline(clock.seconds)
     if not len(timeline.time):
         raise no_time(table, assigner)
@@ -101,7 +101,7 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
         ]
         if offered:
             assigner.decide(quantity, offered)
-    return TableResult(rows.count, timeline, label, clock, used=(label,), left_out=rows.left_out)
+    return TableResult(rows.number, timeline, label, clock, used=(label,), left_out=rows.left_out)
 
 
 def _may_be_time(candidate: Candidate) -> bool:
@@ -221,4 +221,4 @@ def _read_own_times(
             assigner.decide(quantity, offered)
     label = dict(time_columns)[first].label
     clock = clocks_by_column[first]
-    return TableResult(rows.count, base, label, clock, used=(label,), left_out=rows.left_out)
+    return TableResult(rows.number, base, label, clock, used=(label,), left_out=rows.left_out)

@@ -162,6 +162,8 @@ def best_clock(
 
 def _best(readable: list[tuple[Candidate, Clock]]) -> tuple[Candidate, Clock]:
     """Return the clock that serves best: what the user names, no counter of rows, no coarse or second clock."""
+    if len(readable) == 1:
+        return readable[0]
     stamps = {candidate.heading.index: _stamps(clock.seconds) for candidate, clock in readable}
     most = max(stamps.values())
 

@@ -15,6 +15,7 @@ from atleak.intake.units import Unit, find_unit
 from atleak.sentence import Sentence
 
 DAY = 86400.0
+_PART = 200_000  # samples that show what a clock counts
 _FIRST_EXCEL_DAY = dt.date(1899, 12, 30)
 
 
@@ -67,14 +68,15 @@ def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion
         known = find_unit(epoch, "time")
         assert known is not None
         return _epoch_clock(values, known)
-    if known is None and _excel_days(finite):
+    part = finite[:_PART]
+    if known is None and _excel_days(part):
         day = _FIRST_EXCEL_DAY + dt.timedelta(int(first))
         return Clock(np.round((values - first) * DAY, 6), "d", False, "Excel days", (), True, day)
     if known is not None:
         if epoch:
             return _epoch_clock(values, known)
         return Clock(values if known.factor == 1.0 else values * known.factor, known.name)
-    if _digits_of_a_clock(finite):
+    if _digits_of_a_clock(part):
         return Clock(_relative(_unwrap(_seconds_of_digits(values), DAY)), "clock", False, "time of day, HHMMSS")
     name, sure = _guess(finite, values, motions)
     factor = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name]
@@ -135,7 +137,7 @@ def _excel_days(values: np.ndarray) -> bool:
 
 
 def _guess(finite: np.ndarray, values: np.ndarray, motions: Sequence[Motion]) -> tuple[str, bool]:
-    steps = np.diff(finite[:200_000])
+    steps = np.diff(finite[:_PART])
     steps = steps[steps > 0]
     if not len(steps):
         return "s", False

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -18,7 +18,7 @@ from atleak.intake.road_test.files.decoding import LogText, to_text
 from atleak.intake.road_test.files.headings import Heading, Row
 from atleak.intake.road_test.files.layout import WHITESPACE, Layout, find_dialect, find_table, split_line
 from atleak.intake.road_test.files.log_file import HEAD, LARGE, PIECE, LogFile
-from atleak.intake.road_test.files.rows import QUOTE, Tally, mended, one_line_end, signs_per_line, tally
+from atleak.intake.road_test.files.rows import QUOTE, Tallying, mended, one_line_end, signs_per_line
 from atleak.sentence import Sentence
 
 _Numeric = dict[int, Literal["float64"]]  # column → how it is read
@@ -85,11 +85,12 @@ class Delimited:
         RoadTestError
             when its lines cannot be told apart, or many of them have more numbers than the table has columns.
         """
+        tallying = Tallying(self._pieces(), self.delimiter)
         try:
             frame = self._read_once(columns)
         except pd.errors.ParserError:
             frame = None
-        if frame is not None and self._tally().even(len(frame), self.per_line):
+        if tallying.result().even(-1 if frame is None else len(frame), self.per_line) and frame is not None:
             return self._without_cell_units(frame)
         text = self.text or prepared(self.source)
         rows = mended(text.data[self.offset :], self.delimiter, self.width, pad=frame is None)
@@ -107,11 +108,12 @@ class Delimited:
         frame.attrs["too_wide"] = rows.too_wide
         return self._without_cell_units(frame)
 
-    def _tally(self) -> Tally:
+    def _pieces(self) -> Iterator[memoryview]:
+        """Return the bytes of the rows, a piece at a time."""
         if self.text is None:
-            return tally(self.source.pieces(self.offset + 3 * self.encoding.endswith("sig")), self.delimiter)
-        data = self.text.data
-        return tally((data[at : at + PIECE] for at in range(self.offset, len(data), PIECE)), self.delimiter)
+            return self.source.pieces(self.offset + 3 * self.encoding.endswith("sig"))
+        data = memoryview(self.text.data)
+        return (data[at : at + PIECE] for at in range(self.offset, len(data), PIECE))
 
     def _without_cell_units(self, frame: pd.DataFrame) -> pd.DataFrame:
         """Take the unit out of the cells of the columns in which it stands behind every number."""
@@ -339,13 +341,16 @@ def without_cut_cell(text: LogText) -> LogText:
     return text
 
 
+_NO_WORDS = pd.Series([], dtype="str")
+
+
 def split_words(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, pd.Series]:
     """Return a column as floats, and those of its cells that are neither a number nor a word for *missing*."""
     if column.dtype.kind in "fiub":
         values = column.to_numpy(dtype=float)
         if column.dtype.kind == "f" and not np.isfinite(values.sum()) and np.isinf(values).any():
             values = np.where(np.isinf(values), np.nan, values)
-        return values, pd.Series([], dtype="str")
+        return values, _NO_WORDS
     text = column.astype("str").str.strip().str.strip('"').str.strip()
     plain = text
     if decimal == ",":

@@ -24,7 +24,7 @@ HEAD = 1 << 16
 """Bytes that show what a file is."""
 LARGE = 1 << 18
 """Text files beyond this size are not read into memory as a whole unless they must be."""
-PIECE = 1 << 20
+PIECE = 1 << 18
 """Bytes that are looked at together where a whole file is looked through."""
 SPARE = 120 << 20
 """Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
@@ -124,13 +124,14 @@ class LogFile:
         if self.folder is not None:
             self.folder.cleanup()
 
-    def pieces(self, start: int) -> Iterator[bytes]:
-        """Yield the log's bytes from ``start`` on, a piece at a time."""
+    def pieces(self, start: int) -> Iterator[memoryview]:
+        """Yield the log's bytes from ``start`` on, a piece at a time, each in place of the one before."""
         assert self.path is not None
-        with self.path.open("rb") as stream:
+        piece = memoryview(bytearray(PIECE))
+        with self.path.open("rb", buffering=0) as stream:
             stream.seek(start)
-            while piece := stream.read(PIECE):
-                yield piece
+            while length := stream.readinto(piece):
+                yield piece[:length]
 
     def part(self, start: int, stop: int) -> bytes:
         """Return the log's bytes from ``start`` to ``stop``."""

@@ -8,7 +8,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.intake.readings import read_readings
 from atleak.readings import Reading, Readings
-from atleak.report.measuring_sheet import FIELDS, write_readings
+from atleak.report.measuring_sheet import write_readings
 from atleak.sheet_identity import SheetIdentity
 from atleak.wording import languages
 
@@ -72,7 +72,7 @@ def test_a_mileage_that_cannot_be_read_is_told_and_refuses_nothing(
 
 
 @pytest.mark.parametrize("language", languages())
-@pytest.mark.parametrize("filled", ["all of them", *FIELDS])
+@pytest.mark.parametrize("filled", ["all of them", "Job", "Measured by"])
 def test_what_is_written_in_the_form_is_read_from_it_in_any_language(
     controller: Controller, language: str, filled: str
 ) -> None:
@@ -95,3 +95,13 @@ def test_what_is_written_in_the_form_is_read_from_it_in_any_language(
         expected["mileage"] = 182_000.0  # type: ignore[assignment]
     identity = read_readings(sheet, controller, name="sheet.xlsx").identity
     assert identity == SheetIdentity(**expected)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_bare_number_in_the_form_is_in_the_unit_of_its_label(controller: Controller, language: str) -> None:
+    land = controller.lands[0]
+    readings = [Reading(land.component, "spool", "1", 0.0, 1, land.nominal_diameter)]
+    fields = {"Mileage": "120000", "Measuring temperature": "77"}
+    sheet = write_readings(controller, readings, fields=fields, language=language, units="us")
+    read = read_readings(sheet, controller, name="sheet.xlsx")
+    assert (read.identity.mileage, read.temperature) == (120_000.0 * MILES, 25.0)

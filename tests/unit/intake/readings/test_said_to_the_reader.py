@@ -11,7 +11,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
-from atleak.intake.readings.headings import EXPECTED, read_heading
+from atleak.intake.readings.headings import EXPECTED
+from atleak.intake.readings.one_heading import read_heading
 from atleak.phrases import PART_WORDS
 from atleak.readings import clearances
 from atleak.wording import wording

@@ -1,0 +1,150 @@
+"""What the cells of the workbook are: no number hides in a formula, what may be changed is open, all else follows."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from collections.abc import Iterator
+
+import openpyxl
+import pytest
+
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.profile import PAPER, WORKSHOP
+from atleak.look import INPUT
+from atleak.report.xlsx import write_workbook
+from atleak.wording import wording
+
+#: What a formula may hold itself: halves, squares, cubes and fourth powers, ranks and places, the 12 of flow between
+#: plates and of a rectangle's variance; the one decimal that the headline shows; minutes, percent and SI prefixes.
+STRUCTURAL = {"0", "1", "2", "3", "4", "12"} | {"10"} | {"60", "100", "1000", "0.001", "1E-6", "1E6"}
+_FORMULA = re.compile(r"<f>([^<]*)</f>")
+_TEXT = re.compile(r"&quot;|\"[^\"]*\"|'[^']*'!")
+_NUMBER = re.compile(r"(?<![\w.$])\d+(?:\.\d+)?(?:[eE][+-]?\d+)?(?![\w.(!])")
+_NAME = re.compile(r"(?<![\w.$!])(?:const|limit)_\w+")
+
+
+#: Of budgets, asked for by lands with a part not measured, without a second direction, without repeats.
+OF_OTHER_LANDS = {
+    "const_own_mounting", "const_unseen_ovality", "const_tolerance_coverage", "const_repeats_apart",
+    "const_nominal_diameter",
+}  # fmt: skip
+
+
+def formulas(content: bytes) -> Iterator[str]:
+    """Every formula of a workbook, without its texts and the names of sheets."""
+    with zipfile.ZipFile(io.BytesIO(content)) as parts:
+        for part in parts.namelist():
+            if part.startswith("xl/worksheets/sheet"):
+                for text in _FORMULA.findall(parts.read(part).decode("utf-8")):
+                    yield _TEXT.sub("", text.replace("&quot;", '"').replace("&gt;", ">").replace("&lt;", "<"))
+
+
+def numbers_in(content: bytes) -> set[str]:
+    return {number for text in formulas(content) for number in _NUMBER.findall(text)} - STRUCTURAL
+
+
+def of_profile(found: Diagnosis, **options: str) -> Diagnosis:
+    profile = PAPER if options == {"name": "paper"} else WORKSHOP.with_options(**options)
+    return diagnose(found.controller, found.fluid, found.limits, readings=found.readings, profile=profile)
+
+
+@pytest.fixture(scope="module")
+def content(worn_clutch) -> bytes:
+    return write_workbook(worn_clutch)
+
+
+@pytest.fixture(scope="module")
+def book(content) -> openpyxl.Workbook:
+    return openpyxl.load_workbook(io.BytesIO(content))
+
+
+def test_no_number_hides_in_a_formula(content):
+    assert numbers_in(content) == set()
+    assert _NUMBER.findall("A1*2.5+$B$3*1E-6-c_2/stated_n1+ROUND(x,0)+LOG10(3)") == ["2.5", "1E-6", "0", "3"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"name": "paper"},
+        {"eccentricity": "0.4", "viscosity": "regression"},
+        {"eccentricity": "unknown", "entry_loss": "off"},
+    ],
+    ids=str,
+)
+def test_no_number_hides_in_a_formula_of_other_units_and_profiles(worn, options):
+    assert numbers_in(write_workbook(of_profile(worn, **options))) == set()
+
+
+def test_every_constant_is_asked_for_by_its_name_and_has_unit_or_source(content, book):
+    asked = {name for text in formulas(content) for name in _NAME.findall(text)}
+    named = {name for name in book.defined_names if name.startswith(("const_", "limit_"))}
+    assert asked <= named
+    assert {name for name in named - asked if name.startswith("const_")} == OF_OTHER_LANDS
+    rows = list(book["Constants"].iter_rows(min_row=2, values_only=True))
+    assert {row[0] for row in rows} == {name for name in named if name.startswith("const_")} - {"const_terms_of_series"}
+    assert all(label and source and value is not None for _, label, value, _, source in rows)
+
+
+def test_what_is_blue_is_open_and_all_else_is_protected_without_a_password(book):
+    blue = f"FF{INPUT.lstrip('#')}".upper()
+    differing = []
+    for sheet in book:
+        assert sheet.protection.sheet
+        assert sheet.protection.password is None
+        for row in sheet.iter_rows():
+            for cell in row:
+                colour = cell.font.color.rgb if cell.font.color is not None else None
+                if cell.value is not None and cell.protection.locked == (str(colour).upper() == blue):
+                    differing.append((sheet.title, cell.coordinate))
+    assert differing == []
+
+
+@pytest.mark.parametrize("language", ["en", pytest.param("de", marks=pytest.mark.slow), "pl"])
+def test_the_first_sheet_says_that_there_is_no_password(worn_clutch, language):
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(worn_clutch, language=language)), data_only=True)
+    said = {"en": "without a password", "de": "ohne Kennwort", "pl": "bez hasła"}[language]
+    texts = [str(cell.value) for row in book.worksheets[0].iter_rows() for cell in row if cell.value]
+    assert [text for text in texts if said in text]
+
+
+def test_what_counts_is_chosen_from_a_list_in_the_reader_s_words(worn_clutch):
+    say = wording("pl")
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(worn_clutch, language="pl")))
+    (choice,) = [each for sheet in book for each in sheet.data_validations.dataValidation]
+    assert choice.formula1 == f'"{say("estimate.yes")},{say("estimate.no")}"'
+
+
+#: Numbers that name, order or weigh what stands in a row by where it stands: no result, and nothing to change.
+_STRUCTURE = (
+    "land", "repeat", "direction [°]", "row", "step, and term of the series",
+    "weight: directions of a plane alike, planes alike", "sensitivity c", "gear", "roundings in one diameter",
+    "part of a two-lobe form that its directions leave", "the same of other forms, of two directions 1",
+    "a mark of this workbook, not a quantity", "const_rounding",
+)  # fmt: skip
+
+
+def test_a_number_that_cannot_follow_is_marked_as_issued(book):
+    """Of the sheets that compute: a number is a formula, or open to change, or its row or column says *as issued*."""
+    around = ("Summary", "Job", "Messages", "Provenance", "Road test", "Road test events")
+    unmarked = []
+    for sheet in (sheet for sheet in book if sheet.title not in around):
+        heads: dict[int, str] = {}
+        for row in sheet.iter_rows():
+            heads |= {cell.column: cell.value for cell in row if cell.font.b and isinstance(cell.value, str)}
+            words = {cell.value for cell in row if isinstance(cell.value, str)}
+            for cell in row:
+                if isinstance(cell.value, int | float) and cell.protection.locked:
+                    said = words | {heads.get(cell.column, "")}
+                    if not said & set(_STRUCTURE) and "as issued" not in " ".join(said):
+                        unmarked.append((sheet.title, cell.coordinate, said))
+    assert unmarked == []
+
+
+@pytest.mark.slow
+def test_of_a_unit_with_a_road_test_too(worn):
+    test_a_number_that_cannot_follow_is_marked_as_issued(openpyxl.load_workbook(io.BytesIO(write_workbook(worn))))
