@@ -175,7 +175,7 @@ def _workbook(job: _Job) -> Understood:
     titled = [replace(sheet, titled=True) for sheet in sheets]
     good = [reading for sheet in titled if (reading := _read_sheet(sheet, job)) is not None]
     if not good:
-        first = max(sheets, key=lambda sheet: len(sheet.rows))
+        first = max(sheets, key=lambda sheet: sheet.cells.rows)
         return _one_table(first, _blank(job, first), job)
     with_several_signals = [reading for reading in good if len(reading.assigner.signals) >= 2]
     if with_several_signals or len(good) == 1:
