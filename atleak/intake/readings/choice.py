@@ -18,6 +18,7 @@ from atleak.intake.readings.sheet_tables import Table, continued, find_tables
 from atleak.intake.readings.turned import turned
 from atleak.intake.readings.values import Key
 from atleak.intake.readings.words import is_repeat_title
+from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Sheet
 from atleak.phrases import PART_WORDS
 from atleak.sentence import Sentence
@@ -243,6 +244,8 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
     asked: dict[str | None, None] = {}
     reported: set[tuple[int, int]] = set()
     for before, rows in zip((None, *read), read, strict=False):
+        if len(problems) > FAULTS:
+            break
         if is_repeat_title(rows.table.title):
             continue
         over_the_page = _goes_on(before, rows)

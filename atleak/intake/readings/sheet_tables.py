@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import zip_longest
 
 from atleak.catalogue.instruments import Part
-from atleak.errors import Message, Place
+from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.counts import with_counts
 from atleak.intake.readings.deviations import with_deviations
@@ -29,6 +30,7 @@ from atleak.intake.readings.words import (
     text_of,
     vocabulary,
 )
+from atleak.intake.sheets.extent import TABLES
 from atleak.intake.sheets.sheet import Sheet
 from atleak.sentence import Sentence, all_of
 
@@ -59,7 +61,7 @@ class Table:
     told: tuple[Message, ...] = ()
     filled: frozenset[int] = frozenset()
 
-    @property
+    @cached_property
     def title(self) -> str:
         """Return the line of text above the headings, but no count of pages; "" where there is none."""
         lines = [row for row in range(self.header.first) if any(not is_blank(cell) for cell in self.sheet.rows[row])]
@@ -67,7 +69,7 @@ class Table:
         title = " ".join(map(str, cells)) if len(cells) == 1 and isinstance(cells[0], str) else ""
         return "" if is_page_title(title) else title
 
-    @property
+    @cached_property
     def columns(self) -> range:
         """Return the columns that the table spans."""
         wide = [index for index, text in enumerate(self.header.texts) if text]
@@ -92,7 +94,7 @@ class Table:
         column = self.header.values[0]
         return self.sheet.place(max(self.header.last, 0), column.index, column.name)
 
-    @property
+    @cached_property
     def block(self) -> range:
         """Return the rows under the headings up to the first empty one."""
         for row in self.rows[1:]:
@@ -104,7 +106,7 @@ class Table:
         """Return the heading of a column on one line, "" where it has none."""
         return self.header.text(index)
 
-    @property
+    @cached_property
     def where(self) -> Sentence:
         """Return the rows from the headings to the last one, as a person counts them."""
         first = self.sheet.row_number(max(self.header.first, 0))
@@ -200,6 +202,10 @@ def _only(sheet: Sheet, left: int, right: int, end: int | None = None) -> Sheet:
 
 def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
     headers = find_headers(sheet, names.is_named)
+    if len(headers) > TABLES:
+        problem = Sentence("this sheet has {count} tables with headings of their own", count=len(headers))
+        expected = Sentence("at most {count}", count=TABLES)
+        raise ReadingsError(problem, place=sheet.place(), expected=expected)
     for header, following in zip_longest(headers, headers[1:]):
         end = len(sheet.rows)
         if following is not None:
