@@ -63,11 +63,14 @@ def _kind(cells: Sequence[Cell], names: ControllerNames) -> str | None:
     texts = [cell for cell in cells if isinstance(cell, str)]
     if not texts or len(texts) < len(cells):
         return None
-    labels = [read_label(cell, names) for cell in texts]
-    for kind in _HEADINGS:
-        if all(label is not None and set(label.said) - {"unit"} == {kind} for label in labels):
-            return kind
-    return None
+    kinds: set[str] = set()
+    for text in dict.fromkeys(texts):
+        label = read_label(text, names)
+        kinds |= set() if label is None else set(label.said) - {"unit"}
+        if label is None or len(kinds) != 1:
+            return None
+    kind = kinds.pop()
+    return kind if kind in _HEADINGS else None
 
 
 def _spread(sheet: Sheet, first: int, keys: Sequence[int]) -> dict[tuple[int, int], tuple[int, int]]:
