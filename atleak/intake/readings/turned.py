@@ -9,6 +9,7 @@ from itertools import zip_longest
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.labels import read_label
 from atleak.intake.readings.one_heading import Role, read_heading
+from atleak.intake.readings.sizes import numbers_of
 from atleak.intake.readings.words import is_blank, text_of
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.workbook_marks import Marks
@@ -47,7 +48,7 @@ def _headed(sheet: Sheet, first: int, names: ControllerNames) -> Sheet:
         said = read_heading(text_of(heading)) if isinstance(heading, str) and heading else None
         below = [cell for row in range(first + 1, len(sheet.rows)) if not is_blank(cell := sheet.cell(row, column))]
         if not below:
-            headings[column] = ""  # a title beside nothing
+            headings[column] = heading if numbers_of(heading) else ""  # a title or a note beside nothing
             continue
         kind = _kind(below, names)
         if kind is not None and (said is None or said.role != kind):
