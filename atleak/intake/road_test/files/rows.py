@@ -73,7 +73,7 @@ class Tallying:
 
 def signs_per_line(lines: Sequence[bytes], delimiter: str) -> tuple[int, int] | None:
     """Return how many delimiters and quotation marks each line has; None where lines differ or blanks part cells."""
-    counts = {(line.count(delimiter.encode()), line.count(QUOTE)) for line in lines}
+    counts = {(line.count(delimiter.encode()), line.count(QUOTE)) for line in lines if line.strip()}
     return counts.pop() if len(counts) == 1 and delimiter != " " else None
 
 
