@@ -9,6 +9,7 @@ from pathlib import Path
 
 import streamlit as st
 
+from pages.shared.entrance import may_send_files
 from pages.shared.left_sessions import let_go_in_time
 from pages.shared.requests_let_in import bracketed, guards
 
@@ -27,5 +28,5 @@ async def served(_: st.App) -> AsyncIterator[None]:
 app = st.App(
     Path(__file__).with_name("app.py"),
     lifespan=served,
-    middleware=guards(st.get_option("server.allowedHosts")),
+    middleware=guards(st.get_option("server.allowedHosts"), may_send_files),
 )

@@ -105,14 +105,14 @@ def matrix(diagnosis: Diagnosis) -> None:
     style = frame.style
     for number, name in enumerate(names):
         cells = [row.cells[number] for row in rows]
-        for level in (*Verdict, None):
+        for level in dict.fromkeys(cell.verdict for cell in cells if cell.leakage > 0.0):
             these = [place for place, cell in enumerate(cells) if cell.leakage > 0.0 and cell.verdict == level]
             part = pd.IndexSlice[these, [name]]
             style = style.format(partial(_written, say, level), subset=part, na_rep=_beyond(say, level))
             if level is not None:
                 style = style.map(partial(_css, level), subset=part)
-        silent = [place for place, cell in enumerate(cells) if cell.leakage == 0.0]
-        style = style.format(lambda _: "–", subset=pd.IndexSlice[silent, [name]])
+        if silent := [place for place, cell in enumerate(cells) if cell.leakage == 0.0]:
+            style = style.format(lambda _: "–", subset=pd.IndexSlice[silent, [name]])
     config = _condition_columns(diagnosis, say, "diagnosis.matrix_help")
     wide, height = _room_for(frame[_PAIR])
     config[_PAIR] = st.column_config.TextColumn(say("diagnosis.matrix_pair"), width=wide, pinned=True)

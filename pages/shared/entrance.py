@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import streamlit as st
+from streamlit.runtime.scriptrunner import get_script_run_ctx
 
 from atleak.errors import InputError
 from atleak.network import ALLOWED, is_here_alone
@@ -16,8 +17,18 @@ if TYPE_CHECKING:
     from atleak.admission import Allowed
 
 
+_INSIDE: set[str] = set()  # ids of the sessions that were let in
+
+
 def is_open() -> bool:
     """Tell whether the visitor may see the dashboard; the list is read each time, so that it holds at once."""
+    is_open, context = _is_open(), get_script_run_ctx(suppress_warning=True)
+    if context is not None:
+        (_INSIDE.add if is_open else _INSIDE.discard)(context.session_id)
+    return is_open
+
+
+def _is_open() -> bool:
     path = os.environ.get(ALLOWED)
     if path is None:
         return is_here_alone(str(st.get_option("server.address")))
@@ -27,6 +38,11 @@ def is_open() -> bool:
         return bool(st.user.get("is_logged_in")) and _allowed(path).admits(st.user.to_dict())
     except InputError:
         return False
+
+
+def may_send_files(session: str) -> bool:
+    """Tell whether a session, by its id, was let in when its page was drawn last."""
+    return session in _INSIDE
 
 
 def draw() -> None:

@@ -6,7 +6,7 @@ A page of somebody else's can make a browser ask this server something: under a 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers
@@ -35,10 +35,37 @@ class OwnPagesAlone:
         await self.app(scope, receive, send)
 
 
-def guards(names: Iterable[str]) -> list[Middleware]:
-    """Return what every request passes before it reaches the dashboard, which answers under these names."""
+class FilesOfVisitors:
+    """Refuse files that are sent by a session that may not send any: Streamlit takes them from each."""
+
+    def __init__(self, app: ASGIApp, may_send: Callable[[str], bool]) -> None:
+        self.app, self.may_send = app, may_send
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http":
+            _, _, sent = scope["path"].partition("/_stcore/upload_file/")
+            if sent and not self.may_send(sent.partition("/")[0]):
+                await PlainTextResponse("Not signed in", status_code=403)(scope, receive, send)
+                return
+        await self.app(scope, receive, send)
+
+
+def guards(names: Iterable[str], may_send: Callable[[str], bool]) -> list[Middleware]:
+    """Return what every request passes before it reaches the dashboard.
+
+    Parameters
+    ----------
+    names
+        under which the dashboard answers.
+    may_send
+        tells of a session, by its id, whether it may send files.
+    """
     hosts = [bracketed(name) for name in names]
-    return [Middleware(TrustedHostMiddleware, allowed_hosts=hosts, www_redirect=False), Middleware(OwnPagesAlone)]
+    return [
+        Middleware(TrustedHostMiddleware, allowed_hosts=hosts, www_redirect=False),
+        Middleware(OwnPagesAlone),
+        Middleware(FilesOfVisitors, may_send=may_send),
+    ]
 
 
 def bracketed(name: str) -> str:

@@ -114,7 +114,8 @@ def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **o
         for heading, column in headings.items()
     }
     frame = pd.DataFrame(cells)
-    style, config, written = frame.style, {}, {}
+    style, config = frame.style, {}
+    written: dict[Any, str | Callable[[object], str] | None] = {}
     for heading, column in headings.items():
         config[heading] = st.column_config.Column(help=column.help(say), width=column.width)
         if column.is_number:

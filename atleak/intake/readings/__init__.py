@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import Literal
 
 from atleak.catalogue.controller import Controller
+from atleak.doors import own_errors_only
 from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.gauge_table import find_tabs, likeness_of
 from atleak.intake.readings import agreement
@@ -46,6 +47,7 @@ from atleak.intake.readings.states import require_known
 from atleak.intake.readings.unread import Account
 from atleak.intake.readings.values import Converted, convert
 from atleak.intake.readings.words import is_word
+from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
@@ -58,6 +60,7 @@ from atleak.sentence import Sentence, all_of, in_a_row
 __all__ = ["ReadingsRefused", "check", "read_readings"]
 
 
+@own_errors_only(ReadingsError, "name", "source")
 def read_readings(
     source: str | Path | bytes,
     controller: Controller,
@@ -124,7 +127,7 @@ def read_readings(
     of_lands = read_land_values([*chosen.tables, *chosen.of_lands], names, given_unit, where)
     controller = of_lands.own.with_fitted(controller)
     names = ControllerNames(controller)
-    read = [read_rows(table, names, given_unit, where) for table in chosen.tables]
+    read = _read_all(chosen.tables, names, given_unit, where)
     read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
     problems = [problem for rows in read for problem in rows.problems]
     problems += require_one_measurement(read, file)
@@ -175,6 +178,18 @@ def read_readings(
     if not (result.readings or result.unworn or _typed_in(sheets)) and pressures is None:
         raise _none_left(result) or _not_filled_in(first)
     return result
+
+
+def _read_all(
+    tables: Sequence[Table], names: ControllerNames, unit: Unit | None, where: Mapping[str, str] | None
+) -> list[Rows]:
+    """Return the rows of tables, until there are so many faults that the file is something else."""
+    read: list[Rows] = []
+    for table in tables:
+        if sum(len(rows.problems) for rows in read) > FAULTS:
+            break
+        read.append(read_rows(table, names, unit, where))
+    return read
 
 
 def _typed_in(sheets: Sequence[Sheet]) -> bool:

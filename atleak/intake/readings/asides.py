@@ -50,6 +50,7 @@ LEFT_ASIDE = (
 )  # codes of messages
 _HALF_A_MICROMETRE = 0.5e-3  # in the numbers of a sheet in mm: how far a mean may be rounded
 _SHOWN = 4
+_OF_GAUGE = vocabulary("gauge", "calibration")
 _DIAMETER = vocabulary("diameter")
 _MARKS = {"x", "✓", "✔", "1"}
 _NAMES: dict[Summary, tuple[Sentence, Sentence]] = {  # of one, and of several
@@ -164,9 +165,11 @@ class Asides:
         component = self.columns.component
         others = [index for index in self._keys if component is not None and index != component.index]
         others = [index for index in others if self._cells(index)]
-        if component is None or not others or any(not is_blank(self.sheet.filled(row, index)) for index in others):
+        if component is None or any(not is_blank(self.sheet.filled(row, index)) for index in others):
             return None
         label = self.sheet.filled(row, component.index)
+        if not others and not any(word in _OF_GAUGE for word in letters(label)):
+            return None
         if not isinstance(label, str) or is_blank(label) or self.names.component(label) is not None:
             return None
         near = nearest_name(plain(label), [name for name, _ in self.names.by_length])

@@ -180,9 +180,13 @@ def read_heading(text: str, index: int = 0) -> Column | None:
         *(repeat, spot.land, spot.plane),
         otherwise=named if by_place else None,
         standing=standing,
-        tentative=(outcome and not words & _SIZE and repeat is None) or by_place,
+        tentative=(outcome and not words & _SIZE and repeat is None) or by_place or _is_bare_letter(rest, unit),
         besides=besides_numbers(others),
     )
+
+
+def _is_bare_letter(text: str, unit: Unit | None) -> bool:
+    return unit is None and LETTERED.fullmatch(text.strip()) is not None
 
 
 def _role_at_spot(named: Role | None, others: Sequence[str], unit: Unit | None) -> Role | None:
@@ -237,6 +241,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
     parts = {part_of(word) for word in words if len(word) > 2} - {None}
     numbered = any(re.fullmatch(r"\d+", word) for word in words)
     key = any(words & each for each in (_DIRECTION, _PLANE, _LAND, _REPEAT, _COMPONENT, _PART, _NUMBER))
+    numbered_letter = text.strip()[1:].isdigit()  # "d1": of a diameter if its cells are
     simple: list[tuple[bool, Role]] = [
         (_is_earlier(words, sized or (bool(parts) and not key)) and not words & _QUANTITY, "specification"),
         (bool(words & _STANDING) and (sized or bool(words & _READING) or len(words) == 1), "diameter"),
@@ -263,7 +268,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         ),
         (len(parts) == 1 and unit is not None, "diameter"),
         (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
-        (bool(LETTERED.fullmatch(text.strip())) and unit is not None, "diameter"),
+        (bool(LETTERED.fullmatch(text.strip())) and (unit is not None or numbered_letter), "diameter"),
         (all(is_angle(word) for word in words), "diameter"),
         (bool(words & _GAUGE) and unit is not None, "gauge"),
     ]

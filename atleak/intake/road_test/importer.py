@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from atleak.doors import own_errors_only
 from atleak.errors import InputError, Message, Place, RoadTestError
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Ambiguous, Assigner, stated_units
@@ -53,6 +54,7 @@ class _Job:
         )
 
 
+@own_errors_only(RoadTestError, "name", "source")
 def understand(
     source: str | Path | bytes,
     *,

@@ -24,7 +24,7 @@ from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY
 from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, FULLY_ECCENTRIC, MEAN_ECCENTRIC
 from atleak.readings import REPEAT_TOLERANCE
 from atleak.report.xlsx.book import NO_DELIVERY, Book, cell
-from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, Ends, write_cell
+from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, CHANGEABLE, Cell, Ends, write_cell
 from atleak.report.xlsx.names import (
     ABSOLUTE,
     COVERAGE,
@@ -106,7 +106,7 @@ class ConstantCells:
             book.put(sheet, row, 0, each.name)
             book.put(sheet, row, 1, each.label)
             write_cell(book, sheet, row, 2, Cell(each.kind, each.value, each.formula, look))
-            book.put(sheet, row, 3, each.unit)
+            book.put(sheet, row, 3, each.unit, book.form(**AFTER_A_NUMBER))
             book.put(sheet, row, 4, each.source)
             book.workbook.define_name(each.name, f"={cell(row, 2, self.sheet)}")
         for column, width in enumerate((32, 74, 16, 12, 90)):

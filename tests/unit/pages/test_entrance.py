@@ -97,3 +97,7 @@ def test_a_visitor_who_is_not_signed_in_sees_a_way_to_sign_in_and_nothing_else(
     assert [each.value for each in app.text] == ["This dashboard is for the people of one workshop. Sign in to go on."]
     assert not app.sidebar.children
     assert "sample" not in texts(app).lower()
+    assert not entrance.may_send_files("test session id")
+    monkeypatch.setenv(ALLOWED, "")
+    app.run()
+    assert entrance.may_send_files("test session id")

@@ -26,8 +26,8 @@ def behind(guards: list[Middleware]) -> ASGIApp:
     return served
 
 
-def answers(**headers: str) -> set[int]:
-    """The status that a page and a session's websocket are answered with."""
+def answers(path: str = "/", **headers: str) -> set[int]:
+    """The status that a page and a session's websocket are answered with; one session may send files."""
     said: list[Message] = []
 
     async def send(message: Message) -> None:
@@ -37,9 +37,9 @@ def answers(**headers: str) -> set[int]:
         return {"type": "http.request"}
 
     raw = [(name.encode(), value.encode()) for name, value in headers.items()]
-    served = behind(guards(["localhost", "127.0.0.1", "::1"]))
+    served = behind(guards(["localhost", "127.0.0.1", "::1"], "inside".__eq__))
     for kind in ("http", "websocket"):
-        scope: dict[str, Any] = {"type": kind, "path": "/", "method": "GET", "headers": raw, "query_string": b""}
+        scope: dict[str, Any] = {"type": kind, "path": path, "method": "GET", "headers": raw, "query_string": b""}
         asyncio.run(served(scope, nothing, send))
     return {message["status"] for message in said if "status" in message}
 
@@ -63,3 +63,10 @@ def test_a_page_of_another_origin_gets_nothing(origin: str) -> None:
 
 def test_a_request_without_host_is_refused() -> None:
     assert answers() == {400}
+
+
+def test_only_who_was_let_in_sends_files() -> None:
+    sent = "/_stcore/upload_file/{}/1"
+    assert answers(sent.format("inside"), host="localhost") == {LET_IN}
+    assert answers(sent.format("outside"), host="localhost") == {LET_IN, 403}  # of the two, the page
+    assert answers(sent.format(""), host="localhost") == {LET_IN, 403}

@@ -20,6 +20,7 @@ from atleak.intake.road_test.files.layout import Layout, find_table
 from atleak.intake.road_test.files.log_file import LogFile
 from atleak.intake.road_test.files.sheet_cells import SheetCells
 from atleak.intake.road_test.names.matching import match_name, split_unit
+from atleak.intake.sheets.extent import cut
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,7 @@ def _text(cell: object, decimal: Decimal = ".") -> str:
     if isinstance(cell, dt.timedelta):
         seconds = cell.total_seconds()
         return f"{int(seconds // 3600)}:{int(seconds % 3600 // 60):02d}:{seconds % 60:06.3f}"
-    return str(cell).strip()
+    return str(cut(str(cell).strip()))
 
 
 def _column(cells: list[object]) -> pd.Series:
