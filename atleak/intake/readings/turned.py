@@ -43,7 +43,7 @@ def turned(sheet: Sheet, names: ControllerNames) -> Sheet | None:
 def _headed(sheet: Sheet, first: int, names: ControllerNames) -> Sheet:
     """Return the turned sheet with headings in row ``first`` for keys that have none, and keys spread over theirs."""
     headings = list(sheet.rows[first])
-    rows = [*sheet.rows[:first], headings, *map(list, sheet.rows[first + 1 :])]
+    rows: list[list[Cell]] = [*map(list, sheet.rows[:first]), headings, *map(list, sheet.rows[first + 1 :])]
     keys: list[int] = []
     titles: dict[int, str] = {}
     named = False
