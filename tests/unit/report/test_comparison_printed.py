@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -74,7 +75,7 @@ def test_one_page_says_what_was_wrong_done_and_brought(printed, repaired: Compar
         for side in (land.before, land.after):
             assert say.number(side.state.radial_clearance * 1e6, 1) in text
     assert say("comparison.uncertain") in text  # of component 4, which nobody touched
-    for written in ("Łucja Example", "Example Workshop", "17", "18", "2026-03-09"):
+    for written in ("Łucja Example", "Example Workshop", "17", "18", say.date(dt.date(2026, 3, 9))):
         assert written in text
     assert b"<pdfaid:part>2<" in content
     assert b"<pdfuaid:part>1<" in content
