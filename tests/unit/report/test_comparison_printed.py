@@ -63,6 +63,7 @@ def test_one_page_says_what_was_wrong_done_and_brought(printed, repaired: Compar
     text = text_of(content)
     for name in ("title", "wrong", "done", "result", "pairs", "totals"):
         assert say(f"comparison.{name}") in text
+    assert text.count(say("customer.seal")) == 1, "the sentence of the report's own first page"
     first, second = (each.verdict for each in (repaired.before, repaired.after))
     assert say.level(first).capitalize() in text
     assert say.level(second).capitalize() in text
