@@ -345,6 +345,8 @@ def _read_alike(read: _ClockParts, table: np.ndarray, rows: np.ndarray, length: 
     for edge in (match.start() - 1, match.end()):
         if 0 <= edge < length:
             alike &= ~(block[edge] - 48 < 10)
+    if not alike.any():  # not even the first: it holds a digit of no usual kind
+        return rows[1:]
     if not alike.all():
         block, chosen, rest = block[:, alike], rows[alike], rows[~alike]
     else:
