@@ -90,7 +90,7 @@ PRICE = AskedNumber(Sentence("price"), "", 61.5, (0.0, 1e8), (0.0, 1e6))
 HOURS = AskedNumber(Sentence("time"), "h", 1.5, (0.0, 1_000.0), (0.0, 60.0))
 LABOUR_RATE = AskedNumber(Sentence("labour rate"), "per hour", 95.0, (0.0, 1e7), (0.0, 1e5))
 TAX = AskedNumber(Sentence("tax"), "%", 23.0, (0.0, 100.0), (0.0, 30.0))
-INTERVAL = AskedNumber(Sentence("interval between rows"), "s", 0.033, (1e-6, 3_600.0), (1e-3, 60.0))
+INTERVAL = AskedNumber(Sentence("row interval"), "s", 0.033, (1e-6, 3_600.0), (1e-3, 60.0))
 SHIFT = AskedNumber(Sentence("shift"), "s", 1.5, (-1e7, 1e7), (-86_400.0, 86_400.0))
 
 

@@ -1,12 +1,16 @@
 """Choose repairs, decide on them with the customer, and say what they cost."""
 
+from functools import partial
+
 import streamlit as st
 
 from atleak.report.estimate_words import EstimateWords
 from atleak.report.pdf import write_pdf
 from atleak.wording import languages, wording
-from pages.shared import estimate_form, files, panel, reader
+from pages.shared import estimate_form, files, font_form, panel, reader
 from pages.shared.state import job
+
+_SECTIONS = ("repair", "estimate", "signatures")
 
 case, diagnosis = panel.shown()
 say = reader.say()
@@ -31,7 +35,7 @@ name = files.named("estimate", record.number)
 with st.container(horizontal=True):
     st.download_button(
         "PDF",
-        lambda: write_pdf(diagnosis, record, language=language, sections=("repair", "estimate", "signatures")),
+        font_form.printing(partial(write_pdf, diagnosis, record, language=language, sections=_SECTIONS)),
         f"{name}.pdf",
         key="estimate-pdf",
         on_click="ignore",

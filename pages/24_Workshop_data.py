@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from pages.shared import entry_tables, panel, reader, workshop_data
+from pages.shared import entry_tables, font_form, panel, reader, workshop_data
 from pages.shared.editing import checked_now, draw_faults
 
 panel.shown()
@@ -14,6 +14,7 @@ editing = desk.current()
 workshop_data.draw_undo(desk, say)
 if editing is None:
     workshop_data.choose_start(desk, say)
+    font_form.draw(say)
     st.stop()
 checked = checked_now(editing)
 workshop_data.draw_head(desk, editing, checked, say)

@@ -12,7 +12,7 @@ from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import to_json
-from pages.shared import conditions, files, panel, reader
+from pages.shared import conditions, files, font_form, panel, reader
 from pages.shared.cases import case_with_columns
 from pages.shared.state import job
 
@@ -38,9 +38,10 @@ picked = st.pills(
     key="report-sections",
 )
 sections = [name for name in SECTIONS if name in picked]
-printed = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=sections, units=say.units)
+font_form.draw_missing([record])
+of_pdf = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=sections, units=say.units)
 downloads: dict[str, tuple[str, Callable[[], str | bytes]]] = {
-    "pdf": ("pdf", printed),
+    "pdf": ("pdf", font_form.printing(of_pdf)),
     "workbook": ("xlsx", partial(write_workbook, diagnosis, record, language=language, paper=paper, units=say.units)),
     "json": ("json", lambda: to_json(issued_record(diagnosis, record))),
     "record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True)),

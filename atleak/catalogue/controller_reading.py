@@ -40,11 +40,13 @@ from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import Repair, RepairTable, repair_of
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
+from atleak.doors import own_errors_only
 from atleak.errors import CatalogueError, DomainError
 from atleak.faults import in_words, together
 from atleak.sentence import Sentence
 
 
+@own_errors_only(CatalogueError, "id_or_path")
 def load_controller(id_or_path: str | Path) -> Controller:
     """Load a shipped controller by id or a workshop's own by path.
 
@@ -61,6 +63,7 @@ def controllers() -> list[Controller]:
     return list(listed("controllers", load_controller).entries.values())
 
 
+@own_errors_only(CatalogueError, "file")
 def checked_controller(data: Mapping[str, Any], file: str = "this description") -> Controller:
     """Return the controller that tables describe which came another way than from a TOML file.
 

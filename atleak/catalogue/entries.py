@@ -20,6 +20,7 @@ from typing import Annotated, Any, Generic, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
 from atleak.catalogue.evidence import Evidence
+from atleak.doors import own_errors_only
 from atleak.errors import CatalogueError, OutputError, Place, unknown
 from atleak.faults import NotAccepted, validated
 from atleak.sentence import Sentence
@@ -122,6 +123,7 @@ class Shelf(Generic[EntryModel, Loaded]):
     model: type[EntryModel]
     make: Callable[[EntryModel, Mapping[str, Any], Origin], Loaded]
 
+    @own_errors_only(CatalogueError, "id_or_path")
     def load(self, id_or_path: str | Path) -> Loaded:
         """Load a shipped entry or one of the user's own by id, or a file by path.
 
@@ -132,6 +134,7 @@ class Shelf(Generic[EntryModel, Loaded]):
         """
         return self._made(*read_tables(self.kind, id_or_path))
 
+    @own_errors_only(CatalogueError, "file")
     def checked(self, data: Mapping[str, Any], file: str = "this description") -> Loaded:
         """Return the entry that tables describe which came another way than from a TOML file.
 
@@ -291,6 +294,7 @@ def _same_id(path: Path) -> CatalogueError:
     )
 
 
+@own_errors_only(CatalogueError, "id_or_path")
 def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tuple[EntryModel, Origin]:
     """Read a catalogue entry by id, or a user's file by path, and check it against its model.
 
@@ -304,6 +308,7 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
     return validated(model, data, origin.file, kind=CatalogueError), origin
 
 
+@own_errors_only(CatalogueError, "id_or_path")
 def read_tables(kind: str, id_or_path: str | Path) -> tuple[dict[str, Any], Origin]:
     """Read the tables of a catalogue entry by id, or of a user's file by path, as its TOML holds them.
 

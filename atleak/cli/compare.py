@@ -12,7 +12,9 @@ from atleak.cli.shared import (
     add_json,
     add_print,
     check_targets,
+    print_font,
     print_options,
+    say_doubts,
     say_written,
     write,
     write_json,
@@ -49,13 +51,17 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(problem, value="--pdf -", expected=Sentence("a file name"))
     inputs = [name for name in (options.before, options.after) if Path(name).is_file()]
     check_targets(options, inputs, [("record", options.json), ("PDF", options.pdf)])
-    printed = print_options(options, [] if options.pdf is None else ["pdf"])
+    formats = [] if options.pdf is None else ["pdf"]
+    printed, font = print_options(options, formats), print_font(options, formats)
     compared = compare_jobs(job_of(options.before), job_of(options.after))
     written = []
     if options.pdf is not None:
+        from atleak.report.pdf import missing_characters
         from atleak.report.pdf.comparison import write_comparison_pdf
 
-        content = write_comparison_pdf(compared.comparison, compared.before.job, compared.after.job, **printed)
+        before, after = compared.before.job, compared.after.job
+        content = write_comparison_pdf(compared.comparison, before, after, **printed, font=font)
+        say_doubts(missing_characters([before, after], font))
         written += write(options.pdf, content)
     if options.json is not None:  # written last: standard output stays empty when another file fails
         written += write_json(options.json, compared_record(compared))

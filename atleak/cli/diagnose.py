@@ -13,6 +13,7 @@ from atleak.cli.shared import (
     add_print,
     check_targets,
     doubt_option,
+    print_font,
     print_options,
     say_doubts,
     say_written,
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
     from atleak.job.case import Case
     from atleak.job.record import Job
+    from atleak.report.own_font import OwnFont
     from atleak.system.marks import Kind
 
 
@@ -75,14 +77,15 @@ def run(options: argparse.Namespace) -> int:
     targets: list[tuple[Kind, str | None]] = [("record", options.json), ("report workbook", options.xlsx)]
     check_targets(options, input_files(options), [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
     case, job = chosen_job(options)
-    printed = print_options(options, [name for name in ("pdf", "xlsx") if getattr(options, name) is not None])
+    formats = [name for name in ("pdf", "xlsx") if getattr(options, name) is not None]
+    printed, font = print_options(options, formats), print_font(options, formats)
     if options.sections is not None and options.pdf is None:
         doubt_option("--sections", ["--pdf"])
     from atleak.job.of_sheet import with_sheet
 
     diagnosis = case.diagnose()
     job = with_sheet(job, diagnosis.readings)
-    written = _write_reports(diagnosis, job, case, options, printed)
+    written = _write_reports(diagnosis, job, case, options, printed, font)
     if options.json != "-":
         from atleak.report.terminal import print_diagnosis
 
@@ -92,12 +95,21 @@ def run(options: argparse.Namespace) -> int:
         from atleak.job.doubts import record_doubts
 
         say_doubts(record_doubts(job, diagnosis))
+        if options.pdf is not None:
+            from atleak.report.pdf import missing_characters
+
+            say_doubts(missing_characters([job], font))
     past = options.fail_on and diagnosis.verdict.rank >= Verdict(options.fail_on).rank
     return 1 if past else 0
 
 
 def _write_reports(
-    diagnosis: Diagnosis, job: Job | None, case: Case, options: argparse.Namespace, printed: dict[str, str]
+    diagnosis: Diagnosis,
+    job: Job | None,
+    case: Case,
+    options: argparse.Namespace,
+    printed: dict[str, str],
+    font: OwnFont | None,
 ) -> list[str]:
     """Write the files asked for; return their names."""
     written = []
@@ -109,7 +121,7 @@ def _write_reports(
         from atleak.report.pdf import write_pdf
 
         sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
-        content = write_pdf(diagnosis, job, **printed, sections=sections)
+        content = write_pdf(diagnosis, job, **printed, sections=sections, font=font)
         written += write(options.pdf, content)
     if options.job_file is not None:
         from atleak.job.file import write_job_file

@@ -12,6 +12,7 @@ from atleak.cli.shared import (
     add_force,
     add_print,
     check_targets,
+    print_font,
     print_options,
     say_differences,
     say_doubts,
@@ -47,6 +48,7 @@ def run(options: argparse.Namespace) -> int:
     from atleak.report.terminal import TerminalConsole
 
     printed = print_options(options, options.formats, "--formats {}")
+    font = print_font(options, options.formats, "--formats pdf")
     sources = [Path(name) for name in options.jobs]
     planned = report_paths(sources, Path(options.output), options.formats)
     check_targets(options, options.jobs, ((KINDS[form], str(path)) for of in planned for form, path in of.items()))
@@ -57,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
             Path(options.output),
             formats=options.formats,
             **printed,
+            font=font,
             progress=lambda done, total, last: bar.update(task, completed=done, total=total),
         )
     for outcome in reported:

@@ -24,6 +24,7 @@ from atleak.written_numbers import INTERVAL, AskedNumber, decimal_number, read_n
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
     from atleak.job.judged_anew import JudgedOtherwise
+    from atleak.report.own_font import OwnFont
     from atleak.road_test import RoadTest
 
 
@@ -80,6 +81,19 @@ def add_print(parser: Options) -> None:
     """Add the options of printing, which `print_options` gathers."""
     for name, option in _PRINT.items():
         parser.add_argument(f"--{name}", choices=option.choices, help=option.help)
+    help = "for characters that the PDF's own fonts lack; without it the one kept on the page Workshop data"
+    parser.add_argument("--font", metavar="FILE", help=help)
+
+
+def print_font(options: argparse.Namespace, formats: Collection[str], asked: str = "--pdf") -> OwnFont | None:
+    """Return the font that ``--font`` names, or else the one that the workshop keeps; none where no PDF is written."""
+    if "pdf" not in formats:
+        if options.font is not None:
+            doubt_option("--font", [asked])
+        return None
+    from atleak.report.own_font import font_at, kept_font
+
+    return kept_font() if options.font is None else font_at(options.font)
 
 
 def print_options(options: argparse.Namespace, formats: Collection[str], asked: str = "--{}") -> dict[str, str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 from atleak.catalogue.controller import Controller
+from atleak.doors import DAMAGE
 from atleak.errors import ReadingsError
 from atleak.intake import gauge_table
 from atleak.intake.controller_workbook import describes_controller
@@ -58,8 +59,8 @@ def table_kind(data: bytes, controller: Controller) -> Table:
         return max((table.header.score for table in find_tables(sheet, names) if table.header.complete), default=0.0)
 
     try:
-        sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)), is_word)
-    except ReadingsError:
+        sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)), is_word, only_look=True)
+    except (ReadingsError, *DAMAGE):  # whoever reads it says what is wrong with it
         return Table.READINGS if is_workbook else Table.ROAD_TEST
     if describes_controller(sheets):
         return Table.CONTROLLER

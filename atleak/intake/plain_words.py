@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from functools import lru_cache
 
 _TRANSLATE = str.maketrans(
     {"ß": "ss", "ä": "ae", "ö": "oe", "ü": "ue", "ł": "l", "ø": "o", "æ": "ae", "№": "no", "đ": "d"}
@@ -13,6 +14,7 @@ _CAMEL = re.compile(r"(?<=[a-zа-яё])(?=[A-ZА-ЯЁ])|(?<=[A-Z])(?=[A-Z][a-z]{
 _SEPARATORS = re.compile(r"[^0-9a-zа-яёͰ-Ͽ一-鿿]+")
 
 
+@lru_cache(maxsize=8192)
 def words(name: str) -> str:
     """Return a name in lower-case words separated by one blank; umlauts written out, accents dropped, Cyrillic kept.
 

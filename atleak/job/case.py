@@ -30,10 +30,11 @@ from atleak.catalogue.limits import load_limits
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import find_repairs
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.doors import DAMAGE, damaged
 from atleak.engine.assumed_pressure import OPERATING_POINTS, with_assumed_pressure
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
-from atleak.errors import InputError, Message, Place, RoadTestError
+from atleak.errors import AtleakError, InputError, Message, Place, RoadTestError
 from atleak.intake.gauge_table import read_pressure_table
 from atleak.intake.plain_words import words
 from atleak.intake.readings import read_readings
@@ -294,7 +295,15 @@ class Case:
         AtleakError
             saying which part of the job cannot be used.
         """
-        loader = loader or Reader()
+        try:
+            return self._diagnosed(loader or Reader())
+        except AtleakError:
+            raise
+        except DAMAGE as error:  # of numbers that no unit has, which no check of a single file refused
+            problem = Sentence("this job cannot be computed ({reason})", reason=damaged(error).problem.values["reason"])
+            raise InputError(problem) from error
+
+    def _diagnosed(self, loader: Loader) -> Diagnosis:
         controller, fluid, limits, spool, sleeve = (
             loader.entry(slot, getattr(self, name)) for name, slot in SLOTS.items()
         )

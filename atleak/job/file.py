@@ -11,19 +11,33 @@ from pathlib import Path
 from typing import Any
 
 from atleak.diagnosis import Diagnosis
-from atleak.errors import InputError, Place
+from atleak.doors import DAMAGE, own_errors_only
+from atleak.errors import AtleakError, InputError, Place
 from atleak.faults import validated
 from atleak.job.case import OWN_FILES, SLOTS, Case
 from atleak.job.parts import JobFile, entry_of, job_parts, json_of
 from atleak.job.photo_notes import without_notes
 from atleak.job.record import Job, picture_name
 from atleak.sentence import Sentence
-from atleak.system.marks import NO_SOUND_ZIP, PACKINGS
+from atleak.system.marks import PACKINGS
 from atleak.system.reasons import reason_of, text_reason
 
 SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
 _PICTURE_LIMIT = 40 << 20
 _RECORD_LIMIT = 16 << 20
+_LOG = "road_test"
+_ENTRY_LIMITS = {  # bytes of one file, unpacked; a workbook of readings may hold photos
+    "job.json": _RECORD_LIMIT,
+    "result.json": _RECORD_LIMIT,
+    "readings": 200 << 20,
+    "pressures": 200 << 20,
+    _LOG: 800 << 20,
+    "catalogue/": 4 << 20,
+    "pictures/": _PICTURE_LIMIT,
+}
+# A log packs to a tenth or fiftieth of its size, a megabyte of one sign to a thousandth.
+_SPARE, _TIGHTEST = 32 << 20, 200  # bytes that any file may unpack to, and how many times its packed size at most
+_STEP = 1 << 20  # bytes that are unpacked at once
 _ENTRIES = 1000
 _STAMP = (1980, 1, 1, 0, 0, 0)  # date of every file in the zip, fixed so that the same job gives the same bytes
 
@@ -31,6 +45,7 @@ _STAMP = (1980, 1, 1, 0, 0, 0)  # date of every file in the zip, fixed so that t
 # --- the record alone
 
 
+@own_errors_only(InputError, "path")
 def load_job(path: str | Path) -> Job:
     """Read a job record from a ``.toml`` or ``.json`` file, with the pictures that lie beside it.
 
@@ -53,6 +68,7 @@ def load_job(path: str | Path) -> Job:
     return job.with_pictures({name: _picture_beside(path, name) for name in job.picture_names})
 
 
+@own_errors_only(InputError, "name")
 def parse_job(content: bytes, name: str) -> Job:
     """Read a job record from the bytes of a TOML or JSON file, without its pictures.
 
@@ -116,6 +132,7 @@ def packed_job(
     return target.getvalue()
 
 
+@own_errors_only(InputError, "source", "name")
 def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_limit: int = SIZE_LIMIT) -> JobFile:
     """Read a job from its zip; nothing is written to disk and no path of the zip is followed.
 
@@ -143,7 +160,9 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as bundle:
             entries = dict(_entries(bundle, name, size_limit))
-    except NO_SOUND_ZIP as error:
+    except AtleakError:
+        raise
+    except DAMAGE as error:
         problem = Sentence("is no sound zip: {reason}", reason=str(error)[:100])
         raise InputError(problem, place=place, expected=Sentence("a job file of atleak")) from error
     return _job_file(entries, name)
@@ -195,7 +214,24 @@ def _entries(bundle: zipfile.ZipFile, name: str, size_limit: int) -> Iterator[tu
             raise InputError(problem, place=place, value=info.filename, expected=Sentence("deflate"))
         if not _known_entry(info.filename):
             raise InputError(Sentence("holds a file that no job has"), place=place, value=info.filename)
-        yield info.filename, bundle.read(info)
+        yield info.filename, _unpacked(bundle, info, place)
+
+
+def _unpacked(bundle: zipfile.ZipFile, info: zipfile.ZipInfo, place: Place) -> bytes:
+    """Return the content of an entry; refuse it as soon as it is longer than such a file can be."""
+    kind = next(kind for kind in _ENTRY_LIMITS if info.filename.startswith(kind))
+    most = min(_ENTRY_LIMITS[kind], _SPARE + _TIGHTEST * info.compress_size)
+    content = bytearray()
+    with bundle.open(info) as stream:
+        while info.file_size <= most and (part := stream.read(_STEP)):
+            content += part
+            if len(content) > most:
+                break
+    if max(info.file_size, len(content)) > most:
+        expected = Sentence("at most {size} bytes unpacked", size=most)
+        problem = Sentence("{file}: too large", file=info.filename)
+        raise InputError(problem, place=place, value=max(info.file_size, len(content)), expected=expected)
+    return bytes(content)
 
 
 def _known_entry(name: str) -> bool:

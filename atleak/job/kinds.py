@@ -12,6 +12,7 @@ from pathlib import Path
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import shipped_files
+from atleak.doors import DAMAGE
 from atleak.intake.kinds import Table, table_kind
 from atleak.job.case import SLOTS, SourceFile
 from atleak.job.record import Job
@@ -82,7 +83,7 @@ def _holds_job(content: bytes) -> bool:
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as bundle:
             return "job.json" in bundle.namelist()
-    except (zipfile.BadZipFile, ValueError, OSError):
+    except DAMAGE:
         return False
 
 
@@ -92,7 +93,7 @@ def _written_kind(file: SourceFile) -> Kind | None:
     if text.lstrip().startswith("{"):
         try:
             tables = set(json.loads(file.content))
-        except (ValueError, RecursionError):
+        except DAMAGE:
             tables = set()
     elif Path(file.name).suffix.lower() == ".toml" or _TOML.match(text):
         tables = {"".join(match) for match in _TOP.findall(text)}

@@ -16,6 +16,7 @@ from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.entries import Origin, catalogue_files
 from atleak.catalogue.fluid import FluidState
 from atleak.diagnosis import Diagnosis
+from atleak.doors import own_errors_only
 from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
 from atleak.faults import validated
@@ -263,6 +264,7 @@ class JobFile:
             raise
 
     @classmethod
+    @own_errors_only(InputError, "name")
     def of(
         cls,
         choices: bytes,

@@ -15,6 +15,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from atleak.catalogue.controller import Controller
+from atleak.doors import DAMAGE
 from atleak.intake.units import unit, unit_names
 from atleak.measuring.plan import MOST_DIRECTIONS, MOST_REPEATS, PARTS, Cell, Order, Plan
 from atleak.measuring.typed import Entry, Typed, cell_of, in_mm
@@ -122,13 +123,7 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
         units = {tuple(_headings(name)): name for name in unit_names("length")}
         head = next(number for number, row in enumerate(rows) if tuple(row) in units)
         entries = dict(_entries(rows[head + 1 :]))
-    except (
-        ValueError,
-        LookupError,
-        TypeError,
-        StopIteration,
-        csv.Error,
-    ):  # somebody has edited it
+    except (*DAMAGE, StopIteration):  # somebody has edited it
         return None
     if any(controller.land_of_plane(cell.component, cell.plane) is None for cell in entries):
         return None

@@ -15,7 +15,8 @@ from atleak.job.issued import issued_record
 from atleak.job.judged_anew import JudgedOtherwise, differs
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER
-from atleak.report.pdf import write_pdf
+from atleak.report.own_font import OwnFont
+from atleak.report.pdf import missing_characters, write_pdf
 from atleak.report.xlsx import write_workbook
 from atleak.sentence import Sentence
 from atleak.system.files import replace_file
@@ -54,6 +55,7 @@ def write_reports(
     language: str = "en",
     units: str = "metric",
     paper: str = DEFAULT_PAPER,
+    font: OwnFont | None = None,
     progress: Callable[[int, int, Reported], None] | None = None,
 ) -> list[Reported]:
     """Write the reports of every job file; a job that fails, in whatever way, is reported and stops no other.
@@ -68,6 +70,8 @@ def write_reports(
         where the reports go, named as their job files; two of one name are numbered.
     formats
         any of `KINDS`.
+    font
+        for characters that the bundled fonts of the PDF lack.
     progress
         called after every job with how many are done, how many there are and what became of this one.
     """
@@ -79,7 +83,7 @@ def write_reports(
             job_file = read_job_file(source)
             diagnosis = job_file.diagnose()
             for form, path in paths.items():
-                replace_file(path, _report(form, diagnosis, job_file.job, wording(language, units), paper))
+                replace_file(path, _report(form, diagnosis, job_file.job, wording(language, units), paper, font))
                 written.append(path)
             reported = Reported(
                 source,
@@ -87,7 +91,10 @@ def write_reports(
                 diagnosis.verdict,
                 result_by=job_file.result_by,
                 differs=differs(job_file.result, diagnosis_record(diagnosis)),
-                doubts=record_doubts(job_file.job, diagnosis),
+                doubts=(
+                    *record_doubts(job_file.job, diagnosis),
+                    *(missing_characters([job_file.job], font) if "pdf" in paths else ()),
+                ),
             )
         except AtleakError as error:
             reported = Reported(source, tuple(written), error=error)
@@ -101,9 +108,9 @@ def write_reports(
     return done
 
 
-def _report(form: str, diagnosis: Diagnosis, job: Job, say: Wording, paper: str) -> bytes:
+def _report(form: str, diagnosis: Diagnosis, job: Job, say: Wording, paper: str, font: OwnFont | None) -> bytes:
     if form == "pdf":
-        return write_pdf(diagnosis, job, language=say.language, units=say.units, paper=paper)
+        return write_pdf(diagnosis, job, language=say.language, units=say.units, paper=paper, font=font)
     if form == "xlsx":
         return write_workbook(diagnosis, job, language=say.language, units=say.units, paper=paper)
     return to_json(issued_record(diagnosis, job)).encode("utf-8", errors="backslashreplace")

@@ -15,6 +15,7 @@ from atleak.job.record import Job, RepairDecision
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair.money import decimals
 from atleak.rules import Rule
+from atleak.views.land_names import component_words, has_number, land_number
 from atleak.views.sentences import rule_value
 from atleak.wording import Wording, isolated
 
@@ -31,12 +32,16 @@ class EstimateWords:
     say: Wording
 
     def pair(self, line: Line) -> str:
-        """Name the component with the lands that the line is about: ``8/1, 8/2 valve``."""
-        component = line.decision.component
-        name = isolated(self.say.name(self.estimate.diagnosis.controller.components.get(component, "")))
-        about = f"{component}/{line.decision.land}" if line.decision.land else component
-        lands = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in line.lands)
-        return f"{lands or about} {name}".strip()
+        """Name the component with the lands that the line is about: ``8/1, 8/2 valve``, or ``boost valve/1``."""
+        controller, decision = self.estimate.diagnosis.controller, line.decision
+        keys = [land.key for land in line.lands]
+        if not keys and decision.land:
+            keys = [(decision.component, decision.land)]
+        lands = ", ".join(land_number(controller, key, self.say) for key in keys)
+        if not lands:
+            return component_words(controller, decision.component, self.say)
+        name = isolated(self.say.name(controller.components.get(decision.component, "")))
+        return f"{lands} {name}".strip() if has_number(controller, decision.component) else lands
 
     def work(self, line: Line) -> str:
         """Say what is done."""

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from PIL import Image, ImageOps
 
+from atleak.doors import own_errors_only
 from atleak.errors import InputError
 from atleak.job.record import Job
 from atleak.sentence import Sentence
@@ -26,6 +27,7 @@ def write_pictures(job: Job, folder: Path) -> dict[str, str]:
     return files
 
 
+@own_errors_only(InputError, "name")
 def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
     """Return a picture as PNG or JPEG, upright, scaled down and without its metadata (a phone writes the place there).
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from functools import cache
 from pathlib import Path
 
@@ -29,7 +30,12 @@ def glyphs() -> frozenset[int]:
 def width_of(text: str, size: float) -> float:
     """Return how wide a line of text is [in the unit of its size]."""
     widths = _widths(_TEXT)
-    return size * sum(widths.get(ord(sign), _UNKNOWN) for sign in text)
+    return size * sum(widths.get(ord(sign)) or _elsewhere(sign) for sign in text)
+
+
+def _elsewhere(sign: str) -> float:
+    """Return about how wide a character is in another font: those of East Asia fill a square."""
+    return 1.0 if unicodedata.east_asian_width(sign) in "WF" else _UNKNOWN
 
 
 def fitting(text: str, size: float, width: float) -> str:

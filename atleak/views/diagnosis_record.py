@@ -213,6 +213,8 @@ def land_record(row: MatrixRow) -> dict[str, Any]:
         "component": nominal.component,
         "land": nominal.land,
         "measured": state.status,
+        "spool_readings": state.spool_readings,
+        "sleeve_readings": state.sleeve_readings,
         "spool_diameter_mm": state.spool_diameter * MM,
         "sleeve_diameter_mm": state.sleeve_diameter * MM,
         "radial_clearance_um": state.radial_clearance * UM,

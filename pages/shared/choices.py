@@ -116,7 +116,7 @@ def _select(
         options,
         options.index(current),
         key=key,
-        format_func=lambda option: show.plain(shown(option)) if isinstance(option, SourceFile) else shown(option),
+        format_func=shown,
         help=tip,
         on_change=lambda: take(st.session_state[key]),
     )

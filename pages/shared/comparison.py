@@ -32,7 +32,7 @@ from atleak.views.comparison_rows import (
 from atleak.views.comparison_words import changed_sentence, event_name, total_sentence, verdicts_sentence
 from atleak.views.diagnosis_record import to_json
 from atleak.wording import Wording
-from pages.shared import files, reader, show
+from pages.shared import files, font_form, reader, show
 from pages.shared.book import book, job_id
 from pages.shared.cases import diagnosis_of, opened_case, result_key
 from pages.shared.show import plain
@@ -208,6 +208,7 @@ def downloads(found: ComparedJobs) -> None:
         units=say.units,
     )
     name = files.named("before_and_after", found.after.job.number)
+    font_form.draw_missing([found.before.job, found.after.job])
     with st.container(horizontal=True):
-        st.download_button(say("compare.page"), printed, f"{name}.pdf", on_click="ignore")
+        st.download_button(say("compare.page"), font_form.printing(printed), f"{name}.pdf", on_click="ignore")
         st.download_button("JSON", lambda: to_json(compared_record(found)), f"{name}.json", on_click="ignore")

@@ -215,7 +215,7 @@ def ask_replacing(editing: Editing, saving: Saving, say: Wording) -> str:
     """Ask whether another own file of that id may go; return the SHA-256 of the file that may be written over."""
     with st.container():
         if saving.there and saving.there != editing.over and not saving.saved:
-            label = say("typed_entries.replace", file=f"{saving.name}.toml")
+            label = show.plain(say("typed_entries.replace", file=f"{saving.name}.toml"))
             if st.checkbox(label, key=editing.key("replace")):
                 return saving.there
     return editing.over

@@ -130,7 +130,8 @@ def draw_taking(study: GaugeStudy, say: Wording) -> None:
     saved = there == hashlib.sha256(text.encode("utf-8")).hexdigest()
     with st.container():
         over = ""
-        if there and not saved and st.checkbox(say("gauge_study.replace", file=f"{id}.toml"), key=f"gauge-over-{id}"):
+        label = show.plain(say("gauge_study.replace", file=f"{id}.toml"))
+        if there and not saved and st.checkbox(label, key=f"gauge-over-{id}"):
             over = there
     with st.container(horizontal=True):
         st.button(

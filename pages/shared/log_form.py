@@ -22,7 +22,7 @@ from atleak.keeping import kept_with
 from atleak.road_test import QUANTITIES
 from atleak.views.log_rows import short, whole
 from atleak.wording import Wording
-from atleak.written_numbers import INTERVAL
+from atleak.written_numbers import INTERVAL, read_number, written
 from pages.shared import fields, reader, show
 from pages.shared.cases import Kept, PageCase, columns_of, remember_columns, remembered_columns, understood
 from pages.shared.state import choose, put_file, session
@@ -299,36 +299,43 @@ def _fields(asked: _Asked, file: SourceFile) -> None:
             places = st.columns([3, 1, 3, 1])
             for name, left, right in zip(names[first : first + 2], places[::2], places[1::2], strict=False):
                 picked[name], units[name] = _field(asked, file, name, left, right)
-    lacking = _lacking(asked, file)
+    lacking, typed = _lacking(asked, file)
     st.caption(say("mapping.remembered_here"))
     used = st.form_submit_button(say("mapping.use"))
     place = st.container()
-    if used:
+    interval = read_number(typed, INTERVAL.to(say)) if typed else None
+    if used and interval is not None and interval.value is None:
+        place.error(show.plain(say.sentence(interval.reason)))
+    elif used:
+        if interval is not None and interval.value is not None:
+            lacking["time"] = interval.value
         _use(asked, file, picked, {name: unit for name, unit in units.items() if unit}, lacking, place)
 
 
-def _lacking(asked: _Asked, file: SourceFile) -> dict[str, float | str]:
-    """Ask what stands for a clock and for a main pressure that the log lacks; return what was said."""
-    say, lacking, given = asked.say, dict(asked.constants), dict(asked.constants)
+def _lacking(asked: _Asked, file: SourceFile) -> tuple[dict[str, float | str], str]:
+    """Ask what stands for a clock and for a main pressure that the log lacks.
+
+    Returns
+    -------
+    tuple[dict[str, float | str], str]
+        what stands for them, and the interval between rows as it was typed.
+    """
+    say, lacking, given, typed = asked.say, dict(asked.constants), dict(asked.constants), ""
     without_clock, without_pressure = not asked.log.time_label, asked.taken("main_pressure") is None
     if without_clock or without_pressure:
         st.markdown(f"**{say('mapping.lacking')}**")
     if without_clock:
-        start = given.get("time")
-        interval = fields.number(say("mapping.interval"), INTERVAL, start, key=f"interval-{file.sha256}", optional=True)
-        _set(lacking, "time", interval)
+        first = written(given["time"], INTERVAL, say) if "time" in given else ""
+        typed = st.text_input(say("mapping.interval"), first, key=f"interval-{file.sha256}").strip()
+        lacking.pop("time", None)
     if without_pressure:
         kept = given.get("main_pressure") == OPERATING_POINTS
         chosen = st.checkbox(say("mapping.assume_points"), kept, key=f"points-{file.sha256}")
-        _set(lacking, "main_pressure", OPERATING_POINTS if chosen else None if kept else given.get("main_pressure"))
-    return lacking
-
-
-def _set(constants: dict[str, float | str], name: str, value: float | str | None) -> None:
-    if value is None:
-        constants.pop(name, None)
-    else:
-        constants[name] = value
+        if chosen:
+            lacking["main_pressure"] = OPERATING_POINTS
+        elif kept:
+            del lacking["main_pressure"]
+    return lacking, typed
 
 
 def _field(asked: _Asked, file: SourceFile, name: str, left: Any, right: Any) -> tuple[str, str]:

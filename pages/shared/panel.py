@@ -110,7 +110,7 @@ def _status(slot: str, result: Diagnosis) -> None:
     said, away = st.columns([5, 1], gap="small", vertical_alignment="center")
     if file is not None:
         said.caption(f"{origin}**{show.plain(file.name)}** · {about}")
-    tip = say("panel.take_away", name=(refused or file).name)
+    tip = show.plain(say("panel.take_away", name=(refused or file).name))
     away.button("✕", key=f"away-{slot}", on_click=take_away, args=(slot,), help=tip, type="tertiary")
 
 
@@ -131,7 +131,7 @@ def _jobs() -> None:
     say, last = reader.say(), last_done()
     with st.container():
         if last is not None:
-            st.button(say("panel.undo", what=last), on_click=undo, width="stretch", key="undo")
+            st.button(show.plain(say("panel.undo", what=last)), on_click=undo, width="stretch", key="undo")
     cleared = say("panel.cleared")
     st.button(say("panel.new_job"), on_click=new_job, width="stretch", help=cleared)
     sample = session().case.sample

@@ -7,7 +7,7 @@ import streamlit as st
 from atleak.intake.units import unit_names
 from atleak.job.case import SourceFile
 from atleak.measuring.typed_file import TYPED_FILE
-from pages.shared import reader
+from pages.shared import reader, show
 from pages.shared.cases import PageCase
 from pages.shared.state import choose, put_file, session
 
@@ -51,7 +51,7 @@ def _form(file: SourceFile, case: PageCase) -> None:
         ).strip()
         value = second.text_input(say("sheet_form.says"), chosen[1], placeholder=say("sheet_form.such_value")).strip()
         fill_down = st.checkbox(say("sheet_form.fill_down"), mine and case.sheet_fill_down)
-        if st.form_submit_button(say("sheet_form.again", file=file.name)):
+        if st.form_submit_button(show.plain(say("sheet_form.again", file=file.name))):
             put_file("readings", file)
             choose(
                 sheet_name=name.strip() or None,

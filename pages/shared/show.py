@@ -9,6 +9,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import cache, partial
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 import plotly.io as pio
@@ -36,6 +37,9 @@ from pages.shared.state import Refusal
 
 _BOX = {"success": st.success, "warning": st.warning, "error": st.error, "info": st.info}
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]()#+|$~<>:!-])")
+_ADDRESS = re.compile(r"(?<=:)(?=//)|(?<=\bwww)(?=\.)|(?<=\w@)(?=\w)", re.IGNORECASE)  # becomes a link by itself
+_NO_BREAK = "\u2060"  # a sign without width
+_IN_CHART = re.compile(r"<(?!/?(?:br|b|extra)>)", re.IGNORECASE)  # what atleak itself writes there stays
 SHOWN = 12
 HAIR_SPACE = "\u200a"
 
@@ -43,10 +47,31 @@ HAIR_SPACE = "\u200a"
 def plain(text: object) -> str:
     """Escape text of a user or a file, so that markdown shows it sign for sign.
 
-    A sentence of the program, and what an error says, comes in the reader's language and units.
+    A sentence of the program, and what an error says, comes in the reader's language and units. An address is no link.
     """
-    said = text if type(text) is str else reader.say().sentence(text)
-    return _MARKDOWN.sub(r"\\\1", said).replace("\n", "  \n")
+    return with_links(_ADDRESS.sub(_NO_BREAK, _said(text)))
+
+
+def with_links(text: object) -> str:
+    """Escape text as `plain` does, but let an address that it shows be a link: in the source of a value."""
+    return _MARKDOWN.sub(r"\\\1", _said(text)).replace("\n", "  \n")
+
+
+def _said(text: object) -> str:
+    return text if type(text) is str else reader.say().sentence(text)
+
+
+def in_chart(part: Any) -> Any:
+    """Return a part of a chart in whose texts nothing is a link or a style but what atleak writes there itself."""
+    if isinstance(part, str):
+        return _IN_CHART.sub("&lt;", part)
+    if isinstance(part, dict):
+        return {name: in_chart(each) for name, each in part.items()}
+    if isinstance(part, list | tuple):
+        return [in_chart(each) for each in part]
+    if isinstance(part, np.ndarray) and part.dtype.kind in "OU":
+        return in_chart(part.tolist())
+    return part
 
 
 def refusal(what: str, refused: Refusal, kept: str) -> None:
@@ -229,7 +254,7 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         messages(diagnosis.uncertainty.messages, reader.say()("about.uncertainty"))
     say = reader.say()
     lines = [
-        f"- {say(f'slots.{name}')}: **{plain(say.name(called))}** — {plain(record[name]['source'])}"
+        f"- {say(f'slots.{name}')}: **{plain(say.name(called))}** — {with_links(record[name]['source'])}"
         for name, called in (
             ("controller", record["controller"]["name"]),
             ("fluid", fluid_in_state(diagnosis, say)),
@@ -300,9 +325,9 @@ def chart(
             title = {**trace["colorbar"]["title"], "font": {"color": ink}}
             trace["colorbar"] = {**trace["colorbar"], "title": title, "tickfont": {"color": ink}}
     if on_span is None:
-        st.plotly_chart(_Ready(spec), key=key)
+        st.plotly_chart(_Ready(in_chart(spec)), key=key)
         return
-    st.plotly_chart(_Ready(spec), key=key, on_select=partial(_spanned, key, on_span), selection_mode="box")
+    st.plotly_chart(_Ready(in_chart(spec)), key=key, on_select=partial(_spanned, key, on_span), selection_mode="box")
 
 
 def _points(trace: dict[str, Any]) -> int:

@@ -120,7 +120,7 @@ def choose_start(desk: Desk, say: Wording) -> None:
     back = [name for name in removed_own(desk.subject.kind) if name not in own]
     with st.container(horizontal=True):
         for name in back:
-            label = say("workshop_data.bring_back", name=name)
+            label = show.plain(say("workshop_data.bring_back", name=name))
             st.button(label, key=f"{desk.state}-{name}-back", on_click=_restore, args=(desk.subject.kind, name))
 
 
@@ -252,7 +252,7 @@ def draw_saving(desk: Desk, editing: Editing, found: Checked, say: Wording) -> N
     old, renaming = editing.own, False
     with st.container():
         if old and saving.name != old and old in own_files(desk.subject.kind) and found.entry is not None:
-            label = say("workshop_data.rename", old=old, name=saving.name)
+            label = show.plain(say("workshop_data.rename", old=old, name=saving.name))
             renaming = st.checkbox(label, key=editing.key("rename"))
     with st.container(horizontal=True):
         over = "" if over == editing.over and saving.name != old else over

@@ -20,6 +20,7 @@ from atleak.controller_sheets.layout import HEAD, INSTRUCTIONS, LISTS, SHEETS, U
 from atleak.controller_sheets.meaning import doubts
 from atleak.controller_sheets.shapes import Sheet as Declared
 from atleak.controller_sheets.units import Units
+from atleak.doors import own_errors_only
 from atleak.errors import CatalogueError, Place, ReadingsError, one_of
 from atleak.faults import together
 from atleak.intake.controller_workbook.places import Places
@@ -59,6 +60,7 @@ def describes_controller(sheets: Sequence[Sheet]) -> bool:
     return all(sheet.name in matched for sheet in SHEETS if sheet.needed)
 
 
+@own_errors_only(CatalogueError, "name", "source")
 def read_controller_workbook(source: str | Path | bytes, *, name: str | None = None) -> DescribedController:
     """Return the valve body that a workbook describes.
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
+from atleak.doors import own_errors_only
 from atleak.errors import Place, ReadingsError, one_of
 from atleak.faults import together
 from atleak.gauge_study.readings import GaugeStudyError, StudyReadings
@@ -29,6 +30,7 @@ _HEADINGS = Sentence(
 )
 
 
+@own_errors_only(GaugeStudyError, "name", "source")
 def read_study(
     source: str | Path | bytes, *, name: str | None = None, sheet: str | None = None, length_unit: str | None = None
 ) -> StudyReadings:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime as dt
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from statistics import median
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from atleak.errors import Message, Place
 from atleak.gauge_study.readings import FEWEST, GaugeStudyError, StudyReadings
 from atleak.intake.gauge_study.table import StudyTable, text_of
+from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.units import Unit, unit
 from atleak.sentence import Sentence
 from atleak.unit_systems import Quantity
@@ -33,6 +35,7 @@ class _Cells:
 
     by_pair: dict[tuple[str, str], list[tuple[str | None, float, Place]]] = field(default_factory=dict)
     problems: list[GaugeStudyError] = field(default_factory=list)
+    above: dict[int, str] = field(default_factory=dict)  # by column: the last that was filled in there
 
 
 def crossed(table: StudyTable, stated: Unit | None, sha256: str) -> tuple[StudyReadings | None, list[GaugeStudyError]]:
@@ -49,10 +52,12 @@ def crossed(table: StudyTable, stated: Unit | None, sha256: str) -> tuple[StudyR
     """
     cells = _Cells()
     for row in range(table.row + 1, len(table.sheet.rows)):
+        if len(cells.problems) > FAULTS:
+            break
         _read_row(table, row, stated, cells)
     file = table.sheet.file
     if not cells.problems:
-        cells.problems += _gaps(cells, table)
+        cells.problems += islice(_gaps(cells, table), FAULTS)
     if cells.problems:
         return None, cells.problems
     parts = tuple(dict.fromkeys(part for part, _ in cells.by_pair))
@@ -66,6 +71,8 @@ def crossed(table: StudyTable, stated: Unit | None, sha256: str) -> tuple[StudyR
 
 def _read_row(table: StudyTable, row: int, stated: Unit | None, cells: _Cells) -> None:
     sheet = table.sheet
+    for column in table.keys.values():
+        cells.above[column] = text_of(sheet.filled(row, column)) or cells.above.get(column, "")
     filled = [column for column in table.values if _is_filled(table, row, column)]
     if not filled:
         return
@@ -73,8 +80,7 @@ def _read_row(table: StudyTable, row: int, stated: Unit | None, cells: _Cells) -
     for key, column in table.keys.items():
         name = text_of(sheet.filled(row, column))
         if not name and key != "trial":
-            # a form names an operator once, on the first of the rows that are his
-            name = next((above for above in _above(table, row, column) if above), "")
+            name = cells.above.get(column, "")  # a form names an operator once, on the first of the rows that are his
         if name.casefold() in _ENDS:
             return  # the averages at the foot of a form are no readings
         if not name and key != "trial":
@@ -88,10 +94,6 @@ def _read_row(table: StudyTable, row: int, stated: Unit | None, cells: _Cells) -
             said: Mapping[str, str] = {**named, **table.values[column]}
             pair = said["part"], said["operator"]
             cells.by_pair.setdefault(pair, []).append((said.get("trial") or None, value, _place(table, row, column)))
-
-
-def _above(table: StudyTable, row: int, column: int) -> Iterator[str]:
-    return (text_of(table.sheet.filled(above, column)) for above in range(row - 1, table.row, -1))
 
 
 def _is_filled(table: StudyTable, row: int, column: int) -> bool:

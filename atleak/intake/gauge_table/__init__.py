@@ -13,6 +13,7 @@ from functools import partial
 from pathlib import Path
 
 from atleak.catalogue.controller import Controller
+from atleak.doors import own_errors_only
 from atleak.errors import InputError, Message, Place, PressureTableError, ReadingsError
 from atleak.intake.gauge_table.rows import Rows, read_rows
 from atleak.intake.gauge_table.tables import GaugeTable, find_gauge_tables, likeness
@@ -31,6 +32,7 @@ _HEADINGS = Sentence(
 )
 
 
+@own_errors_only(PressureTableError, "name", "source")
 def read_pressure_table(
     source: str | Path | bytes, controller: Controller, *, name: str | None = None
 ) -> PressureTable:

@@ -12,6 +12,7 @@ from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.errors import Message, Place, PressureTableError, nearest_name, one_of
 from atleak.intake.gauge_table.tables import GaugeTable, table_rows
 from atleak.intake.gauge_table.words import Said, Words, engine_words, is_blank, text_of
+from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Cell as SheetCell
 from atleak.intake.sheets.sheet import column_letter
 from atleak.intake.units import KINDS, Unit, find_unit, unit, unit_names
@@ -69,6 +70,8 @@ class Rows:
         for reading, order in self.taken:
             by_cell.setdefault(reading.cell, []).append((reading, order))
         for cell, given in by_cell.items():
+            if len(self.problems) > FAULTS:
+                return
             seen: dict[float | None, GaugeReading] = {}
             for reading, order in given:
                 first = seen.get(order) or (seen and order is None and given[0][0])
@@ -115,6 +118,8 @@ class _Reader:
         before = len(self.rows.taken)
         for row in table_rows(self.table):
             filled = [column for column in self.table.values if self._is_reading(row, column)]
+            if len(self.rows.problems) > FAULTS:
+                return
             if filled:
                 self._row(row, filled)
         if len(self.rows.taken) > before:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from atleak.intake.gauge_table.words import Heading, Said, Words, is_blank, label_and_value
+from atleak.intake.sheets.extent import TABLES
 from atleak.intake.sheets.sheet import Cell, Sheet
 
 _LOOKED_AT = 30  # rows below the headings in which a column without a heading may show what it is
@@ -59,6 +60,8 @@ def find_gauge_tables(sheet: Sheet, words: Words) -> list[GaugeTable]:
             continue
         head = _head(sheet, range(max(free, row - _TITLES), row), words)
         complete = _complete(sheet, row, _with_row_above(sheet, row, free, headings, words), head.said, words)
+        if len(found) == TABLES:
+            break
         if complete is not None:
             found.append((row, complete, head))
             free = row + 1

@@ -7,12 +7,15 @@ import io
 import itertools
 import re
 import zipfile
+from array import array
 from collections.abc import Iterator
 from typing import IO, Any, TypedDict
 from xml.etree import ElementTree
 from xml.parsers import expat
 
 from atleak.intake.native.child import Refused
+from atleak.intake.sheets.extent import COLUMNS as WIDTH
+from atleak.intake.sheets.extent import EXPECTED, SHEETS, bounded, excess
 from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths
 from atleak.sentence import Sentence
 
@@ -25,8 +28,11 @@ LOG_CELLS, LOG_CELLS_PER_BYTE = 4_000_000, 16
 """Cells that a log may span, and more for each byte of its file: a cell takes three, if one in fifty is filled."""
 COLUMNS = 16_384
 """Columns of a sheet in a spreadsheet program."""
-BLOCK = 20_000
-"""Rows of a log in one item."""
+LOOK = 300
+"""Rows of a sheet in which it shows what it holds."""
+HEAD, BLOCK = 2_000, 20_000
+"""Rows of a log in its first item, among which its table is sought, and in every other."""
+_NAN = float("nan")
 
 _CELL = re.compile(rb"<(?:\w+:)?c\b([^>]*?)(?:/>|>(.*?)</(?:\w+:)?c>)", re.DOTALL)
 _FORMULA = re.compile(rb"<(?:\w+:)?f(?:\s[^>]*)?/?>([^<]*)")
@@ -52,7 +58,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
     Raises
     ------
     Refused
-        where the file is protected by a password, no workbook, or spans more cells than a measuring sheet can.
+        where the file is protected by a password, no workbook, or holds more cells than a measuring sheet can.
     """
     _refuse_other_kinds(data)
     merges, faults = _merges_and_faults(data) if data.startswith(b"PK") else ({}, {})
@@ -61,18 +67,47 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
         rows, columns = _size(sheet)
         _refuse_vast(rows, columns, name, columns * rows > CELLS)
         ranges = sheet.merged_cell_ranges
+        cells = bounded(sheet.to_python(skip_empty_area=False))
+        if (too_much := excess(cells)) is not None:
+            raise Refused(too_much, sheet=name, expected=EXPECTED)
         yield {
             "name": name,
             "hidden": hidden,
-            "rows": sheet.to_python(skip_empty_area=False),
-            "merged": _within(merges.get(name, []) if ranges is None else ranges, rows, columns, name),
+            "rows": cells,
+            "merged": _within(merges.get(name, []) if ranges is None else ranges, cells, name),
             "faults": faults.get(name, {}),
             "marks": vars(marked.get(name, Marks())),
         }
 
 
-def log_rows(data: bytes) -> Iterator[tuple[str, list[list[NativeCell | None]]]]:
-    """Yield every worksheet's name and rows, in blocks; empty cells are None, those before the first are left out.
+def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
+    """Yield the first rows of every worksheet, of a log too, to see what it holds; merged ranges with them.
+
+    Raises
+    ------
+    Refused
+        as `log_blocks`.
+    """
+    _refuse_other_kinds(data)
+    for name, hidden, sheet in _worksheets(data):
+        _refuse_more_than_a_log(data, name, sheet)
+        rows = itertools.islice(sheet.iter_rows(), LOOK) if sheet.end is not None else iter(())
+        cells = bounded([row[:WIDTH] for row in rows])
+        ranges = [] if sheet.merged_cell_ranges is None else sheet.merged_cell_ranges
+        merged = _within(ranges, cells, name)
+        yield {"name": name, "hidden": hidden, "rows": cells, "merged": merged, "faults": {}, "marks": vars(Marks())}
+
+
+LogRows = list[list[NativeCell | None]]
+LogColumns = list[bytes | list[NativeCell | None]]
+
+
+def log_blocks(data: bytes) -> Iterator[tuple[str, int, LogRows, LogColumns]]:
+    """Yield every worksheet in blocks: its name, how many rows, and either the rows or the columns of them.
+
+    The first block of a sheet comes in rows, all others in columns: packed floats where every cell is a number or
+    empty (NaN), which takes a quarter of the memory, else a list. Empty cells are None, those before the first are left
+    out.
 
     Raises
     ------
@@ -83,12 +118,22 @@ def log_rows(data: bytes) -> Iterator[tuple[str, list[list[NativeCell | None]]]]
     for name, _, sheet in _worksheets(data):
         if sheet.start is None:
             continue
-        most = LOG_CELLS + LOG_CELLS_PER_BYTE * len(data)
-        _refuse_vast(*_size(sheet), name, sheet.height * sheet.width > most)
+        _refuse_more_than_a_log(data, name, sheet)
         top, left = sheet.start
         rows = itertools.islice(sheet.iter_rows(), top, None)
-        while block := [[None if cell == "" else cell for cell in row[left:]] for row in itertools.islice(rows, BLOCK)]:
-            yield name, block
+        head = [[None if cell == "" else cell for cell in row[left:]] for row in itertools.islice(rows, HEAD)]
+        yield name, len(head), head, []
+        while block := list(itertools.islice(rows, BLOCK)):
+            columns = itertools.islice(zip(*block, strict=True), left, None)
+            yield name, len(block), [], [_packed(column) for column in columns]
+
+
+def _packed(column: tuple[NativeCell, ...]) -> bytes | list[NativeCell | None]:
+    """Return a column as packed floats, or as a list where a cell is neither a number nor empty."""
+    try:
+        return array("d", [_NAN if cell == "" else cell for cell in column]).tobytes()
+    except TypeError:
+        return [None if cell == "" else cell for cell in column]
 
 
 def stray_cells(data: bytes) -> Iterator[None]:
@@ -159,6 +204,11 @@ def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
         workbook = CalamineWorkbook.from_filelike(io.BytesIO(data))
     except PasswordError:
         raise _protected() from None
+    if len(workbook.sheets_metadata) > SHEETS:
+        raise Refused(
+            Sentence("this workbook has {count} sheets", count=len(workbook.sheets_metadata)),
+            expected=Sentence("at most {count}", count=SHEETS),
+        )
     for meta in workbook.sheets_metadata:
         if meta.typ == SheetTypeEnum.WorkSheet:
             yield meta.name, meta.visible != SheetVisibleEnum.Visible, workbook.get_sheet_by_name(meta.name)
@@ -167,6 +217,11 @@ def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
 def _size(sheet: Any) -> tuple[int, int]:
     """Return the number of rows and columns up to the last cell; calamine's total_height leaves out the last row."""
     return (0, 0) if sheet.end is None else (sheet.end[0] + 1, sheet.end[1] + 1)
+
+
+def _refuse_more_than_a_log(data: bytes, name: str, sheet: Any) -> None:
+    most = LOG_CELLS + LOG_CELLS_PER_BYTE * len(data)
+    _refuse_vast(*_size(sheet), name, sheet.height * sheet.width > most)
 
 
 def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None:
@@ -178,8 +233,9 @@ def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None
         )
 
 
-def _within(ranges: list[Range], rows: int, columns: int, sheet: str) -> list[Range]:
+def _within(ranges: list[Range], cells: list[list[NativeCell]], sheet: str) -> list[Range]:
     """Cut merged ranges to the cells that exist; refuse ranges that cover more than those, since they overlap."""
+    rows, columns = len(cells), max(map(len, cells), default=0)
     kept, covered = [], 0
     for (top, left), (bottom, right) in ranges:
         bottom, right = min(bottom, rows - 1), min(right, columns - 1)

@@ -6,8 +6,11 @@ The form is that of the source study's Table 1, a tidy table, or a table with se
 What happens to a file:
 
 1. `intake.sheets` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
-2. `sheet_tables` cuts a sheet into tables; `headings` (with `heading_numbers` and `counts`) says what each column is by
-   its heading; ``vocabulary.toml`` holds the words in every language, and `words` understands single cells.
+2. `sheet_tables` cuts a sheet into tables; `one_heading` says what a column is by its heading, `headings` (with
+   `heading_numbers`, `counts` and `numbered_lands`) by all of them; ``vocabulary.toml`` holds the words in every
+   language, and `words` understands single cells. What is laid out unusually becomes usual before anything else is
+   read: `pivot` writes out a pivot table, `turned` exchanges rows and columns, `split_labels` (with `labels`) gives
+   each thing that a cell says a column, `deviations` adds them to nominal diameters, `filled_down` fills blocks.
 3. `choice` picks the tables that are the measurement, of the visible sheets or of the one that was asked for.
 4. `columns` decides which columns of a table to read, by headings and contents.
 5. `rows` reads every row into `values`; `controller_names` knows the components, planes and lands of the controller.
@@ -28,6 +31,7 @@ from pathlib import Path
 from typing import Literal
 
 from atleak.catalogue.controller import Controller
+from atleak.doors import own_errors_only
 from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.gauge_table import find_tabs, likeness_of
 from atleak.intake.readings import agreement
@@ -46,6 +50,7 @@ from atleak.intake.readings.states import require_known
 from atleak.intake.readings.unread import Account
 from atleak.intake.readings.values import Converted, convert
 from atleak.intake.readings.words import is_word
+from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
@@ -58,6 +63,7 @@ from atleak.sentence import Sentence, all_of, in_a_row
 __all__ = ["ReadingsRefused", "check", "read_readings"]
 
 
+@own_errors_only(ReadingsError, "name", "source")
 def read_readings(
     source: str | Path | bytes,
     controller: Controller,
@@ -124,7 +130,7 @@ def read_readings(
     of_lands = read_land_values([*chosen.tables, *chosen.of_lands], names, given_unit, where)
     controller = of_lands.own.with_fitted(controller)
     names = ControllerNames(controller)
-    read = [read_rows(table, names, given_unit, where) for table in chosen.tables]
+    read = _read_all(chosen.tables, names, given_unit, where)
     read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
     problems = [problem for rows in read for problem in rows.problems]
     problems += require_one_measurement(read, file)
@@ -175,6 +181,18 @@ def read_readings(
     if not (result.readings or result.unworn or _typed_in(sheets)) and pressures is None:
         raise _none_left(result) or _not_filled_in(first)
     return result
+
+
+def _read_all(
+    tables: Sequence[Table], names: ControllerNames, unit: Unit | None, where: Mapping[str, str] | None
+) -> list[Rows]:
+    """Return the rows of tables, until there are so many faults that the file is something else."""
+    read: list[Rows] = []
+    for table in tables:
+        if sum(len(rows.problems) for rows in read) > FAULTS:
+            break
+        read.append(read_rows(table, names, unit, where))
+    return read
 
 
 def _typed_in(sheets: Sequence[Sheet]) -> bool:

@@ -50,6 +50,7 @@ LEFT_ASIDE = (
 )  # codes of messages
 _HALF_A_MICROMETRE = 0.5e-3  # in the numbers of a sheet in mm: how far a mean may be rounded
 _SHOWN = 4
+_OF_GAUGE = vocabulary("gauge", "calibration")
 _DIAMETER = vocabulary("diameter")
 _MARKS = {"x", "✓", "✔", "1"}
 _NAMES: dict[Summary, tuple[Sentence, Sentence]] = {  # of one, and of several
@@ -101,6 +102,10 @@ class Asides:
             [index for index in self._others if _asks(self.header.text(index), words)] for words in (COUNTS, COUNTS_NOT)
         )
 
+        component = columns.component
+        self._beside_component = [
+            index for index in self._keys if component is not None and index != component.index and self._cells(index)
+        ]
         self._machine = [index for index in self._others if self._says_characteristics(index)]
 
         # marks in some rows and nothing in others, and nowhere a "no": what is not marked does not count
@@ -162,11 +167,11 @@ class Asides:
         A label that is nearly a component's name is a slip in a reading, and is refused as one.
         """
         component = self.columns.component
-        others = [index for index in self._keys if component is not None and index != component.index]
-        others = [index for index in others if self._cells(index)]
-        if component is None or not others or any(not is_blank(self.sheet.filled(row, index)) for index in others):
+        if component is None or any(not is_blank(self.sheet.filled(row, index)) for index in self._beside_component):
             return None
         label = self.sheet.filled(row, component.index)
+        if not self._beside_component and not any(word in _OF_GAUGE for word in letters(label)):
+            return None
         if not isinstance(label, str) or is_blank(label) or self.names.component(label) is not None:
             return None
         near = nearest_name(plain(label), [name for name, _ in self.names.by_length])

@@ -18,6 +18,7 @@ from atleak.intake.readings.sheet_tables import Table, continued, find_tables
 from atleak.intake.readings.turned import turned
 from atleak.intake.readings.values import Key
 from atleak.intake.readings.words import is_repeat_title
+from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Sheet
 from atleak.phrases import PART_WORDS
 from atleak.sentence import Sentence
@@ -55,8 +56,6 @@ def choose(
     """
     as_written = {sheet.name: sheet for sheet in sheets}
     understood = [_the_right_way_round(sheet, names) for sheet in sheets]
-    if not any(table.readable for _, tables in understood for table in tables):
-        understood = [_the_right_way_round(sheet, names, means=True) for sheet in sheets]
     sheets, tables = [sheet for sheet, _ in understood], {sheet.name: found for sheet, found in understood}
     for before, sheet in pairwise(sheets):
         readable = [table for table in tables[before.name] if table.readable]
@@ -103,14 +102,14 @@ def choose(
     )
 
 
-def _the_right_way_round(sheet: Sheet, names: ControllerNames, means: bool = False) -> tuple[Sheet, list[Table]]:
+def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, list[Table]]:
     """Return a sheet with its tables, turned where its headings run down the first column."""
     sheet = without_pivot(sheet, names)
-    tables = find_tables(sheet, names, means)
+    tables = find_tables(sheet, names)
     if any(table.header.of("component") and any(each.holds_size for each in table.header.columns) for table in tables):
         return sheet, tables
     around = turned(sheet, names)
-    tables_around = [] if around is None else find_tables(around, names, means)
+    tables_around = [] if around is None else find_tables(around, names)
     if around is None or not any(_is_filled(table) for table in tables_around):
         return sheet, tables
     return around, tables_around
@@ -245,6 +244,8 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
     asked: dict[str | None, None] = {}
     reported: set[tuple[int, int]] = set()
     for before, rows in zip((None, *read), read, strict=False):
+        if len(problems) > FAULTS:
+            break
         if is_repeat_title(rows.table.title):
             continue
         over_the_page = _goes_on(before, rows)

@@ -6,13 +6,14 @@ from dataclasses import replace
 
 from atleak.errors import Message, ReadingsError
 from atleak.intake.readings.headings import Header
-from atleak.intake.readings.one_heading import Column
+from atleak.intake.readings.one_heading import Column, split_unit
 from atleak.intake.readings.sizes import MM as MILLIMETRE
-from atleak.intake.readings.words import is_blank, letters, number, part_in, vocabulary
+from atleak.intake.readings.words import is_blank, letters, number, part_in, part_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.sentence import Sentence
 
 _DEVIATION = vocabulary("deviation")
+_BESIDE = vocabulary("beside_deviation", "diameter", "actual", "reading")  # no standard and no permitted deviation
 _DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
 
 
@@ -61,7 +62,9 @@ def with_deviations(sheet: Sheet, header: Header) -> tuple[Sheet, Header, frozen
 
 
 def _is_deviation(column: Column) -> bool:
-    return any(word in _DEVIATION for word in letters(column.heading))
+    words = letters(split_unit(column.heading)[0])
+    beside = [word for word in words if word not in _DEVIATION]
+    return len(beside) < len(words) and all(word in _BESIDE or part_of(word) for word in beside)
 
 
 def _nominal_of(deviation: Column, header: Header) -> list[Column]:

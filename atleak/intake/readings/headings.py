@@ -157,9 +157,12 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
             if header.starts_table and (not decimals or (header.complete and len(header.roles) > 2)):
                 candidates.append(header)
     headers: list[Header] = []
+    taken: set[int] = set()
     for header in sorted(candidates, key=lambda each: (-round(each.score + _depth_bonus(sheet, each), 9), each.first)):
-        if all(header.last < other.first or header.first > other.last for other in headers):
+        rows = range(header.first, header.last + 1)
+        if taken.isdisjoint(rows):
             headers.append(header)
+            taken.update(rows)
     return sorted(headers, key=lambda each: each.first)
 
 
@@ -295,7 +298,7 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
             column = replace(column, direction=None)
         if column.holds_value and "part" in roles:
             column = replace(column, part=None)
-        if column.holds_value:
+        if column.holds_value and (("land" in roles and column.land) or ("plane" in roles and column.plane)):
             column = replace(
                 column,
                 land=None if "land" in roles else column.land,

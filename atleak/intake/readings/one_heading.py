@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
@@ -138,7 +138,6 @@ class Column:
         return *self.station, self.repeat
 
 
-@lru_cache(maxsize=4096)
 def read_heading(text: str, index: int = 0) -> Column | None:
     """Return what a heading says of its column; None where it says nothing.
 
@@ -151,6 +150,12 @@ def read_heading(text: str, index: int = 0) -> Column | None:
     >>> column.role, column.part, column.repeat, column.unit.name
     ('diameter', 'spool', 2, 'µm')
     """
+    column = _read_heading(text)
+    return replace(column, index=index) if column is not None and index else column
+
+
+@lru_cache(maxsize=4096)
+def _read_heading(text: str) -> Column | None:
     rest, unit = split_unit(text)
     tokens = tokens_of(rest)
     words = set(tokens)
@@ -158,7 +163,7 @@ def read_heading(text: str, index: int = 0) -> Column | None:
         return None
     of_land = _of_land(words, unit)
     if of_land is not None:
-        return Column(index, text, of_land, unit=unit)
+        return Column(0, text, of_land, unit=unit)
     named, rank = _role(words, rest, unit)
     part, side = _part(words, rest), side_of(rest)
     spot, others = spot_of_heading(tokens)
@@ -168,7 +173,7 @@ def read_heading(text: str, index: int = 0) -> Column | None:
     if role == "diameter" and None not in (part, side) and part != side:
         role = "quantity"  # the outer diameter of a sleeve, say
     if role not in {"diameter", "coordinate"}:
-        return Column(index, text, role, unit=unit, rank=rank)
+        return Column(0, text, role, unit=unit, rank=rank)
     coordinate, direction, repeat = numbers_of_heading(role, others)
     standing: Literal["raw", "corrected"] | None = (
         "corrected" if words & _CORRECTED else "raw" if words & _RAW else None
@@ -176,13 +181,17 @@ def read_heading(text: str, index: int = 0) -> Column | None:
     outcome = bool(words & _NOW) or (unit is None and bool(words & _OUTCOME))
     by_place = role != named and unit is None and not words & _SIZE
     return Column(
-        *(index, text, role, unit, coordinate, part or side, spot.direction if direction is None else direction),
+        *(0, text, role, unit, coordinate, part or side, spot.direction if direction is None else direction),
         *(repeat, spot.land, spot.plane),
         otherwise=named if by_place else None,
         standing=standing,
-        tentative=(outcome and not words & _SIZE and repeat is None) or by_place,
+        tentative=(outcome and not words & _SIZE and repeat is None) or by_place or _is_bare_letter(rest, unit),
         besides=besides_numbers(others),
     )
+
+
+def _is_bare_letter(text: str, unit: Unit | None) -> bool:
+    return unit is None and LETTERED.fullmatch(text.strip()) is not None
 
 
 def _role_at_spot(named: Role | None, others: Sequence[str], unit: Unit | None) -> Role | None:
@@ -237,6 +246,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
     parts = {part_of(word) for word in words if len(word) > 2} - {None}
     numbered = any(re.fullmatch(r"\d+", word) for word in words)
     key = any(words & each for each in (_DIRECTION, _PLANE, _LAND, _REPEAT, _COMPONENT, _PART, _NUMBER))
+    numbered_letter = text.strip()[1:].isdigit()  # "d1": of a diameter if its cells are
     simple: list[tuple[bool, Role]] = [
         (_is_earlier(words, sized or (bool(parts) and not key)) and not words & _QUANTITY, "specification"),
         (bool(words & _STANDING) and (sized or bool(words & _READING) or len(words) == 1), "diameter"),
@@ -263,7 +273,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         ),
         (len(parts) == 1 and unit is not None, "diameter"),
         (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
-        (bool(LETTERED.fullmatch(text.strip())) and unit is not None, "diameter"),
+        (bool(LETTERED.fullmatch(text.strip())) and (unit is not None or numbered_letter), "diameter"),
         (all(is_angle(word) for word in words), "diameter"),
         (bool(words & _GAUGE) and unit is not None, "gauge"),
     ]

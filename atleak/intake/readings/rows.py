@@ -35,6 +35,7 @@ from atleak.intake.readings.words import (
     summary_of,
     text_of,
 )
+from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Cell, column_letter, rows_named
 from atleak.intake.units import Unit, find_unit, unit_names
 from atleak.phrases import PART_WORDS
@@ -100,6 +101,8 @@ class _Reader:
         unread = left_out = 0
         faulty_rows = {row for row, _ in self.sheet.faults}
         for row in self.table.rows:
+            if len(self.problems) > FAULTS:
+                break
             cells = self.sheet.rows[row]
             if all(is_blank(cell) for cell in cells) and row not in faulty_rows:
                 continue

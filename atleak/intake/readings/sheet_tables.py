@@ -5,16 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import zip_longest
 
 from atleak.catalogue.instruments import Part
-from atleak.errors import Message, Place
+from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.counts import with_counts
 from atleak.intake.readings.deviations import with_deviations
 from atleak.intake.readings.headings import Header, find_headers, read_together
 from atleak.intake.readings.numbered_lands import with_lands
-from atleak.intake.readings.one_heading import Column
+from atleak.intake.readings.one_heading import KEYS, Column
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
 from atleak.intake.readings.split_labels import with_split_labels
 from atleak.intake.readings.words import (
@@ -25,14 +26,17 @@ from atleak.intake.readings.words import (
     part_in,
     part_said,
     plain,
+    summary_of,
     text_of,
     vocabulary,
 )
+from atleak.intake.sheets.extent import TABLES
 from atleak.intake.sheets.sheet import Sheet
 from atleak.sentence import Sentence, all_of
 
 _ASIDE = vocabulary("specification_title", "calibration")
 _READ = vocabulary("reading", "actual")
+_DIAMETER = vocabulary("diameter")
 _WORD = re.compile(r"[^\W\d_]+")
 _TITLE_ROWS = 4
 
@@ -57,7 +61,7 @@ class Table:
     told: tuple[Message, ...] = ()
     filled: frozenset[int] = frozenset()
 
-    @property
+    @cached_property
     def title(self) -> str:
         """Return the line of text above the headings, but no count of pages; "" where there is none."""
         lines = [row for row in range(self.header.first) if any(not is_blank(cell) for cell in self.sheet.rows[row])]
@@ -65,7 +69,7 @@ class Table:
         title = " ".join(map(str, cells)) if len(cells) == 1 and isinstance(cells[0], str) else ""
         return "" if is_page_title(title) else title
 
-    @property
+    @cached_property
     def columns(self) -> range:
         """Return the columns that the table spans."""
         wide = [index for index, text in enumerate(self.header.texts) if text]
@@ -81,7 +85,7 @@ class Table:
         """Return the table for what stands above its headings in the file, also where it was turned."""
         if not self.sheet.turned:
             return self
-        first = min((column.index for column in self.header.columns), default=0)
+        first = min((each.index for each in self.header.columns if each.holds_size or each.role in KEYS), default=0)
         return replace(self, sheet=replace(self.sheet, turned=False), header=replace(self.header, first=first))
 
     @property
@@ -90,7 +94,7 @@ class Table:
         column = self.header.values[0]
         return self.sheet.place(max(self.header.last, 0), column.index, column.name)
 
-    @property
+    @cached_property
     def block(self) -> range:
         """Return the rows under the headings up to the first empty one."""
         for row in self.rows[1:]:
@@ -102,7 +106,7 @@ class Table:
         """Return the heading of a column on one line, "" where it has none."""
         return self.header.text(index)
 
-    @property
+    @cached_property
     def where(self) -> Sentence:
         """Return the rows from the headings to the last one, as a person counts them."""
         first = self.sheet.row_number(max(self.header.first, 0))
@@ -138,15 +142,12 @@ class Table:
         return bool(known and self.header.values and not self.aside)
 
 
-def find_tables(sheet: Sheet, names: ControllerNames, means: bool = False) -> list[Table]:
-    """Return every table of a sheet that has headings, from top to bottom and from left to right.
-
-    With ``means``, those of a table that has no other diameters are its diameters.
-    """
+def find_tables(sheet: Sheet, names: ControllerNames) -> list[Table]:
+    """Return every table of a sheet that has headings, from top to bottom and from left to right."""
     return [
         table
         for strip in _strips(sheet, names)
-        for above in _stacked(strip, names, means)
+        for above in _stacked(strip, names)
         for beside in _side_by_side(above)
         for table in _sections(_titled(beside, names), names)
     ]
@@ -199,37 +200,22 @@ def _only(sheet: Sheet, left: int, right: int, end: int | None = None) -> Sheet:
     return replace(sheet, rows=rows, faults={at: why for at, why in sheet.faults.items() if left <= at[1] < right})
 
 
-def _stacked(sheet: Sheet, names: ControllerNames, means: bool) -> Iterator[Table]:
+def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
     headers = find_headers(sheet, names.is_named)
+    if len(headers) > TABLES:
+        problem = Sentence("this sheet has {count} tables with headings of their own", count=len(headers))
+        expected = Sentence("at most {count}", count=TABLES)
+        raise ReadingsError(problem, place=sheet.place(), expected=expected)
     for header, following in zip_longest(headers, headers[1:]):
         end = len(sheet.rows)
         if following is not None:
             titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
             end = min([following.first, *titles])
         view = _only(sheet, 0, sheet.width, end)
-        of_means: tuple[Message, ...] = ()
-        if means and not header.values:
-            header, of_means = _with_means(view, header)
         header, of_lands = with_lands(view, _by_content(view, header, names), names)
         view, header = with_split_labels(view, header, names)
         view, header, used, of_sums = with_deviations(view, header)
-        yield Table(view, header, used=used, told=(*of_means, *of_lands, *of_sums))
-
-
-def _with_means(sheet: Sheet, header: Header) -> tuple[Header, tuple[Message, ...]]:
-    """Return headings of means as those of diameters, and what is said about each."""
-    columns, told = [], []
-    for column in header.columns:
-        if column.role == "mean":
-            column = replace(column, role="diameter", part=part_in(column.heading), tentative=True)
-            text = Sentence(
-                "column {heading!r} is said to hold means, and their single readings are not there: each is read as "
-                "one reading",
-                heading=column.name,
-            )
-            told.append(Message("info", "mean_as_reading", text, sheet.place(header.last, column.index, column.name)))
-        columns.append(column)
-    return replace(header, columns=read_together(columns)), tuple(told)
+        yield Table(view, header, used=used, told=(*of_lands, *of_sums))
 
 
 def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
@@ -342,7 +328,8 @@ def _why_aside(table: Table, titles: Sequence[str]) -> Sentence | None:
         return Sentence("no measured diameter by its headings")
     for title in titles:
         words = set(_WORD.findall(plain(title)))
-        if words & _ASIDE and not words & _READ and not words & ERRORS:
+        counted = summary_of(title.partition(" ")[0]) in ("count", "spread") and bool(words & _DIAMETER)
+        if counted or (words & _ASIDE and not words & _READ and not words & ERRORS):
             return Sentence("by its title {title!r} no readings", title=title)
     if not header.of("component") and header.of("gauge"):
         return Sentence("a check of the instrument")

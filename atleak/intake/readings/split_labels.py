@@ -9,7 +9,7 @@ from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Header
 from atleak.intake.readings.labels import Label, read_label
 from atleak.intake.readings.one_heading import Column, Role
-from atleak.intake.readings.words import is_blank, number_of, part_said, text_of
+from atleak.intake.readings.words import is_blank, number_of, part_said, plane_names, text_of
 from atleak.intake.sheets.sheet import Cell, Sheet
 
 _ROLES: Mapping[str, Role] = {
@@ -61,9 +61,31 @@ def _labels(
     if role is not None and role not in said:
         return {}
     needed = {name for name in said if not _is_said(header, _ROLES[name], index)} - {"unit"}
-    if role is None:
-        needed -= {"direction", "repeat"}  # an "x" is a tick as often
-    return labels if 2 * len(labels) > len(cells) and needed else {}
+    if role is None:  # an "x" is a tick as often, and "No. 2" may be anything's
+        needed -= {"direction", "repeat"} if said & {"component", "part"} else {"direction", "repeat", "number"}
+    agree = all(_agrees(label, row, sheet, header, index, names) for row, label in labels.items())
+    return labels if 2 * len(labels) > len(cells) and needed and agree else {}
+
+
+def _agrees(label: Label, row: int, sheet: Sheet, header: Header, besides: int, names: ControllerNames) -> bool:
+    """Return whether a label contradicts no other column, and no heading that says the part of its diameters."""
+    parts = {column.part for column in header.values} - {None}
+    if label.part is not None and parts and part_said(label.part) not in parts:
+        return False
+    places = {each for each in (label.land, label.plane, label.number) if each is not None}
+    for column in header.columns:
+        cell = sheet.filled(row, column.index)
+        if column.index == besides or is_blank(cell):
+            continue
+        if column.role in ("plane", "land") and places and places.isdisjoint(plane_names(cell)):
+            return False
+        if column.role == "part" and label.part is not None and part_said(text_of(cell)) != part_said(label.part):
+            return False
+        if column.role == "component" and label.component is not None:
+            other = names.component(cell)
+            if other in names.with_lands and other != label.component:
+                return False
+    return True
 
 
 def _is_plain(cell: Cell, role: Role | None, names: ControllerNames) -> bool:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from atleak.doors import own_errors_only
 from atleak.errors import InputError, Message, Place, RoadTestError
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Ambiguous, Assigner, stated_units
@@ -53,6 +54,7 @@ class _Job:
         )
 
 
+@own_errors_only(RoadTestError, "name", "source")
 def understand(
     source: str | Path | bytes,
     *,
@@ -173,7 +175,7 @@ def _workbook(job: _Job) -> Understood:
     titled = [replace(sheet, titled=True) for sheet in sheets]
     good = [reading for sheet in titled if (reading := _read_sheet(sheet, job)) is not None]
     if not good:
-        first = max(sheets, key=lambda sheet: len(sheet.rows))
+        first = max(sheets, key=lambda sheet: sheet.cells.rows)
         return _one_table(first, _blank(job, first), job)
     with_several_signals = [reading for reading in good if len(reading.assigner.signals) >= 2]
     if with_several_signals or len(good) == 1:

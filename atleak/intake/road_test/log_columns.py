@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from atleak.doors import own_errors_only
+from atleak.errors import RoadTestError
 from atleak.intake.road_test.channels.assign import find_candidates, match_heading
 from atleak.intake.road_test.channels.long import long_columns, long_shape
 from atleak.intake.road_test.channels.protocol import LogTable
@@ -43,6 +45,7 @@ class LogColumn:
     words: tuple[str, ...] = ()
 
 
+@own_errors_only(RoadTestError, "name", "source")
 def log_columns(source: str | Path | bytes, *, name: str | None = None) -> tuple[LogColumn, ...]:
     """Return every column of a log, in file order; none where no table of numbers is found in it.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from atleak.errors import Place
@@ -49,7 +50,7 @@ class Sheet:
         """Return what `cell` returns, but inside a merged range what its first cell holds."""
         return self.cell(*self.merged.get((row, column), (row, column)))
 
-    @property
+    @cached_property
     def width(self) -> int:
         return max((len(row) for row in self.rows), default=0)
 

@@ -47,13 +47,20 @@ def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str
         raise ReadingsError(problem, place=Place(str(path)), expected=WANTED) from None
 
 
-def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None) -> list[Sheet]:
+def read_sheets(
+    data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None, *, only_look: bool = False
+) -> list[Sheet]:
     """Read all sheets of a file; encoding and delimiter are those with the highest `score`, and with words one knows.
+
+    Parameters
+    ----------
+    only_look
+        read no more of a workbook than its sheets' first rows.
 
     Raises
     ------
     ReadingsError
-        where the file is empty, or neither a workbook nor text.
+        where the file is empty, neither a workbook nor text, or more than people fill in.
     """
     place = Place(file)
     if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
@@ -61,7 +68,7 @@ def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float], knows: 
     if data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
         from atleak.intake.sheets.workbook import read_workbook  # calamine only where it is needed
 
-        return read_workbook(data, file)
+        return read_workbook(data, file, only_look=only_look)
     for magic, kind in _FOREIGN:
         if data.startswith(magic) and (magic != b"BM" or b"\0" in data[:64]):
             problem = Sentence("this is {kind}, whatever its name says", kind=kind)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
 from atleak.errors import Place, ReadingsError
+from atleak.intake.sheets.extent import EXPECTED, TEXT, bounded, excess
 from atleak.intake.sheets.sheet import NO_WIDTH, Sheet
 from atleak.sentence import Sentence
 
@@ -53,6 +54,9 @@ def read_text(data: bytes, file: str, score: Callable[[Sheet], float], knows: Kn
     ReadingsError
         where this is no text, or no table.
     """
+    if len(data) > TEXT:
+        problem = Sentence("this text has {size} MB", size=len(data) >> 20)
+        raise ReadingsError(problem, place=Place(file), expected=EXPECTED)
     best: tuple[float, str, str, str] | None = None
     for encoding, text in _decoded(data, file, knows):
         lines = text.splitlines(keepends=True)
@@ -66,14 +70,21 @@ def read_text(data: bytes, file: str, score: Callable[[Sheet], float], knows: Kn
     note = Sentence(
         "read as {encoding}, columns separated by {delimiter}", encoding=encoding, delimiter=_DELIMITERS[delimiter]
     )
-    return _sheet(text, file, delimiter, note)
+    sheet = _sheet(text, file, delimiter, note)
+    if (too_much := excess(sheet.rows)) is not None:
+        raise ReadingsError(too_much, place=Place(file), expected=EXPECTED)
+    return sheet
 
 
 def _best_delimiter(start: str, file: str, score: Callable[[Sheet], float]) -> tuple[float, str]:
-    found = [(score(_sheet(start, file, delimiter)), delimiter) for delimiter in _delimiters(start)]
+    def likeness(delimiter: str) -> float:
+        sheet = _sheet(start, file, delimiter)
+        return score(sheet) if excess(sheet.rows) is None else -1.0
+
+    found = [(likeness(delimiter), delimiter) for delimiter in _delimiters(start)]
     best = max(found, key=lambda each: each[0])
     if best[0] < _COMPLETE and " " in start:
-        by_spaces = [(score(_sheet(start, file, spaces)), spaces) for spaces in (_ALIGNED, _WORDS)]
+        by_spaces = [(likeness(spaces), spaces) for spaces in (_ALIGNED, _WORDS)]
         best = max([best, *(each for each in by_spaces if each[0] >= _COMPLETE)], key=lambda each: each[0])
     return best
 
@@ -141,7 +152,7 @@ def _sheet(text: str, file: str, delimiter: str, note: Sentence | None = None) -
     text = text.translate(NO_WIDTH)
     if delimiter in (_ALIGNED, _WORDS):
         rows = [line.split() for line in text.splitlines()] if delimiter == _WORDS else _aligned(text.splitlines())
-        return Sheet(file=file, name=None, rows=rows, lines=range(1, len(rows) + 1), note=note)
+        return Sheet(file=file, name=None, rows=bounded(rows), lines=range(1, len(rows) + 1), note=note)
     table: list[list[str]] = []
     lines: list[int] = []
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
@@ -156,7 +167,8 @@ def _sheet(text: str, file: str, delimiter: str, note: Sentence | None = None) -
     except csv.Error as error:
         problem = Sentence("this text is no table ({reason})", reason=str(error))
         raise ReadingsError(problem, place=Place(file, row=before + 1), expected=WANTED) from None
-    return Sheet(file=file, name=None, rows=table, lines=lines, note=note)
+    table = bounded(table)
+    return Sheet(file=file, name=None, rows=table, lines=lines[: len(table)], note=note)
 
 
 def _is_rule(record: Sequence[str]) -> bool:

@@ -6,20 +6,26 @@ from collections.abc import Iterable, Sequence
 
 from atleak.errors import ReadingsError
 from atleak.intake.native.process import WORKBOOK, read_apart
-from atleak.intake.native.workbooks import Range, measuring_sheets, stray_cells
+from atleak.intake.native.workbooks import Range, first_rows, measuring_sheets, stray_cells
 from atleak.intake.sheets.sheet import NO_WIDTH, Cell, Sheet
 from atleak.intake.workbook_marks import Marks
 
 
-def read_workbook(data: bytes, file: str) -> list[Sheet]:
+def read_workbook(data: bytes, file: str, *, only_look: bool = False) -> list[Sheet]:
     """Read all worksheets of a workbook.
+
+    Parameters
+    ----------
+    only_look
+        read no more than their first rows, of a workbook that holds a log too.
 
     Raises
     ------
     ReadingsError
-        where the file is damaged, protected by a password, spans more cells than a measuring sheet can, or takes more
+        where the file is damaged, protected by a password, holds more cells than a measuring sheet can, or takes more
         time or memory than a workbook of its size may.
     """
+    read = first_rows if only_look else measuring_sheets
     return [
         Sheet(
             file=file,
@@ -30,7 +36,7 @@ def read_workbook(data: bytes, file: str) -> list[Sheet]:
             hidden=worksheet["hidden"],
             marks=Marks(**worksheet["marks"]),
         )
-        for worksheet in read_apart(measuring_sheets, data, file, ReadingsError, WORKBOOK, stray_cells)
+        for worksheet in read_apart(read, data, file, ReadingsError, WORKBOOK, stray_cells)
     ]
 
 

@@ -11,17 +11,20 @@ from pathlib import Path
 from typing import Any
 
 from atleak.diagnosis import Diagnosis
+from atleak.errors import Message
 from atleak.job.record import Job
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.paper import DEFAULT_PAPER, Paper, find_paper
+from atleak.report.own_font import OwnFont
 from atleak.report.pdf.body import BARS, Body, chosen_sections
-from atleak.report.pdf.compiling import common_data, compile_pdf
+from atleak.report.pdf.compiling import common_data, compile_pdf, named_characters, unprintable
 from atleak.report.pdf.customer import DRAWING, CustomerPage
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.pictures import write_pictures
 from atleak.report.printed_charts import Bar, road_chart, shares_chart
+from atleak.sentence import Sentence
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.drawing import controller_svg, shortened
 from atleak.views.road_series import RoadSeries, road_series
@@ -41,6 +44,7 @@ def write_pdf(
     paper: str = DEFAULT_PAPER,
     sections: Iterable[str] | None = None,
     units: str = "metric",
+    font: OwnFont | None = None,
 ) -> bytes:
     """Return the bytes of the report.
 
@@ -59,6 +63,8 @@ def write_pdf(
         about lands.
     units
         one of `atleak.unit_systems.SYSTEMS`.
+    font
+        for characters that the bundled fonts lack.
 
     Raises
     ------
@@ -67,8 +73,8 @@ def write_pdf(
 
     Notes
     -----
-    Where a text holds characters that the bundled fonts lack (an emoji, say), the file is a plain PDF and
-    says so on top of its first page.
+    Where a text holds characters that no font has (an emoji, say), the file is a plain PDF and says so on top of its
+    first page; `missing_characters` tells it beforehand.
     """
     job, say = job or Job(), wording(language, units)
     chosen = chosen_sections(sections, without_sheet=diagnosis.without_sheet)
@@ -76,7 +82,19 @@ def write_pdf(
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         pictures = write_pictures(job, Path(folder))
         data = report_data(diagnosis, job, say, size, chosen, pictures)
-        return compile_pdf("report", Path(folder), data, job.date, say)
+        return compile_pdf("report", Path(folder), data, job.date, say, font)
+
+
+def missing_characters(jobs: Iterable[Job], font: OwnFont | None = None) -> list[Message]:
+    """Return a message that names the characters of some records that show as boxes in print; none without such."""
+    missing = unprintable("".join(job.model_dump_json() for job in jobs), font)
+    if not missing:
+        return []
+    text = Sentence(
+        "the fonts of the PDF lack {characters}, which show as boxes: name a font file that has them",
+        characters=named_characters(missing),
+    )
+    return [Message("warning", "characters_missing", text)]
 
 
 def report_data(

@@ -15,6 +15,7 @@ from atleak.engine.projection import Projection
 from atleak.job.record import Job, RepairDecision
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.paper import DEFAULT_PAPER, find_paper
+from atleak.report.own_font import OwnFont
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.compiling import common_data, compile_pdf
 from atleak.report.pictures import write_pictures
@@ -45,6 +46,7 @@ def write_comparison_pdf(
     language: str = "en",
     paper: str = DEFAULT_PAPER,
     units: str = "metric",
+    font: OwnFont | None = None,
 ) -> bytes:
     """Return the bytes of the page for the customer.
 
@@ -60,6 +62,8 @@ def write_comparison_pdf(
         one of `atleak.paper.PAPERS`.
     units
         one of `atleak.unit_systems.SYSTEMS`.
+    font
+        for characters that the bundled fonts lack.
 
     Raises
     ------
@@ -85,7 +89,7 @@ def write_comparison_pdf(
             "sections": [section for section in page.sections() if section["blocks"]],
             "charts": page.charts(),
         }
-        return compile_pdf("comparison", Path(folder), data, after.date, say)
+        return compile_pdf("comparison", Path(folder), data, after.date, say, font)
 
 
 class _Page:

@@ -16,33 +16,37 @@ from atleak.job.record import Job, clean_text
 from atleak.look import LOOKS, PAPER
 from atleak.paper import Paper
 from atleak.report.drawn_png import bundled_fonts
+from atleak.report.own_font import OWN_FONT, OwnFont, characters_of
 from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.boxes import BOX_FONT, box_font
-from atleak.report.printed_fonts import FONTS, glyphs
+from atleak.report.printed_fonts import FONTS
 from atleak.system.marks import KEYWORD
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
+from atleak.views.drawing import shortened
 from atleak.wording import Wording
 
 STANDARDS: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")
 TEMPLATES = Path(__file__).parent.parent / "templates"
 _UNDATED = dt.date(2000, 1, 1)  # PDF/A requires a date; today's date would make two files of one job differ
 _MISSING_NAMED = 8
+_RUNNING = 24  # letters of each name that stand at the head of every page, in one line
 
 
 def common_data(
     title: str, subject: str, job: Job, paper: Paper, say: Wording, pictures: dict[str, str]
 ) -> dict[str, Any]:
     """Return what ``common.typ`` places on every kind of page: the file's properties, letterhead, colours and signs."""
+    plate = job.vehicle.registration or job.vehicle.vin
     return {
         "lang": say.language,
         "paper": paper.typst,
         "title": title,
-        "name": joined((title, job.number, job.vehicle.registration or job.vehicle.vin), " · "),
+        "name": joined((title, job.number, plate), " · "),
         "author": job.workshop.name or "atleak",
         "description": subject,
         "keywords": KEYWORD,
-        "running": joined((job.workshop.name, job.number, job.vehicle.registration or job.vehicle.vin), " · "),
+        "running": joined((shortened(each, _RUNNING) for each in (job.workshop.name, job.number, plate)), " · "),
         "made": f"atleak {__version__}",
         "page": say("title.page", page="{page}", pages="{pages}"),
         "end": "",
@@ -85,7 +89,9 @@ def _look(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def compile_pdf(template: str, folder: Path, data: dict[str, Any], date: dt.date | None, say: Wording) -> bytes:
+def compile_pdf(
+    template: str, folder: Path, data: dict[str, Any], date: dt.date | None, say: Wording, own: OwnFont | None = None
+) -> bytes:
     """Return the bytes of a PDF.
 
     Parameters
@@ -98,6 +104,8 @@ def compile_pdf(template: str, folder: Path, data: dict[str, Any], date: dt.date
         what the template places.
     date
         of the file; a fixed one where none is given.
+    own
+        a font for characters that the package's own ones lack; without such characters it changes nothing.
     """
     for path in TEMPLATES.glob("*.typ"):
         shutil.copy(path, folder)
@@ -111,18 +119,28 @@ def compile_pdf(template: str, folder: Path, data: dict[str, Any], date: dt.date
         assert isinstance(pdf, bytes)  # typst returns bytes for one document that it writes to no file
         return _made_by_atleak(pdf)
 
+    said = json.dumps(data, ensure_ascii=False)
+    families = []
+    if own is not None and own.glyphs.intersection(map(ord, unprintable(said))):
+        (folder / "own.ttf").write_bytes(own.content)
+        families.append(OWN_FONT)
+
+    def fonts() -> typst.Fonts:
+        paths = [str(FONTS), *([str(folder)] if families else [])]
+        return typst.Fonts(include_system_fonts=False, include_embedded_fonts=False, font_paths=paths)
+
     try:
-        return run(bundled_fonts(), STANDARDS)
+        return run(fonts() if families else bundled_fonts(), STANDARDS, **{"more-fonts": families})
     except typst.TypstError as error:
-        missing = _missing_characters(data)
+        missing = unprintable(said, own)
         if not missing:
             reason = str(error.message).splitlines()[0]
-            return run(bundled_fonts(), (), note=say("title.plain_other", reason=reason))
-        (folder / "boxes.ttf").write_bytes(box_font(missing, json.dumps(data, ensure_ascii=False)))
-        fonts = typst.Fonts(
-            include_system_fonts=False, include_embedded_fonts=False, font_paths=[str(FONTS), str(folder)]
-        )
-        return run(fonts, (), note=_note(missing, say), **{"more-fonts": [BOX_FONT]})
+            note = say("title.plain_other", reason=reason)
+            return run(fonts(), (), note=note, **{"more-fonts": families})
+        (folder / "boxes.ttf").write_bytes(box_font(missing, said))
+        families.append(BOX_FONT)
+        note = say("title.plain", characters=named_characters(missing))
+        return run(fonts(), (), note=note, **{"more-fonts": families})
 
 
 def _made_by_atleak(pdf: bytes) -> bytes:
@@ -139,16 +157,16 @@ def _made_by_atleak(pdf: bytes) -> bytes:
     return pdf
 
 
-def _note(missing: list[str], say: Wording) -> str:
-    """Return why the file is a plain PDF, with the characters that no font has."""
+def named_characters(missing: Sequence[str]) -> str:
+    """Return the first of some characters with their code points."""
     named = ", ".join(f"U+{ord(sign):04X} {sign}" for sign in missing[:_MISSING_NAMED])
-    return say("title.plain", characters=f"{named}, …" if len(missing) > _MISSING_NAMED else named)
+    return f"{named}, …" if len(missing) > _MISSING_NAMED else named
 
 
-def _missing_characters(data: Any) -> list[str]:
-    """Return the characters of the report that none of the bundled fonts has, in their order in the text."""
-    seen = dict.fromkeys(json.dumps(data, ensure_ascii=False))
-    return [sign for sign in seen if ord(sign) not in glyphs() and not _invisible(sign)]
+def unprintable(text: str, own: OwnFont | None = None) -> list[str]:
+    """Return the characters of a text that no font of the report has, in their order in the text."""
+    known = characters_of(own)
+    return [sign for sign in dict.fromkeys(text) if ord(sign) not in known and not _invisible(sign)]
 
 
 def _invisible(sign: str) -> bool:

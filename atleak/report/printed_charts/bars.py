@@ -61,7 +61,7 @@ def _rows(
         axes.set_xlim(0.0, right if math.isfinite(right) and right > 0.0 else 1.0)
         axes.set_ylim(-0.5, max(len(names), 1) - 0.5)
         axes.set_yticks([])
-        axes.set_xlabel(plotting.drawable(title))
+        axes.set_xlabel(title)
         plotting.number_axes(axes, say, "x")
         for place, name in zip(_places(names), names, strict=True):
             name_row(axes, name, place, _NAMES)

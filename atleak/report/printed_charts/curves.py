@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from operator import itemgetter
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,7 +23,8 @@ _RIGHT = WIDTH - 14.0
 _BETWEEN = 10.0  # two fields
 _HIGH, _LOW, _PUMP = 96.0, 62.0, 150.0  # heights of fields
 _DASHES = ((5, 2), (2, 1.5), (1, 1.5), (8, 2, 1, 2), (5, 2, 1, 2, 1, 2))  # of curves that differ by temperature
-_LEGEND_ROW = 13.0
+_LEGEND_ROW, _MARK_ROW = 13.0, 12.0  # of the legend, and of the words of engine speeds below it
+_FIELD = 50.0  # about where a field begins
 
 Mark = tuple[float, float | None, float | None]
 
@@ -123,7 +125,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
     for each in data.demands:
         names.append(say("charts.taken_at", temperature=say.plain_value(each.temperature, "temperature")))
     columns = max(int((WIDTH - 16.0) / (widest(names) + 42.0)), 1)
-    top = 8.0 + _LEGEND_ROW * math.ceil(len(names) / columns)
+    top = 8.0 + _LEGEND_ROW * math.ceil(len(names) / columns) + _MARK_ROW * len(data.marked)
     highest = 1.05 * max(float(data.supply[-1]), *(each.flow for each in data.demands)) * flow or 1.0
     with plotting.drawing():
         figure = plotting.figure_of(top + _PUMP + BELOW)
@@ -136,10 +138,8 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
             axes.plot([each.crossing * RPM], [taken], "o", ms=6 if own else 3, color=PAPER.ink, zorder=5)
         axes.set_xlim(0.0, float(data.speeds[-1]) * RPM)
         axes.set_ylim(0.0, highest)
-        for label, speed in data.marked:
-            axes.axvline(speed * RPM, color=PAPER.ink, lw=0.8, ls=(0, (6, 2)))
-            said = fitting(f"{label}: {say.number(speed * RPM, 0)} 1/min", SMALL, _PUMP - 6.0)
-            words(axes, (speed * RPM, highest), said, (-3.0, -2.0), rotation=90, ha="right", va="top")
+        for number, (label, speed) in enumerate(sorted(data.marked, key=itemgetter(1))):
+            _marked_speed(axes, speed * RPM, number, f"{label}: {say.number(speed * RPM, 0)} 1/min")
         _crossing(axes, data, say)
         axes.set_xlabel(say("charts.speed"))
         _title(axes, say("charts.flow"), _left_of([highest], say))
@@ -148,6 +148,20 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
             loc="upper left", ncols=columns, frameon=False, fontsize=SMALL, borderaxespad=0.0, bbox_to_anchor=(0.0, 1.0)
         )
         return plotting.svg(figure)
+
+
+def _marked_speed(axes: Axes, speed: float, row: int, said: str) -> None:
+    """Draw an engine speed as an upright line, its words in a row above the field on the side that has more room.
+
+    The lowest speed has the lowest row, so that no line crosses the words of another one.
+    """
+    (_, end), (_, top) = axes.get_xlim(), axes.get_ylim()
+    above = (row + 0.5) * _MARK_ROW
+    reach = top * (1.0 + (above + 3.0) / _PUMP)
+    axes.plot([speed, speed], [0.0, reach], color=PAPER.ink, lw=0.8, ls=(0, (6, 2)), clip_on=False)
+    place = speed / end
+    room, off, side = ((1.0 - place), 4.0, "left") if place < 0.5 else (place, -4.0, "right")
+    words(axes, (speed, top), fitting(said, SMALL, room * (_RIGHT - _FIELD) - 6.0), (off, above), ha=side)
 
 
 def _crossing(axes: Axes, data: PumpOverSpeed, say: Wording) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import threading
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -20,7 +21,7 @@ from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from atleak.look import PAPER, Look
-from atleak.report.printed_fonts import FONTS, fitting, glyphs, width_of
+from atleak.report.printed_fonts import FONTS, fitting, width_of
 from atleak.wording import Wording
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def widest(names: Iterable[str], size: float = SMALL) -> float:
 def words(axes: Axes, at: tuple[float, float], text: str, off: tuple[float, float] = (0.0, 0.0), **look: Any) -> None:
     """Write words at a place of the data, shifted by so many points."""
     look = {"va": "center", "fontsize": SMALL, **look}
-    axes.annotate(drawable(text), at, xytext=off, textcoords="offset points", annotation_clip=False, **look)
+    axes.annotate(text, at, xytext=off, textcoords="offset points", annotation_clip=False, **look)
 
 
 def name_row(axes: Axes, name: str, place: float, width: float) -> None:
@@ -116,13 +117,13 @@ def sign(axes: Axes, look: Look, x: float, y: float) -> None:
     axes.plot([x], [y], marker=outline, ms=7, mfc=look.fill, mec=look.line, zorder=5, clip_on=False)
 
 
-def drawable(text: str) -> str:
-    """Return the text with a box for every character that the charts' fonts lack: matplotlib would warn of each."""
-    return "".join(letter if ord(letter) in glyphs() else "\u25a1" for letter in text)
-
-
 def svg(figure: Figure) -> str:
-    """Return the drawing; the same figure gives the same text."""
+    """Return the drawing; the same figure gives the same text.
+
+    Its words stay words: a character that the report's fonts lack is set in another one with the rest of the page.
+    """
     target = io.StringIO()
-    figure.savefig(target, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+        figure.savefig(target, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
     return target.getvalue()

@@ -18,7 +18,7 @@ from atleak.equations.uncertainty import normal_quantile
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.instruments_sheet import INFINITE
-from atleak.report.xlsx.live_cells import EXPANSIONS, Cell, ColumnKey, address, quote, write_cell
+from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, EXPANSIONS, Cell, ColumnKey, address, quote, write_cell
 from atleak.report.xlsx.names import (
     COVERAGE,
     FORM_RESIDUAL,
@@ -41,7 +41,7 @@ from atleak.workshop_units import PERCENT, UM
 BUDGET = Sentence("Uncertainty budget")
 _SOURCE, _SHAPE, _NU, _U, _UNIT, _C, _CU, _PART = range(8)
 _BESIDE = 9  # column of what the readings of the land give
-_WIDTHS = (34, 20, 8, 12, 8, 12, 14, 12, 3, 50, 12, 12)
+_WIDTHS = (34, 20, 8, 12, 9, 17, 16, 14, 3, 52, 12, 12)
 _WHOLE = (
     Sentence("combined standard uncertainty u(c_r) [µm]"),
     Sentence("effective degrees of freedom (JCGM 100, G.4.1)"),
@@ -156,7 +156,7 @@ class _Budget:
         yield free
         warm = line.input_kind == "temperature"
         yield Cell("nu", line.input_uncertainty * (1.0 if warm else UM), text)
-        yield Cell("plain", "K" if warm else "µm")
+        yield Cell("plain", "K" if warm else "µm", look=AFTER_A_NUMBER)
         yield Cell("nu", line.sensitivity * UM, self._of_temperature()) if warm else Cell("plain", self._slope(line))
         yield Cell("nu", abs(line.contribution) * UM, f"ABS({c}*{u})")
         share = f"IF({combined_cell}>0,({contribution}/{combined_cell})^2*100,0)"

@@ -16,7 +16,7 @@ from atleak.catalogue.instruments import Instrument, Part
 from atleak.equations.uncertainty import persistent_rounding_variance
 from atleak.report.xlsx.book import Book, cell
 from atleak.report.xlsx.live_cells import CHANGEABLE, PER_KELVIN, Cell, address, quote, write_cell
-from atleak.report.xlsx.names import TRUSTED_DEGREES, VISIBLE_STEP, of_part
+from atleak.report.xlsx.names import AVERAGED, TRUSTED_DEGREES, VISIBLE_STEP, of_part
 from atleak.report.xlsx.readings_sheet import PART_NAMES, ReadingCells
 from atleak.sentence import Name, Sentence
 from atleak.uncertainty import UnitUncertainty
@@ -106,7 +106,7 @@ class InstrumentCells:
         instrument, of = self.uncertainty.instruments.of(part), self.uncertainty.instruments
         same = part == PARTS[1] and of.spool == of.sleeve  # then its numbers stand once
 
-        def given(name: str, label: Sentence, unit: str, value: float | None, kind: str = "um") -> _Row:
+        def given(name: str, label: Sentence, unit: str, value: float | None, kind: str = "nu") -> _Row:
             return _Row(name, label, unit, kind, value, of_part(PARTS[0], name) if same else None, changeable=True)
 
         yield given(
@@ -130,12 +130,12 @@ class InstrumentCells:
         """Return the steps from the repeats to the spread of one reading."""
         found, follows = _pooled(spread), self._follows
         step = Sentence("step in which the sheet is written, as issued")
-        yield _Row("step", step, "µm", "um", found.step * UM, changeable=True)
+        yield _Row("step", step, "µm", "nu", found.step * UM, changeable=True)
         coarser = Sentence("step q that counts, the coarser of both")
         yield follows(part, "q", coarser, spread.resolution * UM, "MAX({resolution},{step})")
         yield _Row("roundings", Sentence("roundings in one diameter"), "", "count", spread.roundings)
         squares, degrees = (self._summed(part, column) for column in ("squares", "degrees"))
-        yield _Row("squares", Sentence("sum of squares of the repeats"), "µm²", "um", found.squares * _UM2, squares)
+        yield _Row("squares", Sentence("sum of squares of the repeats"), "µm²", "nu", found.squares * _UM2, squares)
         count = Sentence("degrees of freedom of the repeats")
         yield _Row("degrees", count, "", "count", found.degrees_of_freedom, degrees)
         pooled = Sentence("spread of the repeats, pooled over the unit")
@@ -148,7 +148,9 @@ class InstrumentCells:
         text = "IF({counted}>2,{pooled}*SQRT({counted}/MAX({counted}-2,1)),IF({counted}>0,{pooled}*SQRT(3),0))"
         yield follows(part, "widened", widened, found.widened * UM, text)
         before = Sentence("spread before rounding, from the steps below")
-        text = "IF({counted}>0,{newton},0)"
+        rounded = "{widened}^2-{roundings}*{q}^2/12"
+        averaged = f"IF({rounded}>{{roundings}}*({AVERAGED}*{{q}})^2,SQRT(MAX({rounded},0)),{{newton}})"
+        text = f"IF({{counted}}>0,{averaged},0)"
         yield follows(part, "unrounded", before, found.before_rounding * UM, text)
         yield from self._of_reading(part, spread)
 
@@ -172,7 +174,7 @@ class InstrumentCells:
         ovality = Sentence("ovality, root mean square over the lands that show it")
         cells = self.readings.whole(f"ovality_{part}")
         text = "0" if cells is None else f"SQRT(SUMSQ({cells})/MAX(COUNT({cells}),1))"
-        yield _Row("ovality", ovality, "µm", "um", (spread.ovality or 0.0) * UM, text)
+        yield _Row("ovality", ovality, "µm", "nu", (spread.ovality or 0.0) * UM, text)
 
     def _follows(
         self,
@@ -181,7 +183,7 @@ class InstrumentCells:
         label: Sentence,
         value: float | str,
         text: str,
-        kind: str = "um",
+        kind: str = "nu",
         unit: str = "µm",
     ) -> _Row:
         """Return a row whose formula asks for others of the same part by ``{name}``."""
@@ -224,9 +226,9 @@ class InstrumentCells:
         persistent = _persistent(here[0], q, r, self._terms)
         a = _a(here[0], q, r)
         slope = f"IF({a}<1/2,SQRT({r}/PI())*{q},2*{here[0]}*(1+2*SUMPRODUCT(EXP(-{a}*{self._terms}^2))))"
-        yield Cell("um", step.spread, spread)
-        yield Cell("um", step.excess, f"{here[0]}^2+{r}*{q}^2/12-{persistent}-{widened}^2")
-        yield Cell("um", step.slope, slope)
+        yield Cell("nu", step.spread, spread)
+        yield Cell("scientific", step.excess, f"{here[0]}^2+{r}*{q}^2/12-{persistent}-{widened}^2")
+        yield Cell("nu", step.slope, slope)
 
 
 class _Names(dict[str, str]):

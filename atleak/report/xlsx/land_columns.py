@@ -96,7 +96,7 @@ def _also_flagged(sheet: LandSheet) -> LandColumn:
         ranks = None if row.land.verdict.flagged else sheet.rules.ranks_of(row.land.key)
         rank = f"MAX({ranks})"
         place = f"ROWS({first}:{row.here('component')})"
-        return Cell("plain", 0, f"IF({rank}>1,{rank}-{place}*1E-6,0)") if ranks else Cell("plain", None)
+        return Cell("plain", 0, f"IF({rank}>1,{rank}-{place}*1E-6,0)" if ranks else "0")
 
     return LandColumn("also", Sentence("order among those flagged since, as the summary lists them"), 14, order)
 

@@ -200,7 +200,9 @@ class ReadingCells:
     def write(self, book: Book, sheet: Worksheet) -> None:
         """Write every reading as entered, sorted by land, and at the first of each place what its repeats give."""
         headings = self._headings(self._states)
-        book.headings(sheet, 0, headings.values(), lines=4)
+        book.headings(sheet, 0, headings.values(), lines=6)
+        sheet.repeat_columns(0, self._column["repeat"])
+        sheet.fit_to_pages(2, 0)
         for row, (reading, place) in enumerate(self.lines, start=1):
             self._entered(book, sheet, row, reading, place)
             if place is None:
@@ -217,7 +219,7 @@ class ReadingCells:
         sheet.data_validation(1, counts, last, counts, choice)
 
     def _entered(self, book: Book, sheet: Worksheet, row: int, reading: Reading, place: _Place | None) -> None:
-        form, mm, column = book.form(), book.form("mm", **CHANGEABLE), self._column
+        form, mm, column = book.form(align="left"), book.form("mm", **CHANGEABLE), self._column
         at = reading.place
         values = {
             "component": reading.component,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import json
+import struct
+import tracemalloc
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -172,6 +174,35 @@ def test_a_zip_that_unfolds_without_end_is_refused(content):
     assert len(bomb) < 100_000
     with pytest.raises(InputError, match="too large"):
         read_job_file(bomb, size_limit=10_000_000)
+
+
+@pytest.mark.parametrize("entry", ["readings", "road_test", "catalogue__fluid.toml"])
+def test_a_small_zip_of_a_file_that_no_job_can_have_is_refused_before_it_is_unpacked(content, entry):
+    bomb = changed(content, **{entry: b"0" * 40_000_000})
+    assert len(bomb) < 200_000
+    tracemalloc.start()
+    with pytest.raises(InputError, match=f"{entry.replace('__', '/')}: too large .found 40000000.; expected at most"):
+        read_job_file(bomb)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 8_000_000
+
+
+def test_an_entry_that_is_longer_than_it_says_is_refused(content):
+    """The size stands in two headers; what is unpacked counts."""
+    with zipfile.ZipFile(io.BytesIO(content)) as bundle:
+        size = bundle.getinfo("readings").file_size
+    lying = content.replace(struct.pack("<L", size), struct.pack("<L", size - 5))
+    assert lying != content
+    with pytest.raises(InputError, match=r"no sound zip|too large"):
+        read_job_file(lying)
+
+
+def test_a_log_that_packs_to_a_fiftieth_is_opened(content):
+    log = b"time [s],rpm,line\n" + b"".join(b"%d,900,500\n" % (row // 20) for row in range(300_000))
+    larger = changed(content, road_test=log)
+    assert len(larger) < len(log) // 25
+    assert read_job_file(larger).case.road_test.content == log
 
 
 def test_too_many_and_repeated_entries_are_refused(content):

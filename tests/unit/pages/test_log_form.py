@@ -286,3 +286,20 @@ def test_a_log_without_main_pressure_is_taken_and_says_what_to_gauge(app: AppTes
     assert "Gauge it at the main pressure tap in P R N D 3 2 1" in texts(app)
     assert "No leakage is computed over phone.csv" in texts(app)
     assert "1201 rows" in texts(app)
+
+
+def test_a_log_without_clock_and_pressure_takes_an_interval_and_the_operating_points(app: AppTest) -> None:
+    rows = "".join(f"{1500 + step % 7};{83 + step % 3}\n" for step in range(100))
+    uploader(app, "Road-test log").upload("dump.txt", rows.encode(), "text/plain").run()
+    assert "has no header" in texts(app)
+    column_box(app, "engine speed").select("column 1")
+    next(
+        widget for widget in app.main.selectbox if widget.key.startswith("unit-") and "engine_speed" in widget.key
+    ).select("rpm")
+    next(widget for widget in app.main.text_input if widget.label.startswith("Seconds from row to row")).input("0.1")
+    next(widget for widget in app.main.checkbox if widget.label.startswith("Assume the main pressure")).check()
+    use_columns(app)
+    assert not app.exception
+    assert "the log names no columns by which others like it could be told" in texts(app)
+    assert taken_from(app)["engine speed"] == "column 1"
+    assert most_leakage(app) > 0.0

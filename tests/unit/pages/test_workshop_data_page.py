@@ -7,6 +7,8 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.entries import own_files, write_own
 from atleak.catalogue.limits import load_limits
+from atleak.report.own_font import keep_font, kept_file
+from atleak.report.printed_fonts import FONTS
 from atleak.verdicts import Verdict
 from tests.unit.pages.conftest import texts
 
@@ -70,3 +72,12 @@ def test_an_own_instrument_is_renamed_and_deleted_and_both_are_undone(app: AppTe
     assert app.session_state["atleak"].case.spool_instrument.name == "mike.toml"
     press(app, "Undo")
     assert list(own_files("instruments")) == ["mike"]
+
+
+def test_the_font_that_is_kept_for_reports_is_named_and_can_be_let_go(app: AppTest) -> None:
+    keep_font((FONTS / "NotoSans-Bold.ttf").read_bytes(), "Workshop.ttf")
+    app.run()
+    assert "Kept for all reports: Workshop.ttf" in texts(app)
+    press(app, "Keep none")
+    assert kept_file() is None
+    assert "None is kept." in texts(app)

@@ -12,7 +12,6 @@ from functools import cache
 from itertools import pairwise
 from types import MappingProxyType
 
-import numpy as np
 import pypdfium2
 import pytest
 from PIL import Image
@@ -219,28 +218,6 @@ def test_nothing_is_printed_for_what_was_not_filled_in(unmeasured):
         assert label not in text
     assert "nothing was measured" in text
     assert is_archival(write_pdf(unmeasured))
-
-
-@pytest.mark.parametrize(("language", "paper"), [("en", "a4"), ("de", "letter"), ("pl", "letter")])
-def test_no_page_runs_over_its_margins(printed_in, language, paper):
-    with pypdfium2.PdfDocument(printed_in(language)) as document:
-        width, height = document[0].get_size()
-        assert (round(width), round(height)) == ((595, 842) if paper == "a4" else (612, 792))
-        for number, page in enumerate(document, start=1):
-            image = np.asarray(page.render(scale=0.5, grayscale=True).to_pil())
-            assert image[:, :20].min() == 255, (number, "left")  # 40 points; text begins at 45
-            assert image[:, -20:].min() == 255, (number, "right")
-            assert image[:10].min() == 255, (number, "top")
-            assert image[-10:].min() == 255, (number, "bottom")
-
-
-@pytest.mark.parametrize("language", languages())
-def test_no_heading_stands_alone_at_the_foot_of_a_page(printed_in, language):
-    titles = set(wording(language).texts["sections"].values())
-    for page in pages_of(printed_in(language)):
-        lines = [line.strip() for line in page.splitlines() if line.strip()]
-        assert lines[-1].startswith("atleak")  # the footer
-        assert lines[-2] not in titles
 
 
 def test_table_headers_are_repeated(worn, printed):

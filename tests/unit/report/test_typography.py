@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import pairwise
-from types import MappingProxyType
 
 import pypdfium2
 import pypdfium2.raw as pdfium
 import pytest
 
-from atleak.diagnosis import Diagnosis, diagnose
 from atleak.job.record import Job
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.blocks import PrintedColumn, grouped_table, table, text, with_notes
 from atleak.wording import languages
 
 LEAST = 8.9  # [pt]: 9 pt as the file rounds it
-SECTIONS = ("flagged", "matrix", "all", "repair", "signatures")
-NAMED = "Hydraulischer Hauptdruck-Regelventilkolben mit Verstärkungshülse und Rückstellfeder"
 
 
 def sizes(content: bytes) -> Iterator[tuple[int, float, str]]:
@@ -34,47 +29,10 @@ def sizes(content: bytes) -> Iterator[tuple[int, float, str]]:
                     yield number, pdfium.FPDFText_GetFontSize(written, place), letter
 
 
-@pytest.fixture(scope="module")
-def long_named(worn: Diagnosis) -> Diagnosis:
-    """The worn unit, its valves under names as long as a line."""
-    named = MappingProxyType({key: f"{NAMED} {key}" for key in worn.controller.components})
-    controller = replace(worn.controller, components=named)
-    return diagnose(controller, worn.fluid, worn.limits, readings=worn.readings)
-
-
 def test_tables_and_sentences_are_no_smaller_than_9_points(worn):
     content = write_pdf(worn, Job(number="1", customer={"name": "A. Customer"}), sections=["flagged", "all", "limits"])
     small = [(page, size, letter) for page, size, letter in sizes(content) if page > 1 and size < LEAST]
     assert small == []
-
-
-def overflowing(content: bytes) -> list[tuple[int, str]]:
-    """Words that another word covers, by page: what no cell of a table may do to its neighbour."""
-    covered = []
-    with pypdfium2.PdfDocument(content) as document:
-        for number, page in enumerate(document, start=1):
-            written = page.get_textpage()
-            boxes = [written.get_rect(each) for each in range(written.count_rects())]
-            for place, (left, low, right, high) in enumerate(boxes):
-                for other_left, other_low, other_right, other_high in boxes[place + 1 :]:
-                    across = min(right, other_right) - max(left, other_left)
-                    up = min(high, other_high) - max(low, other_low)
-                    if across > 1.0 and up > 0.5 * min(high - low, other_high - other_low):
-                        covered.append((number, written.get_text_bounded(left, low, right, high)))
-    return covered
-
-
-@pytest.mark.parametrize("paper", ["a4", pytest.param("letter", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("language", languages())
-def test_no_cell_runs_into_its_neighbour_however_long_the_names(long_named, language, paper):
-    job = Job(
-        repair_decisions=[
-            {"component": "25", "land": 1, "work": "69 % wear", "decision": decision, "reason": "said so"}
-            for decision in ("proposed", "approved", "done", "declined", "deferred")
-        ]
-    )
-    content = write_pdf(long_named, job, language=language, paper=paper, sections=SECTIONS)
-    assert overflowing(content) == []
 
 
 @pytest.mark.parametrize("language", languages())

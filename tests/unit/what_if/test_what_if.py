@@ -195,6 +195,14 @@ def test_the_study_s_variants_are_tried_with_this_unit(sample_diagnoses: dict[st
     assert shares[0] < shares[1] < shares[2] < shares[3]
 
 
+def test_circuits_whose_set_pressure_follows_the_condition_have_rows_of_their_own(
+    three_circuits: Controller, worn_clutch: Diagnosis
+) -> None:
+    rows = circuit_rows(worn_clutch, tried(worn_clutch, WhatIf(wear=2.0)), wording("en"))
+    assert {row["circuit"] for row in rows} <= {circuit.name for circuit in three_circuits.circuits}
+    assert any(row["new_held"] is not None for row in rows)
+
+
 def test_a_variant_that_cannot_be_tried_says_why(worn_clutch: Diagnosis) -> None:
     used = WhatIf(fluid=load_fluid("hipol_atf_iid_used"))
     trials = {each.variant.name: each for each in like_the_study(worn_clutch, used)}

@@ -112,6 +112,7 @@ def _digits_of_a_clock(values: np.ndarray) -> bool:
     if (values // 100 % 100 >= 60).any():
         return False
     steps, true = np.diff(values), np.diff(_seconds_of_digits(values))
+    true = np.where(true < -DAY / 2, true + DAY, true)  # past midnight
     usual = float(np.median(steps))
     leaps = np.abs(steps - true) > 1
     if not 0 < usual < 30 or not leaps.any():
@@ -344,6 +345,8 @@ def _read_alike(read: _ClockParts, table: np.ndarray, rows: np.ndarray, length: 
     for edge in (match.start() - 1, match.end()):
         if 0 <= edge < length:
             alike &= ~(block[edge] - 48 < 10)
+    if not alike.any():  # not even the first: it holds a digit of no usual kind
+        return rows[1:]
     if not alike.all():
         block, chosen, rest = block[:, alike], rows[alike], rows[~alike]
     else:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from atleak.intake.road_test.files.cells import CellKind, Decimal, kind_of, unit_in_cells
 from atleak.intake.road_test.files.file_heads import defined_above, with_stated_units
 from atleak.intake.road_test.files.headings import Heading, Row, headings_of, names_columns, units_share
+from atleak.intake.sheets.extent import cut
 
 WHITESPACE = " "
 _COMMENTS = ("#", "%", "//", "'", "*")
@@ -40,10 +41,10 @@ def split_line(line: str, delimiter: str) -> Row:
     if '"' in line:
         try:
             cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True, strict=True), [])
-            return [cell.strip() for cell in cells]
+            return [cut(cell.strip()) for cell in cells]
         except csv.Error:  # a quotation mark that none closes on this line parts nothing
             line = line.replace('"', "")
-    return [cell.strip() for cell in line.split(delimiter)]
+    return [cut(cell.strip()) for cell in line.split(delimiter)]
 
 
 @dataclass(frozen=True)

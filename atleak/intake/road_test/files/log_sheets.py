@@ -12,15 +12,15 @@ import pandas as pd
 
 from atleak.errors import RoadTestError
 from atleak.intake.native.process import WORKBOOK, read_apart
-from atleak.intake.native.workbooks import log_rows, stray_cells
+from atleak.intake.native.workbooks import log_blocks, stray_cells
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, without_unit
 from atleak.intake.road_test.files.headings import Heading, Row, nameless
 from atleak.intake.road_test.files.layout import Layout, find_table
 from atleak.intake.road_test.files.log_file import LogFile
+from atleak.intake.road_test.files.sheet_cells import SheetCells
 from atleak.intake.road_test.names.matching import match_name, split_unit
-
-_SAMPLE_ROWS = 2000
+from atleak.intake.sheets.extent import cut
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class LogSheet:
     """One sheet whose table is located; a `protocol.LogTable`."""
 
     name: str
-    rows: list[list[object]]
+    cells: SheetCells
     layout: Layout
     decimal: Decimal
     titled: bool = False
@@ -62,7 +62,7 @@ class LogSheet:
     @cached_property
     def sample(self) -> tuple[Row, ...]:
         """Return the first data rows as text."""
-        body = self.rows[self.layout.start : self.layout.start + 400]
+        body = self.cells.head[self.layout.start : self.layout.start + 400]
         return tuple([_text(cell, self.decimal) for cell in row] for row in body)
 
     @property
@@ -82,13 +82,11 @@ class LogSheet:
 
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
         """Read these columns from the first data row on, as `delimited.Delimited.read` does."""
-        body = self.rows[self.layout.start :]
-        return pd.DataFrame(
-            {index: self._cells([row[index] if index < len(row) else None for row in body], index) for index in columns}
-        )
+        return pd.DataFrame({index: self._column(index) for index in columns})
 
-    def _cells(self, cells: list[object], index: int) -> pd.Series:
-        column = _column(cells)
+    def _column(self, index: int) -> pd.Series:
+        cells = self.cells.column(index, self.layout.start)
+        column = pd.Series(cells) if isinstance(cells, np.ndarray) else _column(cells)
         unit = self.layout.cell_units.get(index)
         return column if unit is None or column.dtype != "str" else without_unit(column, unit)
 
@@ -129,7 +127,7 @@ def _text(cell: object, decimal: Decimal = ".") -> str:
     if isinstance(cell, dt.timedelta):
         seconds = cell.total_seconds()
         return f"{int(seconds // 3600)}:{int(seconds % 3600 // 60):02d}:{seconds % 60:06.3f}"
-    return str(cell).strip()
+    return str(cut(str(cell).strip()))
 
 
 def _column(cells: list[object]) -> pd.Series:
@@ -156,38 +154,41 @@ def open_sheets(source: LogFile) -> list[LogSheet]:
     RoadTestError
         when the workbook cannot be read.
     """
-    rows_by_sheet: dict[str, list[list[object]]] = {}
-    for name, block in read_apart(log_rows, source.data, source.file, RoadTestError, WORKBOOK, stray_cells):
-        rows_by_sheet.setdefault(name, []).extend(block)
+    by_name: dict[str, SheetCells] = {}
+    blocks = read_apart(log_blocks, source.data, source.file, RoadTestError, WORKBOOK, stray_cells)
+    for name, count, rows, columns in blocks:
+        cells = by_name.setdefault(name, SheetCells())
+        if rows:
+            cells.head += rows
+        else:
+            cells.blocks.append((count, columns))
     sheets = []
-    for name, rows in rows_by_sheet.items():
-        while rows and all(cell is None for cell in rows[-1]):
-            rows.pop()
-        sheet = _sheet(name, rows)
+    for name, cells in by_name.items():
+        cells.drop_blank_end()
+        sheet = _sheet(name, cells)
         if sheet is not None:
             sheets.append(sheet)
     return sheets
 
 
-def _sheet(name: str, rows: list[list[object]]) -> LogSheet | None:
+def _sheet(name: str, cells: SheetCells) -> LogSheet | None:
     """Locate the table on a sheet; None where there is none."""
-    width = max(
-        (index + 1 for row in rows[:_SAMPLE_ROWS] for index, cell in enumerate(row) if cell is not None), default=0
-    )
+    rows = cells.head
+    width = max((index + 1 for row in rows for index, cell in enumerate(row) if cell is not None), default=0)
     if width < 2:
         return None
     for row in rows:
         del row[width:]
     for decimal in (".", ","):
-        texts = [[_text(cell, decimal) for cell in row] for row in rows[:_SAMPLE_ROWS]]
+        texts = [[_text(cell, decimal) for cell in row] for row in rows]
         layout = find_table([_without_blank_end(row) for row in texts], decimal)
         if layout is not None:
             best: Decimal = decimal
-            text = [cell for row in rows[layout.start : _SAMPLE_ROWS] for cell in row if isinstance(cell, str)]
+            text = [cell for row in rows[layout.start :] for cell in row if isinstance(cell, str)]
             commas = sum("," in cell and cell.replace(",", "", 1).lstrip("-").isdigit() for cell in text)
             if decimal == "." and commas > 0.1 * max(len(text), 1):
                 continue
-            return LogSheet(name, rows, layout, best)
+            return LogSheet(name, cells, layout, best)
     return None
 
 

@@ -162,7 +162,11 @@ def _rewritten(path: Path) -> Iterator[dict[str, object]]:
         with lock.acquire(poll_interval=_POLL):
             entries = _load(path)
             yield entries
-            replace_file(path, json.dumps(entries, ensure_ascii=False, indent=1).encode("utf-8"), mode=PRIVATE)
+            replace_file(
+                path,
+                json.dumps(entries, ensure_ascii=False, indent=1).encode("utf-8", "backslashreplace"),
+                mode=PRIVATE,
+            )
     except Timeout:
         problem = Sentence("another program has kept it locked for {seconds} s", seconds=_PATIENCE)
         raise OutputError(problem, place=place) from None

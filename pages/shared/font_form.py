@@ -1,0 +1,49 @@
+"""Keep a font file for the reports' PDF on the page Workshop data, and print with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import streamlit as st
+
+from atleak.errors import AtleakError
+from atleak.job.record import Job
+from atleak.report.own_font import forget_font, keep_font, kept_file, kept_font
+from atleak.report.pdf import missing_characters
+from atleak.wording import Wording
+from pages.shared import show
+
+_KEY = "workshop-data-font"
+
+
+def draw(say: Wording) -> None:
+    """Show which font is kept, take another one, or keep none any more."""
+    st.subheader(say("workshop_data.font"))
+    st.caption(say("workshop_data.font_what"))
+    try:
+        # a widget's name counts the files taken, so that the next one begins empty
+        count = st.session_state.setdefault(_KEY, 0)
+        upload = st.file_uploader(say("workshop_data.font_file"), ["ttf", "otf", "ttc"], key=f"{_KEY}-{count}")
+        if upload is not None:
+            keep_font(upload.getvalue(), upload.name)
+            st.session_state[_KEY] = count + 1
+            st.rerun()
+        kept = kept_file()
+        st.write(show.plain(say("workshop_data.font_kept", name=kept.name) if kept else say("workshop_data.font_none")))
+        if st.button(say("workshop_data.font_forget"), disabled=kept is None, key=f"{_KEY}-forget"):
+            forget_font()
+            st.rerun()
+    except AtleakError as error:
+        st.error(show.plain(error))
+
+
+def printing(write: Callable[..., bytes]) -> Callable[[], bytes]:
+    """Return what writes a PDF with the font that is kept when it is asked for."""
+    return lambda: write(font=kept_font())
+
+
+def draw_missing(records: Sequence[Job]) -> None:
+    """Name the characters of job records that a PDF shows as boxes, where there are any."""
+    if missing_characters(records):
+        for message in missing_characters(records, kept_font()):
+            st.warning(show.plain(message.text))

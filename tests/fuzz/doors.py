@@ -1,0 +1,117 @@
+"""The doors through which files come in, each with what a caller does with what it gets; and how a file passes one."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.instruments import load_instrument
+from atleak.catalogue.limits import load_limits
+from atleak.doors import damaged
+from atleak.errors import AtleakError, InputError
+from atleak.intake.controller_workbook import read_controller_workbook
+from atleak.intake.gauge_study import read_study
+from atleak.intake.gauge_table import read_pressure_table
+from atleak.intake.readings import read_readings
+from atleak.intake.road_test import log_columns, remember, understand
+from atleak.intake.road_test.names.memory import recall_all
+from atleak.job.case import SourceFile, load_source
+from atleak.job.file import parse_job, read_job_file
+from atleak.job.judged_anew import differs
+from atleak.job.kinds import kind_of
+from atleak.job.photo_notes import without_notes
+from atleak.measuring.typed_file import typed_in
+from atleak.report.pictures import printable_picture
+from atleak.views.diagnosis_record import diagnosis_record
+
+SECONDS = 2.0
+"""Time of this process's own that a file may take; what a child process takes has a budget of its own."""
+
+
+class TooSlow(Exception):
+    """A file took longer than any may."""
+
+
+@cache
+def _controller() -> Controller:
+    return load_controller("four_speed_2023")
+
+
+def _job(name: str, content: bytes) -> None:
+    job = read_job_file(content, name=name)
+    differs(job.result, diagnosis_record(job.diagnose()))
+
+
+def _typed(name: str, content: bytes) -> None:
+    minimal = load_controller("minimal_example")
+    typed_in(content, read_readings(content, minimal, name=name), minimal)
+
+
+def _picture(name: str, content: bytes) -> None:
+    without_notes(content)
+    printable_picture(name, content)
+
+
+def _remembered(name: str, content: bytes) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        path.write_bytes(content)
+        recall_all(path)
+        remember(path, "cd", {"engine_speed": "rpm"})
+        recall_all(path)
+
+
+OF: dict[str, Callable[[str, bytes], object]] = {
+    "readings": lambda name, content: read_readings(content, _controller(), name=name),
+    "pressures": lambda name, content: read_pressure_table(content, _controller(), name=name),
+    "study": lambda name, content: read_study(content, name=name),
+    "road_test": lambda name, content: understand(content, name=name),
+    "columns": lambda name, content: log_columns(content, name=name),
+    "controller_workbook": lambda name, content: read_controller_workbook(content, name=name),
+    "kind": lambda name, content: kind_of(SourceFile(name, content), _controller()),
+    "typed": _typed,
+    "job": _job,
+    "record": lambda name, content: parse_job(content, name),
+    "controllers": lambda name, content: load_source(load_controller, SourceFile(name, content)),
+    "fluids": lambda name, content: load_source(load_fluid, SourceFile(name, content)),
+    "limits": lambda name, content: load_source(load_limits, SourceFile(name, content)),
+    "instruments": lambda name, content: load_source(load_instrument, SourceFile(name, content)),
+    "picture": _picture,
+    "remembered": _remembered,
+}
+GUARD = damaged(ValueError()).problem.template
+"""The wording of a refusal by a door's guard, where nobody thought of what is wrong with a file."""
+LONGEST = 20_000
+"""Characters of an error: what a file says is shortened where it is quoted."""
+
+
+def passes(door: str, name: str, content: bytes) -> InputError | None:
+    """Hand a file to a door; return why it was refused, None where it was taken.
+
+    Raises
+    ------
+    TooSlow
+        where this process was busy with it for longer than it may.
+    Exception
+        whatever else came out: nothing should.
+    """
+    start = time.process_time()
+    refused: AtleakError | None = None
+    try:
+        OF[door](name, content)
+    except AtleakError as error:
+        refused = error
+    if refused is not None:
+        said = str(refused)
+        said.encode("utf-8")  # it can be printed
+        assert len(said) < LONGEST, f"{len(said)} characters of error"
+        assert isinstance(refused, InputError)
+    if time.process_time() - start > SECONDS:
+        raise TooSlow(f"{time.process_time() - start:.1f} s")
+    return refused

@@ -1,0 +1,52 @@
+"""Damaged files at every door: nothing but the package's own errors comes out, and it comes soon.
+
+These are a handful for each door, the same at every run. ``python -m tests.fuzz.run`` tries new ones for as long as one
+likes.
+"""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+
+from . import doors, run
+from .damage import damaged
+from .doors import passes
+from .seeds import DOORS, seeds
+
+FEW = settings(
+    max_examples=8, phases=[Phase.explicit, Phase.generate], suppress_health_check=[HealthCheck.too_slow]
+)  # fmt: skip
+
+
+QUICK = ("study", "record", "instruments", "picture", "remembered")
+IN_TURN = [door if door in QUICK else pytest.param(door, marks=pytest.mark.slow) for door in DOORS]
+
+
+@pytest.mark.parametrize("door", IN_TURN)
+def test_what_the_damages_start_from_is_sound(door):
+    """A door that refuses the sound file would refuse the damaged ones for that alone."""
+    for name, content in seeds(door):
+        assert passes(door, name, content) is None, name
+
+
+@pytest.mark.parametrize("door", IN_TURN)
+def test_a_damaged_file_ends_in_an_error_of_the_package_or_is_taken(door):
+    @FEW
+    @given(damaged(door))
+    def attempt(file: tuple[str, bytes]) -> None:
+        passes(door, *file)
+
+    attempt()
+
+
+def test_what_comes_out_and_should_not_is_counted_and_kept(tmp_path, monkeypatch):
+    def broken(name: str, content: bytes) -> None:
+        raise KeyError("a fault of the program")
+
+    monkeypatch.setitem(doors.OF, "record", broken)
+    monkeypatch.setattr(run, "ROUND", 5)
+    tried = run.try_door("record", 0.0, 1, tmp_path)
+    assert tried.files == 5
+    assert tried.wrong == {"KeyError  \"'a fault of the program'\"": 5}
+    assert {path.suffix for path in tmp_path.iterdir()} in ({".json", ".txt"}, {".toml", ".txt"})

@@ -1,0 +1,207 @@
+"""How the pages of a whole report are filled, whatever the names, in every language and on every paper."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import pairwise
+from types import MappingProxyType
+
+import numpy as np
+import pikepdf
+import pypdfium2
+import pytest
+from PIL import Image
+
+from atleak.catalogue.controller_reading import load_controller
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.job.record import Job
+from atleak.paper import PAPERS
+from atleak.readings import Reading, Readings
+from atleak.report.pdf import write_pdf
+from atleak.wording import languages, wording
+
+LONG = "Hydraulischer Hauptdruck-Regelventilkolben mit Verstärkungshülse und Rückstellfeder"
+SHORT = "Valve"
+FILLED = 0.45  # of a page that is followed by another one
+MARGIN = 40.0  # [pt] in which nothing stands; text begins at 42.5
+FOOT = 0.93  # of the page's height, above which its footer begins
+
+
+def job_of(name: str) -> Job:
+    picture = io.BytesIO()
+    Image.new("RGB", (40, 30), "#336699").save(picture, "PNG")
+    work = ("proposed", "approved", "done", "declined", "deferred")
+    return Job(
+        number="2026-0417-with-a-long-number",
+        date="2026-03-14",
+        workshop={"name": f"{name} {name}", "address": f"{name}\n00-001 {name}", "email": "somebody@example.org"},
+        customer={"name": name, "email": "a-long-address-without-any-space-in-it@example.org"},
+        vehicle={"make": name, "model": name, "registration": "KR 1234", "vin": "WEXAMPLE123456789"},
+        technician=name,
+        approved_by=name,
+        complaint=f"{name} shifts late when hot.",
+        estimate={"currency": "EUR", "labour_rate": 80.0, "tax_percent": 23.0},
+        repair_decisions=[
+            {
+                "component": "25",
+                "land": number,
+                "work": name,
+                "decision": each,
+                "reason": name,
+                "price": 1234.5,
+                "hours": 2,
+            }
+            for number, each in enumerate(work, start=1)
+        ],
+        photos=[{"file": "open.png", "caption": name}],
+        scratches=[{"component": "25", "description": name, "part": "spool"}],
+        notes=f"{name}. " * 8,
+    ).with_pictures({"open.png": picture.getvalue()})
+
+
+@pytest.fixture(scope="module")
+def units(worn: Diagnosis, hipol, limits) -> Callable[[str, str], Diagnosis]:
+    """The worn unit, and one with circuits of which every land is worn, with valves of one name."""
+
+    def named(unit: str, name: str) -> Diagnosis:
+        if unit == "four_speed":
+            components = MappingProxyType({key: f"{name} {key}" for key in worn.controller.components})
+            return replace(worn, controller=replace(worn.controller, components=components))
+        controller = load_controller(unit)
+        components = MappingProxyType({key: f"{name} {key}" for key in controller.components})
+        readings = [
+            Reading(land.component, part, land.planes[0], direction, 1, land.nominal_diameter + wider)
+            for number, land in enumerate(controller.lands)
+            for part, wider in (("spool", 0.0), ("sleeve", (2.0 + number % 4) * land.mounting_high))
+            for direction in (0.0, 90.0)
+        ]
+        sheet = Readings("sheet.xlsx", "0" * 64, "readings", "mm", False, "tidy", tuple(readings))
+        complaint = controller.complaint("slips_hot")
+        return diagnose(replace(controller, components=components), hipol, limits, readings=sheet, complaint=complaint)
+
+    return named
+
+
+class Pages:
+    """What one report shows of its pages, read back."""
+
+    def __init__(self, content: bytes) -> None:
+        with pypdfium2.PdfDocument(content) as document:
+            self.size = document[0].get_size()
+            self.images = [np.asarray(page.render(scale=0.5, grayscale=True).to_pil()) for page in document]
+            self.texts = [page.get_textpage().get_text_range() for page in document]
+            self.covered = [(number, said) for number, page in enumerate(document, 1) for said in _covered(page)]
+        with pikepdf.open(io.BytesIO(content)) as document:
+            numbers = {page.objgen: number for number, page in enumerate(document.pages, 1)}
+            self.blocks = list(_blocks(document.Root.StructTreeRoot, numbers))
+
+    def outside(self) -> list[tuple[int, str]]:
+        """Pages of which something stands in a margin."""
+        edge = int(MARGIN / 2.0)
+        sides = {"left": np.s_[:, :edge], "right": np.s_[:, -edge:], "top": np.s_[:10], "bottom": np.s_[-10:]}
+        return [
+            (number, side)
+            for number, image in enumerate(self.images, start=1)
+            for side, part in sides.items()
+            if image[part].min() < 255
+        ]
+
+    def filled(self) -> list[float]:
+        """How far down each page is filled above its footer."""
+        rows = [np.flatnonzero(image[: int(FOOT * len(image))].min(axis=1) < 200) for image in self.images]
+        return [float(found[-1]) / (FOOT * len(image)) for found, image in zip(rows, self.images, strict=True)]
+
+    def left_alone(self) -> list[tuple[str, int]]:
+        """Headings that end a page, and tables of which one row stands alone on a page."""
+        alone = [
+            (f"heading {here}", here)
+            for (kind, (here, *_)), (_, (then, *_)) in pairwise(self.blocks)
+            if kind == "/H2" and here != then
+        ]
+        for kind, rows in self.blocks:
+            if kind == "/Table":
+                places = [page for page in rows[1:] if page]  # without the head
+                if rows[0] != places[0]:
+                    alone.append(("head of a table", rows[0]))
+                alone += [("row", page) for page in set(places) if places.count(page) == 1 < len(places)]
+        return alone
+
+
+def _covered(page: pypdfium2.PdfPage) -> Iterator[str]:
+    """Words that another word covers: what no cell of a table may do to its neighbour."""
+    written = page.get_textpage()
+    boxes = np.array([written.get_rect(each) for each in range(written.count_rects())]).reshape(-1, 4)
+    for place, (left, low, right, high) in enumerate(boxes):
+        others = boxes[place + 1 :]
+        across = np.minimum(right, others[:, 2]) - np.maximum(left, others[:, 0])
+        up = np.minimum(high, others[:, 3]) - np.maximum(low, others[:, 1])
+        least = np.minimum(high - low, others[:, 3] - others[:, 1])
+        if ((across > 1.0) & (up > 0.5 * least)).any():
+            yield written.get_text_bounded(left, low, right, high)
+
+
+def _blocks(node: pikepdf.Object, numbers: dict[tuple[int, int], int]) -> Iterator[tuple[str, list[int]]]:
+    """Everything that stands by itself, with its pages: of a table those of each row, its head first."""
+    for child in _children(node):
+        kind = str(child.get("/S", ""))
+        if kind == "/Table":
+            yield kind, [min(_pages(row, numbers), default=0) for row in _rows(child)]
+        elif kind in ("/H1", "/H2", "/P", "/Figure", "/L"):
+            yield kind, sorted(_pages(child, numbers)) or [0]
+        else:
+            yield from _blocks(child, numbers)
+
+
+def _rows(node: pikepdf.Object) -> Iterator[pikepdf.Object]:
+    for child in _children(node):
+        if str(child.get("/S", "")) == "/TR":
+            yield child
+        else:
+            yield from _rows(child)
+
+
+def _children(node: pikepdf.Object) -> list[pikepdf.Dictionary]:
+    children = node.get("/K", ())
+    children = children if isinstance(children, pikepdf.Array) else (children,)
+    return [each for each in children if isinstance(each, pikepdf.Dictionary)]
+
+
+def _pages(node: pikepdf.Object, numbers: dict[tuple[int, int], int]) -> set[int]:
+    """The pages on which something of a tagged element stands."""
+    own = {numbers[node.Pg.objgen]} if "/Pg" in node else set()
+    return own.union(*(_pages(child, numbers) for child in _children(node)))
+
+
+def check(pages: Pages, language: str, paper: str) -> None:
+    say = wording(language)
+    assert [round(side) for side in pages.size] == ([595, 842] if paper == "a4" else [612, 792])
+    assert pages.outside() == []
+    assert pages.covered == []
+    assert pages.left_alone() == []
+    filled = list(enumerate(pages.filled(), start=1))
+    assert [(number, round(part, 2)) for number, part in filled[1:-1] if part < FILLED] == []
+    first, annex, *_ = pages.texts
+    assert say("texts.sign_customer") in first
+    assert say("texts.sign_approver") in first
+    assert say("customer.title") in first
+    assert say("customer.annex") in annex
+
+
+QUICK = [("four_speed", "pl", "a4", LONG)]
+ALL = [
+    (unit, language, paper, name)
+    for unit in ("four_speed", "gm_4l60e")
+    for language in languages()
+    for paper in PAPERS
+    for name in (LONG, SHORT)
+]
+SLOW = [pytest.param(*each, marks=pytest.mark.slow) for each in ALL if each not in QUICK]
+
+
+@pytest.mark.parametrize(("unit", "language", "paper", "name"), [*QUICK, *SLOW])
+def test_nothing_is_cut_covered_or_left_alone_and_no_page_is_mostly_empty(
+    units: Callable[[str, str], Diagnosis], unit: str, language: str, paper: str, name: str
+) -> None:
+    check(Pages(write_pdf(units(unit, name), job_of(name), language=language, paper=paper)), language, paper)

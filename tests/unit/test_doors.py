@@ -1,0 +1,87 @@
+"""At every door only the package's own errors come out, whatever a library raises on what it was given."""
+
+from __future__ import annotations
+
+import zlib
+from pathlib import Path
+
+import pytest
+
+from atleak.catalogue.controller_reading import checked_controller, load_controller
+from atleak.catalogue.entries import Shelf, read_entry, read_tables
+from atleak.doors import DAMAGE, own_errors_only
+from atleak.errors import CatalogueError, InputError, ReadingsError, RoadTestError
+from atleak.intake.controller_workbook import read_controller_workbook
+from atleak.intake.gauge_study import read_study
+from atleak.intake.gauge_table import read_pressure_table
+from atleak.intake.readings import read_readings
+from atleak.intake.road_test import log_columns, understand
+from atleak.job.case import Case
+from atleak.job.file import load_job, parse_job, read_job_file
+from atleak.job.parts import JobFile
+from atleak.report.pictures import printable_picture
+from atleak.sentence import Sentence
+
+DOORS = (
+    *(read_readings, read_pressure_table, read_study, understand, log_columns, read_controller_workbook),
+    *(load_job, parse_job, read_job_file, JobFile.of, printable_picture),
+    *(load_controller, checked_controller, read_tables, read_entry, Shelf.load, Shelf.checked),
+)
+
+
+def fails(error: BaseException):
+    @own_errors_only(ReadingsError, "name", "source")
+    def read(source: Path | bytes, *, name: str | None = None) -> None:
+        raise error
+
+    return read
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_what_a_library_raises_becomes_an_error_that_names_the_file(kind):
+    error = UnicodeDecodeError("utf-8", b"\xff", 0, 1, "no") if kind is ValueError else kind("of \ud800 inside")
+    with pytest.raises(ReadingsError) as refused:
+        fails(error)(Path("folder") / "sheet.csv")
+    assert refused.value.place.file == "sheet.csv"
+    assert type(error).__name__ in str(refused.value).encode("utf-8").decode()
+    assert refused.value.__cause__ is error
+
+
+def test_the_name_that_a_file_was_given_comes_first():
+    with pytest.raises(ReadingsError, match=r"^upload\.csv: is damaged .* \(error: Error -3\)$"):
+        fails(zlib.error("Error -3"))(b"", name="upload.csv")
+
+
+@pytest.mark.parametrize("error", [RoadTestError(Sentence("own")), KeyboardInterrupt()])
+def test_the_package_s_own_errors_and_an_interruption_pass(error):
+    with pytest.raises(type(error)) as passed:
+        fails(error)(b"")
+    assert passed.value is error
+
+
+@pytest.mark.parametrize("door", DOORS, ids=lambda door: door.__qualname__)
+def test_every_door_is_guarded(door):
+    """`own_errors_only` keeps what it stands at."""
+    function = getattr(door, "__func__", door)
+    assert function.__wrapped__.__qualname__ == function.__qualname__
+    assert function.__code__.co_filename.endswith("doors.py")
+
+
+def test_numbers_that_no_unit_has_are_refused_in_words(monkeypatch):
+    def overflows(*_: object, **__: object) -> None:
+        raise OverflowError("Python int too large to convert to C int")
+
+    monkeypatch.setattr("atleak.job.case.diagnose", overflows)
+    with pytest.raises(InputError, match=r"this job cannot be computed .OverflowError: Python int too large"):
+        Case().diagnose()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["x = " + "[" * 5000, "x = " + "9" * 5000, 'id = "x"\nname = "' + "a" * 99 + "\\ud800", "\0", "[" * 9999],
+)
+def test_a_catalogue_file_of_any_text_is_refused_as_such(tmp_path, text):
+    path = tmp_path / "own.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(CatalogueError, match=r"^own\.toml"):
+        load_controller(path)
