@@ -155,7 +155,8 @@ def print_log(record: dict[str, Any]) -> None:
     form = [record["format"], record["encoding"], record["decimal"] and f"decimal {record['decimal']}"]
     console.print(Text(f"{record['file']}: {', '.join(str(part) for part in form if part)}"))
     segments = record["segments"]
-    console.print(Text(f"{record['rows']} rows, {record['duration_s']:.3f} s in {len(segments)} segment(s)"))
+    left_out = f" ({record['rows_left_out']} line(s) left out)" if record["rows_left_out"] else ""
+    console.print(Text(f"{record['rows']} rows{left_out}, {record['duration_s']:.3f} s in {len(segments)} segment(s)"))
     table = Table("quantity", "column", "unit", "samples", "lowest", "highest", "Hz")
     for each in table.columns:
         each.no_wrap, each.overflow = each.header not in ("column", "unit"), "fold"  # no number goes on in another line

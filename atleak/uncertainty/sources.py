@@ -49,6 +49,7 @@ SourceKind = Literal[
 ]
 
 TOLERANCE_HOLDS = 0.95  # of the pairs of a type, as a tolerance of the mounting clearance is stated
+AVERAGED_FROM = 0.6  # of a step: readings that spread more average their rounding out, but for 3e-8 of its variance
 ENOUGH_DEGREES = 6  # of freedom, from which on the repeats are trusted alone: choice of this project
 _SUSPECT = 3.0  # standard uncertainties under the mounting clearance: choice of this project
 _STEPS = (0.1e-6, 0.254e-6, 0.5e-6, 1e-6, 1.27e-6, 2e-6, 2.54e-6, 5e-6, 1e-5, 1.27e-5, 2.54e-5)  # [m]
@@ -505,7 +506,7 @@ def _before_rounding(spread: float, resolution: float, roundings: int) -> float:
         return s * s + roundings * (resolution**2 / 12.0 - persistent)
 
     variance = spread * spread - roundings * resolution**2 / 12.0
-    if variance > roundings * (0.6 * resolution) ** 2:
+    if variance > roundings * (AVERAGED_FROM * resolution) ** 2:
         return math.sqrt(variance)
     low, high = 0.0, spread
     for _ in range(40):

@@ -10,6 +10,7 @@ import streamlit as st
 from atleak.system.memory import give_back
 
 EVERY = 30.0  # [s]
+_HELD = ("_session_state", "_fragment_storage", "_browser_queue")  # by a session of Streamlit's, of its visitor's
 
 
 async def let_go_in_time() -> None:
@@ -23,10 +24,18 @@ async def let_go_in_time() -> None:
 def let_go() -> bool:
     """Let go of every session whose time for coming back is over, and return whether there was any.
 
-    It is nothing that Streamlit offers; where another version keeps its sessions otherwise, nothing is done.
+    Streamlit's own loop goes on referring to the one that it served last until another one comes, so that what the
+    visitor had is taken out of it. It is nothing that Streamlit offers: where another version keeps its sessions
+    otherwise, nothing is done.
     """
     kept: Any = st.runtime.get_instance()
     for name in ("_session_mgr", "_session_storage", "_cache"):
         kept = getattr(kept, name, None)
-    expire = getattr(kept, "expire", None)
-    return expire is not None and bool(expire())
+    if not hasattr(kept, "expire"):
+        return False
+    left = [kept_session.session for _, kept_session in kept.expire()]
+    for session in left:
+        session.shutdown()
+        for name in _HELD:
+            vars(session).pop(name, None)
+    return bool(left)

@@ -102,6 +102,10 @@ class Asides:
             [index for index in self._others if _asks(self.header.text(index), words)] for words in (COUNTS, COUNTS_NOT)
         )
 
+        component = columns.component
+        self._beside_component = [
+            index for index in self._keys if component is not None and index != component.index and self._cells(index)
+        ]
         self._machine = [index for index in self._others if self._says_characteristics(index)]
 
         # marks in some rows and nothing in others, and nowhere a "no": what is not marked does not count
@@ -163,12 +167,10 @@ class Asides:
         A label that is nearly a component's name is a slip in a reading, and is refused as one.
         """
         component = self.columns.component
-        others = [index for index in self._keys if component is not None and index != component.index]
-        others = [index for index in others if self._cells(index)]
-        if component is None or any(not is_blank(self.sheet.filled(row, index)) for index in others):
+        if component is None or any(not is_blank(self.sheet.filled(row, index)) for index in self._beside_component):
             return None
         label = self.sheet.filled(row, component.index)
-        if not others and not any(word in _OF_GAUGE for word in letters(label)):
+        if not self._beside_component and not any(word in _OF_GAUGE for word in letters(label)):
             return None
         if not isinstance(label, str) or is_blank(label) or self.names.component(label) is not None:
             return None

@@ -97,7 +97,8 @@ def broken_blocks(table: Table, entries: Sequence[DiameterCell], names: Controll
             beside = [
                 number
                 for column in table.header.of("specification")
-                for number in numbers_of(table.sheet.cell(row, column.index))
+                for number in numbers_of(table.sheet.cell(entry.row, column.index))
+                if sizes.near(number, units)
             ]
             written = [entry.raw.size, *beside]
             if not all(sizes.near_plane(each, units, key.component, key.plane) for each in written):

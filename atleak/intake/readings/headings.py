@@ -298,7 +298,7 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
             column = replace(column, direction=None)
         if column.holds_value and "part" in roles:
             column = replace(column, part=None)
-        if column.holds_value:
+        if column.holds_value and (("land" in roles and column.land) or ("plane" in roles and column.plane)):
             column = replace(
                 column,
                 land=None if "land" in roles else column.land,

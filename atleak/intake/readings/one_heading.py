@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
@@ -138,7 +138,6 @@ class Column:
         return *self.station, self.repeat
 
 
-@lru_cache(maxsize=4096)
 def read_heading(text: str, index: int = 0) -> Column | None:
     """Return what a heading says of its column; None where it says nothing.
 
@@ -151,6 +150,12 @@ def read_heading(text: str, index: int = 0) -> Column | None:
     >>> column.role, column.part, column.repeat, column.unit.name
     ('diameter', 'spool', 2, 'µm')
     """
+    column = _read_heading(text)
+    return replace(column, index=index) if column is not None and index else column
+
+
+@lru_cache(maxsize=4096)
+def _read_heading(text: str) -> Column | None:
     rest, unit = split_unit(text)
     tokens = tokens_of(rest)
     words = set(tokens)
@@ -158,7 +163,7 @@ def read_heading(text: str, index: int = 0) -> Column | None:
         return None
     of_land = _of_land(words, unit)
     if of_land is not None:
-        return Column(index, text, of_land, unit=unit)
+        return Column(0, text, of_land, unit=unit)
     named, rank = _role(words, rest, unit)
     part, side = _part(words, rest), side_of(rest)
     spot, others = spot_of_heading(tokens)
@@ -168,7 +173,7 @@ def read_heading(text: str, index: int = 0) -> Column | None:
     if role == "diameter" and None not in (part, side) and part != side:
         role = "quantity"  # the outer diameter of a sleeve, say
     if role not in {"diameter", "coordinate"}:
-        return Column(index, text, role, unit=unit, rank=rank)
+        return Column(0, text, role, unit=unit, rank=rank)
     coordinate, direction, repeat = numbers_of_heading(role, others)
     standing: Literal["raw", "corrected"] | None = (
         "corrected" if words & _CORRECTED else "raw" if words & _RAW else None
@@ -176,7 +181,7 @@ def read_heading(text: str, index: int = 0) -> Column | None:
     outcome = bool(words & _NOW) or (unit is None and bool(words & _OUTCOME))
     by_place = role != named and unit is None and not words & _SIZE
     return Column(
-        *(index, text, role, unit, coordinate, part or side, spot.direction if direction is None else direction),
+        *(0, text, role, unit, coordinate, part or side, spot.direction if direction is None else direction),
         *(repeat, spot.land, spot.plane),
         otherwise=named if by_place else None,
         standing=standing,

@@ -9,6 +9,7 @@ from itertools import zip_longest
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.labels import read_label
 from atleak.intake.readings.one_heading import Role, read_heading
+from atleak.intake.readings.sizes import numbers_of
 from atleak.intake.readings.words import is_blank, text_of
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.workbook_marks import Marks
@@ -47,7 +48,7 @@ def _headed(sheet: Sheet, first: int, names: ControllerNames) -> Sheet:
         said = read_heading(text_of(heading)) if isinstance(heading, str) and heading else None
         below = [cell for row in range(first + 1, len(sheet.rows)) if not is_blank(cell := sheet.cell(row, column))]
         if not below:
-            headings[column] = ""  # a title beside nothing
+            headings[column] = heading if numbers_of(heading) else ""  # a title or a note beside nothing
             continue
         kind = _kind(below, names)
         if kind is not None and (said is None or said.role != kind):
@@ -63,11 +64,14 @@ def _kind(cells: Sequence[Cell], names: ControllerNames) -> str | None:
     texts = [cell for cell in cells if isinstance(cell, str)]
     if not texts or len(texts) < len(cells):
         return None
-    labels = [read_label(cell, names) for cell in texts]
-    for kind in _HEADINGS:
-        if all(label is not None and set(label.said) - {"unit"} == {kind} for label in labels):
-            return kind
-    return None
+    kinds: set[str] = set()
+    for text in dict.fromkeys(texts):
+        label = read_label(text, names)
+        kinds |= set() if label is None else set(label.said) - {"unit"}
+        if label is None or len(kinds) != 1:
+            return None
+    kind = kinds.pop()
+    return kind if kind in _HEADINGS else None
 
 
 def _spread(sheet: Sheet, first: int, keys: Sequence[int]) -> dict[tuple[int, int], tuple[int, int]]:

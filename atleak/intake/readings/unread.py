@@ -161,6 +161,8 @@ class Account:
     def _headings(self, table: Table) -> None:
         for row in range(max(table.header.first, 0), table.header.last + 1):
             texts = [column for column in table.columns if number_of(text_of(table.sheet.cell(row, column))) is None]
+            if table.sheet.turned:  # notes under the table stand here as well
+                texts = [column for column in texts if not numbers_of(table.sheet.cell(row, column))]
             self._done[table.sheet.name].update((row, column) for column in texts)
 
     def _is_figure(self, rows: Rows, index: int) -> bool:

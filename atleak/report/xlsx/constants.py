@@ -27,6 +27,7 @@ from atleak.report.xlsx.book import NO_DELIVERY, Book, cell
 from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, CHANGEABLE, Cell, Ends, write_cell
 from atleak.report.xlsx.names import (
     ABSOLUTE,
+    AVERAGED,
     COVERAGE,
     D341_A,
     D341_B,
@@ -62,7 +63,7 @@ from atleak.report.xlsx.names import (
 )
 from atleak.sentence import Name, Sentence
 from atleak.uncertainty import Assumptions, UnitUncertainty
-from atleak.uncertainty.sources import ENOUGH_DEGREES, STEP_TOLERANCE, TOLERANCE_HOLDS
+from atleak.uncertainty.sources import AVERAGED_FROM, ENOUGH_DEGREES, STEP_TOLERANCE, TOLERANCE_HOLDS
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MPA_S, UM
 
@@ -271,5 +272,7 @@ def _of_uncertainty(uncertainty: UnitUncertainty) -> Iterable[Constant]:
     yield Constant(REPEATS_APART, apart, "µm", REPEAT_TOLERANCE * UM, _CHOICE)
     seen = Sentence("spread or step that is taken as nothing")
     yield Constant(VISIBLE_STEP, seen, "µm", STEP_TOLERANCE * UM, _CHOICE)
+    averaged = Sentence("spread per step from which on repeats average rounding out")
+    yield Constant(AVERAGED, averaged, "", AVERAGED_FROM, _CHOICE)
     trusted = Sentence("degrees of freedom from which on repeats are trusted alone")
     yield Constant(TRUSTED_DEGREES, trusted, "", ENOUGH_DEGREES, _CHOICE)

@@ -16,7 +16,7 @@ from atleak.catalogue.instruments import Instrument, Part
 from atleak.equations.uncertainty import persistent_rounding_variance
 from atleak.report.xlsx.book import Book, cell
 from atleak.report.xlsx.live_cells import CHANGEABLE, PER_KELVIN, Cell, address, quote, write_cell
-from atleak.report.xlsx.names import TRUSTED_DEGREES, VISIBLE_STEP, of_part
+from atleak.report.xlsx.names import AVERAGED, TRUSTED_DEGREES, VISIBLE_STEP, of_part
 from atleak.report.xlsx.readings_sheet import PART_NAMES, ReadingCells
 from atleak.sentence import Name, Sentence
 from atleak.uncertainty import UnitUncertainty
@@ -148,7 +148,9 @@ class InstrumentCells:
         text = "IF({counted}>2,{pooled}*SQRT({counted}/MAX({counted}-2,1)),IF({counted}>0,{pooled}*SQRT(3),0))"
         yield follows(part, "widened", widened, found.widened * UM, text)
         before = Sentence("spread before rounding, from the steps below")
-        text = "IF({counted}>0,{newton},0)"
+        rounded = "{widened}^2-{roundings}*{q}^2/12"
+        averaged = f"IF({rounded}>{{roundings}}*({AVERAGED}*{{q}})^2,SQRT(MAX({rounded},0)),{{newton}})"
+        text = f"IF({{counted}}>0,{averaged},0)"
         yield follows(part, "unrounded", before, found.before_rounding * UM, text)
         yield from self._of_reading(part, spread)
 

@@ -15,7 +15,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.limits import Level, Limits, RuleKind, Steps
 from atleak.report.xlsx.book import Book, cell
 from atleak.report.xlsx.live_cells import CHANGEABLE, largest_of
-from atleak.report.xlsx.names import NOTHING_DELIVERED
+from atleak.report.xlsx.names import NOTHING_DELIVERED, of_limit
 from atleak.sentence import Name, Sentence
 from atleak.verdicts import BANDS, FLAGGED
 from atleak.wording import Wording
@@ -71,7 +71,7 @@ class LimitCells:
         self.levels = list[Level](dict.fromkeys([*FLAGGED, *BANDS[1:]]))  # a column each
         self._rows = [row for kind, steps in limits.rules.items() for row in _rows(kind, steps)]
         self._names = {
-            (row.kind, level, row.part): f"limit_{row.kind}_{row.part}_{level}"
+            (row.kind, level, row.part): of_limit(row.kind, row.part, level)
             for row in self._rows
             for level in row.values
         }

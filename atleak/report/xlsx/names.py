@@ -32,7 +32,17 @@ OWN_MOUNTING = "const_own_mounting"
 TOLERANCE_COVERAGE = "const_tolerance_coverage"
 REPEATS_APART = "const_repeats_apart"
 VISIBLE_STEP = "const_visible_step"
+AVERAGED = "const_averaged_from"
 TRUSTED_DEGREES = "const_trusted_degrees"
+
+
+def of_limit(kind: str, part: str, level: str) -> str:
+    """Return the name of a part of a limit, such as the growth that it asks for.
+
+    >>> of_limit("wear", "limit", "watch"), of_limit("wear", "at_least", "watch")
+    ('limit_wear_watch', 'limit_wear_at_least_watch')
+    """
+    return "_".join(("limit", kind, *(() if part == "limit" else (part,)), level))
 
 
 def of_relation(section: str, what: str) -> str:

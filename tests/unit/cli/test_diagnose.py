@@ -137,6 +137,20 @@ def test_rows_of_one_inspection(run: Run, tmp_path: Path, record_of: RecordOf) -
     )
 
 
+def test_empty_cells_of_a_block_go_on_with_the_one_above(run: Run, tmp_path: Path, record_of: RecordOf) -> None:
+    sheet, job = tmp_path / "blocks.csv", tmp_path / "job.zip"
+    sheet.write_text("Valve;Land;Part;Diameter [mm]\naccumulator;1;piston;17.998\n;;bore;18.041\n", encoding="utf-8")
+    status, _, err = run("diagnose", sheet, "--controller", "minimal_example")
+    assert status == 2
+    assert "--fill-down" in err
+    record = record_of(sheet, "--controller", "minimal_example", "--fill-down", "--job-file", job)
+    land = {land["component"]: land for land in record["lands"]}["accumulator"]
+    assert (land["spool_readings"], land["sleeve_readings"]) == (1, 1)
+    again = read_job_file(job)
+    assert again.case.sheet_fill_down
+    assert len(again.diagnose().readings.readings) == 2
+
+
 def test_without_a_flagged_land_it_says_so(run: Run, small_sheet: SmallSheet) -> None:
     sheet = small_sheet(sleeve=11.032)
     status, out, _ = run("diagnose", sheet, "--controller", "minimal_example", "--temperature", "40")

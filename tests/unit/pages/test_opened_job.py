@@ -119,6 +119,7 @@ def test_the_rows_of_one_inspection_are_chosen_on_the_readings_page_and_kept_wit
     by_label = {widget.label: widget for widget in form.text_input}
     by_label["Only rows where column"].set_value("Inspection")
     by_label["says"].set_value("November")
+    form.checkbox[0].check()
     form.button[0].click().run()
     assert not form.exception
     from pages.shared.cases import case_with_columns, diagnosis_of, opened_case
@@ -129,7 +130,10 @@ def test_the_rows_of_one_inspection_are_chosen_on_the_readings_page_and_kept_wit
     assert [reading.place.row for reading in diagnosis.readings.readings] == [4, 5]
     again = opened_case(read_job_file(write_job_file(diagnosis, case=case_with_columns(case))).case)
     assert again.sheet_where == case.sheet_where
-    assert again.with_file("readings", None).sheet_where == ()
+    assert case.sheet_fill_down
+    assert again.sheet_fill_down
+    without = again.with_file("readings", None)
+    assert (without.sheet_where, without.sheet_fill_down) == ((), False)
 
 
 def open_job(app: AppTest, content: bytes, name: str = "job.zip") -> AppTest:

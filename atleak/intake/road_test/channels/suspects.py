@@ -186,19 +186,20 @@ def suspect(
 
     ``raw`` are the file's numbers, ``si`` the same in SI, ``time`` the channel's stamps.
     """
-    limits = QUANTITIES[quantity]
-    series = pd.Series(si, time, copy=False)
-    masks = {"sentinel": sentinel(series if raw is si else pd.Series(raw, time, copy=False))}
-    masks["out of range"] = out_of_range(series, limits.low, limits.high)
-    suspect_so_far = masks["sentinel"].to_numpy() | masks["out of range"].to_numpy()
-    clean = pd.Series(np.where(suspect_so_far, np.nan, si), time) if suspect_so_far.any() else series
-    kind = limits.unit_kind
+    limits, kind = QUANTITIES[quantity], QUANTITIES[quantity].unit_kind
+    clean, masks = pd.Series(si, time, copy=False), {}
+    least, most = _ends(si)  # most checks are of values that lie at an end: of the usual channel none is
+    if least < limits.low or most > limits.high or np.isin(_ends(raw), _SENTINELS).any():
+        masks["sentinel"] = sentinel(clean if raw is si else pd.Series(raw, time, copy=False))
+        masks["out of range"] = out_of_range(clean, limits.low, limits.high)
+        suspect_so_far = masks["sentinel"].to_numpy() | masks["out of range"].to_numpy()
+        clean = pd.Series(np.where(suspect_so_far, np.nan, si), time) if suspect_so_far.any() else clean
     if kind == "temperature":
         masks["failed sensor"] = failed_sensor(clean)
         if masks["failed sensor"].to_numpy().any():
             clean = clean.mask(masks["failed sensor"])
         masks["start-up"] = start_up(clean, 8.0)
-    if kind in _STEP:
+    if kind in _STEP and most - least > _STEP[kind]:
         masks["spike"] = spikes(clean, _STEP[kind])
     if kind in _FROZEN_SECONDS:
         masks["frozen"] = frozen(clean, _FROZEN_SECONDS[kind], moving)

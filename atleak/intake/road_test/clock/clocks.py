@@ -112,6 +112,7 @@ def _digits_of_a_clock(values: np.ndarray) -> bool:
     if (values // 100 % 100 >= 60).any():
         return False
     steps, true = np.diff(values), np.diff(_seconds_of_digits(values))
+    true = np.where(true < -DAY / 2, true + DAY, true)  # past midnight
     usual = float(np.median(steps))
     leaps = np.abs(steps - true) > 1
     if not 0 < usual < 30 or not leaps.any():

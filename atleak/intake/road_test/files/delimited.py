@@ -85,7 +85,7 @@ class Delimited:
         RoadTestError
             when its lines cannot be told apart, or many of them have more numbers than the table has columns.
         """
-        tallying = Tallying(self._pieces(), self.delimiter)
+        tallying = Tallying(self._pieces(), self.delimiter, self.quoted)
         try:
             frame = self._read_once(columns)
         except pd.errors.ParserError:

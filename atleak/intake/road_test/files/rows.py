@@ -27,38 +27,42 @@ def one_line_end(data: bytes) -> bytes:
 
 @dataclass(frozen=True)
 class Tally:
-    """How many lines a text has, and how many delimiters and quotation marks."""
+    """How many lines a text has, and how many delimiters and quotation marks; None where nobody needs to know."""
 
-    lines: int
     delimiters: int
-    quotes: int
+    lines: int | None = None
+    quotes: int | None = None
 
     def even(self, rows: int, per_line: tuple[int, int] | None) -> bool:
         """Return whether the text is that many rows, each with the same number of delimiters and quotation marks."""
-        if per_line is None or self.lines != rows:
+        if per_line is None or self.delimiters != rows * per_line[0]:
             return False
-        return (self.delimiters, self.quotes) == (rows * per_line[0], rows * per_line[1])
+        return self.lines in (None, rows) and self.quotes in (None, rows * per_line[1])
 
 
-def tally(pieces: Iterable[memoryview], delimiter: str) -> Tally:
-    """Count the lines of a text that comes in pieces, small enough for the processor's cache."""
+def tally(pieces: Iterable[memoryview], delimiter: str, quoted: bool) -> Tally:
+    """Count the delimiters of a text that comes in pieces, small enough for the processor's cache.
+
+    Where quotation marks may reach over a line's end, ``quoted``, its lines and these marks are counted, too.
+    """
     ends = delimiters = quotes = 0
     last = _LINE_FEED
     for piece in pieces:
         numbers = np.frombuffer(piece, np.uint8)
-        ends += int(np.count_nonzero(numbers == _LINE_FEED))
         delimiters += int(np.count_nonzero(numbers == ord(delimiter)))
-        quotes += int(np.count_nonzero(numbers == QUOTE[0]))
-        last = int(numbers[-1])
-    return Tally(ends + (last != _LINE_FEED), delimiters, quotes)
+        if quoted:
+            ends += int(np.count_nonzero(numbers == _LINE_FEED))
+            quotes += int(np.count_nonzero(numbers == QUOTE[0]))
+            last = int(numbers[-1])
+    return Tally(delimiters, ends + (last != _LINE_FEED), quotes) if quoted else Tally(delimiters)
 
 
 class Tallying:
     """A tally that is made in a thread, beside the reading."""
 
-    def __init__(self, pieces: Iterable[memoryview], delimiter: str) -> None:
+    def __init__(self, pieces: Iterable[memoryview], delimiter: str, quoted: bool) -> None:
         self._pool = ThreadPoolExecutor(1)
-        self._tally = self._pool.submit(tally, pieces, delimiter)
+        self._tally = self._pool.submit(tally, pieces, delimiter, quoted)
 
     def result(self) -> Tally:
         """Wait for the tally and return it."""
@@ -69,7 +73,7 @@ class Tallying:
 
 def signs_per_line(lines: Sequence[bytes], delimiter: str) -> tuple[int, int] | None:
     """Return how many delimiters and quotation marks each line has; None where lines differ or blanks part cells."""
-    counts = {(line.count(delimiter.encode()), line.count(QUOTE)) for line in lines}
+    counts = {(line.count(delimiter.encode()), line.count(QUOTE)) for line in lines if line.strip()}
     return counts.pop() if len(counts) == 1 and delimiter != " " else None
 
 

@@ -130,6 +130,12 @@ def test_the_digits_of_a_clock_are_read_as_hours_minutes_and_seconds() -> None:
     assert clock.seconds == pytest.approx(np.arange(100) * 0.5, rel=1e-9, abs=1e-9)
 
 
+def test_the_digits_of_a_clock_go_on_past_midnight() -> None:
+    stamps = [(86_370.0 + i) % 86_400 for i in range(100)]
+    digits = np.array([10_000 * (t // 3600) + 100 * (t % 3600 // 60) + t % 60 for t in stamps])
+    assert numeric_clock(digits, None).seconds == pytest.approx(np.arange(100.0), rel=1e-9, abs=1e-9)
+
+
 @pytest.mark.parametrize("values", [np.arange(0, 90.0), np.r_[0:50, 110:150].astype(float), np.arange(0, 5000.0, 100)])
 def test_seconds_are_no_digits_of_a_clock(values: np.ndarray) -> None:
     assert numeric_clock(values, None).form != "time of day, HHMMSS"
@@ -241,6 +247,13 @@ def test_a_row_of_mostly_unknown_units_is_no_row_of_names() -> None:
     assert alias.headings[5].names == ("EngineSpeed", "qq")
 
 
+def test_names_of_groups_above_the_names_do_not_make_units_of_them() -> None:
+    found = understood(
+        "Engine;Engine;Trans;Trans\nTime;rpm;temp;gear\n" + "".join(f"{i / 10};{900 + i};80;2\n" for i in range(60))
+    )
+    assert (found.time_label, columns(found)["engine_speed"]["column"]) == ("Time", "rpm")
+
+
 def test_more_than_forty_channels_defined_in_blocks_are_read() -> None:
     channels = "".join(f"Channel : Chan {k}\nID : {k}\nType : Raw\nDisplayMaxMin : 100,0\n" for k in range(119))
     head = f"%DataLog%\n{channels}Channel : RPM\nID : 200\nType : EngineSpeed\nDisplayMaxMin : 9000,0\nLog : 20240202 01:00:00\n"
@@ -252,6 +265,9 @@ def test_a_head_longer_than_its_table_does_not_hide_it() -> None:
     head = "".join(f"Setting {k}: value {k}, checked by nobody\n" for k in range(23))
     found = understood(head + "Time (s);RPM;ATF Temp (C)\n" + "".join(f"{i};{900 + i};80\n" for i in range(4)))
     assert (found.rows, found.road_test.duration) == (4, 3.0)
+    numbers = "".join(f"Setting {k},{k},{2 * k}\n" for k in range(23))
+    wide = "Time (s),RPM,ATF Temp (C),Gear,Speed (km/h)\n" + "".join(f"{i},{900 + i},80,2,30\n" for i in range(4))
+    assert understood(numbers + "\n" + wide).rows == 4
 
 
 # --- several columns of one name -----------------------------------------------------------------------------------
