@@ -146,3 +146,22 @@ def test_a_long_log_in_a_workbook_is_known_as_a_log(four_speed, bare_workbook):
     heads = "".join(f'<c t="inlineStr"><is><t>{name}</t></is></c>' for name in HEADS["log"])
     rows = "".join(f"<row><c><v>{row / 10}</v></c><c><v>900</v></c><c><v>500</v></c></row>" for row in range(12_000))
     assert table_kind(bare_workbook(f"<sheetData><row>{heads}</row>{rows}</sheetData>"), four_speed) == Table.ROAD_TEST
+
+
+@pytest.mark.parametrize(
+    ("inside", "parts"),
+    [
+        ("<cols>" + '<col min="1" max="16383" hidden="1"/>' * 16_384 + "</cols>", {}),
+        ("<sheetData/>", {"xl/workbook.xml": "<a>" * 1_000_000}),
+        ("<sheetData/>", {"xl/_rels/workbook.xml.rels": "<a>" * 1_000_000}),
+        ("<sheetData/>", {"xl/sharedStrings.xml": "<si><r>strike</r></si>" * 1_500_000}),
+        (b" " * 33_000_000, {}),
+    ],
+    ids=["hidden columns", "nested", "nested relations", "shared texts", "blanks"],
+)
+def test_parts_of_a_workbook_that_unpack_to_millions_of_marks_are_refused_soon(doors, bare_workbook, inside, parts):
+    data = bare_workbook(inside, parts)
+    start = time.monotonic()
+    with pytest.raises(ReadingsError):
+        doors["sheet"](data)
+    assert time.monotonic() - start < 8.0  # in a process of its own, whose time is not this one's
