@@ -277,7 +277,7 @@ def test_a_result_that_was_changed_is_told_with_what_differs(diagnosis, content)
     first, second = differs(job_file.result, today)
     assert str(first).startswith(f"8/1: {land['verdict']}")
     assert f"today {kept}" in str(first)
-    assert (str(second.what), str(second.stored)) == ("6/1", f"share_percent {other['share_percent']:.6g}")
+    assert (str(second.what), str(second.stored)) == ("6/1", f"share of the pump's flow {other['share_percent']:.6g} %")
 
 
 @pytest.mark.parametrize(
