@@ -100,7 +100,7 @@ def crossing_in_words(at: Crossing, say: Wording) -> str:
 
 
 def when_new(diagnosis: Diagnosis, projection: Projection, growth: float) -> str:
-    """Say in English what the same unit draws new, and with pairs as wide as these may have been, and the growth since."""
+    """Say in English what the same unit draws new, and with pairs as wide as these may have been; how it has grown."""
     new, unworn = (each.share * PERCENT for each in (diagnosis.new_at(projection), diagnosis.unworn_at(projection)))
     if f"{unworn:.1f}" == f"{new:.1f}":
         return f"{new:.1f} % when new, {_grown(growth)}"
