@@ -14,7 +14,7 @@ from atleak.report.xlsx.book import Book, formula
 _LABELS = 25, 42  # [characters] least and most width of the first column
 _NAMES, _VERDICTS, _OTHERS = 22, 15, 12  # width of the second, the third and any other
 _ROOM = 190  # of all columns, which prints at three quarters of its size on A4
-_SIDES = 0.3  # [in] margin to the left and right
+_SIDES, _TOP = 0.3, 0.5  # [in] margins
 _HIGHEST = 409.0  # [pt] that Excel allows
 
 
@@ -34,7 +34,7 @@ class SummaryPage:
         self.widths = (min(max(_ROOM - sum(others), least), most), *others)
         for column, width in enumerate(self.widths):
             sheet.set_column(column, column, width)
-        sheet.set_margins(left=_SIDES, right=_SIDES)
+        sheet.set_margins(left=_SIDES, right=_SIDES, top=_TOP)
         self._heights: dict[int, float] = {}
 
     def text(self, row: int, column: int, text: Any, last: int | None = None, **look: Any) -> None:
