@@ -17,7 +17,18 @@ _OTHER_LABELS = vocabulary(
 )
 _OF_FIELDS = vocabulary(
     *(f"head_{field}" for field in ("job", "vehicle", "vin", "serial", "mileage", "technician", "instrument")),
-    *("beside_identity", "date", "temperature", "beside_head", "pump", "pump_side", "pump_tip", "beside_pump"),
+    *(
+        "head_of_spools",
+        "head_of_bores",
+        "beside_identity",
+        "date",
+        "temperature",
+        "beside_head",
+        "pump",
+        "pump_side",
+        "pump_tip",
+        "beside_pump",
+    ),
 )
 _LABEL = re.compile(r"(?P<label>[^:=\d]*?[^:=\d\s+\-−])\s*(?:[:=]\s*(?P<told>.*)|(?P<number>[+\-−]?\d.*))?", re.DOTALL)
 _BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
