@@ -181,7 +181,7 @@ def _rows(controller: Controller, own: OwnLands, say: Wording) -> Iterator[tuple
                 _STATED: shown(land.contact_length),
                 _POSITION: shown(position),
                 _STATED_POSITION: shown(land.position),
-                _NOTE: "; ".join(map(say.sentence, (*origin, *land.built))),
+                _NOTE: "; ".join(map(say.sentence, (*land.built, *origin))),
                 _FITTED: next((repair.id for repair in repairs if repair.id in fitted), None),
                 _OPTIONS: "; ".join(f"{repair.id}: {say.name(repair.label)}" for repair in repairs),
             },

@@ -18,7 +18,9 @@ def formats_of(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
         "title": book.add_format({"bold": True, "font_size": 14}),
         "label": book.add_format({"bold": True}),
         "field label": book.add_format({"bold": True, "text_wrap": True, "valign": "vcenter"}),
-        "field": book.add_format({"bottom": 1, "bg_color": SHEET_COLOURS["entry"], "valign": "vcenter"}),
+        "field": book.add_format(
+            {"bottom": 1, "bg_color": SHEET_COLOURS["entry"], "text_wrap": True, "valign": "vcenter"}
+        ),
         "note": book.add_format(
             {"italic": True, "font_size": 8, "font_color": SHEET_COLOURS["note"], "text_wrap": True, "valign": "top"}
         ),
