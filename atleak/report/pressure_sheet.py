@@ -75,7 +75,8 @@ def write_pressures(
     title = Sentence("Pressures of a standing vehicle: {name}", name=Name(controller.name))
     paging.write_top(sheet, [say.sentence(each) for each in (title, *_HOW_TO)], formats)
     label = f"{say.sentence(Sentence('ATF temperature'))} [{say.unit('temperature')}]"
-    sheet.write_string(_TEMPERATURE[0], 0, label, formats["label"])
+    sheet.set_row(_TEMPERATURE[0], paging.row_height)
+    sheet.write_string(_TEMPERATURE[0], 0, label, formats["field label"])
     sheet.write_blank(*_TEMPERATURE, None, formats["field"])
     for column, said in enumerate(headings):
         sheet.write_string(HEADER, column, said, formats["heading"])

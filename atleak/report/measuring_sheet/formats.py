@@ -16,7 +16,6 @@ def formats_of(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
     given = {**cell, "bg_color": SHEET_COLOURS["given"]}
     return {
         "title": book.add_format({"bold": True, "font_size": 14}),
-        "label": book.add_format({"bold": True}),
         "field label": book.add_format({"bold": True, "text_wrap": True, "valign": "vcenter"}),
         "field": book.add_format(
             {"bottom": 1, "bg_color": SHEET_COLOURS["entry"], "text_wrap": True, "valign": "vcenter"}
