@@ -176,8 +176,9 @@ class Wording:
         return text.replace(".", self.texts["decimal"]).replace("-", "−")
 
     def date(self, value: dt.date) -> str:
-        """Return a date as ISO 8601, which every language reads the same way."""
-        return value.isoformat()
+        """Return a date in the language's form; English has ISO 8601: its readers disagree about day and month."""
+        day, month, year = f"{value.day:02d}", f"{value.month:02d}", f"{value.year:04d}"
+        return self.texts["date"].format(day=day, month=month, year=year)
 
     def unit(self, kind: str) -> str:
         """Return the unit in which the reader has a kind of quantity: ``µm``."""

@@ -11,12 +11,14 @@ import re
 import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import accumulate
 from typing import Literal
 from xml.etree import ElementTree
 
 Hiding = Literal["by hand", "by a filter", "in a folded outline"]
 
-PART_LIMIT = 300_000_000  # bytes of one unpacked part; a measuring sheet is a thousandth of it
+PART_LIMIT = 32_000_000  # bytes of one unpacked part; a measuring sheet is a hundredth of it
+_LIST_LIMIT = 2_000_000  # of one that lists sheets, or relations
 _COLUMNS = 16_384  # of a sheet
 
 # no pattern runs past the next "<", so that none takes more than linear time on a hostile file
@@ -60,7 +62,7 @@ def marks(data: bytes) -> dict[str, Marks]:
         if "xl/workbook.xml" in names:
             return _xlsx(archive, names)
         if "content.xml" in names:
-            return _ods(_unpacked_part(archive, "content.xml"))
+            return _ods(unpacked_part(archive, "content.xml"))
     return {}
 
 
@@ -76,11 +78,19 @@ def column_index(letters: str) -> int:
     return index - 1
 
 
-def _unpacked_part(archive: zipfile.ZipFile, name: str) -> bytes:
+def unpacked_part(archive: zipfile.ZipFile, name: str, limit: int | None = None) -> bytes:
+    """Return the content of a part of a workbook.
+
+    Raises
+    ------
+    ValueError
+        where it unpacks to more bytes than the limit, `PART_LIMIT` unless given.
+    """
+    limit = PART_LIMIT if limit is None else limit
     with archive.open(name) as part:
-        content = part.read(PART_LIMIT + 1)
-    if len(content) > PART_LIMIT:
-        raise ValueError(f"{name} unpacks to more than {PART_LIMIT // 1_000_000} MB")
+        content = part.read(limit + 1)
+    if len(content) > limit:
+        raise ValueError(f"{name} unpacks to more than {limit // 1_000_000} MB")
     return content
 
 
@@ -91,7 +101,7 @@ def sheet_paths(archive: zipfile.ZipFile) -> dict[str, str]:
     """Return the part of the archive that holds each sheet of an xlsx, by the sheet's name."""
     targets = dict(_targets(archive, "xl/workbook.xml"))
     paths = {}
-    for element in ElementTree.fromstring(_unpacked_part(archive, "xl/workbook.xml")).iter():
+    for element in ElementTree.fromstring(unpacked_part(archive, "xl/workbook.xml", _LIST_LIMIT)).iter():
         if element.tag.endswith("}sheet"):
             relation = next((value for key, value in element.attrib.items() if key.endswith("}id")), "")
             paths[element.get("name", "")] = targets.get(relation, "xl")
@@ -101,23 +111,23 @@ def sheet_paths(archive: zipfile.ZipFile) -> dict[str, str]:
 def _targets(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, str]]:
     """Yield what a part of an xlsx refers to: the id of each relation and the part it leads to."""
     folder, name = posixpath.split(part)
-    for relation in ElementTree.fromstring(_unpacked_part(archive, f"{folder}/_rels/{name}.rels")):
+    for relation in ElementTree.fromstring(unpacked_part(archive, f"{folder}/_rels/{name}.rels", _LIST_LIMIT)):
         target = relation.get("Target", "")
         path = target.lstrip("/") if target.startswith("/") else posixpath.normpath(f"{folder}/{target}")
         yield relation.get("Id", ""), path
 
 
 def _xlsx(archive: zipfile.ZipFile, names: set[str]) -> dict[str, Marks]:
-    styles = _struck_styles(_unpacked_part(archive, "xl/styles.xml")) if "xl/styles.xml" in names else frozenset()
+    styles = _struck_styles(unpacked_part(archive, "xl/styles.xml")) if "xl/styles.xml" in names else frozenset()
     strings = (
-        _struck_strings(_unpacked_part(archive, "xl/sharedStrings.xml"))
+        _struck_strings(unpacked_part(archive, "xl/sharedStrings.xml"))
         if "xl/sharedStrings.xml" in names
         else frozenset()
     )
     marks_by_sheet = {}
     for sheet, path in sheet_paths(archive).items():
         if path in names:
-            sheet_xml = _unpacked_part(archive, path)
+            sheet_xml = unpacked_part(archive, path)
             filters = _filters(archive, names, path, sheet_xml) if b"hidden=" in sheet_xml else []
             marks_by_sheet[sheet] = Marks(
                 _hidden_rows(sheet_xml, filters),
@@ -214,11 +224,16 @@ def _hidden_rows(xml: bytes, filters: list[tuple[int, int]]) -> dict[int, Hiding
 
 
 def _hidden_columns(xml: bytes) -> Iterator[int]:
+    begins = [0] * (_COLUMNS + 1)  # at each column: how many stretches begin there, less how many ended before it
     for tag in _COLUMN.findall(_inside(xml, b"cols"))[:_COLUMNS]:
         attributes = _attributes(tag.rstrip(b"/"))
         if attributes.get(b"hidden") in _YES:
             first, last = (int(attributes.get(name, b"0")) for name in (b"min", b"max"))
-            yield from range(max(first - 1, 0), min(last, _COLUMNS))
+            first, last = max(first - 1, 0), min(last, _COLUMNS)
+            if first < last:
+                begins[first] += 1
+                begins[last] -= 1
+    yield from (column for column, within in enumerate(accumulate(begins[:-1])) if within)
 
 
 def _filters(archive: zipfile.ZipFile, names: set[str], path: str, xml: bytes) -> list[tuple[int, int]]:
@@ -227,7 +242,7 @@ def _filters(archive: zipfile.ZipFile, names: set[str], path: str, xml: bytes) -
     folder, name = posixpath.split(path)
     if f"{folder}/_rels/{name}.rels" in names:
         tables = [target for _, target in _targets(archive, path) if "/tables/" in f"/{target}" and target in names]
-        parts += [_unpacked_part(archive, target) for target in tables]
+        parts += [unpacked_part(archive, target) for target in tables]
     filtered = []
     for part in parts:
         area = _AREA.search(part, max(part.find(b"autoFilter"), 0)) if b"filterColumn" in part else None

@@ -52,15 +52,19 @@ def _other_instruments(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:
     uncertainty = diagnosis.uncertainty
     if not used or uncertainty is None:
         return
-    for part, what in _PARTS.items():
-        taken = uncertainty.instruments.of(part)
-        if not any(_alike(each, taken) for each in used):
+    taken = [uncertainty.instruments.of(part) for part in _PARTS]
+    if all(any(_alike(each, instrument) for instrument in taken) for each in used):
+        return  # one is named, and it is one of the two
+    for (part, what), instrument in zip(_PARTS.items(), taken, strict=True):
+        if not any(_alike(each, instrument) for each in used):
             text = Sentence(
-                "The record names {used}, but the uncertainty of the {parts} is computed with {taken}: choose the "
-                "instrument with which they were measured, or name it in the record.",
+                "Measured with {used}, as the job's record or the measuring sheet's head says, but the uncertainty "
+                "of the {parts} is computed with {taken}: choose the instrument with which they were measured (page "
+                "Settings, --{part}-instrument), or correct its name.",
                 used=tuple(each.name for each in used),
                 parts=what,
-                taken=Name(taken.name),
+                taken=Name(instrument.name),
+                part=part,
             )
             yield Message("warning", "instruments_differ", text)
 

@@ -10,11 +10,14 @@ from atleak.intake.readings.words import plain
 from atleak.job.record import InstrumentUsed, Job
 from atleak.readings import Readings
 from atleak.sentence import Sentence
+from atleak.sheet_identity import SheetIdentity
 from atleak.unit_systems import Quantity
 
 
 def with_sheet(job: Job | None, readings: Readings | None) -> Job | None:
     """Return the record with what the sheet's head says where the record says nothing; None where neither does.
+
+    Nothing is taken of a sheet whose head names another job or unit: `sheet_doubts` asks whose it is.
 
     Parameters
     ----------
@@ -26,6 +29,8 @@ def with_sheet(job: Job | None, readings: Readings | None) -> Job | None:
     if readings is None or readings.identity.empty:
         return job
     head, record = readings.identity, job or Job()
+    if any(_contradictions(record, head)):
+        return job
     vehicle: dict[str, Any] = {}
     if head.vehicle and not (record.vehicle.make or record.vehicle.model):
         vehicle["model"] = head.vehicle
@@ -66,21 +71,15 @@ def sheet_doubts(job: Job, readings: Readings | None) -> Iterator[Message]:
     if readings is None:
         return
     head = readings.identity
-    stated = (
-        (Sentence("job number"), job.number, head.job),
-        (Sentence("VIN"), job.vehicle.vin, head.vin),
-        (Sentence("serial number"), job.transmission.serial, head.serial),
-    )
-    for what, own, written in stated:
-        if own and written and plain(own) != plain(written):
-            text = Sentence(
-                "The record has the {what} {own}, the head of the measuring sheet {written}: is it the sheet of this "
-                "unit? The record counts.",
-                what=what,
-                own=own,
-                written=written,
-            )
-            yield Message("warning", "sheet_of_another_job", text)
+    for what, own, written in _contradictions(job, head):
+        text = Sentence(
+            "The record has the {what} {own}, the head of the measuring sheet {written}: is it the sheet of this "
+            "unit? The record counts.",
+            what=what,
+            own=own,
+            written=written,
+        )
+        yield Message("warning", "sheet_of_another_job", text)
     own_km, written_km = job.vehicle.mileage_km, head.mileage
     if own_km is not None and written_km is not None and abs(own_km - written_km) >= 1.0:
         text = Sentence(
@@ -90,3 +89,14 @@ def sheet_doubts(job: Job, readings: Readings | None) -> Iterator[Message]:
             written=Quantity(written_km, "distance"),
         )
         yield Message("warning", "mileages_differ", text)
+
+
+def _contradictions(job: Job, head: SheetIdentity) -> Iterator[tuple[Sentence, str, str]]:
+    """Yield what tells units apart and differs: what it is, that of the record and that of the sheet's head."""
+    for what, own, written in (
+        (Sentence("job number"), job.number, head.job),
+        (Sentence("VIN"), job.vehicle.vin, head.vin),
+        (Sentence("serial number"), job.transmission.serial, head.serial),
+    ):
+        if own and written and plain(own) != plain(written):
+            yield what, own, written

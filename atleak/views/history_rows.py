@@ -84,7 +84,7 @@ def _first_at(land: LandWear, level: Verdict, say: Wording) -> str:
 def _since(land: LandWear, history: WearHistory, say: Wording) -> str | None:
     if land.series.restart is None or land.series.since is None:
         return None
-    date = history.visits[land.series.since].date.isoformat()
+    date = say.date(history.visits[land.series.since].date)
     return f"{date}: {say(f'restarts.{land.series.restart}')}"
 
 

@@ -131,7 +131,7 @@ def compared(before: JobFile, after: JobFile) -> ComparedJobs:
     return _compared(repr(([result_key(case) for case in cases], records)), (before, after), diagnoses)
 
 
-@st.cache_resource(max_entries=6, show_spinner="…")
+@st.cache_resource(max_entries=2, scope="session", show_spinner="…")
 def _compared(key: str, _jobs: Chosen, _diagnoses: tuple[Diagnosis, Diagnosis]) -> ComparedJobs:
     return compare_jobs(*_jobs, _diagnoses)
 

@@ -168,7 +168,7 @@ def _estimate_of(diagnosis: Diagnosis, record: Job) -> Estimate:
         return _estimate(f"{result_key(session().good)} {own}", diagnosis, record)
 
 
-@st.cache_resource(max_entries=8, show_spinner=False)
+@st.cache_resource(max_entries=4, scope="session", show_spinner=False)
 def _estimate(key: str, _diagnosis: Diagnosis, _record: Job) -> Estimate:
     def kept_choice(diagnosis: Diagnosis, goal: Goal, prices: Prices, *, kept: Any) -> Choice:
         return _choice(f"{result_key(session().good)} {goal} {prices} {kept}", diagnosis, goal, prices, tuple(kept))
@@ -176,6 +176,6 @@ def _estimate(key: str, _diagnosis: Diagnosis, _record: Job) -> Estimate:
     return estimate(_diagnosis, _record, kept_choice)
 
 
-@st.cache_resource(max_entries=16, show_spinner=False)
+@st.cache_resource(max_entries=8, scope="session", show_spinner=False)
 def _choice(key: str, _diagnosis: Diagnosis, _goal: Goal, _prices: Prices, _kept: tuple[str, ...]) -> Choice:
     return choose(_diagnosis, _goal, _prices, kept=_kept)

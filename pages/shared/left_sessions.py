@@ -10,6 +10,7 @@ import streamlit as st
 from atleak.system.memory import give_back
 
 EVERY = 30.0  # [s]
+_HELD = ("_session_state", "_fragment_storage", "_browser_queue")  # by a session of Streamlit's, of its visitor's
 
 
 async def let_go_in_time() -> None:
@@ -35,5 +36,6 @@ def let_go() -> bool:
     left = [kept_session.session for _, kept_session in kept.expire()]
     for session in left:
         session.shutdown()
-        session.session_state.clear()
+        for name in _HELD:
+            vars(session).pop(name, None)
     return bool(left)

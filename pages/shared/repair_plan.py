@@ -23,7 +23,7 @@ _NOTHING = "none"  # there: every tick was taken away
 _SAID = "repair-plan-said"
 
 
-@st.cache_resource(max_entries=4, show_spinner=False)
+@st.cache_resource(max_entries=2, scope="session", show_spinner=False)
 def _offered(key: str, _diagnosis: Diagnosis) -> OfferedRepairs:
     return OfferedRepairs(_diagnosis)
 

@@ -143,7 +143,7 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
     """Say what was declined or deferred and not done since, with its reason, and list every decision in a fold."""
     say, undone = reader.say(), left_undone(visited)
     if undone:
-        said = (f"- {_decision(decision, say)} ({each.date.isoformat()})" for each, decision in undone)
+        said = (f"- {_decision(decision, say)} ({say.date(each.date)})" for each, decision in undone)
         st.markdown("\n".join([f"**{say('unit.left_undone')}**", "", *said]))
     every = [(each, decision) for each in reversed(visited) for decision in each.decisions]
     if every:

@@ -8,7 +8,7 @@ import itertools
 import re
 import zipfile
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import IO, Any, TypedDict
 from xml.etree import ElementTree
 from xml.parsers import expat
@@ -16,7 +16,7 @@ from xml.parsers import expat
 from atleak.intake.native.child import Refused
 from atleak.intake.sheets.extent import COLUMNS as WIDTH
 from atleak.intake.sheets.extent import EXPECTED, SHEETS, bounded, excess
-from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths
+from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths, unpacked_part
 from atleak.sentence import Sentence
 
 NativeCell = Any  # str, float, int, bool, date or time; "" where empty
@@ -91,8 +91,8 @@ def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
     _refuse_other_kinds(data)
     for name, hidden, sheet in _worksheets(data):
         _refuse_more_than_a_log(data, name, sheet)
-        rows = itertools.islice(sheet.iter_rows(), LOOK) if sheet.end is not None else iter(())
-        cells = bounded([row[:WIDTH] for row in rows])
+        rows: Iterable[list[NativeCell]] = sheet.iter_rows() if sheet.end is not None else ()
+        cells = bounded([row[:WIDTH] for row in itertools.islice(rows, LOOK)])
         ranges = [] if sheet.merged_cell_ranges is None else sheet.merged_cell_ranges
         merged = _within(ranges, cells, name)
         yield {"name": name, "hidden": hidden, "rows": cells, "merged": merged, "faults": {}, "marks": vars(Marks())}
@@ -257,11 +257,11 @@ def _merges_and_faults(data: bytes) -> tuple[dict[str, list[Range]], dict[str, d
         names = set(archive.namelist())
         if "xl/workbook.xml" in names:
             return {}, {
-                sheet: _formula_faults(archive.read(path))
+                sheet: _formula_faults(unpacked_part(archive, path))
                 for sheet, path in sheet_paths(archive).items()
                 if path in names
             }
-        return (_ods_merges(archive.read("content.xml")) if "content.xml" in names else {}), {}
+        return (_ods_merges(unpacked_part(archive, "content.xml")) if "content.xml" in names else {}), {}
 
 
 def _formula_faults(xml: bytes) -> dict[tuple[int, int], str]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.errors import Message, ReadingsError
 from atleak.intake.dates import sure_date
-from atleak.intake.readings.head_identity import read_identity
+from atleak.intake.readings.head_identity import read_identity, several
 from atleak.intake.readings.head_labels import Stated, stated_values
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import Vocabulary, vocabulary
@@ -108,8 +108,8 @@ class Head:
 def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
     """Read what stands above the first headings of every sheet that holds one of the tables.
 
-    Two temperatures that differ are named, and none of them is taken. A temperature that is none is a problem; a date
-    whose day and month may be swapped is not taken.
+    Two temperatures or dates that differ are named, and none of them is taken. A temperature that is none is a problem;
+    a date whose day and month may be swapped is named and not taken.
     """
     first: dict[str | None, int] = {}
     for table in tables:
@@ -117,17 +117,17 @@ def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
     heads = [(sheet, range(max(first[sheet.name], 0))) for sheet in sheets if sheet.name in first]
     read = {quantity: _read(heads, quantity) for quantity in (_TEMPERATURE, _SIDE, _TIP)}
     dates = [each for sheet, rows in heads for each in stated_values(sheet, rows, (_DATE,), _BESIDE, "temperature")]
-    known = {date for each in dates if (date := _date(each.value)) is not None}
+    date, doubts = _read_date(dates)
     temperature, side, tip = (one.value for one in read.values())
     identity = read_identity(heads)
     every = [*(each for one in read.values() for each in one.stated), *dates, *identity.stated]
     return Head(
         temperature=temperature,
-        date=max(known, default=None),
+        date=date,
         pump=PumpClearances.of_um(side, tip),
         identity=identity.identity,
         cells=tuple((each.sheet.name, each.row, each.column) for each in every),
-        messages=(*(message for one in read.values() for message in one.messages), *identity.messages),
+        messages=(*(message for one in read.values() for message in one.messages), *doubts, *identity.messages),
         problems=tuple(problem for one in read.values() for problem in one.problems),
     )
 
@@ -211,6 +211,26 @@ def _number(stated: Stated, quantity: _Quantity) -> float:
             ),
         )
     return value
+
+
+def _read_date(stated: Sequence[Stated]) -> tuple[dt.date | None, list[Message]]:
+    """Return the date of measuring, and why none is taken of those that the heads state."""
+    dates: dict[dt.date, Stated] = {}
+    messages = []
+    for each in stated:
+        date = _date(each.value)
+        if date is not None:
+            dates.setdefault(date, each)
+        elif re.search(r"\d", str(each.value)):
+            text = Sentence(
+                "the date {date!r} in the head is not taken: it can be read in two ways, or is none. Write it as "
+                "2026-04-17",
+                date=str(each.value),
+            )
+            messages.append(Message("warning", "head_unclear", text, each.place))
+    if len(dates) > 1:
+        messages.append(several([(date.isoformat(), each) for date, each in dates.items()], Sentence("date")))
+    return next(iter(dates)) if len(dates) == 1 else None, messages
 
 
 def _date(cell: Cell) -> dt.date | None:

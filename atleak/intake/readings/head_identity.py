@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -80,7 +80,7 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> Identity:
         every += found
         told = {plain(text_of(each.value)): each for each in found}
         if len(told) > 1:
-            messages.append(_several(told.values(), field))
+            messages.append(several([(text_of(one.value), one) for one in told.values()], field.what))
         for each in told.values() if len(told) == 1 else ():
             value = _mileage(each, messages) if name == "mileage" else text_of(each.value)
             if value not in ("", None):
@@ -90,13 +90,13 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> Identity:
     return Identity(identity, tuple(every), tuple(messages))
 
 
-def _several(stated: Iterable[Stated], field: _Field) -> Message:
-    each = list(stated)
-    named = all_of(Sentence("{value!r} ({place})", value=text_of(one.value), place=one.place.sentence) for one in each)
+def several(stated: Sequence[tuple[str, Stated]], what: Sentence) -> Message:
+    """Tell that the heads state one thing differently: each as it reads, and where it stands."""
+    named = all_of(Sentence("{value!r} ({place})", value=value, place=each.place.sentence) for value, each in stated)
     text = Sentence(
-        "the head states the {what} more than once, differently: {named}. None is taken", what=field.what, named=named
+        "the head states the {what} more than once, differently: {named}. None is taken", what=what, named=named
     )
-    return Message("warning", "head_unclear", text, each[0].place)
+    return Message("warning", "head_unclear", text, stated[0][1].place)
 
 
 def _mileage(stated: Stated, messages: list[Message]) -> float | None:

@@ -35,6 +35,7 @@ from atleak.report.pdf.road import RoadTestSection
 from atleak.sentence import Sentence
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
+from atleak.views.land_names import component_words
 from atleak.views.road_series import RoadSeries
 from atleak.views.sentences import fluid_in_state, measuring_temperature
 from atleak.wording import isolated
@@ -261,9 +262,8 @@ class Body:
             yield text(sentence)
 
     def _repaired_pair(self, decision: RepairDecision) -> str:
-        name = self.diagnosis.controller.components.get(decision.component, "")
         land = f"{self.say('printed.land')}\u00a0{decision.land}" if decision.land else ""
-        return joined((f"{decision.component}  {isolated(name)}".strip(), land))
+        return joined((component_words(self.diagnosis.controller, decision.component, self.say), land))
 
     def _estimate(self, charts: dict[str, str]) -> Iterable[Block]:
         yield from estimate_blocks(self.names)

@@ -333,17 +333,37 @@ class ConditionsSheet:
         spools = spools_taken(self.diagnosis.profile)
         for name, label, prefix, each in (
             ("leakage", Sentence("leakage drawn from the pump, {spools}", spools=spools), "", now),
-            ("leakage_new", Sentence("leakage of the same unit new, {spools}", spools=spools), "new_", new),
+            (
+                "leakage_new",
+                Sentence(
+                    "leakage of the same unit new, its pairs as wide as they may have been, {spools}",
+                    spools=spools,
+                ),
+                "new_",
+                new,
+            ),
         ):
             flow = self._with_others(at, self.gaps.sum_of(f"{prefix}q", at), each, prefix)
             yield Quantity(label, "dm³/min", name, flow, each.leakage * DM3_MIN, "flow")
         growth = f"({at('leakage')}/{at('leakage_new')}-1)*100"
         growth = f'IF({at("capacity")}*{at("leakage_new")}>0,{growth},"{NO_GROWTH}")'
         grown = NO_GROWTH if rule.growth is None else rule.growth * PERCENT
-        yield Quantity(Sentence("growth over new"), "%", "growth", growth, grown, "percent")
+        yield Quantity(
+            Sentence("growth over that new unit"),
+            "%",
+            "growth",
+            growth,
+            grown,
+            "percent",
+        )
         for name, label, flow, each in (
             ("share", Sentence("share of pump capacity"), "leakage", now),
-            ("share_new", Sentence("share of the same unit new"), "leakage_new", new),
+            (
+                "share_new",
+                Sentence("share of that new unit"),
+                "leakage_new",
+                new,
+            ),
         ):
             yield Quantity(label, "%", name, share_of(at(flow), at("capacity")), each.share * PERCENT, "share")
         yield from self._positions(at)

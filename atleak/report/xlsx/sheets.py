@@ -102,7 +102,7 @@ class Sheets:
         vehicle, box = self.job.vehicle, self.job.transmission
         rows: list[tuple[str, Any]] = [
             (Sentence("job"), self.job.number),
-            (Sentence("date"), self.job.date.isoformat() if self.job.date else None),
+            (Sentence("date"), self.say.date(self.job.date) if self.job.date else None),
             (Sentence("customer"), self.job.customer.name),
             (Sentence("vehicle"), " ".join(filter(None, (vehicle.make, vehicle.model, vehicle.registration)))),
             (Sentence("VIN"), vehicle.vin),

@@ -25,7 +25,7 @@ def test_instruments_of_the_record_that_are_not_those_of_the_uncertainty_are_tol
 
 @pytest.mark.parametrize(
     "names",
-    [(), ("Two-point bore gauge", "WORKSHOP MICROSCOPE 12"), ("workshop_microscope", "bore gauge")],
+    [(), ("Two-point bore gauge", "WORKSHOP MICROSCOPE 12"), ("workshop_microscope", "bore gauge"), ("bore gauge",)],
 )
 def test_the_same_instruments_in_other_words_are_not_doubted(worn: Diagnosis, names: tuple[str, ...]) -> None:
     assert record_doubts(instruments(*names), worn) == ()

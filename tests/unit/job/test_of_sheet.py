@@ -64,3 +64,9 @@ def test_a_sheet_of_another_unit_is_doubted(worn: Diagnosis, readings: Readings)
     assert "the VIN 1FA, the head of the measuring sheet WVWZZZ1JZXW000001" in said["sheet_of_another_job"]
     assert "18200 km, the head of the measuring sheet 182000 km" in said["mileages_differ"]
     assert len(said) == 2  # neither number nor serial differ
+
+
+def test_nothing_is_taken_of_the_sheet_of_another_unit(readings: Readings) -> None:
+    own = Job(vehicle={"vin": "1FA"})
+    assert with_sheet(own, readings) == own
+    assert with_sheet(Job(vehicle={"vin": HEAD.vin.lower()}), readings).technician == "J. K."  # type: ignore[union-attr]

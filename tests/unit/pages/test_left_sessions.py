@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
 from types import SimpleNamespace
 
 import pytest
 import streamlit as st
+from streamlit.runtime.app_session import AppSession
 from streamlit.runtime.memory_session_storage import MemorySessionStorage
 from streamlit.runtime.session_manager import SessionInfo
 
-from pages.shared.left_sessions import let_go
+from pages.shared.left_sessions import _HELD, let_go
 
 
 class Left:
@@ -18,7 +20,8 @@ class Left:
     id = "left"
 
     def __init__(self) -> None:
-        self.session_state, self.ended = {"log": "large"}, False
+        self._session_state, self._fragment_storage, self._browser_queue = {"log": "large"}, ["page"], ["message"]
+        self.ended = False
 
     def shutdown(self) -> None:
         self.ended = True
@@ -34,10 +37,16 @@ def test_a_session_goes_when_its_time_for_coming_back_is_over(
     monkeypatch.setattr(st.runtime, "get_instance", lambda: SimpleNamespace(_session_mgr=manager))
     assert let_go() is goes
     # whoever still refers to it, as Streamlit's loop does, holds nothing of the visitor's any more
-    assert (session.ended, session.session_state) == ((True, {}) if goes else (False, {"log": "large"}))
+    assert session.ended is goes
+    assert set(vars(session)) == {"ended"} | (set() if goes else set(_HELD))
     assert let_go() is False
 
 
 def test_another_way_of_keeping_sessions_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(st.runtime, "get_instance", SimpleNamespace)
     assert let_go() is False
+
+
+def test_what_is_taken_out_of_a_session_is_what_streamlit_keeps_in_one() -> None:
+    source = inspect.getsource(AppSession.__init__)
+    assert [name for name in _HELD if f"self.{name}" not in source] == []

@@ -15,6 +15,7 @@ from atleak.equations.uncertainty import normal_cdf
 from atleak.job.record import Job
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.annex import Annex
+from atleak.report.pdf.body import Body
 from atleak.report.pdf.budget import Budget
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.uncertainty.budget import MOST_BUDGETS
@@ -167,3 +168,13 @@ def test_the_sheet_s_own_date_is_that_of_the_measurement_unless_the_record_has_o
         assert ["Measured on", said] in facts["rows"]
     (facts,) = of_kind(Annex(names_of(worn, Job())).readings(), "facts")
     assert ["Measured by", "not stated"] in facts["rows"]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_what_was_decided_names_its_valve_in_the_reader_s_language(worn: Diagnosis, language: str) -> None:
+    decisions = [{"component": "25", "land": 1, "work": "ream"}, {"component": "unknown", "work": "clean"}]
+    names = names_of(worn, Job(repair_decisions=decisions), language)
+    (section,) = Body(names, None, {}).sections(["repair"], {})
+    (table,) = of_kind(section["blocks"], "table")
+    valve = names.say.name(worn.controller.components["25"])
+    assert [row[0] for row in table["rows"]] == [f"25 {valve}, {names.say('printed.land')}\u00a01", "unknown"]

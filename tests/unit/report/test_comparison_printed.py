@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -62,6 +63,7 @@ def test_one_page_says_what_was_wrong_done_and_brought(printed, repaired: Compar
     text = text_of(content)
     for name in ("title", "wrong", "done", "result", "pairs", "totals"):
         assert say(f"comparison.{name}") in text
+    assert text.count(say("customer.seal")) == 1, "the sentence of the report's own first page"
     first, second = (each.verdict for each in (repaired.before, repaired.after))
     assert say.level(first).capitalize() in text
     assert say.level(second).capitalize() in text
@@ -74,7 +76,7 @@ def test_one_page_says_what_was_wrong_done_and_brought(printed, repaired: Compar
         for side in (land.before, land.after):
             assert say.number(side.state.radial_clearance * 1e6, 1) in text
     assert say("comparison.uncertain") in text  # of component 4, which nobody touched
-    for written in ("Łucja Example", "Example Workshop", "17", "18", "2026-03-09"):
+    for written in ("Łucja Example", "Example Workshop", "17", "18", say.date(dt.date(2026, 3, 9))):
         assert written in text
     assert b"<pdfaid:part>2<" in content
     assert b"<pdfuaid:part>1<" in content

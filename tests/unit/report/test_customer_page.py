@@ -18,7 +18,10 @@ from atleak.job.record import Job
 from atleak.readings import Reading, Readings
 from atleak.repair import plan_repairs
 from atleak.report.pdf import write_pdf
+from atleak.report.pdf.customer import CustomerPage
+from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import Verdict
+from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.worn_valves import WORTH_SAYING, End, part_of_leakage, worn_valves
 from atleak.wording import languages, wording
 
@@ -231,3 +234,26 @@ def test_oil_leaks_into_a_section_the_sump_or_a_fixed_pressure_and_each_is_told_
     found = replace(aside, controller=replace(aside.controller, gaps=tuple(ends.values())))
     valve = next(each for each in worn_valves(found, choice) if each.component == "6")
     assert [low for _, low in valve.paths] == [*ends]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_more_oil_than_the_pump_delivers_is_not_said_to_be_lost(unmeasured, language):
+    slow = replace(unmeasured.projection.condition, name="stated", engine_speed=2.0)
+    found = diagnose(unmeasured.controller, unmeasured.fluid, unmeasured.limits, condition=slow)
+    share, say = found.new_at(found.worst).share, wording(language)
+    assert 1.0 < share < float("inf")
+    names = PrintedNames(found, diagnosis_record(found), Job(), say)
+    (_, texts) = CustomerPage(names, signed=False).data()["found"].values()
+    values = {"condition": names.condition(found.worst.condition), "new": say.percent(share)}
+    assert say("customer.lost_new_over", **values) in texts[0]
+    assert say("customer.lost_new", **values) not in texts[0]
+
+
+def test_who_approves_signs_between_technician_and_customer_where_somebody_is_named(worn):
+    for approver, roles in (("", ["technician", "customer"]), ("K. Lis", ["technician", "approver", "customer"])):
+        names = PrintedNames(
+            worn, diagnosis_record(worn), Job(approved_by=approver, technician="B. Nowak"), wording("en")
+        )
+        people = CustomerPage(names, signed=True).data()["signatures"]["people"]
+        assert [role for role, _ in people] == [wording("en")(f"texts.sign_{role}") for role in roles]
+        assert people[0][1] == "B. Nowak"

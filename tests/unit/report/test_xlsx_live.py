@@ -26,6 +26,8 @@ from atleak.wording import signed, wording
 UM = 1e-6
 Book = openpyxl.Workbook
 
+NEW_LEAKAGE = "leakage of the same unit new, its pairs as wide as they may have been"
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -269,8 +271,8 @@ def test_the_summary_shows_each_total_beside_the_same_unit_new_and_how_sure_it_i
             "leakage drawn from the pump, spools concentric [dm³/min]": at.leakage * 6e4,
             "leakage, low as issued [dm³/min]": low * 6e4,
             "leakage, high as issued [dm³/min]": high * 6e4,
-            "leakage of the same unit new, spools concentric [dm³/min]": new.leakage * 6e4,
-            "growth over new [%]": rule.growth * 100,
+            f"{NEW_LEAKAGE}, spools concentric [dm³/min]": new.leakage * 6e4,
+            "growth over that new unit [%]": rule.growth * 100,
             "share of pump capacity [%]": at.share * 100,
             "share with every spool concentric [%]": at.share * 100,
             "share with every spool touching its bore [%]": at.share_of(at.touching_leakage) * 100,

@@ -185,16 +185,19 @@ def is_comment(row: Row) -> bool:
 
 
 def _longest_block(rows: Sequence[Row], flags: list[bool], width: int, decimal: Decimal) -> int | None:
-    """Return the first row of the block with most data rows; comments and its own header repeated do not end it."""
-    best, best_count = None, 0
-    start, count, header, pending = None, 0, None, None
+    """Return the first row of the block with most data rows; comments and its own header repeated do not end it.
+
+    Rows as wide as the table count before all others: lines of the head may hold numbers, too.
+    """
+    best, best_count = None, (0, 0)
+    start, count, header, pending = None, (0, 0), None, None
     for index, row in enumerate(rows):
         if flags[index]:
             if pending is not None and pending != header:  # another table begins
-                start, count, header = None, 0, pending
+                start, count, header = None, (0, 0), pending
             if start is None:
                 start = index
-            count += 1
+            count = count[0] + (abs(len(row) - width) <= 1), count[1] + 1
             pending = None
             if count > best_count:
                 best, best_count = start, count

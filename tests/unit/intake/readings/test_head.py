@@ -207,3 +207,13 @@ def test_a_crossed_out_temperature_is_not_read(controller):
     saved = io.BytesIO()
     book.save(saved)
     assert read_readings(saved.getvalue(), controller, name="form.xlsx").temperature is None
+
+
+def test_a_date_that_is_not_taken_is_told(controller):
+    for head, said in (
+        ("Date;03/04/2026", "it can be read in two ways"),
+        ("Date;2026-03-14\nDate;2026-03-15", "more than"),
+    ):
+        read = under(head, controller)
+        assert read.date is None
+        assert said in next(message.text for message in read.messages if message.code == "head_unclear")

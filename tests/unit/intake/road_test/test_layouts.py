@@ -265,6 +265,9 @@ def test_a_head_longer_than_its_table_does_not_hide_it() -> None:
     head = "".join(f"Setting {k}: value {k}, checked by nobody\n" for k in range(23))
     found = understood(head + "Time (s);RPM;ATF Temp (C)\n" + "".join(f"{i};{900 + i};80\n" for i in range(4)))
     assert (found.rows, found.road_test.duration) == (4, 3.0)
+    numbers = "".join(f"Setting {k},{k},{2 * k}\n" for k in range(23))
+    wide = "Time (s),RPM,ATF Temp (C),Gear,Speed (km/h)\n" + "".join(f"{i},{900 + i},80,2,30\n" for i in range(4))
+    assert understood(numbers + "\n" + wide).rows == 4
 
 
 # --- several columns of one name -----------------------------------------------------------------------------------
