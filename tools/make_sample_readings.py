@@ -2,8 +2,8 @@
 
     python tools/make_sample_readings.py
 
-The sheets in ``sample_data`` are kept as they were first made; this writes the same readings in the sheet's form of today,
-so that other bytes replace them. What is published and what is not stands in ``sample_data/README.md``.
+The sheets in ``sample_data`` are kept as they were first made; this writes the same readings in today's form, so that
+other bytes replace them. What is published and what is not stands in ``sample_data/README.md``.
 """
 
 from __future__ import annotations
