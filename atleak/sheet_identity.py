@@ -14,10 +14,10 @@ class SheetIdentity:
     vin: str = ""
     serial: str = ""  # of the transmission
     technician: str = ""  # who measured
-    instrument: str = ""
+    instruments: tuple[str, ...] = ()  # where the head names two, that for spools and then that for bores
     mileage: float | None = None  # [km]
 
     @property
     def empty(self) -> bool:
         """Tell whether the head says nothing of this."""
-        return not any(value not in ("", None) for value in astuple(self))
+        return not any(value not in ("", (), None) for value in astuple(self))

@@ -32,7 +32,7 @@ typing, clearances = st.tabs(
 if typing.open:
     with typing:
         measuring_form.draw(case, diagnosis)
-        fields = {} if case.sample else fields_of(state.job())
+        fields = {} if case.sample else fields_of(state.job(), say.units)
         language = reader.pick_language(st.container(), "template-language")
         st.download_button(
             say("readings.template"),

@@ -2,7 +2,8 @@
 
     python tools/make_sample_readings.py
 
-The same controller files give the same bytes. What is published and what is not stands in ``sample_data/README.md``.
+The sheets in ``sample_data`` are kept as they were first made; this writes the same readings in today's form, so that
+other bytes replace them. What is published and what is not stands in ``sample_data/README.md``.
 """
 
 from __future__ import annotations
@@ -58,8 +59,12 @@ def main() -> None:
     _write("measuring_sheet_four_speed.xlsx", controller, readings, {"Mileage": "106 315 km"})
     controller = load_controller("five_speed_2005")
     readings = [reading for land in controller.lands for reading in _five_speed_land(land, chance)]
-    instruments = {"Mileage": "212 000 km", "Instrument": "micrometer, bore gauge"}
-    _write("measuring_sheet_five_speed.xlsx", controller, readings, instruments)
+    known = {
+        "Mileage": "212 000 km",
+        "Instrument for spools": "micrometer",
+        "Instrument for bores": "bore gauge",
+    }
+    _write("measuring_sheet_five_speed.xlsx", controller, readings, known)
 
 
 def _write(name: str, controller: Controller, readings: list[Reading], fields: dict[str, str]) -> None:

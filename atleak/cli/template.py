@@ -85,4 +85,6 @@ def _fields(options: argparse.Namespace) -> dict[str, str]:
         head.SERIAL: options.serial,
         head.MEASURED_BY: options.measured_by,
     }
-    return head.fields_of(job) | {label: clean_text(text).strip() for label, text in told.items() if text is not None}
+    return head.fields_of(job, options.units) | {
+        label: clean_text(text).strip() for label, text in told.items() if text is not None
+    }

@@ -44,8 +44,8 @@ def with_sheet(job: Job | None, readings: Readings | None) -> Job | None:
         "vehicle": record.vehicle.model_copy(update=vehicle),
         "transmission": record.transmission.model_copy(update={"serial": record.transmission.serial or head.serial}),
     }
-    if head.instrument and not record.instruments:
-        changes["instruments"] = (InstrumentUsed(name=head.instrument),)
+    if head.instruments and not record.instruments:
+        changes["instruments"] = tuple(InstrumentUsed(name=name) for name in head.instruments)
     return record.model_copy(update=changes).with_pictures(record.pictures)
 
 

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from xlsxwriter.format import Format
@@ -13,15 +13,16 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.own_lands import OwnLands
-from atleak.report.row_heights import PENCIL, row_height
+from atleak.report.paging import Paging, row_height, width_for
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.wording import Wording
 from atleak.workshop_units import MM
 
 LANDS = Sentence("Lands")
-REPRESENTATIVE, AS_STATED = Sentence("representative"), Sentence("as stated")
+_LENGTH_REPRESENTATIVE = Sentence("stated length representative")
 HEADER = 5  # row of the headings, from 0
+_BOLD_BESIDE = 2  # characters beside the longest word of a heading
 _LIST = 255  # characters that a spreadsheet program takes as the choices of a cell
 _HOW_TO = (
     Sentence(
@@ -43,21 +44,22 @@ class _Column:
     width: int
     form: str  # name of the format
     of_length: bool = False  # the unit stands behind the heading
+    unbroken: bool = False  # it is as wide as its longest word
 
 
 _NUMBER, _NAME, _LAND = (
-    _Column(Sentence("No."), 8, "text"),
-    _Column(Sentence("Component"), 26, "text"),
-    _Column(Sentence("Land"), 8, "number"),
+    _Column(Sentence("No."), 5, "text", unbroken=True),
+    _Column(Sentence("Component"), 20, "text"),
+    _Column(Sentence("Land"), 5, "number"),
 )
-_CONTACT = _Column(Sentence("Contact\nlength"), 14, "input", of_length=True)
-_STATED = _Column(Sentence("Stated contact\nlength"), 14, "nominal", of_length=True)
-_ORIGIN = _Column(Sentence("Note on\nstated length"), 16, "origin")
-_POSITION = _Column(Sentence("Position from\nleft end"), 14, "input", of_length=True)
-_STATED_POSITION = _Column(Sentence("Stated length from\nleft end"), 16, "nominal", of_length=True)
-_NOTE = _Column(Sentence("Note"), 40, "origin")
-_FITTED = _Column(Sentence("Fitted repair"), 24, "choice")
-_OPTIONS = _Column(Sentence("Note on repairs"), 60, "origin")
+_CONTACT = _Column(Sentence("Contact\nlength"), 9, "input", of_length=True)
+_STATED = _Column(Sentence("Stated contact\nlength"), 9, "nominal", of_length=True)
+_POSITION = _Column(Sentence("Position from\nleft end"), 9, "input", of_length=True)
+_STATED_POSITION = _Column(Sentence("Stated length from\nleft end"), 9, "nominal", of_length=True)
+_NOTE = _Column(Sentence("Note"), 15, "origin")
+_FITTED = _Column(Sentence("Fitted repair"), 14, "choice", unbroken=True)
+_OPTIONS = _Column(Sentence("Note on repairs"), 30, "origin", unbroken=True)
+_Cells = Mapping[_Column, str | float | None]
 
 
 def write_lands(
@@ -78,49 +80,58 @@ def write_lands(
     say
         the reader's words and units.
     """
-    columns = [_NUMBER, _NAME, _LAND, _CONTACT, _STATED, _ORIGIN, _POSITION, _STATED_POSITION, _NOTE]
+    rows = list(_rows(controller, own, say))
+    columns = [_NUMBER, _NAME, _LAND, _CONTACT, _STATED, _POSITION, _STATED_POSITION, _NOTE]
     columns += [_FITTED, _OPTIONS] if controller.repairs else []
-    sheet.write_string(
-        0, 0, say.sentence(Sentence("Lands of this unit: {name}", name=Name(controller.name))), formats["title"]
-    )
-    how_to = (*_HOW_TO, _HOW_TO_REPAIR) if controller.repairs else _HOW_TO
-    for row, text in enumerate(how_to, start=1):
-        sheet.write_string(row, 0, say.sentence(text))
     headings = [
         say.sentence(column.heading) + (f" [{say.unit('length')}]" if column.of_length else "") for column in columns
     ]
-    widths = [
-        max(column.width, 2 + max(map(len, said.split()))) for column, said in zip(columns, headings, strict=True)
-    ]
-    for number, (said, width) in enumerate(zip(headings, widths, strict=True)):
+    widths = []
+    for column, said in zip(columns, headings, strict=True):
+        texts = [str(cells.get(column) or "") for _, cells in rows] if column.unbroken else []
+        widths.append(width_for(texts, width_for([said], column.width, beside=_BOLD_BESIDE)))
+    paging = Paging(tuple(widths))
+    paging.set_up(sheet)
+    title = Sentence("Lands of this unit: {name}", name=Name(controller.name))
+    how_to = (*_HOW_TO, _HOW_TO_REPAIR) if controller.repairs else _HOW_TO
+    paging.write_top(sheet, [say.sentence(each) for each in (title, *how_to)], formats)
+    for number, said in enumerate(headings):
         sheet.write_string(HEADER, number, said, formats["heading"])
-        sheet.set_column(number, number, width)
     sheet.set_row(HEADER, row_height(zip(headings, widths, strict=True), bold=True))
-    last = HEADER
-    for last, (land, values) in enumerate(_rows(controller, own, say), start=HEADER + 1):
-        texts = [str(values.get(column) or "") for column in columns]
-        sheet.set_row(last, max(PENCIL, row_height(zip(texts, widths, strict=True))))
-        for number, column in enumerate(columns):
-            value = values.get(column)
-            form = formats[column.form]
-            if value is None or value == "":
-                sheet.write_blank(last, number, None, form)
-            elif isinstance(value, str) and not (value.isdecimal() and str(int(value)) == value):
-                sheet.write_string(last, number, value, form)
-            else:
-                sheet.write_number(last, number, float(value), form)
-        ids = [repair.id for repair in controller.repairs_of(land.component) if repair.changes(land.key)]
-        if ids and len(",".join(ids)) <= _LIST:
-            sheet.data_validation(last, columns.index(_FITTED), last, columns.index(_FITTED), _one_of(ids, say))
-    for column in (_CONTACT, _POSITION):
-        number = columns.index(column)
-        sheet.data_validation(HEADER + 1, number, last, number, _lengths(say))
-    sheet.freeze_panes(HEADER + 1, 3)
-    sheet.set_landscape()
-    sheet.set_paper(9)  # A4
-    sheet.fit_to_pages(1, 0)
+    for row, (_, cells) in enumerate(rows, start=HEADER + 1):
+        texts = [str(cells.get(column) or "") for column in columns]
+        sheet.set_row(row, max(paging.row_height, row_height(zip(texts, widths, strict=True))))
+        _write_row(sheet, row, [(cells.get(column), formats[column.form]) for column in columns])
+    _check_entries(sheet, controller, columns, [land for land, _ in rows], say)
+    last = HEADER + len(rows)
+    sheet.freeze_panes(HEADER + 1, columns.index(_CONTACT))
+    sheet.print_area(0, 0, last, len(columns) - 1)
     sheet.repeat_rows(HEADER)
     sheet.ignore_errors({"number_stored_as_text": f"A{HEADER + 2}:A{last + 1}"})
+
+
+def _write_row(sheet: Worksheet, row: int, cells: Iterable[tuple[str | float | None, Format]]) -> None:
+    for column, (value, form) in enumerate(cells):
+        if value is None or value == "":
+            sheet.write_blank(row, column, None, form)
+        elif isinstance(value, str) and not (value.isdecimal() and str(int(value)) == value):
+            sheet.write_string(row, column, value, form)
+        else:
+            sheet.write_number(row, column, float(value), form)
+
+
+def _check_entries(
+    sheet: Worksheet, controller: Controller, columns: Sequence[_Column], lands: Sequence[Land], say: Wording
+) -> None:
+    """Let only lengths be typed as such, and repairs be chosen from those of the land."""
+    for column in (_CONTACT, _POSITION):
+        number = columns.index(column)
+        sheet.data_validation(HEADER + 1, number, HEADER + len(lands), number, _lengths(say))
+    for row, land in enumerate(lands, start=HEADER + 1):
+        ids = [repair.id for repair in controller.repairs_of(land.component) if repair.changes(land.key)]
+        if ids and len(",".join(ids)) <= _LIST:
+            number = columns.index(_FITTED)
+            sheet.data_validation(row, number, row, number, _one_of(ids, say))
 
 
 def _lengths(say: Wording) -> dict[str, object]:
@@ -147,9 +158,7 @@ def _one_of(ids: list[str], say: Wording) -> dict[str, object]:
     }
 
 
-def _rows(
-    controller: Controller, own: OwnLands, say: Wording
-) -> Iterator[tuple[Land, dict[_Column, str | float | None]]]:
+def _rows(controller: Controller, own: OwnLands, say: Wording) -> Iterator[tuple[Land, _Cells]]:
     """Yield every land with what stands in its row."""
 
     def shown(metres: float | None) -> float | None:
@@ -160,6 +169,7 @@ def _rows(
         length = lengths.get(land.key)
         contact, position = (length.contact_length, length.position) if length is not None else (None, None)
         repairs = [repair for repair in controller.repairs_of(land.component) if repair.changes(land.key)]
+        origin = [_LENGTH_REPRESENTATIVE] if "contact_length_mm" in land.representative else []
         fitted = {each.repair for each in own.fitted if each.component == land.component}
         yield (
             land,
@@ -169,10 +179,9 @@ def _rows(
                 _LAND: land.land,
                 _CONTACT: shown(contact),
                 _STATED: shown(land.contact_length),
-                _ORIGIN: say.sentence(REPRESENTATIVE if "contact_length_mm" in land.representative else AS_STATED),
                 _POSITION: shown(position),
                 _STATED_POSITION: shown(land.position),
-                _NOTE: "; ".join(say.sentence(part) for part in land.built),
+                _NOTE: "; ".join(map(say.sentence, (*land.built, *origin))),
                 _FITTED: next((repair.id for repair in repairs if repair.id in fitted), None),
                 _OPTIONS: "; ".join(f"{repair.id}: {say.name(repair.label)}" for repair in repairs),
             },

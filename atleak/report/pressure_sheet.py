@@ -21,7 +21,7 @@ from atleak.pressure_table import (
     ranges_of,
     taps_of,
 )
-from atleak.report.row_heights import PENCIL, row_height
+from atleak.report.paging import Paging, row_height, width_for
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.views.gauge_rows import permissible_text, tap_text
@@ -37,7 +37,10 @@ _ENGINES = {
 HEADER = 5  # row of the headings, from 0
 _TEMPERATURE = (3, 2)  # row and column of the field
 _HIGHEST = 6000  # [kPa] that the cells take
-_WIDTHS = (8, 30, 16, 16, 16, 22, 22, 22)
+_RANGE, _TAP, _READ = range(3)  # columns, from 0; the last with one for every state of the engine
+_PERMISSIBLE = _READ + len(Engine)  # and again as many
+_WIDTHS = (8, 30, 14, 14, 14, 20, 20, 20)
+_BOLD_BESIDE = 2  # characters beside the longest word of a heading
 _HOW_TO = (
     Sentence(
         "What gauges show while the vehicle stands, the fluid warm. Yellow cells are to be filled in; leave empty what "
@@ -65,70 +68,63 @@ def write_pressures(
     say
         the reader's words and units.
     """
-    unit = say.unit("pressure")
-    sheet.write_string(
-        0,
-        0,
-        say.sentence(Sentence("Pressures of a standing vehicle: {name}", name=Name(controller.name))),
-        formats["title"],
-    )
-    for row, told in enumerate(_HOW_TO, start=1):
-        sheet.write_string(row, 0, say.sentence(told))
-    sheet.write_string(
-        _TEMPERATURE[0], 0, f"{say.sentence(Sentence('ATF temperature'))} [{say.unit('temperature')}]", formats["label"]
-    )
+    headings = _headings(say)
+    widths = [width_for([said], width, beside=_BOLD_BESIDE) for said, width in zip(headings, _WIDTHS, strict=True)]
+    paging = Paging(tuple(widths))
+    paging.set_up(sheet)
+    title = Sentence("Pressures of a standing vehicle: {name}", name=Name(controller.name))
+    paging.write_top(sheet, [say.sentence(each) for each in (title, *_HOW_TO)], formats)
+    label = f"{say.sentence(Sentence('ATF temperature'))} [{say.unit('temperature')}]"
+    sheet.set_row(_TEMPERATURE[0], paging.row_height)
+    sheet.write_string(_TEMPERATURE[0], 0, label, formats["field label"])
     sheet.write_blank(*_TEMPERATURE, None, formats["field"])
+    for column, said in enumerate(headings):
+        sheet.write_string(HEADER, column, said, formats["heading"])
+    sheet.set_row(HEADER, row_height(zip(headings, widths, strict=True), bold=True))
+    last = HEADER
+    for last, (selected, tap) in enumerate(_rows(controller), start=HEADER + 1):
+        permissible = [
+            permissible_text(permitted(controller, Cell(selected, engine, tap)), say) or "" for engine in Engine
+        ]
+        texts = {_TAP: tap_text(controller, tap, say), **dict(enumerate(permissible, start=_PERMISSIBLE))}
+        sheet.set_row(last, max(paging.row_height, row_height((text, widths[at]) for at, text in texts.items())))
+        sheet.write_string(last, _RANGE, selected, formats["text"])
+        for column, text in texts.items():
+            sheet.write_string(last, column, text, formats["text" if column == _TAP else "origin"])
+        for column, engine in enumerate(Engine, start=_READ):
+            given = table.at(Cell(selected, engine, tap)) if table is not None else ()
+            if given:
+                shown = round(float(say.convert(given[0].pressure * KPA, "pressure")), 9)
+                sheet.write_number(last, column, shown, formats["pressure"])
+            else:
+                sheet.write_blank(last, column, None, formats["pressure"])
+    sheet.freeze_panes(HEADER + 1, _READ)
+    sheet.data_validation(HEADER + 1, _READ, last, _PERMISSIBLE - 1, _pressures(say))
+    sheet.print_area(0, 0, last, len(widths) - 1)
+    sheet.repeat_rows(HEADER)
+    sheet.ignore_errors({"number_stored_as_text": f"A{HEADER + 2}:A{last + 1}"})
+
+
+def _headings(say: Wording) -> list[str]:
+    unit = say.unit("pressure")
     headings = [Sentence("Range"), Sentence("Tap")]
     headings += [Sentence("{engine} [{unit}]", engine=_ENGINES[engine], unit=unit) for engine in Engine]
     headings += [Sentence("Permissible at {engine} [{unit}]", engine=_ENGINES[engine], unit=unit) for engine in Engine]
-    said = [say.sentence(heading) for heading in headings]
-    widths = [max(width, 2 + max(map(len, heading.split()))) for heading, width in zip(said, _WIDTHS, strict=True)]
-    for column, (heading, width) in enumerate(zip(said, widths, strict=True)):
-        sheet.write_string(HEADER, column, heading, formats["heading"])
-        sheet.set_column(column, column, width)
-    sheet.set_row(HEADER, row_height(zip(said, widths, strict=True), bold=True))
-    last = HEADER
-    for last, (selected, tap) in enumerate(_rows(controller), start=HEADER + 1):
-        texts = [tap_text(controller, tap, say)]
-        sheet.write_string(last, 0, selected, formats["text"])
-        sheet.write_string(last, 1, texts[0], formats["text"])
-        for column, engine in enumerate(Engine, start=2):
-            cell = Cell(selected, engine, tap)
-            given = table.at(cell) if table is not None else ()
-            if given:
-                sheet.write_number(
-                    last, column, round(float(say.convert(given[0].pressure * KPA, "pressure")), 9), formats["pressure"]
-                )
-            else:
-                sheet.write_blank(last, column, None, formats["pressure"])
-            texts.append(permissible_text(permitted(controller, cell), say) or "")
-            sheet.write_string(last, column + len(Engine), texts[-1], formats["origin"])
-        sheet.set_row(last, max(PENCIL, row_height(zip(texts, (widths[1], *widths[-len(Engine) :]), strict=True))))
-    sheet.freeze_panes(HEADER + 1, 2)
-    sheet.data_validation(
-        HEADER + 1,
-        2,
-        last,
-        1 + len(Engine),
-        {
-            "validate": "decimal",
-            "criteria": "between",
-            "minimum": 0,
-            "maximum": float(say.convert(_HIGHEST, "pressure")),
-            "error_title": say.sentence(Sentence("Not a pressure")),
-            "error_message": say.sentence(
-                Sentence(
-                    "A number such as {example}. Leave empty what was not measured.",
-                    example=Quantity(412.5, "pressure", 1),
-                )
-            ),
-        },
+    return list(map(say.sentence, headings))
+
+
+def _pressures(say: Wording) -> dict[str, object]:
+    message = Sentence(
+        "A number such as {example}. Leave empty what was not measured.", example=Quantity(412.5, "pressure", 1)
     )
-    sheet.set_landscape()
-    sheet.set_paper(9)  # A4
-    sheet.fit_to_pages(1, 0)
-    sheet.repeat_rows(HEADER)
-    sheet.ignore_errors({"number_stored_as_text": f"A{HEADER + 2}:A{last + 1}"})
+    return {
+        "validate": "decimal",
+        "criteria": "between",
+        "minimum": 0,
+        "maximum": float(say.convert(_HIGHEST, "pressure")),
+        "error_title": say.sentence(Sentence("Not a pressure")),
+        "error_message": say.sentence(message),
+    }
 
 
 def _rows(controller: Controller) -> Iterator[tuple[SelectorRange, str]]:

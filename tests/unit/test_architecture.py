@@ -76,7 +76,7 @@ FLOORS = (
     ("diagnosis",),
     ("repair", "next_checks", "comparison", "history", "what_if"),
     ("views", "intake"),
-    ("channel_formulas", "report.drawn_png", "report.own_font", "report.row_heights"),
+    ("channel_formulas", "report.drawn_png", "report.own_font", "report.paging"),
     (
         "figures",
         "measuring",

@@ -19,6 +19,7 @@ from atleak.written_numbers import MILEAGE, read_number
 _LONGEST = 200  # signs of a text; what is longer is no entry of a field
 _BESIDE = vocabulary("beside_identity")
 _OF_VEHICLE = vocabulary("beside_identity", "head_vehicle")
+_INSTRUMENT = vocabulary("head_instrument")
 _DISTANCE = re.compile(r"(?P<number>.*?)\s*(?P<unit>km|kms|mi|mile|miles)\.?", re.IGNORECASE | re.DOTALL)
 _OF_MILES = frozenset(("mi", "mile", "miles"))  # in a label
 _MILES = replace(MILEAGE, unit="mi")
@@ -28,7 +29,7 @@ _MILES = replace(MILEAGE, unit="mi")
 class _Field:
     """A field of the head: by which words its label is known, and what it is called in a message."""
 
-    words: Vocabulary
+    words: tuple[Vocabulary, ...]  # a label has one of each of these
     beside: Vocabulary
     what: Sentence
 
@@ -36,15 +37,18 @@ class _Field:
 # in the order in which a label is tried: "vehicle identification number" is no vehicle
 _FIELDS: Mapping[str, _Field] = MappingProxyType(
     {
-        "vin": _Field(vocabulary("head_vin"), _OF_VEHICLE, Sentence("VIN")),
-        "mileage": _Field(vocabulary("head_mileage"), _OF_VEHICLE, Sentence("mileage")),
-        "vehicle": _Field(vocabulary("head_vehicle"), _BESIDE, Sentence("vehicle")),
-        "serial": _Field(vocabulary("head_serial"), _BESIDE, Sentence("serial number")),
-        "job": _Field(vocabulary("head_job"), _BESIDE, Sentence("job")),
-        "technician": _Field(vocabulary("head_technician"), _BESIDE, Sentence("name of who measured")),
-        "instrument": _Field(vocabulary("head_instrument"), _BESIDE, Sentence("instrument")),
+        "vin": _Field((vocabulary("head_vin"),), _OF_VEHICLE, Sentence("VIN")),
+        "mileage": _Field((vocabulary("head_mileage"),), _OF_VEHICLE, Sentence("mileage")),
+        "vehicle": _Field((vocabulary("head_vehicle"),), _BESIDE, Sentence("vehicle")),
+        "serial": _Field((vocabulary("head_serial"),), _BESIDE, Sentence("serial number")),
+        "job": _Field((vocabulary("head_job"),), _BESIDE, Sentence("job")),
+        "technician": _Field((vocabulary("head_technician"),), _BESIDE, Sentence("name of who measured")),
+        "for spools": _Field((_INSTRUMENT, vocabulary("head_of_spools")), _BESIDE, Sentence("instrument for spools")),
+        "for bores": _Field((_INSTRUMENT, vocabulary("head_of_bores")), _BESIDE, Sentence("instrument for bores")),
+        "for all": _Field((_INSTRUMENT,), _BESIDE, Sentence("instrument")),
     }
 )
+_INSTRUMENTS = ("for spools", "for bores", "for all")
 
 
 @dataclass(frozen=True)
@@ -70,7 +74,7 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> Identity:
         found = [
             each
             for sheet, rows in heads
-            for each in stated_values(sheet, rows, (field.words,), field.beside, None)
+            for each in stated_values(sheet, rows, field.words, field.beside, None)
             if (each.sheet.name, each.row, each.column) not in taken and len(text_of(each.value)) <= _LONGEST
         ]
         every += found
@@ -81,7 +85,9 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> Identity:
             value = _mileage(each, messages) if name == "mileage" else text_of(each.value)
             if value not in ("", None):
                 values[name] = value
-    return Identity(SheetIdentity(**values), tuple(every), tuple(messages))  # type: ignore[arg-type]
+    instruments = [str(values.pop(name)) for name in _INSTRUMENTS if name in values]
+    identity = SheetIdentity(**values, instruments=tuple(dict.fromkeys(instruments)))  # type: ignore[arg-type]
+    return Identity(identity, tuple(every), tuple(messages))
 
 
 def several(stated: Sequence[tuple[str, Stated]], what: Sentence) -> Message:

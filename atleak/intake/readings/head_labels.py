@@ -19,6 +19,8 @@ _OF_FIELDS = vocabulary(
     *(f"head_{field}" for field in ("job", "vehicle", "vin", "serial", "mileage", "technician", "instrument")),
     *("beside_identity", "date", "temperature", "beside_head", "pump", "pump_side", "pump_tip", "beside_pump"),
 )
+_INSTRUMENT = vocabulary("head_instrument")
+_OF_INSTRUMENT = vocabulary("head_of_spools", "head_of_bores", "beside_identity")
 _LABEL = re.compile(r"(?P<label>[^:=\d]*?[^:=\d\s+\-−])\s*(?:[:=]\s*(?P<told>.*)|(?P<number>[+\-−]?\d.*))?", re.DOTALL)
 _BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
 _REACH = 2  # cells to the right of a label in which its value may stand
@@ -117,4 +119,8 @@ def _heads_a_field(cell: Cell) -> bool:
         return False
     bare = _BRACKETS.sub("", cell.split(":")[0].split("=")[0])
     is_number = not letters(bare) or bool(re.search(r"\d", bare))
-    return cell.rstrip().endswith(":") or (not is_number and means(bare, (), _OF_FIELDS))
+    return cell.rstrip().endswith(":") or (not is_number and _is_field(bare))
+
+
+def _is_field(label: str) -> bool:
+    return means(label, (), _OF_FIELDS) or means(label, (_INSTRUMENT,), _OF_INSTRUMENT)

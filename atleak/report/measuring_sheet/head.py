@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import segno
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.entries import shipped_files
+from atleak.catalogue.instruments import Part, load_instrument
+from atleak.measuring.plan import PARTS
+from atleak.report.measuring_sheet.columns import Column
 from atleak.report.measuring_sheet.words import PUMP_SIDE, PUMP_TIP
 from atleak.sentence import Sentence
+from atleak.unit_systems import ShownUnit, unit_system
+from atleak.wording import Wording
 
 if TYPE_CHECKING:
     from atleak.job.record import Job
@@ -18,40 +25,71 @@ if TYPE_CHECKING:
 JOB, VEHICLE, DATE = Sentence("Job"), Sentence("Vehicle"), Sentence("Date")
 MILEAGE, MEASURED_BY, VIN = Sentence("Mileage"), Sentence("Measured by"), Sentence("VIN")
 SERIAL, TEMPERATURE = Sentence("Serial number"), Sentence("Measuring temperature")
-INSTRUMENT = Sentence("Instrument")
-PLACES = {  # row, column of the label, first and last column of the field; from 0
-    JOB: (3, 0, 2, 3),
-    VEHICLE: (3, 4, 6, 7),
-    DATE: (3, 8, 9, 10),
-    PUMP_SIDE: (3, 11, 13, 13),
-    MILEAGE: (4, 0, 2, 3),
-    MEASURED_BY: (4, 4, 6, 7),
-    VIN: (4, 8, 9, 10),
-    PUMP_TIP: (4, 11, 13, 13),
-    SERIAL: (5, 0, 2, 3),
-    TEMPERATURE: (5, 4, 6, 7),
-    INSTRUMENT: (5, 8, 9, 10),
+INSTRUMENTS: Mapping[Part, Sentence] = {
+    "spool": Sentence("Instrument for spools"),
+    "sleeve": Sentence("Instrument for bores"),
 }
-KINDS = {MILEAGE: "distance", TEMPERATURE: "temperature"}  # of what stands without a unit: the label states it
+KINDS = {  # of what stands without a unit: the label states it
+    MILEAGE: "distance",
+    TEMPERATURE: "temperature",
+    PUMP_SIDE: "clearance",
+    PUMP_TIP: "clearance",
+}
+TITLE_HEIGHTS = (21.0, 42.0, 45.0)  # [pt] of the rows above: the valve body, what to do, what of it is representative
+_ROWS = (
+    (JOB, VEHICLE, DATE, PUMP_SIDE),
+    (MILEAGE, MEASURED_BY, VIN, PUMP_TIP),
+    (SERIAL, INSTRUMENTS["spool"], INSTRUMENTS["sleeve"], TEMPERATURE),
+)
+_BLOCKS = (  # of fields below each other: where their labels begin, where the fields begin and end
+    (Column.COMPONENT, Column.PART, Column.PLANE),
+    (Column.DIRECTION, Column.X1, Column.X2),
+    (Column.DIAMETER, Column.NOMINAL, Column.CLEARANCE),
+    (Column.ORIGIN, Column.TAKEN_AT, Column.TAKEN_AT),
+)
+PICTURES = _BLOCKS[-1][0]  # the head's pictures stand above the last block
+HEADER = len(TITLE_HEIGHTS) + len(_ROWS)  # row of the table's headings, from 0
+
+
+class Place(NamedTuple):
+    """Where a field stands: its row, the column of its label, its own first and last column; from 0."""
+
+    row: int
+    label: int
+    first: int
+    last: int
+
+
+PLACES: Mapping[Sentence, Place] = {
+    field: Place(row, *block)
+    for row, fields in enumerate(_ROWS, start=len(TITLE_HEIGHTS))
+    for field, block in zip(fields, _BLOCKS, strict=True)
+}
 FIELDS: tuple[Sentence, ...] = tuple(PLACES)
 _NAMED_BY = (JOB, SERIAL, VIN)  # the first that is known tells the job from others
+_SAME = 1e-7  # relative difference of values that are the same
 _LONGEST = 80  # characters of a number that a code of the head's size takes
 _MODULE = 4  # dots of the code's smallest square
 
 
-def fields_of(job: Job) -> dict[str, str]:
+def label_of(field: Sentence, say: Wording) -> str:
+    """Return the label of a field, with its unit."""
+    return say.sentence(field) + (f" [{_unit_of(KINDS[field], say.system).name}]" if field in KINDS else "")
+
+
+def fields_of(job: Job, units: str = "metric") -> dict[str, str]:
     """Return what a job's record says of the head's fields, by the names of `FIELDS`.
 
-    The date is that of measuring: where the record has none, whoever measures writes it down. Quantities have their
-    unit behind them, so that they mean the same on a sheet in any units.
+    The date is that of measuring: where the record has none, whoever measures writes it down. Quantities are in the
+    units of the sheet, one of `atleak.unit_systems.SYSTEMS`, and name them, so that they mean the same on any sheet.
     """
-    vehicle = job.vehicle
+    vehicle, system = job.vehicle, unit_system(units)
     car = " ".join(filter(None, (vehicle.make, vehicle.model, vehicle.year)))
     numbers = (
-        (MILEAGE, vehicle.mileage_km, "km"),
-        (TEMPERATURE, job.measuring_temperature_c, "°C"),
-        (PUMP_SIDE, job.pump_side_clearance_um, "µm"),
-        (PUMP_TIP, job.pump_tip_clearance_um, "µm"),
+        (MILEAGE, vehicle.mileage_km),
+        (TEMPERATURE, job.measuring_temperature_c),
+        (PUMP_SIDE, job.pump_side_clearance_um),
+        (PUMP_TIP, job.pump_tip_clearance_um),
     )
     fields: dict[str, str] = {
         JOB: job.number,
@@ -60,10 +98,46 @@ def fields_of(job: Job) -> dict[str, str]:
         MEASURED_BY: job.technician,
         VIN: vehicle.vin,
         SERIAL: job.transmission.serial,
-        INSTRUMENT: ", ".join(filter(None, (each.name for each in job.instruments))),
-        **{label: "" if value is None else f"{value:.10g} {unit}" for label, value, unit in numbers},
+        **{INSTRUMENTS[part]: name for part, name in _instruments_of(job).items()},
+        **{field: "" if value is None else _written(value, _unit_of(KINDS[field], system)) for field, value in numbers},
     }
     return {label: text for label, text in fields.items() if text}
+
+
+def instruments_for(part: Part) -> list[str]:
+    """Return the names of the instruments that come with atleak and measure a part."""
+    known = map(load_instrument, sorted(shipped_files("instruments")))
+    return [instrument.name for instrument in known if part in instrument.measures]
+
+
+def _instruments_of(job: Job) -> dict[Part, str]:
+    """Return which instrument of the record is for spools and which for bores.
+
+    One alone is for both, and of several the first is for spools, unless one that comes with atleak measures only one
+    of the two.
+    """
+    spools, bores = map(instruments_for, PARTS)
+    names = [each.name for each in job.instruments if each.name]
+    names.sort(key=lambda name: (name in bores) - (name in spools))
+    return {
+        "spool": next((name for name in names if name in spools or name not in bores), ""),
+        "sleeve": ", ".join(name for name in names[len(names) > 1 :] if name in bores or name not in spools),
+    }
+
+
+def _unit_of(kind: str, system: Mapping[str, ShownUnit]) -> ShownUnit:
+    return system[kind].spelled or system[kind]
+
+
+def _written(value: float, unit: ShownUnit) -> str:
+    """Return a value with its unit, in as few decimal places as give it back.
+
+    Three places are none of them: people and programs may take their point for one between thousands.
+    """
+    shown = unit.shown(value)
+    texts = (f"{shown:.{places}f}" for places in range(16) if places != 3)
+    least = next((text for text in texts if math.isclose(unit.carried(float(text)), value, rel_tol=_SAME)), repr(shown))
+    return f"{least} {unit.name}"
 
 
 def code_text(controller: Controller, fields: Mapping[str, str]) -> str:

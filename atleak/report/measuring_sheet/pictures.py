@@ -12,14 +12,13 @@ from atleak.catalogue.controller import Controller
 from atleak.look import SHEET_COLOURS
 from atleak.measuring.plan import DIRECTIONS
 from atleak.report.drawn_png import Drawing, pngs_of
-from atleak.report.measuring_sheet.head import qr_code
-from atleak.report.row_heights import height_of
+from atleak.report.measuring_sheet.columns import Column
+from atleak.report.measuring_sheet.head import PICTURES, qr_code
+from atleak.report.paging import height_of
 from atleak.sentence import Name, Sentence
 from atleak.views.drawing import directions_svg, upright_svg
 from atleak.wording import Wording
 
-COLUMN = 1  # of the components' names, below which their spools are drawn
-HEAD_COLUMN = 11  # from which on the head's pictures stand
 _LEAST, _MOST = 90.0, 190.0  # [pt] height of a drawing: less shows nothing, more only takes room
 _HEAD = 96.0  # [pt] width and height of a picture in the head
 _EDGE = 3.0  # [pt] between a picture and the lines round it
@@ -29,7 +28,7 @@ _DIRECTIONS = Sentence("directions of measuring, seen along the spool")
 
 
 @dataclass(frozen=True)
-class Block:
+class ComponentRows:
     """The rows of a component that stand on one page, merged in the column of its name."""
 
     component: str
@@ -38,8 +37,8 @@ class Block:
 
 
 def draw_spools(
-    sheet: Worksheet, controller: Controller, blocks: Iterable[Block], width: int, say: Wording
-) -> list[Block]:
+    sheet: Worksheet, controller: Controller, blocks: Iterable[ComponentRows], width: int, say: Wording
+) -> list[ComponentRows]:
     """Draw every component's spool below its name, where its rows leave room for it.
 
     Parameters
@@ -61,7 +60,7 @@ def draw_spools(
         of the blocks that have a drawing, so that their names stand on top.
     """
     room = (7 * width + 5) * _PIXEL - 2 * _EDGE
-    placed: list[tuple[Block, float, Drawing]] = []
+    placed: list[tuple[ComponentRows, float, Drawing]] = []
     for block in blocks:
         name = say.name(controller.components[block.component])
         above = _EDGE + height_of(name, width)
@@ -77,7 +76,7 @@ def draw_spools(
             component=block.component,
             name=Name(controller.components[block.component]),
         )
-        _insert(sheet, (block.row, COLUMN), (_EDGE, above), pictures[drawing], 1.0, say.sentence(title))
+        _insert(sheet, (block.row, Column.NAME), (_EDGE, above), pictures[drawing], 1.0, say.sentence(title))
     return [block for block, _, _ in placed]
 
 
@@ -85,12 +84,12 @@ def draw_head(sheet: Worksheet, code: str, say: Wording) -> None:
     """Draw the directions of measuring in the head, and beside them the job's code if it has one."""
     label = say.sentence(_DIRECTIONS)
     (png,) = pngs_of([Drawing(directions_svg(DIRECTIONS, say, label), _HEAD, _HEAD)])
-    _insert(sheet, (0, HEAD_COLUMN), (_EDGE, 0.0), png, 1.0, label)
+    _insert(sheet, (0, PICTURES), (_EDGE, 0.0), png, 1.0, label)
     if code:
         picture = qr_code(code)
         dots = int.from_bytes(picture[16:20])  # a PNG states its width there
         alt = say.sentence(Sentence("QR code: {text}", text=code))
-        _insert(sheet, (0, HEAD_COLUMN), (_HEAD + 2 * _EDGE, 0.0), picture, _HEAD / (dots * _PIXEL), alt)
+        _insert(sheet, (0, PICTURES), (_HEAD + 2 * _EDGE, 0.0), picture, _HEAD / (dots * _PIXEL), alt)
 
 
 def _insert(

@@ -8,7 +8,8 @@ from atleak.sentence import Sentence
 
 SHEET = Sentence("Measurements")
 UNWORN_END = Sentence("unworn end")  # what marks a reading there; the intake's vocabulary knows it in every language
-PUMP_SIDE, PUMP_TIP = Sentence("Pump side clearance [µm]"), Sentence("Pump tip clearance [µm]")  # the intake reads them
+PUMP_SIDE, PUMP_TIP = Sentence("Pump side clearance"), Sentence("Pump tip clearance")  # the intake reads them
+REPRESENTATIVE, AS_STATED = Sentence("representative"), Sentence("as stated")
 PART_NAMES: Mapping[str, Sentence] = {
     "spool": Sentence("spool"),
     "piston": Sentence("piston"),

@@ -8,7 +8,7 @@ from typing import Any
 from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.report.row_heights import LINE_OF_A_BOOK, row_height
+from atleak.report.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.xlsx.book import Book, formula
 
 _LABELS = 25, 42  # [characters] least and most width of the first column

@@ -13,7 +13,7 @@ from atleak.job.record import Job
 from atleak.readings import Readings
 from atleak.sheet_identity import SheetIdentity
 
-HEAD = SheetIdentity("4711", "Golf IV", "WVWZZZ1JZXW000001", "S-1", "J. K.", "micrometer", 182_000.0)
+HEAD = SheetIdentity("4711", "Golf IV", "WVWZZZ1JZXW000001", "S-1", "J. K.", ("micrometer", "bore gauge"), 182_000.0)
 
 
 @pytest.fixture
@@ -34,7 +34,10 @@ def test_an_empty_record_takes_all_that_the_head_says(readings: Readings) -> Non
         "mileage_km": 182_000.0,
         "measured_by": "J. K.",
     }
-    assert (filled.vehicle.model, filled.instruments[0].name) == ("Golf IV", "micrometer")
+    assert (filled.vehicle.model, [each.name for each in filled.instruments]) == (
+        "Golf IV",
+        ["micrometer", "bore gauge"],
+    )
     assert len(taken_from_sheet(Job(), filled)) == 7
 
 

@@ -10,8 +10,10 @@ from xml.etree import ElementTree
 
 import openpyxl
 import pytest
+import zxingcpp
 from openpyxl.cell import MergedCell
 from openpyxl.utils import get_column_letter
+from PIL import Image
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
@@ -21,7 +23,7 @@ from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTabl
 from atleak.readings import Reading, clearances
 from atleak.report.lands_sheet import LANDS
 from atleak.report.measuring_sheet import INSTRUCTIONS, SHEET, write_readings, write_template
-from atleak.report.measuring_sheet.head import code_text, fields_of, qr_code
+from atleak.report.measuring_sheet.head import code_text, fields_of
 from atleak.report.pressure_sheet import PRESSURES
 
 HEADER = 7  # row of the headings as a spreadsheet counts
@@ -101,12 +103,15 @@ def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
     assert sheet.freeze_panes == f"D{HEADER + 1}"
     assert sheet.print_title_rows == f"${HEADER}:${HEADER}"
     assert sheet.page_setup.orientation == "landscape"
-    validation, taken_at, part, direction, instrument = sheet.data_validations.dataValidation
+    validation, taken_at, part, direction, for_spools, for_bores = sheet.data_validations.dataValidation
     assert {str(one.sqref)[0] for one in (part, direction)} == {"C", "E"}
     parts = part.formula1.strip('"').split(",")
     assert parts == list(dict.fromkeys(merged_value(sheet, row, PART) for row in range(HEADER + 1, sheet.max_row + 1)))
     assert (direction.formula1, bool(direction.showErrorMessage)) == ('"0,45,90,135"', False)  # another may be typed
-    assert instrument.formula1 == '"Air gauge,Two-point bore gauge,Outside micrometer,Workshop microscope"'
+    assert for_spools.formula1 == '"Air gauge,Outside micrometer,Workshop microscope"'
+    assert for_bores.formula1 == '"Air gauge,Two-point bore gauge,Workshop microscope"'
+    labels = sheet[str(for_spools.sqref)].offset(0, -2).value, sheet[str(for_bores.sqref)].offset(0, -1).value
+    assert labels == ("Instrument for spools", "Instrument for bores")
     assert (taken_at.type, taken_at.formula1) == ("list", '"unworn end"')
     assert str(taken_at.sqref) == f"N{HEADER + 1}:N{sheet.max_row}"
     assert (validation.type, validation.operator, validation.formula1) == ("decimal", "greaterThan", "0")
@@ -121,11 +126,15 @@ def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
 
 @pytest.mark.parametrize(
     ("name", "language", "units"),
-    [("four_speed_2023", "en", "metric"), ("minimal_example", "de", "us"), ("five_speed_2005", "pl", "metric")],
+    [("four_speed_2023", "en", "metric"), ("gm_4l60e", "de", "us"), ("five_speed_2005", "pl", "metric")],
 )
 def test_on_paper_rows_take_a_pencil_columns_fit_a_page_and_no_part_of_a_component_is_cut(name, language, units):
-    data = write_template(load_controller(name), language=language, units=units)
-    sheet = opened(data).worksheets[0]
+    controller = load_controller(name)
+    data = write_template(controller, language=language, units=units)
+    sheet, *tabs, _ = opened(data).worksheets
+    for tab in tabs:  # of lands and of pressures
+        assert_rows_take_a_pencil(tab, HEADER)
+    assert_nothing_of_an_id_is_broken(tabs[0], controller)
     scale = sheet.page_setup.scale / 100
     heights = [sheet.row_dimensions[row].height or 15.0 for row in range(1, sheet.max_row + 1)]
     assert min(heights[3 : HEADER - 1] + heights[HEADER:]) * scale * 25.4 / 72 >= 7.0
@@ -142,6 +151,26 @@ def test_on_paper_rows_take_a_pencil_columns_fit_a_page_and_no_part_of_a_compone
         for on in (0, 1)
     )
     assert [one for one, other in zip(before, behind, strict=True) if one == other] == []
+
+
+def assert_rows_take_a_pencil(tab, first):
+    """As printed: at a scale that the sheet states, with all columns on the page, by which the heights are chosen."""
+    scale = (tab.page_setup.scale or 100) / 100
+    assert scale >= 0.7
+    assert not tab.sheet_properties.pageSetUpPr.fitToPage
+    widths = [dimension.width * (dimension.max - dimension.min + 1) for dimension in tab.column_dimensions.values()]
+    assert sum(7 * width for width in widths) / 96 * 25.4 * scale < 297 - 0.8 * 25.4
+    heights = [tab.row_dimensions[row].height for row in range(first, tab.max_row + 1)]
+    assert min(heights) * scale * 25.4 / 72 >= 7.0
+
+
+def assert_nothing_of_an_id_is_broken(lands, controller):
+    ids = {1: [land.component for land in controller.lands]}
+    if controller.repairs:
+        ids[lands.max_column] = [repair.id for repair in controller.repairs]
+    for column, names in ids.items():
+        (width,) = [each.width for each in lands.column_dimensions.values() if each.min <= column <= each.max]
+        assert width > max(map(len, names))
 
 
 def test_the_rows_follow_the_order_that_the_sheet_states(controller, template):
@@ -198,10 +227,26 @@ def test_a_job_that_is_known_stands_in_the_head_with_a_code_to_scan(controller):
     assert f"QR code: 2026-0417 {controller.id}" in marks_of(known)
     assert not any("QR" in mark for mark in marks_of(unknown))
     with zipfile.ZipFile(io.BytesIO(known)) as parts:
-        assert qr_code(f"2026-0417 {controller.id}") in [parts.read(part) for part in parts.namelist()]
+        pictures = [Image.open(io.BytesIO(parts.read(part))) for part in parts.namelist() if part.endswith(".png")]
+    (code,) = [code for picture in pictures for code in zxingcpp.read_barcodes(picture)]
+    assert (code.text, code.format) == (f"2026-0417 {controller.id}", zxingcpp.BarcodeFormat.QRCode)
     assert {"2026-0417", "Volvo V70, AB 123", "212000 km"} <= {
         cell.value for row in opened(known)[SHEET] for cell in row
     }
+
+
+@pytest.mark.parametrize(
+    ("used", "spools", "bores"),
+    [
+        (("M 1", "B 2"), "M 1", "B 2"),
+        (("Two-point bore gauge", "Outside micrometer"), "Outside micrometer", "Two-point bore gauge"),
+        (("Outside micrometer",), "Outside micrometer", None),
+        (("Workshop microscope",), "Workshop microscope", "Workshop microscope"),
+    ],
+)
+def test_the_instruments_of_a_record_stand_where_they_measure(used, spools, bores):
+    fields = fields_of(Job(instruments=[{"name": name} for name in used]))
+    assert (fields.get("Instrument for spools"), fields.get("Instrument for bores")) == (spools, bores)
 
 
 def test_without_a_number_the_code_names_the_transmission_and_else_the_vehicle(controller):

@@ -29,6 +29,10 @@ JOB = Job(
     measured_on=dt.date(2026, 4, 17),
     vehicle=Vehicle(make="Volvo", model="V70", vin="YV1SW61", mileage_km=212000.0),
     transmission=Transmission(serial="77-1"),
+    measuring_temperature_c=26.5,
+    pump_side_clearance_um=85.0,
+    pump_tip_clearance_um=150.5,
+    instruments=({"name": "M 1"}, {"name": "B 2"}),
 )
 
 
@@ -58,7 +62,7 @@ def written(unit, language: str, units: str) -> bytes:
     return write_readings(
         unit,
         found,
-        fields=fields_of(JOB) | {"Measuring temperature": "26.5 °C"},
+        fields=fields_of(JOB, units),
         pressures=PressureTable("", "", None, (), gauges),
         own_lands=OwnLands(lengths=lengths),
         language=language,
@@ -71,19 +75,19 @@ def values_of(found: Readings) -> tuple:
     readings = [replace(each, place=None, diameter=round(each.diameter, 9)) for each in found.readings]
     gauges = [(each.cell, round(each.pressure)) for each in found.pressures.readings]
     lengths = [(each.key, round(each.contact_length, 9), round(each.position, 9)) for each in found.own_lands.lengths]
-    return readings, gauges, lengths, found.temperature, found.date, found.identity
+    return readings, gauges, lengths, found.date, replace(found.identity, mileage=None)
 
 
 @pytest.mark.parametrize(("language", "units"), READERS)
 def test_a_sheet_of_any_language_and_units_is_read_back_as_the_same(unit, language, units):
     back = read_readings(written(unit, language, units), unit)
     assert values_of(back) == values_of(read_readings(written(unit, "en", "metric"), unit))
-    assert (back.unit, back.date, back.temperature) == (
-        "mm" if units == "metric" else "inch",
-        dt.date(2026, 4, 17),
-        26.5,
-    )
-    assert with_sheet(None, back).identity == JOB.identity
+    assert (back.unit, back.date) == ("mm" if units == "metric" else "inch", dt.date(2026, 4, 17))
+    beside = (back.temperature, back.identity.mileage, *back.pump.um)
+    assert beside == pytest.approx((26.5, 212000.0, 85.0, 150.5), rel=1e-6, abs=0.0)
+    again = with_sheet(None, back)
+    assert again.identity | {"mileage_km": None} == JOB.identity | {"mileage_km": None}
+    assert again.instruments == JOB.instruments
     assert [message.code for message in back.messages] == ["rows_not_measured", "contact_length_measured"]
 
 
@@ -117,6 +121,15 @@ def test_titles_and_what_is_representative_are_said_in_the_reader_s_language(uni
     assert name in sheets[0].oddFooter.left.text
     assert sheets[0]["A3"].value == representative
     assert any(representative in str(cell.value) for cell in sheets[3]["B"])
+
+
+@pytest.mark.parametrize("language", languages())
+def test_the_head_of_a_sheet_in_inches_says_miles_fahrenheit_and_inches(unit, language):
+    book = openpyxl.load_workbook(io.BytesIO(written(unit, language, "us")))
+    texts = [str(cell.value) for row in book.worksheets[0]["A4:N6"] for cell in row if cell.value]
+    assert {"131730.7 mi", "79.7 °F", "0.003346457 in", "0.005925197 in"} <= set(texts)
+    assert [sum(f"[{name}]" in text for text in texts) for name in ("mi", "°F", "in")] == [1, 1, 2]
+    assert not [text for text in texts if "km" in text.split() or "µm" in text or "°C" in text]
 
 
 def test_headings_say_the_reader_s_units(unit):

@@ -142,7 +142,7 @@ def test_the_printed_form_takes_temperature_and_date(controller):
     sheet = book[SHEET]
     places = {cell.value: cell for row in sheet["A4:N6"] for cell in row if cell.value}
     asked = {"Job", "Date", "Vehicle", "VIN", "Serial number", "Mileage [km]", "Measured by"}
-    assert set(places) == {*asked, "Instrument", "Measuring temperature [°C]"}
+    assert set(places) == {*asked, "Instrument for spools", "Instrument for bores", "Measuring temperature [°C]"}
     places["Measuring temperature [°C]"].offset(0, 2).value = "35,0 °C"
     places["Date"].offset(0, 1).value = dt.datetime(2026, 3, 14)
     sheet["I8"] = sheet["J8"].value  # the first diameter as the nominal one beside it
@@ -150,7 +150,7 @@ def test_the_printed_form_takes_temperature_and_date(controller):
     book.save(saved)
     readings = read_readings(saved.getvalue(), controller, name="form.xlsx")
     assert (readings.temperature, readings.date) == (35.0, dt.date(2026, 3, 14))
-    fields = {"Measuring temperature": "23,5 °C", "Instrument": "microscope, bore gauge"}
+    fields = {"Measuring temperature": "23,5 °C", "Instrument for spools": "microscope"}
     again = read_readings(write_readings(controller, readings.readings, fields=fields), controller)
     assert again.temperature == 23.5
 

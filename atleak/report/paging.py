@@ -1,18 +1,28 @@
-"""Lay a measuring sheet out on paper: rows high enough for a pencil, and no block of rows cut by the end of a page."""
+"""Lay a measuring sheet's tabs out on paper: rows high enough for a pencil, no block of rows cut by a page's end.
+
+Not every program fits rows to their texts, nor has every one the same font: heights are computed here.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+
+from xlsxwriter.format import Format
+from xlsxwriter.worksheet import Worksheet
 
 _PIXEL = 0.75  # [pt] to which workbooks round a row's height
 ROW = 7.0  # [mm] least height of a row on paper, to write in by hand: choice of this project
 _PAGE = 297.0, 210.0  # [mm] A4, landscape
-LEFT, RIGHT, TOP, BOTTOM = 0.4, 0.4, 0.4, 0.5  # [in] margins: 24 rows fit, a component of two lands and one of one
+_LEFT, _RIGHT, _TOP, _BOTTOM = 0.4, 0.4, 0.4, 0.5  # [in] margins: 24 rows fit, a component of two lands and one of one
 _INCH, _POINT = 25.4, 25.4 / 72.0  # [mm]
 _PIXELS = 96.0  # of an inch
 _SPARE = 0.82  # of the width that is used: without the sheet's font a program takes a wider one
+_LINE = 13.5  # [pt] height of a line of text
+LINE_OF_A_BOOK = 15.0  # [pt] the same of the larger letters of a workbook to be read on a screen
+_FULL, _FULL_BOLD = 0.9, 0.75  # of a column's characters: without the sheet's font a program takes a wider one
 
 Block = Sequence["Block"] | int  # blocks within a block; at the end a number of rows
 
@@ -30,18 +40,36 @@ class Paging:
     """
 
     widths: tuple[int, ...]
-    above: tuple[float, ...]
+    above: tuple[float, ...] = ()
 
     @property
     def scale(self) -> int:
         """Return the scale of printing [%] at which all columns stand side by side."""
         drawn = sum(7 * width + 5 for width in self.widths) / _PIXELS * _INCH
-        return int(min(100.0, 100.0 * _SPARE * (_PAGE[0] - (LEFT + RIGHT) * _INCH) / drawn))
+        return int(min(100.0, 100.0 * _SPARE * (_PAGE[0] - (_LEFT + _RIGHT) * _INCH) / drawn))
 
     @property
     def row_height(self) -> float:
         """Return the height of a row [pt], at least `ROW` when printed, in whole pixels as workbooks keep it."""
         return math.ceil(ROW / _POINT * 100.0 / self.scale / _PIXEL) * _PIXEL
+
+    def set_up(self, sheet: Worksheet) -> None:
+        """Give columns their widths, and have the sheet printed at this scale."""
+        for column, width in enumerate(self.widths):
+            sheet.set_column(column, column, width)
+        sheet.set_landscape()
+        sheet.set_paper(9)  # A4
+        sheet.set_print_scale(self.scale)
+        sheet.set_margins(left=_LEFT, right=_RIGHT, top=_TOP, bottom=_BOTTOM)
+
+    def write_top(self, sheet: Worksheet, texts: Sequence[str], formats: Mapping[str, Format]) -> None:
+        """Write a title and what to do above a table, as wide as the table: no page cuts it off."""
+        for row, text in enumerate(texts):
+            form = formats["wrap" if row else "title"]
+            sheet.merge_range(row, 0, row, len(self.widths) - 1, "", form)
+            sheet.write_string(row, 0, text, form)
+            if row:
+                sheet.set_row(row, row_height([(text, sum(self.widths))]))
 
     def breaks(self, blocks: Sequence[Block]) -> list[int]:
         """Return the rows before which a page begins, counted from the first row to fill in.
@@ -84,8 +112,32 @@ class Paging:
     @property
     def _room(self) -> float:
         """Return the height of a page between its margins [mm]."""
-        return _PAGE[1] - (TOP + BOTTOM) * _INCH
+        return _PAGE[1] - (_TOP + _BOTTOM) * _INCH
 
 
 def _rows_of(block: Block) -> int:
     return block if isinstance(block, int) else sum(map(_rows_of, block))
+
+
+def height_of(text: str, width: float, *, bold: bool = False, line: float = _LINE) -> float:
+    """Return the height of a text [pt] in a column of so many characters, broken at spaces and line ends.
+
+    >>> height_of("contact length", 20) < height_of("contact length of the land", 20)
+    True
+    """
+    most = max(int((_FULL_BOLD if bold else _FULL) * width), 1)
+    return line * sum(max(len(textwrap.wrap(part, most)), 1) for part in text.split("\n"))
+
+
+def width_for(texts: Iterable[str], least: int, *, beside: int = 1) -> int:
+    """Return the characters of a column in which no word of these texts is broken, with so many beside the longest.
+
+    >>> width_for(["pressure_regulator", "main valve"], 8)
+    19
+    """
+    return max((least, *(beside + len(word) for text in texts for word in text.split())))
+
+
+def row_height(cells: Iterable[tuple[str, float]], *, bold: bool = False, line: float = _LINE) -> float:
+    """Return the height of a row [pt] whose texts stand in columns of so many characters each."""
+    return max(height_of(text, width, bold=bold, line=line) for text, width in cells)
