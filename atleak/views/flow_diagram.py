@@ -12,6 +12,7 @@ from atleak.engine.flows import Flow, Kind, Place, flows_at
 from atleak.engine.line import LINE
 from atleak.engine.projection import Projection
 from atleak.verdicts import Verdict
+from atleak.views.land_names import component_words, has_number
 from atleak.views.pressures import pressures_at
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import DM3_MIN, KPA
@@ -233,7 +234,11 @@ class _Words:
     def short(self, place: Place) -> str:
         """Return the words beside a place."""
         own_land = place.kind is Kind.LAND and place not in self.count
-        return f"{place.name} · {place.land}" if own_land else self.name(place)
+        if not own_land:
+            return self.name(place)
+        controller = self.diagnosis.controller
+        numbered = has_number(controller, place.name)
+        return f"{place.name if numbered else component_words(controller, place.name, self.say)} · {place.land}"
 
     def full(self, place: Place) -> str:
         """Return the name of a place, of a section or circuit with its pressure."""
@@ -248,8 +253,10 @@ class _Words:
         if place in self.count:
             return say("flows.others", count=self.count[place])
         if place.kind is Kind.LAND:
-            name = self.say.name(self.diagnosis.controller.components[place.name])
-            return f"{place.name} · {place.land} {isolated(name)}"
+            controller = self.diagnosis.controller
+            if not has_number(controller, place.name):
+                return self.short(place)
+            return f"{place.name} · {place.land} {isolated(say.name(controller.components[place.name]))}"
         if place.kind in (Kind.SECTION, Kind.LEAK, Kind.CONSUMER):
             known = self.names.get((place.kind, place.name))
             return isolated(say.name(known) if known else say.get("pressures", place.name))

@@ -343,8 +343,8 @@ class Body:
         taken = (
             say(
                 "facts.taken",
-                spool=uncertainty.instruments.spool.name,
-                sleeve=uncertainty.instruments.sleeve.name,
+                spool=say.name(uncertainty.instruments.spool.name),
+                sleeve=say.name(uncertainty.instruments.sleeve.name),
                 coverage=say.percent(uncertainty.coverage, 0),
                 guard=say.plain(uncertainty.guard_factor),
             )
