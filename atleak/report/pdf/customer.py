@@ -298,7 +298,7 @@ class CustomerPage:
             PrintedColumn(say("printed.verdict"), lambda each: self._signed(each.verdict)),
             PrintedColumn(say("customer.from_to"), self._paths, width=5),
             PrintedColumn(say("customer.felt"), self._felt, width=6),
-            PrintedColumn(say("customer.alone"), self._alone, width=4),
+            PrintedColumn(say("customer.alone"), self._alone, width=5),
         ]
         shortened_to = [self.valves[: each.valves] for each in LENGTHS]
         condition, part = self.names.condition(at.condition), say.percent(WORTH_SAYING, 0)
