@@ -60,7 +60,9 @@ def table_kind(data: bytes, controller: Controller) -> Table:
 
     try:
         sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)), is_word, only_look=True)
-    except (ReadingsError, *DAMAGE):  # whoever reads it says what is wrong with it
+    except ReadingsError:
+        return Table.READINGS if is_workbook else Table.ROAD_TEST
+    except DAMAGE:  # whoever reads it says what is wrong with it
         return Table.READINGS if is_workbook else Table.ROAD_TEST
     if describes_controller(sheets):
         return Table.CONTROLLER

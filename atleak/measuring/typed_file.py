@@ -123,7 +123,9 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
         units = {tuple(_headings(name)): name for name in unit_names("length")}
         head = next(number for number, row in enumerate(rows) if tuple(row) in units)
         entries = dict(_entries(rows[head + 1 :]))
-    except (*DAMAGE, StopIteration):  # somebody has edited it
+    except StopIteration:  # there are no headings
+        return None
+    except DAMAGE:  # somebody has edited it
         return None
     if any(controller.land_of_plane(cell.component, cell.plane) is None for cell in entries):
         return None

@@ -282,7 +282,7 @@ def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterato
     """Return the lines of one condition: the share beside that of the same unit new, then the flows."""
     worst = ", the worst condition" if projection is diagnosis.worst and len(diagnosis.projections) > 1 else ""
     rule = diagnosis.total_rule(projection)
-    new = "" if rule.growth is None else f"; {when_new(diagnosis, projection)}, {_grown(rule.growth)}"
+    new = "" if rule.growth is None else f"; {when_new(diagnosis, projection, rule.growth)}"
     share = f"{projection.share * PERCENT:.1f} % of the pump's flow" + (" demanded" if projection.share > 1.0 else "")
     band = diagnosis.band(projection) or "as new, not measured"
     yield f"{number}. {projection.condition.label}: {share}, {band}{worst}{new}"
@@ -304,12 +304,6 @@ def _pressures(diagnosis: Diagnosis, projection: Projection) -> Iterator[str]:
             others.setdefault(circuit.verdict, []).append(f"{circuit.circuit.name} {circuit.now * KPA:.0f} kPa")
     for verdict, circuits in others.items():
         yield f"   {signed(verdict) + ': ' if verdict else ''}{', '.join(circuits)}"
-
-
-def _grown(growth: float) -> str:
-    if abs(growth) < 0.5 / PERCENT:
-        return "not grown"
-    return f"grown by {growth * PERCENT:.0f} %" if growth >= 0.0 else f"{-growth * PERCENT:.0f} % less than new"
 
 
 def _flagged(lands: Sequence[LandDiagnosis]) -> Table:

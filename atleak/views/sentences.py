@@ -99,11 +99,19 @@ def crossing_in_words(at: Crossing, say: Wording) -> str:
     return say("texts.not_before", mileage=say.number(not_before if short < present else short, 0))
 
 
-def when_new(diagnosis: Diagnosis, projection: Projection) -> str:
-    """Say in English what the same unit draws when new, and what with pairs as wide as these may have been then."""
+def when_new(diagnosis: Diagnosis, projection: Projection, growth: float) -> str:
+    """Say in English what the same unit draws new, and with pairs as wide as these may have been; how it has grown."""
     new, unworn = (each.share * PERCENT for each in (diagnosis.new_at(projection), diagnosis.unworn_at(projection)))
-    as_wide = f" ({unworn:.1f} % with new pairs as wide as these may have been)"
-    return f"{new:.1f} % when new" + ("" if f"{unworn:.1f}" == f"{new:.1f}" else as_wide)
+    if f"{unworn:.1f}" == f"{new:.1f}":
+        return f"{new:.1f} % when new, {_grown(growth)}"
+    as_wide = f"{unworn:.1f} % with new pairs as wide as these may have been"
+    return f"{new:.1f} % when new, {as_wide}: {_grown(growth)} over that"
+
+
+def _grown(growth: float) -> str:
+    if abs(growth) < 0.5 / PERCENT:
+        return "not grown"
+    return f"grown by {growth * PERCENT:.0f} %" if growth >= 0.0 else f"{-growth * PERCENT:.0f} % less than new"
 
 
 def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:

@@ -62,7 +62,11 @@ def circuit_rows(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Rows:
     """Return a row for every circuit that is applied as it is tried; none where no pressure is solved."""
     if diagnosis.profile.circuits != "on":
         return []
-    rules = {rule.circuit.id: rule for rule in tried.pressures if rule.kind is RuleKind.CIRCUIT_LOSS}
+    rules = {
+        rule.circuit.id: rule
+        for rule in tried.pressures
+        if rule.circuit is not None and rule.kind is RuleKind.CIRCUIT_LOSS
+    }
     rows = []
     for state in tried.projection.circuits:
         if state.vented:

@@ -201,14 +201,14 @@ def _pictures(record: Job) -> dict[str, Any]:
     logo = record.workshop.logo
     if logo is not None and logo in record.pictures:
         with st.container(horizontal=True, vertical_alignment="center"):
-            st.image(record.pictures[logo], width=160)
+            _picture(st, logo, record.pictures[logo])
             st.button(say("job_form.remove_logo"), key=key("remove-logo"), on_click=_put, args=(record.without_logo(),))
     _uploads("photos", several=True)
     photos = []
     for photo in record.photos:
         places = st.columns([2, 3, 1], vertical_alignment="bottom")
         if photo.file in record.pictures:
-            places[0].image(record.pictures[photo.file], width=160)
+            _picture(places[0], photo.file, record.pictures[photo.file])
         caption = places[1].text_input(
             say("job_form.caption"), **fields.kept(key(f"caption-{photo.file}"), photo.caption)
         )
@@ -220,6 +220,19 @@ def _pictures(record: Job) -> dict[str, Any]:
         )
         photos.append(photo.model_copy(update={"caption": caption}).model_dump())
     return {"photos": photos}
+
+
+def _picture(place: Any, name: str, content: bytes) -> None:
+    """Show a picture as it is printed; say why one that a job file brought cannot be."""
+    try:
+        place.image(_as_printed(name, content), width=160)
+    except InputError as error:
+        place.error(show.plain(error))
+
+
+@st.cache_data(max_entries=32, show_spinner=False)
+def _as_printed(name: str, content: bytes) -> bytes:
+    return printable_picture(name, content)[1]
 
 
 def _uploads(what: str, *, several: bool) -> None:

@@ -8,7 +8,7 @@ import itertools
 import re
 import zipfile
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import IO, Any, TypedDict
 from xml.etree import ElementTree
 from xml.parsers import expat
@@ -91,8 +91,8 @@ def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
     _refuse_other_kinds(data)
     for name, hidden, sheet in _worksheets(data):
         _refuse_more_than_a_log(data, name, sheet)
-        rows = itertools.islice(sheet.iter_rows(), LOOK) if sheet.end is not None else iter(())
-        cells = bounded([row[:WIDTH] for row in rows])
+        rows: Iterable[list[NativeCell]] = sheet.iter_rows() if sheet.end is not None else ()
+        cells = bounded([row[:WIDTH] for row in itertools.islice(rows, LOOK)])
         ranges = [] if sheet.merged_cell_ranges is None else sheet.merged_cell_ranges
         merged = _within(ranges, cells, name)
         yield {"name": name, "hidden": hidden, "rows": cells, "merged": merged, "faults": {}, "marks": vars(Marks())}

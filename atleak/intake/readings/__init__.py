@@ -43,6 +43,7 @@ from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.head import read_head
 from atleak.intake.readings.headings import best_header
 from atleak.intake.readings.land_values import LandValues, read_land_values
+from atleak.intake.readings.pivot import without_pivot
 from atleak.intake.readings.problems import ReadingsRefused
 from atleak.intake.readings.rows import Rows, read_rows
 from atleak.intake.readings.sheet_tables import Table
@@ -119,7 +120,7 @@ def read_readings(
     data, file = read_bytes(source, name)
     names = ControllerNames(controller)
     of_gauges = likeness_of(controller)
-    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)), is_word)
+    sheets = read_sheets(data, file, lambda each: max(_score(without_pivot(each, names)), of_gauges(each)), is_word)
     tabs = find_tabs(sheets, controller)
     pressures = tabs.read(file, data)
     sheets = [each for each in sheets if each not in tabs]

@@ -239,7 +239,7 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
     ReadingsError
         where two sheets do: which is meant, only the user knows.
     """
-    problems = []
+    problems: list[ReadingsError] = []
     first: dict[tuple[str, Part, str], list[tuple[Rows, Key]]] = {}
     asked: dict[str | None, None] = {}
     reported: set[tuple[int, int]] = set()

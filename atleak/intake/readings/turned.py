@@ -43,10 +43,15 @@ def turned(sheet: Sheet, names: ControllerNames) -> Sheet | None:
 def _headed(sheet: Sheet, first: int, names: ControllerNames) -> Sheet:
     """Return the turned sheet with headings in row ``first`` for keys that have none, and keys spread over theirs."""
     headings = list(sheet.rows[first])
+    rows: list[list[Cell]] = [*map(list, sheet.rows[:first]), headings, *map(list, sheet.rows[first + 1 :])]
     keys: list[int] = []
+    titles: dict[int, str] = {}
+    named = False
     for column, heading in enumerate(headings):
         said = read_heading(text_of(heading)) if isinstance(heading, str) and heading else None
         below = [cell for row in range(first + 1, len(sheet.rows)) if not is_blank(cell := sheet.cell(row, column))]
+        if not below and isinstance(heading, str) and (component := names.component_in(heading)) is not None:
+            titles[column] = component
         if not below:
             headings[column] = heading if numbers_of(heading) else ""  # a title or a note beside nothing
             continue
@@ -55,7 +60,13 @@ def _headed(sheet: Sheet, first: int, names: ControllerNames) -> Sheet:
             headings[column] = _HEADINGS[kind]
         if kind is not None or (said is not None and said.role in _KEYS):
             keys.append(column)
-    rows = [*sheet.rows[:first], headings, *sheet.rows[first + 1 :]]
+            named = named or kind == "component" or (said is not None and said.role == "component")
+    empty = (row for row in range(first + 1, len(rows)) if all(map(is_blank, rows[row])))
+    end = next(empty, len(rows))
+    for column, component in () if named else titles.items():  # "Valve: accumulator" over its own rows
+        headings[column] = _HEADINGS["component"]
+        for cells in rows[first + 1 : end]:
+            cells[column] = component
     return replace(sheet, rows=rows, merged={**sheet.merged, **_spread(sheet, first, keys)})
 
 

@@ -178,10 +178,10 @@ def test_a_zip_that_unfolds_without_end_is_refused(content):
 
 @pytest.mark.parametrize("entry", ["readings", "road_test", "catalogue__fluid.toml"])
 def test_a_small_zip_of_a_file_that_no_job_can_have_is_refused_before_it_is_unpacked(content, entry):
-    bomb = changed(content, **{entry: b"0" * 40_000_000})
+    bomb = changed(content, **{entry: b"0" * 60_000_000})
     assert len(bomb) < 200_000
     tracemalloc.start()
-    with pytest.raises(InputError, match=f"{entry.replace('__', '/')}: too large .found 40000000.; expected at most"):
+    with pytest.raises(InputError, match=f"{entry.replace('__', '/')}: too large .found 60000000.; expected at most"):
         read_job_file(bomb)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
@@ -277,7 +277,7 @@ def test_a_result_that_was_changed_is_told_with_what_differs(diagnosis, content)
     first, second = differs(job_file.result, today)
     assert str(first).startswith(f"8/1: {land['verdict']}")
     assert f"today {kept}" in str(first)
-    assert (str(second.what), str(second.stored)) == ("6/1", f"share_percent {other['share_percent']:.6g}")
+    assert (str(second.what), str(second.stored)) == ("6/1", f"share of the pump's flow {other['share_percent']:.6g} %")
 
 
 @pytest.mark.parametrize(

@@ -138,6 +138,11 @@ def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
     go(app, "2_Readings")
     go(app, "1_Job")
     assert list(app.session_state["job-record"].pictures) == ["photos/a.png"]
+    # a job file may bring one that is none, under the name of a picture
+    app.session_state["job-record"] = app.session_state["job-record"].with_photo("c.png", b"no picture")
+    app.run()
+    assert not app.exception
+    assert any("photos/c.png" in widget.value.replace("\\", "") for widget in app.error)
 
 
 def test_the_example_of_the_documentation_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

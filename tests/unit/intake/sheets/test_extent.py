@@ -78,7 +78,7 @@ def test_a_heading_of_thousands_of_signs_takes_no_time(doors, four_speed, kind, 
     [
         ([["1"] * 10] * 6_000, "this sheet has 600"),
         ([[str(column) for column in range(100_000)]] * 3, "100000 columns"),
-        ([[f"word {row} {column}" for column in range(3)] for row in range(2_500)], "different texts"),
+        ([[f"word {row} {column}" for column in range(3)] for row in range(1_700)], "different texts"),
         ([["x"], *[[""]] * 12_000, ["y"]], "12006 rows"),
     ],
     ids=["cells", "columns", "words", "rows"],
@@ -106,7 +106,7 @@ def test_hundreds_of_tables_on_one_sheet_are_refused(doors):
 
 
 def test_after_hundreds_of_faults_the_rest_of_a_file_is_not_read(doors):
-    rows = [["8", "spool", "Z", "0", str(row)] for row in range(1_000)]
+    rows = [["8", "spool", "Z", "0", str(row)] for row in range(400)]
     with soon(), pytest.raises(ReadingsError) as refused:
         doors["sheet"](text([HEADS["sheet"], *rows]))
     assert extent.FAULTS < len(refused.value.problems) < extent.FAULTS + 20
