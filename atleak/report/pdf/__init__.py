@@ -32,7 +32,8 @@ from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 _ROAD_POINTS = 1200
-_LARGE = 28  # valves of which a drawing with large words fits a page
+_COLUMNS, _MOST_COLUMNS = ((4, 16), (5, 20)), 6  # of the drawing, by the valves up to which its words stay large
+_LETTERS = 1.6  # against those of the screen
 _LABEL = 48  # characters that fit beside a bar
 
 
@@ -128,9 +129,9 @@ def _draw_charts(
     if "picture" in chosen:
         verdicts = {land.key: land.verdict for land in diagnosis.lands}
         valves = {land.component for land in diagnosis.controller.lands}
-        columns, letters = (4, 1.6) if len(valves) <= _LARGE else (6, 1.0)
+        columns = next((number for number, most in _COLUMNS if len(valves) <= most), _MOST_COLUMNS)
         charts["picture"] = controller_svg(
-            diagnosis.controller, verdicts, columns=columns, named=say.name, letters=letters
+            diagnosis.controller, verdicts, columns=columns, named=say.name, letters=_LETTERS
         )
     if "shares" in chosen and at.leakage > 0.0 and at.pump_capacity > 0.0:
         label = say("charts.share_of_pump", condition=names.condition(at.condition))
