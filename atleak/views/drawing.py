@@ -35,10 +35,8 @@ _ABOVE, _BELOW = 56.0, 58.0  # of the axis, beside a spool's reach: the planes' 
 _ABOVE_END_VIEW, _BELOW_END_VIEW = 96.0, 84.0  # of the axis, where directions are drawn
 _AFTER_HYPHEN = re.compile(r"(?<=[^-]-)(?=[^-])")
 _VOWELS = "aeiouyäöüàâéèêëïîôùûąęó"
-_SYLLABLE = re.compile(  # its consonants and vowel, behind any other letter
-    rf"(?<=\w)(?:sch|ch|ck|ph|th|qu|sz|cz|rz|([bdfgkptw])(?<!\1\1)(?<!ck)[lr]|[^\W\d_{_VOWELS}])(?=[{_VOWELS}])",
-    re.IGNORECASE,
-)
+_ONSET = r"sch|ch|ck|ph|th|qu|sz|cz|rz|([bdfgkptw])(?<!\1\1)(?<!ck)[lr]"  # consonants that stay together
+_SYLLABLE = re.compile(rf"(?<=\w)(?:{_ONSET}|[^\W\d_{_VOWELS}])(?=[{_VOWELS}])", re.IGNORECASE)  # where one begins
 _LEAST = 3  # letters before a hyphen, and one more behind it
 _BETWEEN = 5.0  # [mm] of rod between two lands, where the file states no positions
 
