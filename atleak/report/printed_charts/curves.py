@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from atleak.look import PAPER
 from atleak.report.printed_charts import plotting
-from atleak.report.printed_charts.plotting import BELOW, SIZE, SMALL, WIDTH, interval, widest, words
+from atleak.report.printed_charts.plotting import BELOW, SIZE, WIDTH, interval, widest, words
 from atleak.report.printed_fonts import fitting, width_of
 from atleak.verdicts import Band
 from atleak.views.pump_speed import PumpOverSpeed
@@ -145,7 +145,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
         _title(axes, say("charts.flow"), _left_of([highest], say))
         plotting.number_axes(axes, say, "x", "y")
         figure.legend(
-            loc="upper left", ncols=columns, frameon=False, fontsize=SMALL, borderaxespad=0.0, bbox_to_anchor=(0.0, 1.0)
+            loc="upper left", ncols=columns, frameon=False, fontsize=SIZE, borderaxespad=0.0, bbox_to_anchor=(0.0, 1.0)
         )
         return plotting.svg(figure)
 
@@ -161,7 +161,7 @@ def _marked_speed(axes: Axes, speed: float, row: int, said: str) -> None:
     axes.plot([speed, speed], [0.0, reach], color=PAPER.ink, lw=0.8, ls=(0, (6, 2)), clip_on=False)
     place = speed / end
     room, off, side = ((1.0 - place), 4.0, "left") if place < 0.5 else (place, -4.0, "right")
-    words(axes, (speed, top), fitting(said, SMALL, room * (_RIGHT - _FIELD) - 6.0), (off, above), ha=side)
+    words(axes, (speed, top), fitting(said, SIZE, room * (_RIGHT - _FIELD) - 6.0), (off, above), ha=side)
 
 
 def _crossing(axes: Axes, data: PumpOverSpeed, say: Wording) -> None:

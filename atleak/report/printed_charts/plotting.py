@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType
 
 WIDTH = 504.0  # [pt] of every chart
-SIZE, SMALL = 9.0, 8.0  # [pt] of words
+SIZE = 9.0  # [pt] of words
 BELOW = 34.0  # [pt] of a field, for the axis and its title
 _LOCK = threading.Lock()  # matplotlib's settings belong to the whole process
 _SETTINGS: dict[RcKeyType, Any] = {
@@ -90,20 +90,20 @@ def number_axes(axes: Axes, say: Wording, *names: str, most: int = 6) -> None:
         axis.grid(True)
 
 
-def widest(names: Iterable[str], size: float = SMALL) -> float:
+def widest(names: Iterable[str], size: float = SIZE) -> float:
     """Return the width of the widest of several words [pt]."""
     return max((width_of(name, size) for name in names), default=0.0)
 
 
 def words(axes: Axes, at: tuple[float, float], text: str, off: tuple[float, float] = (0.0, 0.0), **look: Any) -> None:
     """Write words at a place of the data, shifted by so many points."""
-    look = {"va": "center", "fontsize": SMALL, **look}
+    look = {"va": "center", "fontsize": SIZE, **look}
     axes.annotate(text, at, xytext=off, textcoords="offset points", annotation_clip=False, **look)
 
 
 def name_row(axes: Axes, name: str, place: float, width: float) -> None:
     """Write the name of a row to the left of the axis, no wider than so many points."""
-    words(axes, (0.0, place), fitting(name, SMALL, width), (-5.0, 0.0), ha="right")
+    words(axes, (0.0, place), fitting(name, SIZE, width), (-5.0, 0.0), ha="right")
 
 
 def interval(axes: Axes, low: float, high: float, place: float) -> None:
