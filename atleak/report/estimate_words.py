@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 
+from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
 from atleak.job.decisions import undecided, without_reason
 from atleak.job.estimate import CARRIED_OUT, Estimate, Line, Sum
@@ -16,6 +17,7 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair.money import decimals
 from atleak.rules import Rule
 from atleak.views.land_names import component_words, has_number, land_number
+from atleak.views.rule_words import rule_limited
 from atleak.views.sentences import rule_value
 from atleak.wording import Wording, isolated
 
@@ -96,8 +98,7 @@ class EstimateWords:
         condition = (
             "" if rule.condition is None else self.say("estimate.at", condition=self.say.condition(rule.condition))
         )
-        circuit = isolated(self.say.name(rule.circuit.name)) if rule.circuit else ""
-        return ", ".join(filter(None, (self.say(f"rules.{rule.kind}"), circuit, condition)))
+        return ", ".join(filter(None, (rule_limited(rule, self.say), condition)))
 
     def past(self, rule: Rule) -> str:
         """Say where a rule is past its limit, and which level it has reached."""
@@ -128,7 +129,8 @@ class EstimateWords:
         past = estimate.past
         yield say("estimate.past", rules="; ".join(map(self.past, past))) if past else say("estimate.green")
         if estimate.lands_past:
-            yield say("estimate.lands_past", lands=numbers_of(estimate.lands_past))
+            lands = numbers_of(estimate.lands_past, estimate.diagnosis.controller, say)
+            yield say("estimate.lands_past", lands=lands)
 
     def missing(self) -> Iterator[str]:
         """Say what is in no sum, and why."""
@@ -169,25 +171,31 @@ class EstimateWords:
         return target.getvalue().encode("utf-8-sig")
 
 
-def numbers_of(lands: Iterable[LandDiagnosis]) -> str:
-    """Name lands by component and number: ``8/1, 8/2``."""
-    return ", ".join(f"{component}/{number}" for component, number in (land.key for land in lands))
+def numbers_of(lands: Iterable[LandDiagnosis], controller: Controller, say: Wording) -> str:
+    """Name lands in short: ``8/1, 8/2``, or ``manual valve/3`` where components have no numbers."""
+    return ", ".join(land_number(controller, land.key, say) for land in lands)
 
 
 def open_words(diagnosis: Diagnosis, job: Job, say: Wording, *, closing: bool) -> Iterator[str]:
     """Say which lands are to be replaced without anything being decided, and what was declined without a reason."""
     lands = undecided(diagnosis, job, closing=closing)
     if lands:
-        yield say("estimate.undecided", lands=numbers_of(lands))
+        yield say("estimate.undecided", lands=numbers_of(lands, diagnosis.controller, say))
     declined = without_reason(job)
     if declined:
-        yield say("estimate.reason_asked", lines="; ".join(map(_called, declined)))
+        yield say(
+            "estimate.reason_asked", lines="; ".join(_called(each, diagnosis.controller, say) for each in declined)
+        )
 
 
-def _called(decision: RepairDecision) -> str:
+def _called(decision: RepairDecision, controller: Controller, say: Wording) -> str:
     """Name a decision by its component and land, or by its work."""
-    land = "" if decision.land is None else f"/{decision.land}"
-    return f"{decision.component}{land}" or decision.repair or decision.work
+    component, land = decision.component, decision.land
+    if component not in controller.components:
+        return f"{component}{'' if land is None else f'/{land}'}" or decision.repair or decision.work
+    return (
+        component_words(controller, component, say) if land is None else land_number(controller, (component, land), say)
+    )
 
 
 def _safe(value: object) -> object:

@@ -21,6 +21,7 @@ _INCH, _POINT = 25.4, 25.4 / 72.0  # [mm]
 _PIXELS = 96.0  # of an inch
 _SPARE = 0.82  # of the width that is used: without the sheet's font a program takes a wider one
 _LINE = 13.5  # [pt] height of a line of text
+LINE_OF_A_BOOK = 15.0  # [pt] the same of the larger letters of a workbook to be read on a screen
 _FULL, _FULL_BOLD = 0.9, 0.75  # of a column's characters: without the sheet's font a program takes a wider one
 
 Block = Sequence["Block"] | int  # blocks within a block; at the end a number of rows
@@ -118,14 +119,14 @@ def _rows_of(block: Block) -> int:
     return block if isinstance(block, int) else sum(map(_rows_of, block))
 
 
-def height_of(text: str, width: float, *, bold: bool = False) -> float:
+def height_of(text: str, width: float, *, bold: bool = False, line: float = _LINE) -> float:
     """Return the height of a text [pt] in a column of so many characters, broken at spaces and line ends.
 
     >>> height_of("contact length", 20) < height_of("contact length of the land", 20)
     True
     """
     most = max(int((_FULL_BOLD if bold else _FULL) * width), 1)
-    return _LINE * sum(max(len(textwrap.wrap(part, most)), 1) for part in text.split("\n"))
+    return line * sum(max(len(textwrap.wrap(part, most)), 1) for part in text.split("\n"))
 
 
 def width_for(texts: Iterable[str], least: int, *, beside: int = 1) -> int:
@@ -137,6 +138,6 @@ def width_for(texts: Iterable[str], least: int, *, beside: int = 1) -> int:
     return max((least, *(beside + len(word) for text in texts for word in text.split())))
 
 
-def row_height(cells: Iterable[tuple[str, float]], *, bold: bool = False) -> float:
+def row_height(cells: Iterable[tuple[str, float]], *, bold: bool = False, line: float = _LINE) -> float:
     """Return the height of a row [pt] whose texts stand in columns of so many characters each."""
-    return max(height_of(text, width, bold=bold) for text, width in cells)
+    return max(height_of(text, width, bold=bold, line=line) for text, width in cells)

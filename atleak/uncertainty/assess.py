@@ -355,6 +355,15 @@ def _at_instant(instant: Instant, projection: Projection, spread: InstantSpread)
     return InstantUncertainty(leakage, share)
 
 
+_VALUES = {
+    "resolution_um": Sentence("resolution"),
+    "calibration_um": Sentence("uncertainty of its calibration"),
+    "common_part": Sentence("part of it that all readings share"),
+    "repeatability_um": Sentence("repeatability"),
+    "expansion_per_k": Sentence("expansion of its scale or masters"),
+}
+
+
 def _messages(
     sources: Sequence[LandSources], instruments: Instruments, repeats: dict[Part, RepeatSpread]
 ) -> list[Message]:
@@ -366,7 +375,7 @@ def _messages(
             text = Sentence(
                 "{instrument}: representative, not from a certificate: {quantities}. Set your own instrument's.",
                 instrument=Name(instrument.name),
-                quantities=instrument.representative,
+                quantities=tuple(_VALUES[each] for each in instrument.representative),
             )
             messages.append(Message("info", "instrument_representative", text))
     for part in used:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from atleak.equations.uncertainty import rectangular
-from atleak.uncertainty.sources import MEASURING_TEMPERATURE, MOUNTING, LandSources, UncertaintySource
+from atleak.uncertainty.sources import MEASURING_TEMPERATURE, MOUNTING, OF_A_DIAMETER, LandSources, UncertaintySource
 
 MOST_BUDGETS = 12  # lands of a unit whose budget a report shows in full, the worst first
 InputKind = Literal["diameter", "temperature", "clearance"]
@@ -103,7 +103,7 @@ def _input_uncertainty(land: LandSources, source: UncertaintySource, kind: Input
         return rectangular(land.assumptions.room_temperature)
     members = [each for each in land.sources if source.group is not None and each.group == source.group] or [source]
     u = max(abs(each.standard_uncertainty) for each in members)
-    return u if kind == "clearance" else 2.0 * u
+    return u if kind == "clearance" else u / OF_A_DIAMETER
 
 
 def _degrees_of_freedom(land: LandSources, source: UncertaintySource) -> float:

@@ -35,6 +35,8 @@ from atleak.readings import (
 from atleak.uncertainty.assumptions import Assumptions
 
 PARTS: tuple[Part, ...] = ("spool", "sleeve")
+OF_A_DIAMETER = 0.5  # part of a diameter's error that the radial clearance c_r = (D − d)/2 takes
+SLOPES: Mapping[Part, float] = {"spool": -OF_A_DIAMETER, "sleeve": OF_A_DIAMETER}  # of c_r with each diameter
 MEASURING_TEMPERATURE = "measuring temperature"  # group of the error that all lands share
 MOUNTING: Literal["mounting clearance"] = "mounting clearance"  # kind of the source: what the pair was when new
 SourceKind = Literal[
@@ -329,7 +331,9 @@ def _land_sources(
         for part in PARTS:
             stations = groups.get(part)
             if not stations:
-                sources.append(UncertaintySource("nominal diameter", part, 0.5 * assumptions.nominal_diameter))
+                sources.append(
+                    UncertaintySource("nominal diameter", part, OF_A_DIAMETER * assumptions.nominal_diameter)
+                )
                 if part == "sleeve":  # its nominal diameter is the spool's and twice the mounting clearance
                     sources.append(UncertaintySource(MOUNTING, None, mounting))
                 continue
@@ -352,28 +356,28 @@ def _part_sources(
     times: float = 1.0,
 ) -> list[UncertaintySource]:
     """Return the sources of one measured part, with ``times`` as many repeats as were made."""
-    sign = 0.5 if part == "sleeve" else -0.5
+    slope = SLOPES[part]
     # one instrument for both parts errs alike in both, so that its common error drops out of D − d
     group = "one instrument" if instruments.err_alike else f"{part} instrument"
     resolution = spread.persistent_variance * plan.rounding_weight
     repeats = spread.averaged_variance * plan.repeat_weight / times
     return [
-        UncertaintySource("common calibration", part, sign * instrument.common, group),
-        UncertaintySource("calibration", part, 0.5 * instrument.own),
-        UncertaintySource("resolution", part, 0.5 * math.sqrt(resolution), None, "rectangular"),
-        UncertaintySource("repeats", part, 0.5 * math.sqrt(repeats)),
-        UncertaintySource("form", part, 0.5 * _form(state, part, plan, spread, assumptions)),
-        _temperature_source(state, part, sign, instrument, assumptions),
+        UncertaintySource("common calibration", part, slope * instrument.common, group),
+        UncertaintySource("calibration", part, OF_A_DIAMETER * instrument.own),
+        UncertaintySource("resolution", part, OF_A_DIAMETER * math.sqrt(resolution), None, "rectangular"),
+        UncertaintySource("repeats", part, OF_A_DIAMETER * math.sqrt(repeats)),
+        UncertaintySource("form", part, OF_A_DIAMETER * _form(state, part, plan, spread, assumptions)),
+        _temperature_source(state, part, slope, instrument, assumptions),
     ]
 
 
 def _temperature_source(
-    state: LandClearance, part: Part, sign: float, instrument: Instrument, assumptions: Assumptions
+    state: LandClearance, part: Part, slope: float, instrument: Instrument, assumptions: Assumptions
 ) -> UncertaintySource:
     """Return what an error of the measuring temperature does: part and gauge expand, and their difference is read."""
     diameter = state.spool_diameter if part == "spool" else state.sleeve_diameter
     rate = (state.land.expansion_of(part) - instrument.expansion) * diameter  # [m/K]
-    u = sign * rate * rectangular(assumptions.room_temperature)
+    u = slope * rate * rectangular(assumptions.room_temperature)
     return UncertaintySource("measuring temperature", part, u, MEASURING_TEMPERATURE, "rectangular")
 
 

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
@@ -22,7 +23,7 @@ from atleak.workshop_units import MM
 FONT = "Noto Sans, DejaVu Sans, sans-serif"
 
 _NUMBER = 8  # characters of a component's number that are drawn
-_TITLE = 4  # most lines of its name
+_TITLE = 5  # most lines of its name
 _WIDTH = 1000.0
 _ROW = 104.0
 _LINE = 13.0  # from one line of a name to the next
@@ -32,6 +33,11 @@ _STRETCH = 2.2  # lengths are drawn up to this much larger than diameters
 _END_VIEW = 220.0  # of the width, for a spool seen along its axis
 _ABOVE, _BELOW = 56.0, 58.0  # of the axis, beside a spool's reach: the planes' numbers, and the diameters
 _ABOVE_END_VIEW, _BELOW_END_VIEW = 96.0, 84.0  # of the axis, where directions are drawn
+_AFTER_HYPHEN = re.compile(r"(?<=[^-]-)(?=[^-])")
+_VOWELS = "aeiouyäöüàâéèêëïîôùûąęó"
+_ONSET = r"sch|ch|ck|ph|th|qu|sz|cz|rz|([bdfgkptw])(?<!\1\1)(?<!ck)[lr]"  # consonants that stay together
+_SYLLABLE = re.compile(rf"(?<=\w)(?:{_ONSET}|[^\W\d_{_VOWELS}])(?=[{_VOWELS}])", re.IGNORECASE)  # where one begins
+_LEAST = 3  # letters before a hyphen, and one more behind it
 _BETWEEN = 5.0  # [mm] of rod between two lands, where the file states no positions
 
 
@@ -293,7 +299,7 @@ class _Title:
 def _title(number: str, name: str, cell: float, letters: float) -> _Title:
     short = shortened(number, _NUMBER)
     room = max(int((cell - 10.0 - _beside(short, letters)) / (_LETTER * letters)), 6)
-    return _Title(short, _wrapped(name, room, _TITLE), letters)
+    return _Title(short, wrapped(name, room, _TITLE), letters)
 
 
 def _beside(number: str, letters: float) -> float:
@@ -396,22 +402,37 @@ def shortened(text: str, width: int) -> str:
     return text if len(text) <= width else text[: max(width - 1, 0)].rstrip() + "…"
 
 
-def _wrapped(text: str, width: int, lines: int) -> list[str]:
-    """Break text at spaces, and a word that is longer than a line; after so many lines it ends in an ellipsis."""
+def wrapped(text: str, width: int, lines: int) -> list[str]:
+    """Break text at spaces and hyphens, and within a word that is longer than a line.
+
+    After so many lines it ends in an ellipsis.
+    """
     broken, line = [], ""
-    for word in text.split():
-        longer = f"{line} {word}".strip()
-        while len(word) > width:
-            head, word = word[: width - 1], word[width - 1 :]
-            broken += [line] if line else []
-            broken.append(f"{head}-")
-            line, longer = "", word
-        if line and len(longer) > width:
-            broken.append(line)
-            longer = word
-        line = longer
-    broken.append(line)
+    for part in _parts(text, width):
+        if line and len(line) + len(part.rstrip()) > width:
+            broken.append(f"{line.rstrip()}-" if line[-1] not in " -" else line.rstrip())
+            line = ""
+        line += part
+    broken.append(line.rstrip())
     return broken if len(broken) <= lines else [*broken[: lines - 1], shortened(f"{broken[lines - 1]} …", width)]
+
+
+def _parts(text: str, width: int) -> Iterator[str]:
+    """Return the parts of a text between which a line may end; those of a word that is too long for one, too."""
+    for word in text.split():
+        *before, last = _AFTER_HYPHEN.split(word)
+        for part in (*before, f"{last} "):
+            while len(part.rstrip()) > width:
+                end = _syllable(part, width - 1)
+                yield part[:end]
+                part = part[end:]
+            yield part
+
+
+def _syllable(word: str, most: int) -> int:
+    """Return where to break a word after so many letters at the most: before a syllable, where one begins there."""
+    begins = (each.start() for each in _SYLLABLE.finditer(word))
+    return max((at for at in begins if _LEAST <= at <= min(most, len(word.rstrip()) - _LEAST - 1)), default=most)
 
 
 def svg_head(width: float, height: float, title: str) -> str:

@@ -12,6 +12,7 @@ from atleak.engine.flows import Flow, Kind, Place, flows_at
 from atleak.engine.line import LINE
 from atleak.engine.projection import Projection
 from atleak.verdicts import Verdict
+from atleak.views.land_names import has_number, land_number
 from atleak.views.pressures import pressures_at
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import DM3_MIN, KPA
@@ -156,6 +157,8 @@ def _of_flow(flow: Flow, verdicts: dict[Place, Verdict]) -> Verdict | None:
 def _together(flows: Sequence[Flow], verdicts: dict[Place, Verdict], lands: int) -> tuple[list[Flow], dict[Place, int]]:
     """Let lands that are not drawn by themselves stand together, by the sections between which they leak.
 
+    All that leak to the sump alone are one place.
+
     Returns
     -------
     tuple
@@ -172,7 +175,9 @@ def _together(flows: Sequence[Flow], verdicts: dict[Place, Verdict], lands: int)
     worst_first = sorted(through, key=lambda land: (-_rank(verdicts.get(land)), -through[land]))
     groups: dict[frozenset[tuple[int, Place]], list[Place]] = defaultdict(list)
     for land in worst_first[lands:]:
-        groups[frozenset(ends[land])].append(land)
+        to = {end for end in ends[land] if end[0] == 1}
+        to_sump = {place.kind for _, place in to} == {Kind.SUMP}
+        groups[frozenset(to if to_sump else ends[land])].append(land)
     stands_at = {land: land for land in through}
     count: dict[Place, int] = {}
     for number, alike in enumerate(groups.values()):
@@ -233,7 +238,12 @@ class _Words:
     def short(self, place: Place) -> str:
         """Return the words beside a place."""
         own_land = place.kind is Kind.LAND and place not in self.count
-        return f"{place.name} · {place.land}" if own_land else self.name(place)
+        if not own_land:
+            return self.name(place)
+        controller = self.diagnosis.controller
+        if not has_number(controller, place.name):
+            return land_number(controller, (place.name, place.land), self.say)
+        return f"{place.name} · {place.land}"
 
     def full(self, place: Place) -> str:
         """Return the name of a place, of a section or circuit with its pressure."""
@@ -248,8 +258,10 @@ class _Words:
         if place in self.count:
             return say("flows.others", count=self.count[place])
         if place.kind is Kind.LAND:
-            name = self.say.name(self.diagnosis.controller.components[place.name])
-            return f"{place.name} · {place.land} {isolated(name)}"
+            controller = self.diagnosis.controller
+            if not has_number(controller, place.name):
+                return self.short(place)
+            return f"{place.name} · {place.land} {isolated(say.name(controller.components[place.name]))}"
         if place.kind in (Kind.SECTION, Kind.LEAK, Kind.CONSUMER):
             known = self.names.get((place.kind, place.name))
             return isolated(say.name(known) if known else say.get("pressures", place.name))

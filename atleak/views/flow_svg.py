@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from atleak.look import PAPER, SCREEN, look_of
 from atleak.verdicts import Verdict
-from atleak.views.drawing import shortened, sign_svg, svg_head, svg_text
+from atleak.views.drawing import sign_svg, svg_head, svg_text, wrapped
 from atleak.views.flow_diagram import DrawnFlow, DrawnPlace, FlowDiagram, flow_words
 from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, KPA
@@ -16,10 +16,11 @@ from atleak.workshop_units import DM3_MIN, KPA
 _HIGHEST = 240.0  # of all ribbons of the column through which most flows
 _LEAST = 1.0  # of a ribbon: a thread that can still be seen
 _BAR = 8.0  # width of a place
-_LINE = 15.0  # least height of a place for one line of words
 _ROW = 13.0  # from one line of words to the next
 _BETWEEN = 5.0  # places of a column
-_LETTERS = 24  # of a name that are drawn
+_WIDEST = 730.0  # of the drawing, so that letters stay legible on paper, unless its columns are too many
+_LETTERS = range(24, 8, -1)  # of a line of words, as many as there is room for
+_LINES = 3  # of a name
 _LETTER = 6.1  # mean width of one of them
 _SIZE = 11.0  # of letters
 _EDGE = 8.0
@@ -32,6 +33,7 @@ class _Box:
     """Where a place is drawn."""
 
     place: DrawnPlace
+    lines: list[str]
     x: float
     y: float = 0.0
     height: float = 0.0
@@ -41,7 +43,7 @@ class _Box:
     @property
     def slot(self) -> float:
         """Return the height that it needs with its words."""
-        return max(self.height, _LINE * (1 if self.place.pressure is None else 2)) + _BETWEEN
+        return max(self.height, _ROW * len(self.lines)) + _BETWEEN
 
 
 def flow_svg(diagram: FlowDiagram, title: str, say: Wording | None = None) -> str:
@@ -58,10 +60,10 @@ def flow_svg(diagram: FlowDiagram, title: str, say: Wording | None = None) -> st
     columns: dict[int, list[_Box]] = defaultdict(list)
     through = [sum(each.flow for each in diagram.places if each.column == at) for at in range(diagram.columns)]
     scale = _HIGHEST / max(through, default=1.0)
-    lefts, width = _lefts(diagram, say)
+    words, lefts, width = _words_with_room(diagram, say)
     boxes = [
-        _Box(place, lefts[place.column], height=max(place.flow * scale, _LEAST * _ribbons(diagram, number)))
-        for number, place in enumerate(diagram.places)
+        _Box(place, lines, lefts[place.column], height=max(place.flow * scale, _LEAST * _ribbons(diagram, number)))
+        for number, (place, lines) in enumerate(zip(diagram.places, words, strict=True))
     ]
     for box in boxes:
         columns[box.place.column].append(box)
@@ -70,7 +72,7 @@ def flow_svg(diagram: FlowDiagram, title: str, say: Wording | None = None) -> st
     ribbons = sorted(diagram.flows, key=lambda each: (boxes[each.source].y, boxes[each.target].y))
     parts = [svg_head(width, height, title)]
     parts += [_ribbon(each, boxes[each.source], boxes[each.target], scale) for each in ribbons]
-    parts += [_words(box, say) for box in boxes]
+    parts += [_words(box) for box in boxes]
     return "".join((*parts, "</svg>"))
 
 
@@ -80,23 +82,36 @@ def _ribbons(diagram: FlowDiagram, number: int) -> int:
     return max(side.count(number) for side in sides)
 
 
-def _lefts(diagram: FlowDiagram, say: Wording) -> tuple[list[float], float]:
+def _words_with_room(diagram: FlowDiagram, say: Wording) -> tuple[list[list[str]], list[float], float]:
+    """Return the lines of words of every place, the left edges of the columns and the width, the widest that fits."""
+    for letters in _LETTERS:
+        words = [_lines(place, letters, say) for place in diagram.places]
+        lefts, width = _lefts(diagram, words)
+        if width <= _WIDEST:
+            break
+    return words, lefts, width
+
+
+def _lefts(diagram: FlowDiagram, words: list[list[str]]) -> tuple[list[float], float]:
     """Return where each column begins, so that its words end before the next one, and the width of the drawing."""
     lefts, x = [], _EDGE
     for column in range(diagram.columns):
         lefts.append(x)
-        placed = (each for each in diagram.places if each.column == column)
-        letters = [len(line) for each in placed for line in _lines(each, say)]
-        x += _BAR + 22.0 + _LETTER * max(letters, default=0) + 12.0
+        placed = (lines for place, lines in zip(diagram.places, words, strict=True) if place.column == column)
+        x += _BAR + 22.0 + _LETTER * max((len(line) for lines in placed for line in lines), default=0) + 6.0
     return lefts, x
 
 
-def _lines(place: DrawnPlace, say: Wording) -> list[str]:
+def _lines(place: DrawnPlace, letters: int, say: Wording) -> list[str]:
     """Return the words of a place: name and flow, of a section or circuit its pressure too."""
-    name, flow = shortened(place.words, _LETTERS), flow_words(place.flow, say)
+    name, flow = wrapped(place.words, letters, _LINES), flow_words(place.flow, say)
     if place.pressure is None:
-        return [f"{name} {flow}"]
-    return [name, f"{say.value(place.pressure * KPA, 'pressure', 0)} {say.unit('pressure')}, {flow} {say.unit('flow')}"]
+        both = f"{name[-1]} {flow}"
+        return [*name[:-1], both] if len(both) <= letters else [*name, flow]
+    pressure = f"{say.value(place.pressure * KPA, 'pressure', 0)} {say.unit('pressure')}"
+    flow = f"{flow} {say.unit('flow')}"
+    both = f"{pressure}, {flow}"
+    return [*name, both] if len(both) <= letters else [*name, pressure, flow]
 
 
 def _arrange(columns: Mapping[int, list[_Box]], boxes: list[_Box], diagram: FlowDiagram, height: float) -> None:
@@ -109,7 +124,7 @@ def _arrange(columns: Mapping[int, list[_Box]], boxes: list[_Box], diagram: Flow
                 column.sort(key=lambda box: centres[id(box)])
             y = _EDGE + (height - 2.0 * _EDGE - sum(box.slot for box in column)) / 2.0
             for box in column:
-                box.y = y
+                box.y = y + (box.slot - _BETWEEN - box.height) / 2.0
                 y += box.slot
 
 
@@ -144,7 +159,7 @@ def _ribbon(flow: DrawnFlow, source: _Box, target: _Box, scale: float) -> str:
     )
 
 
-def _words(box: _Box, say: Wording) -> str:
+def _words(box: _Box) -> str:
     """Draw a place, the sign of its verdict, its words and its flow."""
     place = box.place
     fill = PAPER.ink if place.verdict in (None, Verdict.OK, Verdict.NOT_MEASURED) else look_of(place.verdict).screen
@@ -154,7 +169,7 @@ def _words(box: _Box, say: Wording) -> str:
         sign = sign_svg(place.verdict, x + 4.5, middle, 4.5, look_of(place.verdict).screen)
         x += 13.0
     bold = place.verdict is not None and place.verdict.flagged
-    lines = _lines(place, say)
+    lines = box.lines
     top = middle + 4.0 - 0.5 * _ROW * (len(lines) - 1)
     words = (
         svg_text(x, top + _ROW * number, line, _SIZE, bold=bold, anchor="start") for number, line in enumerate(lines)

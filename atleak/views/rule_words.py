@@ -18,22 +18,24 @@ def rule_value(rule: Rule, value: float, say: Wording) -> str:
     return say.percent(value) if unit else say.number(value, 2)
 
 
-def rule_name(rule: Rule, say: Wording) -> str:
-    """Return what a rule limits, of which circuit and at which condition."""
-    return ", ".join(filter(None, (_limited(rule, say), *_where(rule, say))))
+def rule_name(rule: Rule, say: Wording, *, brief: bool = False) -> str:
+    """Return what a rule limits, of which circuit and at which condition; ``brief``, a share's name is one word."""
+    if brief and rule.kind.is_share and rule.condition is not None:
+        return say("rules.share_at", condition=say.condition(rule.condition))
+    return ", ".join(filter(None, (rule_limited(rule, say), *_where(rule, say))))
 
 
 def rule_reached(rule: Rule, say: Wording) -> str:
     """Return a rule with its value, the limit and where that was: ``wear 60.1 % (limit 30 %)``."""
     value = rule_value(rule, rule.value, say) if math.isfinite(rule.value) else say.number(rule.value, 0)
     limit = rule_value(rule, rule.limit, say)
-    reached = say("rules.reached_short", rule=_limited(rule, say), value=value, limit=limit)
+    reached = say("rules.reached_short", rule=rule_limited(rule, say), value=value, limit=limit)
     return ", ".join(filter(None, (reached, *_where(rule, say))))
 
 
-def _limited(rule: Rule, say: Wording) -> str:
-    circuit = isolated(say.name(rule.circuit.name)) if rule.circuit else ""
-    return ", ".join(filter(None, (say(f"rules.{rule.kind}"), circuit)))
+def rule_limited(rule: Rule, say: Wording) -> str:
+    """Return what a rule limits; with its circuit in the words of the workbook."""
+    return say(f"rules.{rule.kind}") if rule.circuit is None else isolated(say.sentence(rule.quantity))
 
 
 def _where(rule: Rule, say: Wording) -> tuple[str, str]:

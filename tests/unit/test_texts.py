@@ -140,6 +140,7 @@ def test_every_name_of_the_shipped_catalogue_is_translated() -> None:
         )
     }
     names |= {name for each in instruments() for name in (each.name, each.name.lower())}
+    names |= {each.source for each in instruments()} | {"representative"}  # the source of most operating points
     of_fluids = [text for each in fluids() for text in (each.name, each.note, *each.representative)]
     of_limits = [each.name for each in limit_sets()]
     names |= {text for text in (*of_fluids, *of_limits) if re.search(r"\b[a-z]{4,}\b", text)}  # no brands, no keys

@@ -15,7 +15,7 @@ from xml.parsers import expat
 
 from atleak.intake.native.child import Refused
 from atleak.intake.sheets.extent import COLUMNS as WIDTH
-from atleak.intake.sheets.extent import EXPECTED, SHEETS, bounded, excess
+from atleak.intake.sheets.extent import EXPECTED, SHEETS, excess, trimmed
 from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths, unpacked_part
 from atleak.sentence import Sentence
 
@@ -67,7 +67,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
         rows, columns = _size(sheet)
         _refuse_vast(rows, columns, name, columns * rows > CELLS)
         ranges = sheet.merged_cell_ranges
-        cells = bounded(sheet.to_python(skip_empty_area=False))
+        cells = trimmed(sheet.to_python(skip_empty_area=False))
         if (too_much := excess(cells)) is not None:
             raise Refused(too_much, sheet=name, expected=EXPECTED)
         yield {
@@ -92,7 +92,7 @@ def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
     for name, hidden, sheet in _worksheets(data):
         _refuse_more_than_a_log(data, name, sheet)
         rows: Iterable[list[NativeCell]] = sheet.iter_rows() if sheet.end is not None else ()
-        cells = bounded([row[:WIDTH] for row in itertools.islice(rows, LOOK)])
+        cells = trimmed([row[:WIDTH] for row in itertools.islice(rows, LOOK)])
         ranges = [] if sheet.merged_cell_ranges is None else sheet.merged_cell_ranges
         merged = _within(ranges, cells, name)
         yield {"name": name, "hidden": hidden, "rows": cells, "merged": merged, "faults": {}, "marks": vars(Marks())}

@@ -35,16 +35,21 @@ EXPECTED = Sentence(
 )
 
 
-def bounded(rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
-    """Return rows without the blank ones at their end and the blank columns at the right; a long text is cut.
+def trimmed(rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+    """Return rows without the blank ones at their end and the blank columns at the right.
 
-    >>> bounded([["a", "", ""], [1.5, " ", ""], [""]])
+    >>> trimmed([["a", "", ""], [1.5, " ", ""], [""]])
     [['a'], [1.5]]
     """
     ends = [_end(row) for row in rows]
     width = max(ends, default=0)
     height = next((number for number in range(len(ends), 0, -1) if ends[number - 1]), 0)
-    return [[cut(cell) for cell in row[:width]] for row in rows[:height]]
+    return [list(row[:width]) for row in rows[:height]]
+
+
+def bounded(rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+    """Return rows as `trimmed` does, of a long text its beginning: of a table in which it is a heading or a remark."""
+    return [[cut(cell) for cell in row] for row in trimmed(rows)]
 
 
 def excess(rows: Sequence[Sequence[Any]]) -> Sentence | None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from atleak.errors import Place, ReadingsError
+from atleak.intake.sheets.extent import bounded
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.text import WANTED, Knows, read_text
 from atleak.sentence import Sentence
@@ -68,7 +70,7 @@ def read_sheets(
     if data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
         from atleak.intake.sheets.workbook import read_workbook  # calamine only where it is needed
 
-        return read_workbook(data, file, only_look=only_look)
+        return [replace(sheet, rows=bounded(sheet.rows)) for sheet in read_workbook(data, file, only_look=only_look)]
     for magic, kind in _FOREIGN:
         if data.startswith(magic) and (magic != b"BM" or b"\0" in data[:64]):
             problem = Sentence("this is {kind}, whatever its name says", kind=kind)

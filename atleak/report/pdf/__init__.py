@@ -32,7 +32,6 @@ from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 _ROAD_POINTS = 1200
-_LARGE = 28  # valves of which a drawing with large words fits a page
 _LABEL = 48  # characters that fit beside a bar
 
 
@@ -118,6 +117,11 @@ def report_data(
     }
 
 
+def picture_look(valves: int) -> tuple[int, float]:
+    """Return how many of so many valves are drawn beside one another, and how large their names: all are legible."""
+    return (4, 1.6) if valves <= 16 else (5, 1.5) if valves <= 20 else (6, 1.4)
+
+
 def _draw_charts(
     names: PrintedNames, series: RoadSeries | None, chosen: tuple[str, ...], pressures: Pressures
 ) -> dict[str, str]:
@@ -128,7 +132,7 @@ def _draw_charts(
     if "picture" in chosen:
         verdicts = {land.key: land.verdict for land in diagnosis.lands}
         valves = {land.component for land in diagnosis.controller.lands}
-        columns, letters = (4, 1.6) if len(valves) <= _LARGE else (6, 1.0)
+        columns, letters = picture_look(len(valves))
         charts["picture"] = controller_svg(
             diagnosis.controller, verdicts, columns=columns, named=say.name, letters=letters
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -11,11 +12,11 @@ from typing import Any
 from atleak.equations.uncertainty import normal_cdf, normal_quantile
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import LandClearance, Reading
-from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
+from atleak.report.pdf.blocks import Block, PrintedColumn, facts, grouped_table, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.uncertainty import DECISIONS, RuleDecision, UnitUncertainty
-from atleak.views.land_names import has_number, land_number
+from atleak.views.land_names import component_words, has_number, land_number
 from atleak.workshop_units import MM, PERCENT, UM
 
 _DIRECTIONS = 4  # of measuring, beside one another in a table
@@ -50,6 +51,14 @@ class Annex:
         """Tell whether every component has a number, so that lands are named in a few signs."""
         return all(has_number(self.diagnosis.controller, land.key[0]) for land in self.diagnosis.lands)
 
+    def _by_valve(self, columns: Sequence[PrintedColumn], rows: Iterable[Any], of: Callable[[Any], str]) -> Block:
+        """Return a table of rows of one height: valves without numbers are named above their rows."""
+        if self._numbered:
+            return table(columns, rows)
+        controller, say = self.diagnosis.controller, self.say
+        grouped = itertools.groupby(rows, of)
+        return grouped_table(columns, ((component_words(controller, each, say), [*of_it]) for each, of_it in grouped))
+
     # --- decisions
 
     def decisions(self) -> Iterable[Block]:
@@ -67,7 +76,7 @@ class Annex:
         words = (f"{say.get('decisions', each)}: {counts[each]}" for each in DECISIONS if counts[each])
         yield text(say("annex.counted", lands=len(decided), counts=joined(words)), leads=True)
         yield table(self._columns_of_unit(), self._of_unit())
-        yield table(self._columns_of_lands(uncertainty), decided)
+        yield self._by_valve(self._columns_of_lands(uncertainty), decided, lambda land: land.key[0])
         yield text(say("annex.columns"), small=True)
 
     def expanded(self, uncertainty: UnitUncertainty) -> str:
@@ -117,7 +126,7 @@ class Annex:
             return "–" if decision is None else what(decision)
 
         return [
-            PrintedColumn(names.column("land"), names.land_number, width=1 if self._numbered else 4),
+            PrintedColumn(names.column("land"), names.land_number if self._numbered else names.land, width=1),
             PrintedColumn("c_r ± U", names.clearance, say.unit("clearance"), side="d"),
             PrintedColumn("Z ± U", self._wear, "%", side="d"),
             PrintedColumn(
@@ -189,11 +198,11 @@ class Annex:
         yield facts([[say(f"annex.{name}"), value] for name, value in rows])
         unit = say.unit("length")
         columns = [
-            PrintedColumn(self.names.column("land"), self._land, width=0 if self._numbered else 1),
+            PrintedColumn(self.names.column("land"), self._land),
             PrintedColumn(say("annex.part"), lambda row: say(f"annex.{row.part}")),
             PrintedColumn(say("annex.plane"), lambda row: row.plane, side="c"),
             *self._of_directions(readings.readings, unit),
-            PrintedColumn(say("annex.mean"), self._mean, unit, side="r"),
+            PrintedColumn(say("annex.mean"), self._mean, unit, width=1, side="r"),
             PrintedColumn(
                 say("annex.ovality"), lambda row: self._of_part(row, "ovality"), say.unit("clearance"), side="r"
             ),
@@ -202,7 +211,7 @@ class Annex:
                 say("annex.apart"), lambda row: self._of_part(row, "repeat_spread"), say.unit("clearance"), side="r"
             ),
         ]
-        yield table(columns, self._rows())
+        yield self._by_valve(columns, self._rows(), lambda row: row.component)
         yield text(say("annex.about_readings"), small=True)
 
     def _rows(self) -> Iterator[_Row]:
@@ -225,8 +234,10 @@ class Annex:
         yield from rows
 
     def _land(self, row: _Row) -> str:
-        controller = self.diagnosis.controller
-        return row.component if row.land is None else land_number(controller, row.land.land.key, self.say)
+        if self._numbered:
+            controller = self.diagnosis.controller
+            return row.component if row.land is None else land_number(controller, row.land.land.key, self.say)
+        return "–" if row.land is None else str(row.land.land.key[1])
 
     def _of_directions(self, readings: Sequence[Reading], unit: str) -> list[PrintedColumn]:
         """Return a column for each direction of measuring, or one for all of them where they are many.

@@ -343,8 +343,8 @@ class Body:
         taken = (
             say(
                 "facts.taken",
-                spool=uncertainty.instruments.spool.name,
-                sleeve=uncertainty.instruments.sleeve.name,
+                spool=say.name(uncertainty.instruments.spool.name),
+                sleeve=say.name(uncertainty.instruments.sleeve.name),
                 coverage=say.percent(uncertainty.coverage, 0),
                 guard=say.plain(uncertainty.guard_factor),
             )
@@ -418,13 +418,13 @@ class Body:
             values_of_lands = say("texts.representative_land", values=names, lands=joined(lands))
             items.append(say("texts.representative_lands", values=values_of_lands))
         if diagnosis.controller.pump.representative:
-            names = joined(diagnosis.controller.pump.representative)
+            names = joined(say.get("value_names", each) for each in diagnosis.controller.pump.representative)
             items.append(say("texts.representative_lands", values=names))
         if diagnosis.fluid_state_assumed:
             low, high = USED_THINNER
             items.append(say("texts.fluid_assumed", low=low, high=high))
         if diagnosis.fluid.representative:
-            names = joined(diagnosis.fluid.representative)
+            names = joined(say.get("value_names", each) for each in diagnosis.fluid.representative)
             items.append(f"{isolated(say.name(diagnosis.fluid.name))}: {say('facts.representative')}: {names}.")
         for status, key in (("spool_only", "assumed_sleeve"), ("sleeve_only", "assumed_spool"), ("not_measured",) * 2):
             lands = [self.names.land_number(land) for land in diagnosis.lands if land.state.status == status]

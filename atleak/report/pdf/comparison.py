@@ -125,7 +125,7 @@ class _Page:
             ("vin", either("vehicle", "vin")),
             ("transmission", joined([either("transmission", name) for name in ("maker", "code")], " ")),
             ("serial", either("transmission", "serial")),
-            ("controller", self.comparison.after.controller.name),
+            ("controller", say.name(self.comparison.after.controller.name)),
         ]
         visits = [[say(f"comparison.{side}"), self._visit(number)] for number, side in enumerate(("before", "after"))]
         return [[say(f"facts.{name}"), value] for name, value in rows if value] + [row for row in visits if row[1]]

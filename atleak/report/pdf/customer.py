@@ -7,7 +7,7 @@ stays one page: lists and the complaint are built in several lengths, and the te
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,7 +15,7 @@ from typing import Any
 from atleak.repair import Total
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.verdicts import Verdict
+from atleak.verdicts import Band, Verdict
 from atleak.views.drawing import controller_svg, shortened
 from atleak.views.first_sentence import shown_verdict
 from atleak.views.land_names import has_number
@@ -23,7 +23,7 @@ from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import HeldPressure, lowest_first, pressures_at
 from atleak.views.worn_valves import WORTH_SAYING, End, WornValve, part_of_leakage, worn_valves
 from atleak.wording import isolated
-from atleak.workshop_units import KPA
+from atleak.workshop_units import KPA, PERCENT
 
 DRAWING = "worn_valves"  # name of the drawing among a report's charts
 NAMED = 4  # valves that a sentence names
@@ -31,6 +31,7 @@ FELT = 2  # complaints, and ways of the oil, that are named for one valve
 _ROW = 6  # valves that are drawn, beside one another
 _ABREAST = 4  # for which there is room beside one another at the least, so that few are not drawn larger
 _LETTERS = 1.6  # against those of the drawing of all valves
+_DIGITS = 3  # decimals of a share at the most
 _FEW, _FEWEST = 3, 2  # sentences of a page that is full
 
 
@@ -58,6 +59,17 @@ LENGTHS = tuple(
         ),
     )
 )
+
+
+def digits_apart(totals: Iterable[Total]) -> int:
+    """Return the fewest decimals, one at least, with which shares of different bands are different numbers, too."""
+    totals = [*totals]
+
+    def apart(digits: int) -> bool:
+        bands: dict[float, Band] = {}
+        return all(bands.setdefault(round(each.share * PERCENT, digits), each.band) == each.band for each in totals)
+
+    return next(filter(apart, range(1, _DIGITS)), _DIGITS)
 
 
 class CustomerPage:
@@ -286,7 +298,7 @@ class CustomerPage:
             PrintedColumn(say("printed.verdict"), lambda each: self._signed(each.verdict)),
             PrintedColumn(say("customer.from_to"), self._paths, width=5),
             PrintedColumn(say("customer.felt"), self._felt, width=6),
-            PrintedColumn(say("customer.alone"), self._alone, width=4),
+            PrintedColumn(say("customer.alone"), self._alone, width=5),
         ]
         shortened_to = [self.valves[: each.valves] for each in LENGTHS]
         condition, part = self.names.condition(at.condition), say.percent(WORTH_SAYING, 0)
@@ -335,11 +347,16 @@ class CustomerPage:
         brings = valve.brings(self.diagnosis.worst)
         if brings is None:
             return ""
-        say = self.say
-        shares = (say.number(total.share * 100.0, 1) for total in (brings.before, brings.after))
-        before, after = shares
+        say, digits = self.say, self._digits_alone
+        before, after = (say.number(total.share * PERCENT, digits) for total in (brings.before, brings.after))
         words = say("customer.from_to_value", before=before, after=after)
         return {"sign": brings.after.band.verdict, "text": f"{words} {say.level(brings.after.band)}"}
+
+    @cached_property
+    def _digits_alone(self) -> int:
+        """Return the decimals of what each valve brings by itself."""
+        brought = filter(None, (valve.brings(self.diagnosis.worst) for valve in self.valves))
+        return digits_apart(total for each in brought for total in (each.before, each.after))
 
     def _drawing(self) -> Block | None:
         if not self.valves:
@@ -381,13 +398,14 @@ class CustomerPage:
         brings = first.brings(worst) if first is not None else None
         condition = self.names.condition(worst.condition)
         if first is not None and brings is not None and brings.saving > 0.0 and not alone:
+            digits = digits_apart((brings.before, brings.after))
             yield say(
                 "customer.do_first",
                 valve=self._valve(first.component),
                 condition=condition,
-                before=say.percent(brings.before.share),
+                before=say.percent(brings.before.share, digits),
                 band_before=say.level(brings.before.band),
-                after=say.percent(brings.after.share),
+                after=say.percent(brings.after.share, digits),
                 band_after=say.level(brings.after.band),
             )
         end = next((each for each in plan.ends if each.condition == worst.condition), None)
@@ -397,7 +415,13 @@ class CustomerPage:
 
     def _all(self, end: Total, condition: str) -> str:
         say = self.say
-        return say("customer.do_all", condition=condition, after=say.percent(end.share), band_after=say.level(end.band))
+        after, new = (say.percent(share) for share in (end.share, self.diagnosis.new_at(self.diagnosis.worst).share))
+        key = (
+            "do_all_tighter"
+            if end.share < self.diagnosis.new_at(self.diagnosis.worst).share and after != new
+            else "do_all"
+        )
+        return say(f"customer.{key}", condition=condition, after=after, band_after=say.level(end.band), new=new)
 
     # --- what it costs, and who signs
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 from atleak.engine.profile import UNKNOWN
@@ -24,6 +25,8 @@ from atleak.views.sentences import (
     reserve_sentence,
 )
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
+
+_ROOM = 7  # conditions for whose totals the page has room
 
 
 class Front:
@@ -54,7 +57,7 @@ class Front:
             ("technician", job.technician),
             ("complaint", job.complaint),
             ("fault_codes", joined(job.fault_codes)),
-            ("controller", self.diagnosis.controller.name),
+            ("controller", say.name(self.diagnosis.controller.name)),
         ]
         return [[say(f"facts.{name}"), value] for name, value in rows if value]
 
@@ -120,8 +123,17 @@ class Front:
             said.append(f"{named} {joined(circuits, '; ')}.")
         return said
 
+    @cached_property
+    def shown(self) -> tuple[Projection, ...]:
+        """Return the conditions whose totals stand on the page: all if there is room, else those that say the most."""
+        diagnosis = self.diagnosis
+        if len(diagnosis.presented) <= _ROOM:
+            return diagnosis.presented
+        most = [*diagnosis.reported, lowest_first(diagnosis)[0]]
+        return tuple(at for at in diagnosis.presented if any(at is other for other in most))
+
     def _totals(self) -> Block:
-        say, diagnosis = self.say, self.diagnosis
+        say = self.say
         temperature = PrintedColumn(
             say("printed.temperature"),
             lambda at: say.plain_value(at.condition.temperature, "temperature"),
@@ -129,7 +141,7 @@ class Front:
             side="r",
         )
         columns = [
-            *(() if all(map(self._names_temperature, diagnosis.reported)) else (temperature,)),
+            *(() if all(map(self._names_temperature, self.shown)) else (temperature,)),
             PrintedColumn(
                 say("printed.speed"),
                 lambda at: say.number(at.condition.engine_speed * RPM, 0),
@@ -156,7 +168,7 @@ class Front:
             PrintedColumn(say("printed.reserve"), lambda at: say.number(at.reserve, 2), side="r"),
             PrintedColumn(say("printed.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
         ]
-        return grouped_table(columns, ((self.names.condition(at.condition), [at]) for at in diagnosis.reported))
+        return grouped_table(columns, ((self.names.condition(at.condition), [at]) for at in self.shown))
 
     def _names_temperature(self, at: Projection) -> bool:
         """Tell whether the name of a condition ends in its temperature."""

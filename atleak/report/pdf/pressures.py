@@ -18,7 +18,7 @@ from atleak.views.pump_words import pump_sentence
 from atleak.views.sentences import circuit_sentence
 from atleak.workshop_units import KPA, RPM
 
-_DRAWN = 6  # lands drawn by themselves where the flow goes
+_DRAWN = 4  # lands drawn by themselves where the flow goes
 _LANDS = 4  # named as causes of one circuit's loss
 _SHOWS = 0.5  # [kPa] that a whole number shows
 

@@ -14,12 +14,12 @@ from atleak.job.record import Job
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair import RepairPlan, plan_repairs
 from atleak.report.estimate_words import EstimateWords
-from atleak.report.pdf.blocks import joined
 from atleak.rules import Rule
 from atleak.uncertainty import Decision, Remedy
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
 from atleak.views.land_names import component_words, land_number
 from atleak.views.road_instants import instant_record
+from atleak.views.rule_words import rule_name
 from atleak.views.sentences import rule_value
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
@@ -247,8 +247,4 @@ class PrintedNames:
 
     def rule_name(self, rule: Rule) -> str:
         """Return what a rule is about, with its condition and its circuit."""
-        if rule.kind.is_share and rule.condition is not None:
-            return self.say("rules.share_at", condition=self.condition(rule.condition))
-        at = "" if rule.condition is None else self.condition(rule.condition)
-        circuit, where = rule.circuit.name if rule.circuit else "", self.say.sentence(rule.where)
-        return joined((self.say(f"rules.{rule.kind}"), circuit, at, where))
+        return rule_name(rule, self.say, brief=True)

@@ -37,6 +37,7 @@ NUMBER_FORMATS = {
     "rho": "0.0000",
     "time": "0.00",
     "count": "0",
+    "degrees": "0.0",  # of freedom, effective ones
     "scientific": "0.00E+00",
     "plain": "General",
 }

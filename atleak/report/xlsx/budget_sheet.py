@@ -34,7 +34,7 @@ from atleak.report.xlsx.readings_sheet import PART_NAMES, ReadingCells
 from atleak.rules import LandKey
 from atleak.sentence import Name, Sentence
 from atleak.uncertainty.budget import MOST_BUDGETS, BudgetLine, combined, effective_degrees, every_line
-from atleak.uncertainty.sources import PARTS, LandSources
+from atleak.uncertainty.sources import OF_A_DIAMETER, PARTS, SLOPES, LandSources
 from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
 
@@ -167,8 +167,8 @@ class _Budget:
         if line.input_kind == "clearance":
             return 1.0
         if line.source.kind != "common calibration":
-            return 0.5
-        return {"sleeve": 0.5, "spool": -0.5, None: 0.0}[line.source.part]
+            return OF_A_DIAMETER
+        return 0.0 if line.source.part is None else SLOPES[line.source.part]
 
     def _input(self, line: BudgetLine) -> str:
         """Return the formula of the standard uncertainty of what a source is about [µm, or K]."""
@@ -289,7 +289,7 @@ class _Budget:
                 _WHOLE,
                 (
                     Cell("nu", u * UM, f"SQRT(SUMSQ({contributions}))", bold),
-                    Cell("temperature", known, degrees, {"align": "right"}),
+                    Cell("degrees", known, degrees, {"align": "right"}),
                     Cell("nu", k, f"NORMSINV((1+{COVERAGE})/2)"),
                     Cell("nu", k * u * UM, f"{cells[2]}*{cells[0]}", bold),
                 ),

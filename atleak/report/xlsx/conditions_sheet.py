@@ -12,7 +12,7 @@ from atleak.catalogue.pump import Pump
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import LeakFlow, Projection
 from atleak.report.xlsx.book import Book, cell
-from atleak.report.xlsx.constants import ORDERED_BELOW
+from atleak.report.xlsx.constants import ORDERED_BELOW, fluid_formulas
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.live_cells import (
     CHANGEABLE,
@@ -26,16 +26,8 @@ from atleak.report.xlsx.live_cells import (
     write_cell,
 )
 from atleak.report.xlsx.names import (
-    ABSOLUTE,
-    D341_A,
-    D341_B,
-    D341_SHIFT,
-    DENSITY,
-    DENSITY_AT,
-    DENSITY_SLOPE,
     LARGEST_SHARE,
     NOTHING_DELIVERED,
-    STUDY_NAMES,
     of_leak,
     of_relation,
     of_tips,
@@ -143,7 +135,7 @@ class ConditionsSheet:
             (Sentence("fluid"), f"{fluid_in_state(self.diagnosis, self.say)}; {fluid.source}"),
             (Sentence("profile"), self.diagnosis.profile.label),
             *(
-                (self.say("printed.condition"), f"{at.title}: {at.projection.condition.source}")
+                (self.say("printed.condition"), f"{at.title}: {self.say.name(at.projection.condition.source)}")
                 for at in self.conditions
             ),
         ]
@@ -237,17 +229,9 @@ class ConditionsSheet:
         temperature = at.projection.condition.temperature
         viscosity = fluid.kinematic_viscosity(temperature, model) * MM2_S
         density = fluid.density(temperature, model) * G_CM3
-        texts: tuple[str | None, str | None] = (None, None)
-        if model == "d341":
-            texts = (
-                f"10^(10^({D341_A}-{D341_B}*LOG10({at('T')}+{ABSOLUTE})))-{D341_SHIFT}",
-                f"{DENSITY}+{DENSITY_SLOPE}*({at('T')}-{DENSITY_AT})",
-            )
-        elif model == "regression":
-            nu, exponent, rho, per_kelvin = STUDY_NAMES
-            texts = (f"{nu}*EXP({exponent}*{at('T')})", f"{per_kelvin}*{at('T')}+{rho}")
-        yield Quantity(Sentence("kinematic viscosity ν"), "mm²/s", "nu", texts[0], viscosity, "nu")
-        yield Quantity(Sentence("density ρ"), "g/cm³", "rho", texts[1], density, "rho")
+        of_viscosity, of_density = fluid_formulas(model, at("T"))
+        yield Quantity(Sentence("kinematic viscosity ν"), "mm²/s", "nu", of_viscosity, viscosity, "nu")
+        yield Quantity(Sentence("density ρ"), "g/cm³", "rho", of_density, density, "rho")
 
     def _pump(self, at: SheetCondition) -> Iterable[Quantity]:
         engine, projection = self.diagnosis.model, at.projection

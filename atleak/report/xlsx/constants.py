@@ -191,6 +191,17 @@ def _of_fluid(fluid: Fluid, model: str) -> Iterable[Constant]:
             yield Constant(name, label, unit, value, source)
 
 
+def fluid_formulas(model: str, temperature: str) -> tuple[str | None, str | None]:
+    """Return the formulas of kinematic viscosity and density by the constants of their model; none of a table."""
+    if model == "d341":
+        viscosity = f"10^(10^({D341_A}-{D341_B}*LOG10({temperature}+{ABSOLUTE})))-{D341_SHIFT}"
+        return viscosity, f"{DENSITY}+{DENSITY_SLOPE}*({temperature}-{DENSITY_AT})"
+    if model == "regression":
+        nu, exponent, rho, per_kelvin = STUDY_NAMES
+        return f"{nu}*EXP({exponent}*{temperature})", f"{per_kelvin}*{temperature}+{rho}"
+    return None, None
+
+
 def _of_pressures(controller: Controller) -> Iterable[Constant]:
     """Return what pressures follow from others by, and the shares of them and steady pressures that gaps see."""
     file = Sentence("the valve body's file: {source}", source=controller.source)

@@ -91,7 +91,7 @@ class InstrumentCells:
                 write_cell(book, sheet, row, column, Cell(each.kind, each.value, each.formula, look))
                 book.workbook.define_name(of_part(part, each.name), f"={cell(row, column, self.sheet)}")
         last = 2 + len(columns[0])
-        for row, note in enumerate((*(each.source for each in self._known()), *_NOTES), start=last + 1):
+        for row, note in enumerate((*(Name(each.source) for each in self._known()), *_NOTES), start=last + 1):
             book.put(sheet, row, 0, note)
         self._newton(book, sheet, last + 6)
         sheet.set_column(0, 0, 62)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.section_pressures import SECTIONS, Pressure
 from atleak.diagnosis import Diagnosis
@@ -24,6 +26,7 @@ CHANGEABLE: Mapping[str, Any] = {"font_color": INPUT, "locked": False}  # what a
 AFTER_A_NUMBER: Mapping[str, Any] = {"align": "left", "indent": 1}  # text to the right of a column of numbers
 RANKED: tuple[Verdict, ...] = tuple(verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED)
 _SHEET_NAME = 31  # characters that Excel allows in a sheet's name
+_NOT_IN_A_SHEETS_NAME = re.compile(r"[\[\]:*?/\\'\x00-\x1f]")
 
 ColumnKey = str | tuple[str, str]  # a name, or a name and the prefix of a condition
 PER_KELVIN = 1e6  # expansions are shown in 1e-6/K
@@ -85,19 +88,27 @@ def sheet_conditions(diagnosis: Diagnosis, say: Wording) -> list[SheetCondition]
             continue
         name = at.condition.name
         prefix = f"_{name}" if name[0].isdigit() or name in RESERVED else name
-        sheet = _free_name(f"{gaps} {say.get('conditions', name).replace('_', ' ')}", made)
+        sheet = _free_name(f"{gaps} {_in_a_sheets_name(at.condition, say)}", made)
         made.append(SheetCondition(at, new, prefix, sheet, label, label))
     return made
 
 
+def _in_a_sheets_name(point: OperatingPoint, say: Wording) -> str:
+    """Return the name of an operating point, without its temperature, in letters that Excel takes in a sheet's name."""
+    if say.language == "en" or point.name in say.texts["conditions"]:
+        return say.get("conditions", point.name).replace("_", " ")
+    label = say.name(point.label).removesuffix(f", {point.temperature:g} °C")
+    return " ".join(_NOT_IN_A_SHEETS_NAME.sub(" ", label).split()) or point.name
+
+
 def _free_name(wanted: str, made: Iterable[SheetCondition]) -> str:
     """Return the name of a new sheet of gaps: the one wanted, cut and numbered where it is too long or taken."""
-    taken = {each.sheet for each in made}
-    name, number = wanted[:_SHEET_NAME], 1
-    while name in taken:
+    taken = {each.sheet.casefold() for each in made}
+    name, number = wanted if len(wanted) <= _SHEET_NAME else f"{wanted[: _SHEET_NAME - 1].rstrip()}…", 1
+    while name.casefold() in taken:
         number += 1
         ending = f" {number}"
-        name = wanted[: _SHEET_NAME - len(ending)] + ending
+        name = wanted[: _SHEET_NAME - len(ending)].rstrip() + ending
     return name
 
 

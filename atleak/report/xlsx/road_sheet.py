@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
@@ -41,25 +41,24 @@ class RoadSheets:
             (Sentence("duration [s]"), test.duration),
         ]
         row = self.book.pairs(sheet, 0, rows) + 1
-        row = self.write_findings(sheet, row) + 1
+        for sentence, leads in self.findings():
+            row = self.book.put_text(sheet, row, 0, sentence, self.book.bold if leads else None) + 1
+        row += 1
         row = self._places(sheet, row) + 1
         if road is not None:
             self._leakage(sheet, row, road)
         sheet.set_column(0, 0, 36)
         sheet.set_column(1, 40, 15)
 
-    def write_findings(self, sheet: Worksheet, row: int) -> int:
-        """Write what the log says and what to check next, one sentence a row; return the next free row."""
+    def findings(self) -> Iterator[tuple[str, bool]]:
+        """Give what the log says and what to check next, sentence by sentence, and whether it leads those below it."""
         say, log = self.book.say, self.log
         for sentence in (*pressure_sentences(log, say), *test_sentences(log, say), *log_sentences(log, say)):
-            row = self.book.put_text(sheet, row, 0, sentence) + 1
+            yield sentence, False
         checks = check_sentences(self.diagnosis, say)
         if checks:
-            self.book.put(sheet, row, 0, say("findings.check_next"), self.book.bold)
-            for number, check in enumerate(checks, start=1):
-                self.book.put(sheet, row + number, 0, check)
-            row += 1 + len(checks)
-        return row
+            yield say("findings.check_next"), True
+        yield from ((check, False) for check in checks)
 
     def _places(self, sheet: Worksheet, row: int) -> int:
         """Write main pressure in each gear and state beside what is permitted there."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.diagnosis import Diagnosis
@@ -13,7 +12,7 @@ from atleak.job.record import Job, Record
 from atleak.repair import RepairPlan, RepairStep, plan_repairs
 from atleak.report.estimate_words import open_words
 from atleak.report.xlsx.book import Book, cell, formula
-from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
+from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, Quantity, covers
 from atleak.report.xlsx.flagged_lands import OF_A_LAND, FlaggedLands
 from atleak.report.xlsx.headline import Headline
 from atleak.report.xlsx.live import LiveSheets
@@ -25,6 +24,7 @@ from atleak.report.xlsx.live_cells import (
     verdict_of_rank,
 )
 from atleak.report.xlsx.road_sheet import RoadSheets
+from atleak.report.xlsx.summary_page import SummaryPage
 from atleak.sentence import Name, Sentence
 from atleak.verdicts import BANDS, VERDICTS, Verdict
 from atleak.views.caveats import caveat_marks, caveats
@@ -37,7 +37,7 @@ from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import fluid_in_state, measuring_temperature
 from atleak.workshop_units import DM3_MIN, PERCENT
 
-#: columns of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
+#: rows of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
 _TOTALS = (
     "band", "decision", "leakage", "low", "high", "leakage_new", "growth", "share", "share_new", "share_concentric",
     "share_touching", "capacity", "n_min", "reserve", "reserve_new", "p_g", "p_g_held", "T", "n",
@@ -59,6 +59,7 @@ _OF_AN_OPTION = (
     Sentence("lands"),
     Sentence("source"),
 )
+_OF_A_STEP = (*OF_A_LAND, Sentence("total before [%]"), Sentence("total after [%]"), Sentence("band after"))
 _HOW_TO_CHANGE = (
     Sentence("Blue cells may be changed: everything in black follows from them."),
     Sentence(
@@ -71,7 +72,8 @@ _HOW_TO_CHANGE = (
     ),
 )
 _LEVELS: dict[MessageLevel, Sentence] = {"info": Sentence("info"), "warning": Sentence("warning")}
-_SENTENCE = 9  # last column of a long sentence
+_LEAST = 10  # columns of the summary: what stands alone is a long text
+_WORDED = ("name", "representative_note", "source")  # of an entry of the catalogue, in words
 MEASURE_FIRST = 6  # lands named for a complaint
 
 
@@ -90,15 +92,15 @@ class Sheets:
     def write_summary(self, sheet: Worksheet) -> None:
         """Write the verdict first, then totals, flagged lands and the order of repair."""
         book, record, diagnosis = self.book, self.record, self.diagnosis
-        for column, width in enumerate((46, 28, 16)):
-            sheet.set_column(column, column, width)
-        sheet.set_column(3, len(_TOTALS), 14)
+        plan = None if diagnosis.without_sheet else plan_repairs(diagnosis)
+        flagged = FlaggedLands(book, diagnosis, self.live, self.headline)
+        page = SummaryPage(book, sheet, max(_LEAST, flagged.columns, *(self._columns(plan) if plan else ())))
         title = self.say("title.report")
         self.book.put(
             sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title
         )
         sheet.set_row(0, 24)
-        self._verdict(sheet, 1)
+        self._verdict(page, 1)
         vehicle, box = self.job.vehicle, self.job.transmission
         rows: list[tuple[str, Any]] = [
             (Sentence("job"), self.job.number),
@@ -116,22 +118,27 @@ class Sheets:
             (Sentence("measured at"), measuring_temperature(diagnosis, self.say)),
             (Sentence("road test"), diagnosis.log.road_test.file if diagnosis.log else None),
             (Sentence("gauge readings"), diagnosis.pressures.table.file if diagnosis.pressures else None),
-            (Sentence("representative"), record["controller"]["representative_note"]),
+            (Sentence("representative"), Name(record["controller"]["representative_note"] or "")),
             *self._complaint(),
         ]
-        row = book.pairs(sheet, 5, rows) + 1
-        if diagnosis.without_sheet:
-            self.book.put(sheet, row, 0, self.say("findings.alone"))
+        row = page.pairs(5, rows) + 1
+        if plan is None:
+            row = page.across(row, self.say("findings.alone"))
             if diagnosis.log is not None:
-                RoadSheets(book, diagnosis, diagnosis.log).write_findings(sheet, row + 1)
-            return
-        row = self._totals(sheet, row) + 1
-        row = FlaggedLands(book, diagnosis, self.live, self.headline).write(sheet, row) + 1
-        row = self._repair(sheet, row) + 1
-        for note in _HOW_TO_CHANGE:
-            self.book.put(sheet, row, 0, note)
-            row += 1
-        sheet.print_area(0, 0, row - 1, len(_TOTALS))  # a long text beside it would shrink the page
+                for sentence, leads in RoadSheets(book, diagnosis, diagnosis.log).findings():
+                    row = page.across(row, sentence, bold=leads)
+        else:
+            row = self._totals(page, row) + 1
+            row = flagged.write(page, row) + 1
+            row = self._repair(page, row, plan) + 1
+            for note in _HOW_TO_CHANGE:
+                row = page.across(row, note)
+        sheet.print_area(0, 0, row - 1, page.last)  # the title may run further
+
+    def _columns(self, plan: RepairPlan) -> tuple[int, ...]:
+        """Return how many columns the tables of totals, of the order of repair and of the repairs have."""
+        steps = len(_OF_A_STEP) + len(plan.ends) + 1 if plan.steps else 0
+        return 1 + len(self.live.conditions), steps, len(_OF_AN_OPTION) + 1
 
     def _complaint(self) -> list[tuple[str, Any]]:
         """Return the customer's complaint, where it shows and which lands to measure first."""
@@ -148,64 +155,65 @@ class Sheets:
             *((f"{number}.", land) for number, land in enumerate(lands, start=1)),
         ]
 
-    def _verdict(self, sheet: Worksheet, row: int) -> None:
+    def _verdict(self, page: SummaryPage, row: int) -> None:
         """Write the verdict of the unit as it follows from the workbook's rules, and below it the one issued."""
         book, diagnosis = self.book, self.diagnosis
-        self.book.put(sheet, row, 0, Sentence("verdict of the unit"), book.bold)
+        page.text(row, 0, Sentence("verdict of the unit"), bold=True)
+        known = self.say.signed(diagnosis.verdict)
         if diagnosis.judged:  # half a pair is never called ok
             fine = Verdict.OK if any(land.state.can_be_ok for land in diagnosis.lands) else Verdict.NOT_MEASURED
-            verdict = verdict_of_rank(self.headline.rank, self.say, fine)
-            formula(sheet, row, 1, verdict, self.say.signed(diagnosis.verdict), book.bold)
+            page.formula(row, 1, verdict_of_rank(self.headline.rank, self.say, fine), known, bold=True)
         else:
-            self.book.put(sheet, row, 1, self.say.signed(diagnosis.verdict), book.bold)
-        book.colour_words(sheet, (row, 1), (row, 1), VERDICTS)
-        said = f"{self.say.signed(diagnosis.verdict)}: {first_sentence(diagnosis, self.say)}"
+            page.text(row, 1, known, bold=True)
+        book.colour_words(page.sheet, (row, 1), (row, 1), VERDICTS)
+        said = f"{known}: {first_sentence(diagnosis, self.say)}"
         marks = caveat_marks(diagnosis, self.say)
         marked = [f"{', '.join(marks).capitalize()}."] if marks else []
         if diagnosis.judged:
-            book.put(sheet, row + 1, 0, Sentence("by the numbers of this workbook"), book.bold)
-            wrapped = self._wide(sheet, row + 1, self.headline.issued)
-            formula(sheet, row + 1, 1, self.headline.formula(cell(row, 1)), self.headline.issued, wrapped)
-        book.put(sheet, row + 2, 0, Sentence("as issued"), book.bold)
-        issued = " ".join([*marked, said, *caveats(diagnosis, self.say)])
-        book.put(sheet, row + 2, 1, issued, self._wide(sheet, row + 2, issued))
+            page.text(row + 1, 0, Sentence("by the numbers of this workbook"), bold=True)
+            follows = self.headline.formula(cell(row, 1))
+            page.formula(row + 1, 1, follows, self.headline.issued, page.last)
+        page.text(row + 2, 0, Sentence("as issued"), bold=True)
+        page.text(row + 2, 1, " ".join([*marked, said, *caveats(diagnosis, self.say)]), page.last)
 
-    def _wide(self, sheet: Worksheet, row: int, text: str) -> Format:
-        """Make room for a long sentence beside its label, over several columns and lines; return its format."""
-        wrapped = self.book.wrapped
-        sheet.merge_range(row, 1, row, _SENTENCE, "", wrapped)
-        sheet.set_row(row, 15.0 * (1 + len(text) // (_SENTENCE * 14)))
-        return wrapped
+    def _totals(self, page: SummaryPage, row: int) -> int:
+        """Write each condition's total beside the same unit new, how sure its band is, and as the spools may lie.
 
-    def _totals(self, sheet: Worksheet, row: int) -> int:
-        """Write each condition's total beside the same unit new, how sure its band is, and as the spools may lie."""
-        book, live = self.book, self.live
-        left, first = {"align": "left"}, row + 1
-        for row, at in enumerate(live.conditions, start=first):
-            quantities, issued = live.totals.quantities(at), self._issued(at)
-            if row == first:
-                headings = [_ISSUED.get(name) or quantities[name].heading for name in _TOTALS]
-                book.headings(sheet, first - 1, [self.say("printed.condition"), *headings], lines=5)
+        Every condition has a column, every quantity a row.
+        """
+        live, first = self.live, row + 1
+        page.text(row, 0, self.say("printed.condition"), bold=True)
+        for column, at in enumerate(live.conditions, start=1):
             worst = at.projection is self.diagnosis.worst and len(live.conditions) > 1
-            self.book.put(
-                sheet, row, 0, Sentence("{condition}; the worst, as issued", condition=at.label) if worst else at.label
-            )
-            for column, name in enumerate(_TOTALS, start=1):
-                if name in _ISSUED:
-                    self.book.put(sheet, row, column, issued.get(name), book.form("flow", **left))
+            label = Sentence("{condition}; the worst, as issued", condition=at.label) if worst else at.label
+            page.text(row, column, label, bold=True)
+            quantities, issued = live.totals.quantities(at), self._issued(at)
+            for line, name in enumerate(_TOTALS, start=first):
+                if column == 1:
+                    page.text(line, 0, _ISSUED.get(name) or quantities[name].heading)
+                if name not in _ISSUED:
+                    self._total(page, line, column, at(name), quantities[name])
+                elif name == "decision":
+                    page.text(line, column, issued.get(name))
                 else:
-                    now = quantities[name]
-                    formula(sheet, row, column, at(name), now.value, book.form(now.kind, **left))
-        book.colour_words(sheet, (first, 1), (row, 1), BANDS)
+                    self.book.put(page.sheet, line, column, issued.get(name), page.number("flow"))
+        band = first + _TOTALS.index("band")
+        self.book.colour_words(page.sheet, (band, 1), (band, len(live.conditions)), BANDS)
         flows = Sentence(
             "Flows: {spools}. {lie} {demand}",
             spools=spools_taken(self.diagnosis.profile),
             lie=AS_SPOOLS_MAY_LIE,
             demand=DEMAND,
         )
-        self.book.put(sheet, row + 1, 0, flows)
-        self.book.put(sheet, row + 2, 0, covers(self.diagnosis, self.say))
-        return row + 3
+        row = page.across(first + len(_TOTALS), flows)
+        return page.across(row, covers(self.diagnosis, self.say))
+
+    def _total(self, page: SummaryPage, row: int, column: int, name: str, now: Quantity) -> None:
+        """Write what a quantity of the sheet of conditions is there."""
+        if isinstance(now.value, str):
+            page.formula(row, column, name, self.book.words(now.value))
+        else:
+            formula(page.sheet, row, column, name, now.value, page.number(now.kind))
 
     def _issued(self, at: SheetCondition) -> dict[str, Any]:
         """Return how sure the band of a total is and the interval of its leakage; nothing of a unit not measured."""
@@ -216,72 +224,62 @@ class Sheets:
         low, high = (end * DM3_MIN for end in total.leakage_interval)
         return {"decision": self.say.get("decisions", total.decision.decision), "low": low, "high": high}
 
-    def _repair(self, sheet: Worksheet, row: int) -> int:
-        plan, book = plan_repairs(self.diagnosis), self.book
+    def _repair(self, page: SummaryPage, row: int, plan: RepairPlan) -> int:
         order = Sentence("Order of repair as issued: each land is made as new after those before it")
         if plan.cost:
             order = Sentence(
                 "Order of repair as issued: each land is as its repair leaves it, or as new, after those before it"
             )
-        book.put(sheet, row, 0, order, book.bold)
-        row += 1
+        row = page.across(row, order, bold=True)
         if plan.steps:
-            names = [*OF_A_LAND, Sentence("total before [%]"), Sentence("total after [%]"), Sentence("band after")]
-            names += [Sentence("total after [%], {condition}", condition=total.condition) for total in plan.ends]
-            names.append(Sentence("helps most at"))
-            book.headings(sheet, row, names, lines=3)
+            ends = [Sentence("total after [%], {condition}", condition=total.condition) for total in plan.ends]
+            page.headings(row, [*_OF_A_STEP, *ends, Sentence("helps most at")])
             first = row + 1
             for row, step in enumerate(plan.steps, start=first):
-                self._step(sheet, row, step)
-            book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
-            book.colour_words(sheet, (first, 6), (row, 6), BANDS)
-            row = self._options(sheet, row + 1, plan)
+                self._step(page, row, step)
+            self.book.colour_words(page.sheet, (first, 2), (row, 2), VERDICTS)
+            self.book.colour_words(page.sheet, (first, 6), (row, 6), BANDS)
+            row = self._options(page, row + 1, plan)
         for sentence in (
             *plan_ends(plan, self.say),
             *open_words(self.diagnosis, self.job, self.say, closing=True),
         ):
-            self.book.put(sheet, row, 0, sentence)
-            row += 1
+            row = page.across(row, sentence)
         return row
 
-    def _options(self, sheet: Worksheet, row: int, plan: RepairPlan) -> int:
+    def _options(self, page: SummaryPage, row: int, plan: RepairPlan) -> int:
         """Write the repairs that the valve body's file names for the plan's lands; return the next free row."""
-        rows, book, say = option_rows(plan), self.book, self.say
+        rows, say = option_rows(plan), self.say
         if not rows:
             return row
         leaves = Sentence("leaves [{unit}]", unit=say.unit("clearance"))
-        book.headings(sheet, row, [*_OF_AN_OPTION[:4], leaves, *_OF_AN_OPTION[4:]])
+        page.headings(row, [*_OF_AN_OPTION[:4], leaves, *_OF_AN_OPTION[4:]])
         for at, each in enumerate(rows, start=row + 1):
             repair = each.option.repair
             values: list[Any] = [each.number, each.name(say), each.use(say), repair.id, each.leaves(say), repair.price]
             values += [repair.currency, repair.hours, repair.tool, each.lands, repair.source]
             for column, value in enumerate(values):
-                if value is not None:
-                    self.book.put(sheet, at, column, value, book.form(align="left"))
+                if isinstance(value, str):
+                    page.text(at, column, value, page.last if column == len(_OF_AN_OPTION) else None)
+                elif value is not None:
+                    self.book.put(page.sheet, at, column, value, page.number("plain"))
         return row + len(rows) + 1
 
-    def _step(self, sheet: Worksheet, row: int, step: RepairStep) -> None:
-        book, (component, land) = self.book, step.land.key
-        words = (
-            component,
-            Name(self.diagnosis.controller.components[component]),
-            self.say.signed(step.land.verdict),
-            land,
-        )
-        for column, value in enumerate(words):
-            self.book.put(sheet, row, column, value, book.form(align="left"))
+    def _step(self, page: SummaryPage, row: int, step: RepairStep) -> None:
+        (component, land), sheet = step.land.key, page.sheet
+        name, verdict = Name(self.diagnosis.controller.components[component]), self.say.signed(step.land.verdict)
+        for column, text in enumerate((component, name, verdict)):
+            page.text(row, column, text)
+        self.book.put(sheet, row, 3, land, self.book.form(align="left"))
+        share = page.number("share")
         if step.helps:
             for column, total in enumerate((step.at.before, step.at.after), start=4):
-                self.book.put(sheet, row, column, total.share * PERCENT, book.form("share", align="left"))
-            self.book.put(sheet, row, 6, self.say.level(step.at.after.band))
+                self.book.put(sheet, row, column, total.share * PERCENT, share)
+            page.text(row, 6, self.say.level(step.at.after.band))
         for column, each in enumerate(step.conditions, start=7):
-            self.book.put(sheet, row, column, each.after.share * PERCENT, book.form("share", align="left"))
-        self.book.put(
-            sheet,
-            row,
-            7 + len(step.conditions),
-            self.say.condition(step.at.condition) if step.helps else no_help(step, self.say),
-        )
+            self.book.put(sheet, row, column, each.after.share * PERCENT, share)
+        helps = self.say.condition(step.at.condition) if step.helps else no_help(step, self.say)
+        page.text(row, 7 + len(step.conditions), helps, page.last)
 
     # --- matrix
 
@@ -375,7 +373,7 @@ class Sheets:
         for name, entry in entries.items():
             self.book.put(sheet, row, 0, self._field(name), self.book.heading)
             wanted = {key: value for key, value in entry.items() if isinstance(value, str | int | float | bool | list)}
-            pairs = [(self._field(key), self._plain(key, value)) for key, value in wanted.items()]
+            pairs = [(self._field(key), self._of_catalogue(key, value)) for key, value in wanted.items()]
             row = self.book.pairs(sheet, row + 1, pairs, 94) + 1
         sheet.set_column(0, 0, 24)
         sheet.set_column(1, 1, 100)
@@ -387,6 +385,12 @@ class Sheets:
     def _field(self, name: str) -> str:
         """Return a field's name as people read it: ``mileage_km`` → ``mileage [km]``."""
         return self.say.get("record_fields", name)
+
+    def _of_catalogue(self, name: str, value: Any) -> Any:
+        """Return what is known of an entry of the catalogue, in the reader's language where its words are known."""
+        if name == "state":
+            return self.say.get("fluid_data", value)
+        return Name(value) if name in _WORDED else self._plain(name, value)
 
     def _plain(self, name: str, value: Any) -> Any:
         if isinstance(value, list | tuple):

@@ -108,7 +108,7 @@ def test_amounts_are_rounded_half_up_and_what_is_unknown_is_named_and_in_no_sum(
     apart = estimate(worn, declined)
     assert apart.sums["declined"].net is None
     said = " ".join(open_words(worn, declined, wording("en"), closing=True))
-    assert f"Declined, and no reason is given: {PR}/2." in said
+    assert "Declined, and no reason is given: pressure regulator valve/2." in said
     yen = estimate(worn, Job(estimate={"currency": "JPY"}, repair_decisions=[{"component": ACC, "price": 1200.5}]))
     assert line_of(yen, ACC).part == Decimal("1201")
 

@@ -37,7 +37,7 @@ def test_what_is_typed_of_a_line_stays_on_every_page_and_counts_in_the_sums(app:
     assert list(sums["Work"]) == ["≥ 119.38", "–"]
     go(app, "6_Report")
     assert app.session_state["job-record"].repair_decisions == job.repair_decisions
-    assert "To be replaced, and at most proposed so far" in texts(app)  # the first is only proposed
+    assert "To be replaced, and not decided yet" in texts(app)  # the first is only proposed
     go(app, "13_Estimate")
     assert not app.exception
     assert app.session_state["job-record"] == job

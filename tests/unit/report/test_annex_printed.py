@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import datetime as dt
+import json
 import re
 from dataclasses import replace
+from itertools import pairwise
+from types import MappingProxyType
 from typing import Any
 
 import pypdfium2
 import pytest
 
-from atleak.diagnosis import Diagnosis
+from atleak.catalogue.controller_reading import load_controller
+from atleak.diagnosis import Diagnosis, diagnose
 from atleak.equations.uncertainty import normal_cdf
 from atleak.job.record import Job
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.annex import Annex
 from atleak.report.pdf.body import Body
 from atleak.report.pdf.budget import Budget
+from atleak.report.pdf.front import Front
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.uncertainty.budget import MOST_BUDGETS
 from atleak.views.diagnosis_record import diagnosis_record
@@ -101,6 +106,59 @@ def test_all_rows_of_readings_are_of_one_height(worn: Diagnosis, directions: int
     assert letters < 115 or directions > 4, "one line of 9 points holds no more"
 
 
+@pytest.fixture(scope="module")
+def long_names(hipol, limits, readings_of) -> Diagnosis:
+    """A unit whose valves have long names and no numbers: two lands are worn, the others not measured."""
+    controller = load_controller("five_speed_2005")
+    lands = (controller.land("boost_valve", 1), controller.land("manual_valve", 3))
+    worn = {land.key: (land.nominal_diameter, land.nominal_diameter + 90e-6) for land in lands}
+    return diagnose(controller, hipol, limits, readings=readings_of(controller, worn))
+
+
+def test_long_names_of_valves_stand_above_rows_of_one_height(hipol, limits, readings_of) -> None:
+    small, valve = (
+        load_controller("minimal_example"),
+        "Leitungsdruck-Verstärkungsventil der Wandlerüberbrückungskupplung",
+    )
+    called = {name: f"Ventil {number}" if number else valve for number, name in enumerate(small.components)}
+    controller = replace(small, components=MappingProxyType(called))
+    as_new = {land.key: (land.nominal_diameter, land.nominal_diameter + 20e-6) for land in controller.lands}
+    found = diagnose(controller, hipol, limits, readings=readings_of(controller, as_new))
+    with pypdfium2.PdfDocument(write_pdf(found, JOB, sections=["readings"], language="de")) as document:
+        written = "\n".join(page.get_textpage().get_text_bounded() for page in document)
+        page = document[1].get_textpage()
+        boxes = [page.get_rect(each) for each in range(page.count_rects())]
+        rows = {round(box[1], 1) for box in boxes if re.fullmatch(r"(Hülse|Schieber)\s*", page.get_text_bounded(*box))}
+    apart = [round(above - below, 1) for below, above in pairwise(sorted(rows))]
+    row = min(apart)
+    assert len(apart) >= 3
+    assert [each for each in apart if abs(each - row) > 0.3 and abs(each - 2.0 * row) > 0.3] == [], "one line each"
+    assert valve in written, "whole, and not broken"
+
+
+@pytest.mark.parametrize("language", languages())
+def test_every_name_on_paper_is_in_words_and_in_the_reader_s_language(long_names: Diagnosis, language: str) -> None:
+    names = names_of(long_names, Job(repair_decisions=[{"component": "boost_valve", "decision": "declined"}]), language)
+    say, controller = names.say, long_names.controller
+    sections = Body(names, None, {}).sections(["repair", "conditions", "assumptions", "messages", "decisions"], {})
+    said = json.dumps([Front(names).facts(), sections], ensure_ascii=False)
+    assert not re.search(r"[a-z]_(valve|um|part|mm3|per_k|engagement)", said), "no id of a file"
+    assert say.name(controller.name) in said
+    assert say.name(long_names.uncertainty.instruments.spool.name) in said
+    for rule in long_names.pressure_rules_at(long_names.worst):
+        if rule.circuit is not None:
+            assert say.name(rule.circuit.name) in names.rule_name(rule)
+            assert say.sentence(rule.quantity) in names.rule_name(rule), "as the workbook words it"
+
+
+def test_the_totals_stand_with_every_condition_that_has_room(long_names: Diagnosis) -> None:
+    names = names_of(long_names)
+    totals = Front(names).verdict()["totals"]
+    titles = [row[0] for row in totals["rows"] if len(row) == 1]
+    assert titles == [names.condition(each.condition) for each in long_names.presented]
+    assert len(titles) > len(long_names.reported)
+
+
 def test_a_reading_that_does_not_count_stands_in_brackets(worn: Diagnosis) -> None:
     land = worn.lands[0]
     doubt = next((each for each in land.state.doubts), None)
@@ -116,8 +174,6 @@ def test_a_reading_that_does_not_count_stands_in_brackets(worn: Diagnosis) -> No
 
 
 def judged(worn: Diagnosis, readings: Any) -> Diagnosis:
-    from atleak.diagnosis import diagnose
-
     return diagnose(worn.controller, worn.fluid, worn.limits, readings=readings)
 
 

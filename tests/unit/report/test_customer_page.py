@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import pypdfium2
 import pytest
@@ -18,9 +19,9 @@ from atleak.job.record import Job
 from atleak.readings import Reading, Readings
 from atleak.repair import plan_repairs
 from atleak.report.pdf import write_pdf
-from atleak.report.pdf.customer import CustomerPage
+from atleak.report.pdf.customer import CustomerPage, digits_apart
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.verdicts import Verdict
+from atleak.verdicts import Band, Verdict
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.worn_valves import WORTH_SAYING, End, part_of_leakage, worn_valves
 from atleak.wording import languages, wording
@@ -234,6 +235,29 @@ def test_oil_leaks_into_a_section_the_sump_or_a_fixed_pressure_and_each_is_told_
     found = replace(aside, controller=replace(aside.controller, gaps=tuple(ends.values())))
     valve = next(each for each in worn_valves(found, choice) if each.component == "6")
     assert [low for _, low in valve.paths] == [*ends]
+
+
+@pytest.mark.parametrize(
+    ("shares", "bands", "digits"),
+    [
+        ((0.1174, 0.0922), (Band.RED, Band.GREEN), 1),
+        ((0.1153, 0.1154), (Band.AMBER, Band.AMBER), 1),
+        ((0.1153, 0.1154), (Band.AMBER, Band.RED), 2),
+        ((0.15, 0.15), (Band.AMBER, Band.RED), 3),
+    ],
+)
+def test_shares_of_different_bands_are_printed_as_different_numbers(shares, bands, digits):
+    totals = [SimpleNamespace(share=share, band=band) for share, band in zip(shares, bands, strict=True)]
+    assert digits_apart(totals) == digits
+
+
+def test_a_loss_after_all_repairs_that_is_under_that_of_a_new_unit_is_explained(grown):
+    found = grown({("25", 1): 2.0, ("26", 2): -0.6})
+    end = next(each for each in plan_repairs(found).ends if each.condition == found.worst.condition)
+    page = CustomerPage(PrintedNames(found, diagnosis_record(found), Job(), wording("en")), signed=False)
+    said = page.data()["do"]["texts"][0]
+    assert end.share < found.new_at(found.worst).share
+    assert f"less than the {wording('en').percent(found.new_at(found.worst).share)} of a new unit" in said
 
 
 @pytest.mark.parametrize("language", languages())

@@ -16,7 +16,9 @@ from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.readings import Readings
 from atleak.report.xlsx import write_workbook
+from atleak.report.xlsx.book import NUMBER_FORMATS
 from atleak.uncertainty.budget import MOST_BUDGETS, combined, effective_degrees, every_line
+from atleak.uncertainty.sources import OF_A_DIAMETER, SLOPES
 from atleak.wording import wording
 
 from ..conftest import worn_readings
@@ -271,3 +273,28 @@ def test_a_slip_left_out_is_marked_and_counts_again_when_chosen(by_diameters, ca
     assert before == pytest.approx(found.lands[0].state.spool_diameter * 1e3, abs=1e-12)
     sheets.set("Readings", rows[0][counts - 1].coordinate, "yes")
     assert sheets.value("Lands", f"{spool}2") > before + 0.001
+
+
+@pytest.fixture(scope="module")
+def with_other_temperatures(by_coordinates) -> Any:
+    """The sheet of budgets, where temperatures are shown with three decimals."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(NUMBER_FORMATS, "temperature", "0.000")
+        return openpyxl.load_workbook(io.BytesIO(write_workbook(by_coordinates.found)))[SHEET]
+
+
+def test_degrees_of_freedom_are_no_temperature(with_other_temperatures):
+    rows = [row for row in with_other_temperatures.iter_rows() if str(row[0].value).startswith(WHOLE[1])]
+    assert {row[6].number_format for row in rows} == {"0.0"}
+
+
+def test_the_slope_of_an_error_is_that_with_which_it_was_collected(with_other_temperatures, by_diameters):
+    assert SLOPES == {"spool": -OF_A_DIAMETER, "sleeve": OF_A_DIAMETER}
+    for line in every_line(by_diameters.found.flagged[0].uncertainty.sources):
+        if line.input_kind == "diameter" and line.input_uncertainty:
+            common = line.source.kind == "common calibration"
+            assert line.sensitivity == pytest.approx(
+                SLOPES[line.source.part] if common else OF_A_DIAMETER, rel=1e-15, abs=0.0
+            )
+    slopes = {row[5].value for row in with_other_temperatures.iter_rows() if row[0].value == "sleeve: calibration"}
+    assert slopes == {OF_A_DIAMETER}

@@ -4,16 +4,26 @@ from __future__ import annotations
 
 import io
 import re
+import textwrap
 import zipfile
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
 
 import openpyxl
 import pytest
+from openpyxl.utils import get_column_letter
 
+from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.instruments import instruments
+from atleak.catalogue.limits import load_limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.look import INPUT
 from atleak.report.xlsx import write_workbook
+from atleak.report.xlsx.constants import fluid_formulas
+from atleak.report.xlsx.live_cells import sheet_conditions
 from atleak.wording import wording
 
 #: What a formula may hold itself: halves, squares, cubes and fourth powers, ranks and places, the 12 of flow between
@@ -104,12 +114,105 @@ def test_what_is_blue_is_open_and_all_else_is_protected_without_a_password(book)
     assert differing == []
 
 
-@pytest.mark.parametrize("language", ["en", pytest.param("de", marks=pytest.mark.slow), "pl"])
-def test_the_first_sheet_says_that_there_is_no_password(worn_clutch, language):
-    book = openpyxl.load_workbook(io.BytesIO(write_workbook(worn_clutch, language=language)), data_only=True)
-    said = {"en": "without a password", "de": "ohne Kennwort", "pl": "bez hasła"}[language]
+OF_THE_EXAMPLE = "Every number of this example is representative."
+
+
+@pytest.fixture(scope="module", params=["en", pytest.param("de", marks=pytest.mark.slow), "pl"])
+def said(request, worn_clutch) -> tuple[str, openpyxl.Workbook]:
+    """A language, and the workbook in it, of a valve body that says what the shipped example says of itself."""
+    controller = replace(worn_clutch.controller, representative=OF_THE_EXAMPLE)
+    content = write_workbook(replace(worn_clutch, controller=controller), language=request.param)
+    return request.param, openpyxl.load_workbook(io.BytesIO(content), data_only=True)
+
+
+def test_the_first_sheet_says_that_there_is_no_password(said):
+    language, book = said
+    word = {"en": "without a password", "de": "ohne Kennwort", "pl": "bez hasła"}[language]
     texts = [str(cell.value) for row in book.worksheets[0].iter_rows() for cell in row if cell.value]
-    assert [text for text in texts if said in text]
+    assert [text for text in texts if word in text]
+
+
+LINE = 15.0  # [pt] of Calibri 11, which is also the height of a row that has none of its own
+
+
+def widths_of(sheet: Any) -> dict[str, float]:
+    """The width [characters] of each column."""
+    columns = sheet.column_dimensions.values()
+    return {get_column_letter(at): each.width for each in columns for at in range(each.min, each.max + 1)}
+
+
+def clipped(sheet: Any) -> list[str]:
+    """The texts that have less room than they need: cut by a neighbour, at the bottom, or within a word."""
+    widths, merged = widths_of(sheet), {each.coord.partition(":")[0]: each for each in sheet.merged_cells.ranges}
+    found = []
+    for cell in (cell for row in sheet.iter_rows(min_row=2) for cell in row if isinstance(cell.value, str)):
+        columns = (
+            range(cell.column, merged[cell.coordinate].max_col + 1) if cell.coordinate in merged else [cell.column]
+        )
+        width = int(sum(widths[get_column_letter(at)] for at in columns))
+        lines = textwrap.wrap(cell.value, width, break_long_words=False) or [""]
+        lines = lines if cell.alignment.wrap_text else [cell.value]
+        high = (sheet.row_dimensions[cell.row].height or LINE) >= LINE * len(lines)
+        if max(map(len, lines)) > width or not high:
+            found.append(cell.value)
+    return found
+
+
+def printed_size(sheet: Any) -> float:
+    """The part of its size at which a sheet that fits the width of a page in landscape is printed."""
+    assert (sheet.page_setup.orientation, sheet.sheet_properties.pageSetUpPr.fitToPage) == ("landscape", True)
+    paper = {"9": 11.69, "1": 11.0}[str(sheet.page_setup.paperSize)]
+    wide = sum((7 * width + 5) / 96 for width in widths_of(sheet).values())  # [in]
+    return (paper - sheet.page_margins.left - sheet.page_margins.right) / wide
+
+
+def test_every_text_of_the_summary_has_the_room_it_needs_and_prints_large_enough(said):
+    summary = said[1].worksheets[0]
+    assert clipped(summary) == []
+    assert printed_size(summary) > 0.7
+    area = summary.print_area.replace("$", "").partition("!")[2]
+    assert area == f"A1:{get_column_letter(len(widths_of(summary)))}{summary.max_row}"
+
+
+@pytest.mark.slow  # its columns are more
+def test_the_summary_of_a_unit_with_seven_conditions_prints_large_enough_too():
+    found = diagnose(load_controller("gm_4l60e"), load_fluid("hipol_atf_iid"), load_limits("project_default"))
+    summary = openpyxl.load_workbook(io.BytesIO(write_workbook(found))).worksheets[0]
+    assert len(found.projections) == 7
+    assert printed_size(summary) > 0.7
+
+
+def test_what_the_catalogue_says_of_itself_is_in_the_reader_s_language(said):
+    language, book = said
+    texts = {str(cell.value) for sheet in book for row in sheet.iter_rows() for cell in row if cell.value}
+    sources = {each.source for each in instruments() if each.id in ("bore_gauge", "workshop_microscope")}
+    english = {"fresh", "instrument", OF_THE_EXAMPLE, *sources}
+    assert texts & english == (english if language == "en" else set())
+
+
+def test_tabs_of_conditions_are_named_in_the_reader_s_language():
+    found = diagnose(load_controller("five_speed_2005"), load_fluid("hipol_atf_iid"), load_limits("project_default"))
+    tabs = {
+        language: [at.sheet for at in sheet_conditions(found, wording(language))[1:]] for language in ("en", "de", "pl")
+    }
+    assert tabs["en"] == ["Gaps hot idle", "Gaps reverse idle", "Gaps stall", "Gaps cruising fifth"]
+    assert tabs["de"][1:3] == ["Leckspalte heißer Leerlauf in R", "Leckspalte Festbremsen in D"]
+    assert tabs["pl"][1:3] == ["Szczeliny gorący bieg jałowy w…", "Szczeliny próba stall w D"]
+    assert all(len(name) <= 31 for names in tabs.values() for name in names)
+
+
+def test_a_tab_named_by_a_file_of_the_workshop_s_own_holds_no_letter_that_excel_refuses():
+    found = diagnose(load_controller("minimal_example"), load_fluid("hipol_atf_iid"), load_limits("project_default"))
+    points = [
+        replace(point, name=f"own_{number}", label=label)
+        for number, (point, label) in enumerate(
+            zip(found.controller.operating_points[1:] * 3, ("D/R: 'idle' [hot]", "d r idle hot", "*?"), strict=True)
+        )
+    ]
+    controller = replace(found.controller, operating_points=(found.controller.operating_points[0], *points))
+    found = diagnose(controller, found.fluid, found.limits)
+    tabs = [at.sheet for at in sheet_conditions(found, wording("de"))]
+    assert tabs == ["Leckspalte", "Leckspalte D R idle hot", "Leckspalte d r idle hot 2", "Leckspalte own_2"]
 
 
 def test_what_counts_is_chosen_from_a_list_in_the_reader_s_words(worn_clutch):
@@ -143,6 +246,13 @@ def test_a_number_that_cannot_follow_is_marked_as_issued(book):
                     if not said & set(_STRUCTURE) and "as issued" not in " ".join(said):
                         unmarked.append((sheet.title, cell.coordinate, said))
     assert unmarked == []
+
+
+def test_a_fluid_s_formulas_ask_for_the_constants_of_its_model_alone(content):
+    asked = {name for text in fluid_formulas("d341", "x_T") for name in _NAME.findall(text)}
+    assert asked <= {name for text in formulas(content) for name in _NAME.findall(text)}
+    assert asked.isdisjoint(name for text in fluid_formulas("regression", "x_T") for name in _NAME.findall(text))
+    assert fluid_formulas("tabulated", "x_T") == (None, None)
 
 
 @pytest.mark.slow

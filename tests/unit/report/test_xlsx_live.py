@@ -255,8 +255,9 @@ def summary_totals(found: Diagnosis) -> pd.DataFrame:
     """The table of totals on the summary."""
     sheet = pd.read_excel(io.BytesIO(write_workbook(found)), sheet_name="Summary", header=None, engine="calamine")
     first = int(sheet.index[sheet[0] == "condition"][0])
-    table = sheet.iloc[first + 1 : first + 1 + len(found.projections)]
-    return table.set_axis(sheet.iloc[first].tolist(), axis=1).reset_index(drop=True)
+    last = int(sheet.index[sheet[0] == "engine speed [1/min]"][0])
+    table = sheet.iloc[first : last + 1, : 1 + len(found.projections)].set_index(0)
+    return table.T.reset_index(drop=True)
 
 
 def test_the_summary_shows_each_total_beside_the_same_unit_new_and_how_sure_it_is(units):

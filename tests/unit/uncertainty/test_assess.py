@@ -227,7 +227,8 @@ def test_messages_name_what_is_representative_and_missing(judge: Callable, four_
     last = four_speed.lands[-1].key
     case = judge(a_sheet(four_speed, leave_out=(last,)), instruments=load_instruments(), assumptions=DEFAULTS)
     texts = {message.code: message.text for message in case.unit.messages}
-    assert "calibration_um" in texts["instrument_representative"]
+    assert "uncertainty of its calibration" in texts["instrument_representative"]
+    assert "_" not in texts["instrument_representative"]
     assert "No independent repeats" in texts["no_independent_repeats"]
     assert texts["total_with_unmeasured"].startswith("1 of ")
 

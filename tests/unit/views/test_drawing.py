@@ -11,7 +11,7 @@ import pytest
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.look import LOOKS
-from atleak.views.drawing import controller_svg, shortened, spool_svg, upright_svg
+from atleak.views.drawing import controller_svg, shortened, spool_svg, upright_svg, wrapped
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -88,7 +88,24 @@ def test_a_word_longer_than_a_line_is_broken_and_a_name_without_end_is_cut():
     drawn = words_of(controller_svg(long, columns=6, only=["boost_valve"]))
     assert drawn[-4].endswith("-")
     assert drawn[-1].endswith("…")
-    assert len({len(line) for line in drawn[-4:]}) == 1
+    for line in drawn[-4:-1]:
+        assert re.fullmatch("(gel)?(Regel)*(Re)?-", line), "broken before a syllable"
+
+
+@pytest.mark.parametrize(
+    ("name", "room", "lines"),
+    [
+        ("Überdruckventil", 12, ["Überdruck-", "ventil"]),
+        ("Leitungsdruck-Verstärkungsventil", 20, ["Leitungsdruck-", "Verstärkungsventil"]),
+        ("Begrenzungsventil der Leitung", 16, ["Begrenzungs-", "ventil der", "Leitung"]),
+        ("Leitungsdruckregelung", 14, ["Leitungsdruck-", "regelung"]),
+        ("Vorwärtskupplung", 13, ["Vorwärtskupp-", "lung"]),
+        ("shift valve 1-2", 12, ["shift valve", "1-2"]),
+        ("X" * 20, 12, ["X" * 11 + "-", "X" * 9]),
+    ],
+)
+def test_a_name_breaks_at_its_hyphens_and_within_a_word_only_where_it_is_wider_than_its_box(name, room, lines):
+    assert wrapped(name, room, 4) == lines
 
 
 def test_names_from_a_file_stay_text(hostile):

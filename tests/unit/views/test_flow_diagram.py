@@ -196,10 +196,21 @@ def test_the_table_holds_every_flow_the_largest_first(worn_clutch: Diagnosis) ->
 @pytest.mark.parametrize("language", languages())
 def test_words_and_numbers_are_those_of_the_language(worn_clutch: Diagnosis, language: str) -> None:
     say = wording(language)
-    svg = flow_svg(flow_diagram(worn_clutch, worn_clutch.hot_idle, say=say), "x", say)
-    assert f"{say('flows.sump')} {flow_words(worn_clutch.hot_idle.leakage, say)}" in svg
+    svg = ElementTree.fromstring(flow_svg(flow_diagram(worn_clutch, worn_clutch.hot_idle, say=say), "x", say))
+    said = " ".join(text.text or "" for text in svg.iter(f"{SVG}text"))
+    assert f"{say('flows.sump')} {flow_words(worn_clutch.hot_idle.leakage, say)}" in said
     decimal = say.texts["decimal"]
-    assert f"{say('flows.pump')} 12{decimal}6" in svg
+    assert f"{say('flows.pump')} 12{decimal}6" in said
+
+
+@pytest.mark.parametrize("language", languages())
+def test_words_where_the_leakage_goes_are_legible_on_paper(unit: Diagnosis, language: str) -> None:
+    say = wording(language)
+    drawn = flow_svg(flow_diagram(unit, unit.projection, leaks_only=True, lands=4, say=say), "flows", say)
+    width, height = (float(ElementTree.fromstring(drawn).attrib[side]) for side in ("width", "height"))
+    points = min(180.0 / width, 120.0 / height) * 72.0 / 25.4  # of the drawing's unit, on the paper's width
+    assert 11.0 * points >= 7.5
+    assert not [each for each in unit.controller.components if "_" in each and each in drawn], "ids"
 
 
 def test_small_flows_keep_digits() -> None:
