@@ -36,10 +36,10 @@ KINDS = {  # of what stands without a unit: the label states it
     PUMP_TIP: "clearance",
 }
 TITLE_HEIGHTS = (21.0, 42.0, 45.0)  # [pt] of the rows above: the valve body, what to do, what of it is representative
-_ROWS = (  # the last one must not read like a row of headings: it stands upon them
-    (JOB, INSTRUMENTS["spool"], INSTRUMENTS["sleeve"], PUMP_SIDE),
-    (MILEAGE, VEHICLE, DATE, PUMP_TIP),
-    (TEMPERATURE, MEASURED_BY, VIN, SERIAL),
+_ROWS = (
+    (JOB, VEHICLE, DATE, PUMP_SIDE),
+    (MILEAGE, MEASURED_BY, VIN, PUMP_TIP),
+    (SERIAL, INSTRUMENTS["spool"], INSTRUMENTS["sleeve"], TEMPERATURE),
 )
 _BLOCKS = (  # of fields below each other: where their labels begin, where the fields begin and end
     (Column.COMPONENT, Column.PART, Column.PLANE),
