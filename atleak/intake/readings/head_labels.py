@@ -15,6 +15,10 @@ from atleak.intake.units import Unit, find_unit
 _OTHER_LABELS = vocabulary(
     *("state", "person", "pump", "quantity", "remark", "gauge", "name", "number", "component", "part", "unit", "date")
 )
+_FIELDS = vocabulary(
+    *(f"head_{field}" for field in ("job", "vehicle", "vin", "serial", "mileage", "technician", "instrument")),
+    *("date", "temperature", "pump"),
+)
 _OF_FIELDS = vocabulary(
     *(f"head_{field}" for field in ("job", "vehicle", "vin", "serial", "mileage", "technician", "instrument")),
     *("beside_identity", "date", "temperature", "beside_head", "pump", "pump_side", "pump_tip", "beside_pump"),
@@ -123,4 +127,13 @@ def _heads_a_field(cell: Cell) -> bool:
 
 
 def _is_field(label: str) -> bool:
-    return means(label, (), _OF_FIELDS) or means(label, (_INSTRUMENT,), _OF_INSTRUMENT)
+    """Tell whether a label is a field's: an "air gauge" has words that stand beside one, and is none itself."""
+    if means(label, (_INSTRUMENT,), _OF_INSTRUMENT):
+        return True
+    return means(label, (), _OF_FIELDS) and any(word in _FIELDS for word in letters(label))
+
+
+def is_row_of_fields(row: Sequence[Cell]) -> bool:
+    """Tell whether a row begins with a field of the job and has another, as the last one above the headings does."""
+    texts = [cell for cell in row if isinstance(cell, str) and cell.strip()]
+    return len(texts) > 1 and _heads_a_field(texts[0]) and any(map(_heads_a_field, texts[1:]))

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+from atleak.intake.readings.head_labels import is_row_of_fields
 from atleak.intake.readings.heading_numbers import (
     is_explained,
     spot_of_heading,
@@ -153,6 +154,8 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
                 decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)
             ):
                 break
+            if last > first and is_row_of_fields(sheet.rows[first]):
+                continue
             # a row that holds a number is taken only where its headings leave no doubt
             if header.starts_table and (not decimals or (header.complete and len(header.roles) > 2)):
                 candidates.append(header)

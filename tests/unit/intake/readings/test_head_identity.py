@@ -89,13 +89,13 @@ def test_what_is_written_in_the_form_is_read_from_it_in_any_language(
         "VIN": "WVWZZZ1JZXW000001",
         "Serial number": "S-1",
         "Instrument for spools": "micrometer",
-        "Instrument for bores": "bore gauge",
+        "Instrument for bores": "Air gauge",
     }
     chosen = {name: text for name, text in fields.items() if filled in ("all of them", name)}
     sheet = write_readings(controller, readings, fields=chosen, language=language)
     keys = ("job", "vehicle", "mileage", "technician", "vin", "serial")
     expected = {key: chosen[name] for key, name in zip(keys, fields, strict=False) if name in chosen}
-    instruments = ("micrometer", "bore gauge") if filled == "all of them" else ()
+    instruments = ("micrometer", "Air gauge") if filled == "all of them" else ()
     if "mileage" in expected:
         expected["mileage"] = 182_000.0  # type: ignore[assignment]
     identity = read_readings(sheet, controller, name="sheet.xlsx").identity
