@@ -223,6 +223,9 @@ class Assigner:
         kind = QUANTITIES[candidate.quantity].unit_kind
         sample = values[:: max(1, len(values) // 10_000)]
         if not np.isfinite(sample).any() and not np.isfinite(values).any():
+            if any(message.code == "column_refused" and message.place.column == candidate.label
+                   for message in self.messages):  # fmt: skip
+                return None
             text = Sentence("{column!r} holds no values", column=candidate.label)
             self.refuse(candidate, "column_empty", text, "info")
             return None
