@@ -1,4 +1,4 @@
-"""Refuses a log in the middle of which another header or another row of units begins: its columns mean another thing."""
+"""Refuses a log in the middle of which another header, or another row of units, begins: its columns change meaning."""
 
 from __future__ import annotations
 

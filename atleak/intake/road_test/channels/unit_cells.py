@@ -21,12 +21,13 @@ UNIT_HEADERS = frozenset({"unit", "units", "einheit", "jednostka", "unite", "uni
 def with_units_beside(
     channels: list[Candidate], table: LogTable, rows: pd.Index, assigner: Assigner
 ) -> tuple[list[Candidate], tuple[str, ...]]:
-    """Return the channels with the units of a column *Unit* on their right, and the names of these columns.
+    """Return the channels with the units of a column *Unit* on their right, and the names of those columns used.
 
     A channel in several units is left out, which a message says.
     """
     beside = {heading.index - 1: heading for heading in table.headings[: table.width] if _of_units(heading, table)}
     result: list[Candidate] = []
+    used: list[str] = []
     for channel in channels:
         heading = beside.get(channel.heading.index)
         if heading is None or channel.heading.unit is not None:
@@ -36,9 +37,10 @@ def with_units_beside(
         unit, other = two_units(cells, QUANTITIES[channel.quantity].unit_kind)
         if other is None:
             result.append(replace(channel, unit=unit or channel.unit))
+            used.append(heading.label)
         else:
             say_two_units(channel, unit, other, assigner)
-    return result, tuple(heading.label for heading in beside.values())
+    return result, tuple(used)
 
 
 def _of_units(heading: Heading, table: LogTable) -> bool:

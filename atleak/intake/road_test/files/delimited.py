@@ -33,7 +33,8 @@ class Delimited:
     """Delimited text whose table is located but not read yet.
 
     ``text`` is the whole text, or None where the fast reader may take the file at ``source.path`` as it is.
-    ``breaks_off``: whether the last line's last cell is left out, perhaps half-written. ``per_line``: how many delimiters and quotation marks each of the first rows has, where all have as many.
+    ``per_line``: how many delimiters and quotation marks each of the first rows has, where all have as many.
+    ``breaks_off``: whether the last line's last cell, perhaps half-written, is left out.
     """
 
     source: LogFile
@@ -79,8 +80,8 @@ class Delimited:
         """Read these columns from the first data row on: numbers as floats, anything else as text.
 
         Every line is a row. How many were left out, because they have more numbers than the table has columns, stands
-        in ``attrs["too_wide"]``; how many have fewer cells in ``attrs["short"]``, and in ``attrs["breaks_off"]`` whether
-        the last line does.
+        in ``attrs["too_wide"]``, how many have fewer cells in ``attrs["short"]``, and whether the last line breaks off
+        in ``attrs["breaks_off"]``.
 
         Raises
         ------

@@ -82,7 +82,8 @@ class Mended:
     """Rows in which no quotation mark reaches over a line's end.
 
     ``count`` are the rows, ``too_wide`` those that were left out because they have more numbers than there are columns,
-    ``short`` those that begin with a number and have fewer cells than columns; ``changed``: whether anything differs from the lines as they stood.
+    ``short`` those that begin with a number and have fewer cells than there are columns; ``changed``: whether anything
+    differs from the lines as they stood.
     """
 
     data: bytes
