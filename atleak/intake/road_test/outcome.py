@@ -74,6 +74,8 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
         assigner.say("interval_not_used", text, "warning")
     channels = build.channels(assigner, timeline, constants)
     used = {signal.candidate.label for signal in assigner.signals.values()} | {reading.time_label}
+    if not reading.long:
+        used |= set(reading.used)
     offered = {label for ambiguous in assigner.ambiguous for label in ambiguous.candidates}
     offered |= {heading.label for heading in blank.headings if heading.numbered in offered}
     labels = list(reading.used) if reading.long else labels_of(blank.headings)

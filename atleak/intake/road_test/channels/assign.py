@@ -160,6 +160,7 @@ class Assigner:
         self.signals: dict[str, Signal] = {}
         self.ambiguous: list[Ambiguous] = []
         self.refused: dict[str, Sentence] = {}  # by quantity, why a column that bears its name was not taken
+        self.unreadable: set[str] = set()  # columns whose cells are no numbers, which has been said
         self.messages: list[Message] = []
         self.base: np.ndarray | None = None  # stamps of signals that have none of their own
 
@@ -171,6 +172,8 @@ class Assigner:
     def refuse(self, candidate: Candidate, code: str, why: Sentence, level: MessageLevel = "warning") -> None:
         """Add a message that a column is not taken for its quantity, and why."""
         self.refused.setdefault(candidate.quantity, why)
+        if code == "column_refused":
+            self.unreadable.add(candidate.label)
         self.say(code, why, level, candidate.label)
 
     def assume_unit(self, column: str, unit: str, quantity: str, doubt: Sentence | None = None) -> None:
@@ -223,6 +226,8 @@ class Assigner:
         kind = QUANTITIES[candidate.quantity].unit_kind
         sample = values[:: max(1, len(values) // 10_000)]
         if not np.isfinite(sample).any() and not np.isfinite(values).any():
+            if candidate.label in self.unreadable:
+                return None
             text = Sentence("{column!r} holds no values", column=candidate.label)
             self.refuse(candidate, "column_empty", text, "info")
             return None

@@ -17,6 +17,8 @@ from atleak.intake.road_test.channels.assign import Assigner, Signal
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.road_test import QUANTITIES, Channel, Segment
 from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+from atleak.workshop_units import KPA
 
 
 def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, float]) -> Mapping[str, Channel]:
@@ -141,6 +143,12 @@ def _span(time: np.ndarray, segments: tuple[Segment, ...]) -> float:
 
 def _constant(assigner: Assigner, quantity: str, value: float, timeline: Timeline) -> Channel:
     info = QUANTITIES[quantity]
+    if quantity == "main_pressure" and value <= 0:
+        raise RoadTestError(
+            Sentence("a constant outside what {quantity} can be", quantity=info.label),
+            value=Sentence("{pressure:g} {pressure.unit}", pressure=Quantity(value * KPA, "pressure")),
+            expected=Sentence("a pressure above 0 (gauge)"),
+        )
     if not info.low <= value <= info.high:
         raise RoadTestError(
             Sentence("a constant outside what {quantity} can be", quantity=info.label),

@@ -7,15 +7,14 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from atleak.errors import Place, RoadTestError
-from atleak.intake.plain_words import words
-from atleak.intake.road_test.channels.assign import Assigner, Candidate, plain_name
+from atleak.intake.road_test.channels.assign import Assigner, Candidate
+from atleak.intake.road_test.channels.headers_between import refuse_another_header
 from atleak.intake.road_test.channels.protocol import LogTable
-from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, is_clock, is_destroyed
+from atleak.intake.road_test.channels.spoilt_numbers import cause, holds, quoted
+from atleak.intake.road_test.files.cells import OFF, Decimal, is_clock, is_destroyed
 from atleak.intake.road_test.files.delimited import numbers, words_of
 from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names import words_as_numbers
-from atleak.intake.road_test.names.matching import match_name, split_unit
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
@@ -66,6 +65,14 @@ def say_left_out(frame: pd.DataFrame, table: LogTable, assigner: Assigner) -> in
             count=too_wide,
         )
         assigner.say("rows_too_wide", text, "warning")
+    if short := int(frame.attrs.get("short", 0)):
+        text = Sentence(
+            "{count} row(s) have fewer cells than the others: what they lack is taken as blank", count=short
+        )
+        assigner.say("rows_short", text)
+    if frame.attrs.get("breaks_off"):
+        text = Sentence("the last line breaks off: its last value, perhaps half-written, is left out")
+        assigner.say("line_breaks_off", text)
     return too_wide + table.above
 
 
@@ -108,7 +115,7 @@ def _without_words(
         lines = frame[text_only].astype(object)
         for index, cells in words_in_columns.items():
             lines[index] = lines[index].where(lines[index].notna(), cells.reindex(lines.index))
-        _refuse_another_header(lines, times + channels, assigner)
+        refuse_another_header(lines, times + channels, assigner)
         # rows that hold nothing but words where the table has numbers are markers
         attributes = frame.attrs
         frame = frame[~text_only]
@@ -147,28 +154,6 @@ def holds_clocks(table: LogTable, heading: Heading) -> bool:
     return sum(is_clock(cell) for cell in cells) > 0.5 * len(cells)
 
 
-def _refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner) -> None:
-    headings = {candidate.heading.index: candidate.heading for candidate in used}
-    indices = lines.columns.tolist()
-    for row, cells in zip(lines.index.tolist(), lines.itertuples(index=False, name=None), strict=True):
-        other = []
-        for index, cell in zip(indices, cells, strict=True):
-            heading = headings.get(int(index))
-            if heading is None or not isinstance(cell, str) or not cell.strip() or cell.strip().lower() in MISSING:
-                continue
-            if cell.strip() == heading.label or plain_name(cell) in [words(name) for name in heading.names]:
-                continue
-            if match_name(split_unit(cell).text) is not None:
-                other.append((cell.strip(), heading.label))
-        if len(other) >= 2 or (other and len(lines.columns) == 1):
-            raise RoadTestError(
-                Sentence("another header with other columns begins in the middle of the log"),
-                place=Place(file=assigner.file, row=None, column=other[0][1]),
-                value=other[0][0],
-                expected=Sentence("one header; split the file at data row {row}", row=int(row) + 1),
-            )
-
-
 def column_numbers(candidate: Candidate, frame: pd.DataFrame, decimal: Decimal, assigner: Assigner) -> np.ndarray:
     """Return a column's numbers, NaN where there is none; a column that cannot be read is NaN throughout."""
     column = frame[candidate.heading.index]
@@ -196,22 +181,15 @@ def column_numbers(candidate: Candidate, frame: pd.DataFrame, decimal: Decimal, 
             )
             assigner.say("gear_not_named", said, "info", candidate.label)
         return values
-    destroyed = next((text for text in unreadable.head(50) if is_destroyed(text)), None)
-    if destroyed is not None or len(unreadable) > 0.02 * len(values):
-        shown = destroyed or unreadable.iloc[0]
-        what = Sentence("text instead of numbers")
-        if destroyed:
-            what = Sentence("numbers a spreadsheet has destroyed")
-        said = Sentence(
-            "{column!r} holds {what} ({found}): it is not used", column=candidate.label, what=what, found=str(shown)
-        )
-        assigner.say("column_refused", said, "warning", candidate.label)
+    if len(unreadable) > 0.02 * len(values) or any(map(is_destroyed, unreadable.head(50))):
+        what, found = cause(unreadable, values, decimal)
+        assigner.refuse(candidate, "column_refused", holds(candidate.label, what, found))
         return np.full(len(values), np.nan)
     said = Sentence(
         "{column!r}: {count} cell(s) are no numbers ({found}) and left out",
         column=candidate.label,
         count=len(unreadable),
-        found=str(unreadable.iloc[0]),
+        found=quoted(unreadable.iloc[0]),
     )
     assigner.say("cells_unreadable", said, "warning", candidate.label)
     return values
@@ -219,12 +197,17 @@ def column_numbers(candidate: Candidate, frame: pd.DataFrame, decimal: Decimal, 
 
 def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assigner) -> np.ndarray:
     """Refuse a column in which 1.250 means 1250: whole numbers beside small ones with three decimals."""
-    if QUANTITIES[candidate.quantity].unit_kind != "rotational_speed" or not len(values):
+    kind = QUANTITIES[candidate.quantity].unit_kind
+    if kind not in ("rotational_speed", "pressure") or not len(values):
         return values
     sample = values[:: max(1, len(values) // 50_000)]
     small = sample[(sample >= 1) & (sample < 16) & (sample != np.round(sample))]
     whole = sample[sample == np.round(sample)]
     if len(small) < 3 or np.abs(small * 1000 - np.round(small * 1000)).max() > 1e-6:
+        return values
+    if (
+        kind == "pressure" and np.abs(small * 10 - np.round(small * 10)).max() < 1e-6
+    ):  # such as 1.5 kPa of a pump at rest
         return values
     if len(whole) and np.median(whole) > 100 and len(small) + len(whole) + np.isnan(sample).sum() == len(sample):
         text = Sentence(
@@ -233,6 +216,6 @@ def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assig
             small=f"{small[0]:.3f}",
             whole=f"{whole[0]:.0f}",
         )
-        assigner.say("column_refused", text, "warning", candidate.label)
+        assigner.refuse(candidate, "column_refused", text)
         return np.full(len(values), np.nan)
     return values

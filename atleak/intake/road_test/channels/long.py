@@ -13,6 +13,7 @@ from atleak.intake.road_test.channels.assign import Assigner, Candidate, find_ca
 from atleak.intake.road_test.channels.column_values import say_left_out
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.timing import clock_of, no_time, runs
+from atleak.intake.road_test.channels.unit_cells import UNIT_HEADERS, say_two_units, two_units
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.cells import kind_of
@@ -55,7 +56,6 @@ _VALUE_HEADERS = {
     "data",
     "physical value",
 }
-_UNIT_HEADERS = {"unit", "units", "einheit", "jednostka", "unite", "unidade", "единицы"}
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def long_shape(table: LogTable, candidates: list[Candidate], mapping: Mapping[st
         )
     if name is None or value is None or _names_headings(table, mapping):
         return None
-    unit = next((heading for heading in headings if plain_names[heading.index] in _UNIT_HEADERS), None)
+    unit = next((heading for heading in headings if plain_names[heading.index] in UNIT_HEADERS), None)
     return _LongColumns(times[0], name, value, unit)
 
 
@@ -145,6 +145,11 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
             if candidate.quantity != quantity or quantity == "time":
                 continue
             rows = codes == candidate.heading.index
+            if shape.unit is not None and split_unit(candidate.label).unit is None:
+                first, other = two_units(frame[shape.unit.index][rows], QUANTITIES[quantity].unit_kind)
+                if other is not None:
+                    say_two_units(candidate, first, other, assigner)
+                    continue
             channel_values = values[rows]
             if quantity in ("gear", "selector", "lock_up") and np.isnan(channel_values).all():
                 channel_values = words_as_numbers.as_numbers(quantity, texts[rows])

@@ -25,6 +25,7 @@ from atleak.intake.road_test.channels.timing import (
     rising_without_name,
     runs,
 )
+from atleak.intake.road_test.channels.unit_cells import with_units_beside
 from atleak.intake.road_test.clock.clocks import Clock, Motion
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.cells import is_clock
@@ -82,6 +83,7 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     frame = table.read(sorted(set(chosen)) or [0])
     rows = rows_of(frame, times, channels, table, assigner)
     frame = rows.frame
+    channels, unit_columns = with_units_beside(channels, table, frame.index, assigner)
     columns = {
         candidate.heading.index: column_numbers(candidate, frame, table.decimal, assigner) for candidate in channels
     }
@@ -101,7 +103,7 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
         ]
         if offered:
             assigner.decide(quantity, offered)
-    return TableResult(rows.number, timeline, label, clock, used=(label,), left_out=rows.left_out)
+    return TableResult(rows.number, timeline, label, clock, used=(label, *unit_columns), left_out=rows.left_out)
 
 
 def _may_be_time(candidate: Candidate) -> bool:

@@ -12,6 +12,7 @@ import pandas as pd
 from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.protocol import LogTable
+from atleak.intake.road_test.channels.spoilt_numbers import TEXT, cause, holds
 from atleak.intake.road_test.clock import clocks
 from atleak.intake.road_test.clock.clocks import Clock, Motion
 from atleak.intake.road_test.files.cells import is_clock, is_destroyed, to_float
@@ -66,6 +67,7 @@ def clock_of(
     values, unreadable = numbers(frame, candidate.heading.index, table.decimal)
     whole = bool(np.isfinite(values.sum()))
     if len(unreadable) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
+        _say_spoilt(candidate, unreadable, values, table, assigner)
         return None
     if _cut_short(candidate, table):
         assigner.say(
@@ -109,6 +111,17 @@ def _typed(column: pd.Series) -> bool:
 def _destroyed_cell(table: LogTable, candidate: Candidate) -> str:
     index = candidate.heading.index
     return next((row[index] for row in table.sample if index < len(row) and is_destroyed(row[index])), "")
+
+
+def _say_spoilt(
+    candidate: Candidate, unreadable: pd.Series, values: np.ndarray, table: LogTable, assigner: Assigner
+) -> None:
+    """Say what is wrong with the numbers of a time column, where they are any."""
+    if len(unreadable):
+        what, found = cause(unreadable, values, table.decimal)
+        if what != TEXT:
+            said = holds(candidate.label, what, found)
+            assigner.say("column_refused", said, "warning", candidate.label)
 
 
 def _cut_short(candidate: Candidate, table: LogTable) -> bool:

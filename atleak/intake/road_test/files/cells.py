@@ -70,6 +70,11 @@ def _with_unit(text: str, decimal: Decimal) -> str | None:
     return match[2] if match and _NUMBER[decimal].match(match[1]) and is_unit(match[2]) else None
 
 
+def unit_behind(text: str) -> str | None:
+    """Return the unit behind the number of a cell, with either decimal sign; None where there is none."""
+    return _with_unit(text, ".") or _with_unit(text, ",")
+
+
 def unit_in_cells(cells: Iterable[str], decimal: Decimal) -> str | None:
     """Return the unit that stands behind the number in nearly all cells of a column, None where there is no one.
 

@@ -34,6 +34,7 @@ class Delimited:
 
     ``text`` is the whole text, or None where the fast reader may take the file at ``source.path`` as it is.
     ``per_line``: how many delimiters and quotation marks each of the first rows has, where all have as many.
+    ``breaks_off``: whether the last line's last cell, perhaps half-written, is left out.
     """
 
     source: LogFile
@@ -48,6 +49,7 @@ class Delimited:
     quoted: bool
     spaced: bool
     per_line: tuple[int, int] | None
+    breaks_off: bool = False
 
     @property
     def headings(self) -> tuple[Heading, ...]:
@@ -78,7 +80,8 @@ class Delimited:
         """Read these columns from the first data row on: numbers as floats, anything else as text.
 
         Every line is a row. How many were left out, because they have more numbers than the table has columns, stands
-        in ``attrs["too_wide"]``.
+        in ``attrs["too_wide"]``, how many have fewer cells in ``attrs["short"]``, and whether the last line breaks off
+        in ``attrs["breaks_off"]``.
 
         Raises
         ------
@@ -106,6 +109,9 @@ class Delimited:
                 problem = Sentence("its lines cannot be read: {reason}", reason=str(error))
                 raise RoadTestError(problem, place=Place(file=self.source.file)) from error
         frame.attrs["too_wide"] = rows.too_wide
+        if 2 * rows.short < rows.count:  # else it is the logger's way to write blank cells
+            frame.attrs["short"] = rows.short - self.breaks_off
+        frame.attrs["breaks_off"] = self.breaks_off
         return self._without_cell_units(frame)
 
     def _pieces(self) -> Iterator[memoryview]:
@@ -250,8 +256,12 @@ class Delimited:
 
 def prepared(source: LogFile) -> LogText:
     """Return the whole text of a log, mended: no zero bytes, line feeds at line ends, no half-written cell."""
+    return without_cut_cell(_whole(source))
+
+
+def _whole(source: LogFile) -> LogText:
     text = to_text(source.data)
-    return without_cut_cell(LogText(one_line_end(text.data), text.encoding, text.codec))
+    return LogText(one_line_end(text.data), text.encoding, text.codec)
 
 
 def _plain_head(source: LogFile) -> LogText | None:
@@ -272,7 +282,8 @@ def open_delimited(source: LogFile) -> Delimited | None:
     if source.size > LARGE and not any(end in source.head for end in (b"\n", b"\r")):
         return None  # one endless line
     plain = _plain_head(source)
-    text = plain or prepared(source)
+    whole = plain or _whole(source)
+    text = plain or without_cut_cell(whole)
     head = text.data[:_LONG_HEAD].split(b"\n")
     if source.size > _LONG_HEAD:
         head = head[:-1]
@@ -310,6 +321,7 @@ def open_delimited(source: LogFile) -> Delimited | None:
         quoted,
         spaced,
         signs_per_line(head[layout.start :][:400], delimiter),
+        text is not whole,
     )
 
 

@@ -81,14 +81,16 @@ def signs_per_line(lines: Sequence[bytes], delimiter: str) -> tuple[int, int] | 
 class Mended:
     """Rows in which no quotation mark reaches over a line's end.
 
-    ``count`` are the rows, ``too_wide`` those that were left out because they have more numbers than there are columns;
-    ``changed``: whether anything differs from the lines as they stood.
+    ``count`` are the rows, ``too_wide`` those that were left out because they have more numbers than there are columns,
+    ``short`` those that begin with a number and have fewer cells than there are columns; ``changed``: whether anything
+    differs from the lines as they stood.
     """
 
     data: bytes
     count: int
     too_wide: int
     changed: bool
+    short: int = 0
 
 
 def mended(data: bytes, delimiter: str, width: int, pad: bool = False) -> Mended:
@@ -102,7 +104,7 @@ def mended(data: bytes, delimiter: str, width: int, pad: bool = False) -> Mended
     pad
         whether rows with fewer cells get blank ones.
     """
-    sign, lines, too_wide, changed = delimiter.encode(), [], 0, False
+    sign, lines, too_wide, short, changed = delimiter.encode(), [], 0, 0, False
     for line in data.split(b"\n"):
         if not line.strip():
             continue
@@ -121,11 +123,13 @@ def mended(data: bytes, delimiter: str, width: int, pad: bool = False) -> Mended
         if any(map(_starts_like_a_number, beyond)):
             too_wide += 1
             continue
+        if delimiter != " " and line.count(sign) < width - 1 and _starts_like_a_number(line):
+            short += 1
         if pad:
             line = line.rstrip(b"\r") + sign * max(0, width - 1 - line.count(sign))
         lines.append(line)
     lines.append(b"")
-    return Mended(b"\n".join(lines), len(lines) - 1, too_wide, changed or pad or too_wide > 0)
+    return Mended(b"\n".join(lines), len(lines) - 1, too_wide, changed or pad or too_wide > 0, short)
 
 
 def _quoted(line: bytes, delimiter: str) -> list[bytes] | None:

@@ -53,6 +53,20 @@ def split_absolute(text: str) -> tuple[str, bool]:
     return (match[1], True) if match else (text, False)
 
 
+def same_unit(one: str, other: str, kind: str | None) -> bool:
+    """Return whether two texts mean the same unit of a kind, both absolute or neither.
+
+    >>> same_unit("[°C]", "degC", "temperature"), same_unit("kPa", "kPa abs", "pressure"), same_unit("l", "dm3", None)
+    (True, False, False)
+    """
+    (first, absolute), (second, other_absolute) = split_absolute(one), split_absolute(other)
+    first, second = clean_unit(first), clean_unit(second)
+    if absolute != other_absolute:
+        return False
+    known = find_unit(first, kind) if kind else None
+    return first.lower() == second.lower() or (known is not None and known == find_unit(second, kind or ""))
+
+
 def given(quantity: str, name: str) -> Fit:
     """Return the unit that the user states for a quantity.
 
