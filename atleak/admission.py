@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import stat
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, field_validator
 
 from atleak.errors import InputError, Place
 from atleak.faults import validated
@@ -16,7 +18,10 @@ from atleak.sentence import Sentence
 from atleak.system.reasons import reason_of, text_reason
 
 CALLBACK = "/oauth2callback"  # where Streamlit takes people back who have signed in
+_DOCUMENT = "docs/network.md"  # says what stands in both files
 _EMAIL = "email"
+_SECRET_LENGTH = 32  # characters of the secret with which cookies are signed: a shorter one is guessed or a placeholder
+_SHARED = stat.S_IRGRP | stat.S_IWGRP | stat.S_IROTH | stat.S_IWOTH
 
 
 class Allowed(BaseModel):
@@ -31,6 +36,12 @@ class Allowed(BaseModel):
     groups: list[str] = []
     user_claim: str = _EMAIL
     group_claim: str = "groups"
+
+    @field_validator("users", "groups")
+    @classmethod
+    def _without_blanks(cls, names: list[str]) -> list[str]:
+        """Return the names alone: a blank one would let in whoever the provider has no name for."""
+        return [name for name in names if name.strip()]
 
     def admits(self, claims: Mapping[str, Any]) -> bool:
         """Tell whether somebody with these claims may come in; capitals count in groups, not in users.
@@ -74,8 +85,9 @@ def read_allowed(path: Path) -> Allowed:
     InputError
         where it cannot be read, says something else, or names nobody.
     """
-    allowed = validated(Allowed, _tables(path, Sentence("a file of who may use the dashboard")), path.name)
-    if not any(name.strip() for name in (*allowed.users, *allowed.groups)):
+    expected = Sentence("a file of who may use the dashboard: see {document}", document=_DOCUMENT)
+    allowed = validated(Allowed, _tables(path, expected), path.name)
+    if not (allowed.users or allowed.groups):
         expected = Sentence("somebody under users, or a group under groups")
         raise InputError(Sentence("allows nobody to use the dashboard"), place=Place(file=str(path)), expected=expected)
     return allowed
@@ -87,10 +99,18 @@ def read_sign_in(path: Path) -> str:
     Raises
     ------
     InputError
-        where it cannot be read, or a key is missing that signing in needs.
+        where it cannot be read, or can be by others on this machine, where a key is missing that signing in needs, or
+        the secret that signs cookies is a short one.
     """
-    expected = Sentence("a file of secrets that says with whom people sign in, or --without-login")
-    address = validated(_Secrets, _tables(path, expected), path.name).auth.redirect_uri
+    expected = Sentence(
+        "a file of secrets that says with whom people sign in, and allowed.toml that says who may come in "
+        "(see {document}), or --without-login",
+        document=_DOCUMENT,
+    )
+    provider = validated(_Secrets, _tables(path, expected), path.name).auth
+    _check_own(path)
+    _check_secret(provider.cookie_secret, path)
+    address = provider.redirect_uri
     try:
         parts = urlsplit(address)
         name = parts.hostname if parts.scheme in ("http", "https") and parts.path.endswith(CALLBACK) else None
@@ -101,6 +121,26 @@ def read_sign_in(path: Path) -> str:
         expected = Sentence("the address of the dashboard, such as https://atleak.shop.example/oauth2callback")
         raise InputError(Sentence("people cannot come back there"), place=place, value=address, expected=expected)
     return name
+
+
+def _check_own(path: Path) -> None:
+    """Refuse a file that others on this machine can read, where the system tells: whoever knows it is anybody."""
+    if os.name == "posix" and path.stat().st_mode & _SHARED:
+        expected = Sentence("one for its owner alone: {command}", command=f"chmod 600 {path.name}")
+        raise InputError(
+            Sentence("others on this machine can read or change it"), place=Place(file=str(path)), expected=expected
+        )
+
+
+def _check_secret(secret: str, path: Path) -> None:
+    if len(secret.strip()) < _SECRET_LENGTH:
+        expected = Sentence(
+            "at least {count} characters that nobody can guess, as this prints: {command}",
+            count=_SECRET_LENGTH,
+            command='python -c "import secrets; print(secrets.token_urlsafe(32))"',
+        )
+        place = Place(file=str(path), table="auth", key="cookie_secret")
+        raise InputError(Sentence("too short: who guesses it is anybody"), place=place, expected=expected)
 
 
 def _tables(path: Path, expected: Sentence) -> dict[str, Any]:

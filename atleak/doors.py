@@ -1,26 +1,29 @@
 """Let nothing out but the package's own errors where it reads what others wrote.
 
-A file that is damaged in a way that nobody thought of ends in an exception of whatever library met it.
-`own_errors_only` stands at the functions through which files come in, and turns such an exception into an error that
-names the file.
+A file that is damaged in a way that nobody thought of ends in an exception of whatever library met it, and so does a
+fault of atleak's own on a sound one. `own_errors_only` stands at the functions through which files come in, and turns
+such an exception into an error that names the file and says which of the two it was.
 """
 
 from __future__ import annotations
 
 import csv
+import errno
 import lzma
 import struct
+import traceback
 import zipfile
 import zlib
 from collections.abc import Callable
 from functools import wraps
 from inspect import signature
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any, ParamSpec, TypeVar
 from xml.parsers.expat import ExpatError
 
 from atleak.errors import AtleakError, InputError, Place
 from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 
 DAMAGE: tuple[type[Exception], ...] = (
     ValueError,  # with it Unicode's errors, those of JSON, TOML, pydantic and pandas, and numbers of 5000 digits
@@ -29,8 +32,8 @@ DAMAGE: tuple[type[Exception], ...] = (
     TypeError,
     AttributeError,
     AssertionError,
-    NotImplementedError,
-    RecursionError,
+    RuntimeError,  # of an archive under a password, of a generator that stops short; with it RecursionError
+    StopIteration,
     MemoryError,
     EOFError,
     OSError,
@@ -45,6 +48,12 @@ DAMAGE: tuple[type[Exception], ...] = (
 )
 """What libraries raise on a file that they cannot make sense of."""
 
+_OF_BYTES = (
+    *(UnicodeError, EOFError, OSError, SyntaxError, MemoryError, RecursionError, ExpatError, csv.Error, struct.error),
+    *(zlib.error, lzma.LZMAError, zipfile.BadZipFile, zipfile.LargeZipFile),
+)
+"""What compiled code says of the bytes it is given, whoever calls it: no fault of the caller."""
+_PACKAGE = Path(__file__).resolve().parent
 _SHOWN = 200  # characters of a library's own message
 
 Given = ParamSpec("Given")
@@ -81,11 +90,35 @@ def own_errors_only(
 
 
 def damaged(error: BaseException, kind: type[InputError] = InputError, file: str | None = None) -> InputError:
-    """Return the package's own error for one that a library raised on a file."""
+    """Return the package's own error for one that was raised while a file was read."""
+    return kind(_problem(error), place=Place(file=file))
+
+
+def _problem(error: BaseException) -> Sentence:
+    if isinstance(error, MemoryError):
+        return Sentence("is too large for the memory of this computer")
+    if isinstance(error, OSError) and error.errno not in (None, errno.EINVAL):  # libraries raise it without a number
+        return Sentence("cannot be read from the disk: {reason}", reason=reason_of(error))
+    if at := own_line(error):
+        reason = f"{reason_in_short(error)}, {at}"
+        return Sentence("atleak could not make sense of it: {reason}: please send the file", reason=reason)
+    return Sentence("is damaged or of a kind that cannot be read ({reason})", reason=reason_in_short(error))
+
+
+def own_line(error: BaseException) -> str | None:
+    """Return which line of atleak raised an error by its own fault; None where a library raised it, or of bytes."""
+    if isinstance(error, _OF_BYTES):
+        return None
+    last = next(reversed(traceback.extract_tb(error.__traceback__)), None)
+    if last is None or not Path(last.filename).is_relative_to(_PACKAGE):
+        return None
+    return f"{Path(last.filename).relative_to(_PACKAGE).as_posix()}:{last.lineno}"
+
+
+def reason_in_short(error: BaseException) -> str:
+    """Return the kind of an error and the beginning of what it says, in one line that can be printed."""
     said = " ".join(str(error).encode("utf-8", "replace").decode().split())[:_SHOWN]
-    reason = f"{type(error).__name__}: {said}" if said else type(error).__name__
-    problem = Sentence("is damaged or of a kind that cannot be read ({reason})", reason=reason)
-    return kind(problem, place=Place(file=file))
+    return f"{type(error).__name__}: {said}" if said else type(error).__name__
 
 
 def called(*given: Any) -> str | None:

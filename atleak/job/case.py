@@ -30,7 +30,7 @@ from atleak.catalogue.limits import load_limits
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import find_repairs
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.doors import DAMAGE, damaged
+from atleak.doors import DAMAGE, reason_in_short
 from atleak.engine.assumed_pressure import OPERATING_POINTS, with_assumed_pressure
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
@@ -300,7 +300,7 @@ class Case:
         except AtleakError:
             raise
         except DAMAGE as error:  # of numbers that no unit has, which no check of a single file refused
-            problem = Sentence("this job cannot be computed ({reason})", reason=damaged(error).problem.values["reason"])
+            problem = Sentence("this job cannot be computed ({reason})", reason=reason_in_short(error))
             raise InputError(problem) from error
 
     def _diagnosed(self, loader: Loader) -> Diagnosis:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from atleak.diagnosis import Diagnosis
-from atleak.doors import DAMAGE, own_errors_only
+from atleak.doors import DAMAGE, own_errors_only, own_line
 from atleak.errors import AtleakError, InputError, Place
 from atleak.faults import validated
 from atleak.job.case import OWN_FILES, SLOTS, Case
@@ -25,16 +25,12 @@ from atleak.system.reasons import reason_of, text_reason
 SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
 _PICTURE_LIMIT = 40 << 20
 _RECORD_LIMIT = 16 << 20
-_LOG = "road_test"
-_ENTRY_LIMITS = {  # bytes of one file, unpacked; a workbook of readings may hold photos
+_LIMITS = {  # bytes of a file of the job's own, unpacked, where it is no table; a workbook of readings may hold photos
     "job.json": _RECORD_LIMIT,
     "result.json": _RECORD_LIMIT,
-    "readings": 200 << 20,
-    "pressures": 200 << 20,
-    _LOG: 800 << 20,
-    "catalogue/": 4 << 20,
-    "pictures/": _PICTURE_LIMIT,
+    "road_test": 800 << 20,
 }
+_TABLE_LIMIT, _CATALOGUE_LIMIT = 200 << 20, 4 << 20
 # A log packs to a tenth or fiftieth of its size, a megabyte of one sign to a thousandth.
 _SPARE, _TIGHTEST = 32 << 20, 200  # bytes that any file may unpack to, and how many times its packed size at most
 _STEP = 1 << 20  # bytes that are unpacked at once
@@ -163,6 +159,8 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
     except AtleakError:
         raise
     except DAMAGE as error:
+        if isinstance(error, MemoryError) or own_line(error) is not None:
+            raise  # no fault of the zip
         problem = Sentence("is no sound zip: {reason}", reason=str(error)[:100])
         raise InputError(problem, place=place, expected=Sentence("a job file of atleak")) from error
     return _job_file(entries, name)
@@ -212,15 +210,14 @@ def _entries(bundle: zipfile.ZipFile, name: str, size_limit: int) -> Iterator[tu
         if info.compress_type not in PACKINGS:
             problem = Sentence("is packed in a way that no job is")
             raise InputError(problem, place=place, value=info.filename, expected=Sentence("deflate"))
-        if not _known_entry(info.filename):
+        if (limit := _entry_limit(info.filename)) is None:
             raise InputError(Sentence("holds a file that no job has"), place=place, value=info.filename)
-        yield info.filename, _unpacked(bundle, info, place)
+        yield info.filename, _unpacked(bundle, info, limit, place)
 
 
-def _unpacked(bundle: zipfile.ZipFile, info: zipfile.ZipInfo, place: Place) -> bytes:
+def _unpacked(bundle: zipfile.ZipFile, info: zipfile.ZipInfo, limit: int, place: Place) -> bytes:
     """Return the content of an entry; refuse it as soon as it is longer than such a file can be."""
-    kind = next(kind for kind in _ENTRY_LIMITS if info.filename.startswith(kind))
-    most = min(_ENTRY_LIMITS[kind], _SPARE + _TIGHTEST * info.compress_size)
+    most = min(limit, _SPARE + _TIGHTEST * info.compress_size)
     content = bytearray()
     with bundle.open(info) as stream:
         while info.file_size <= most and (part := stream.read(_STEP)):
@@ -234,13 +231,16 @@ def _unpacked(bundle: zipfile.ZipFile, info: zipfile.ZipInfo, place: Place) -> b
     return bytes(content)
 
 
-def _known_entry(name: str) -> bool:
-    if name in {"job.json", "result.json", *map(entry_of, (*OWN_FILES, *SLOTS))}:
-        return True
-    if not name.startswith("pictures/"):
-        return False
+def _entry_limit(name: str) -> int | None:
+    """Return how many bytes an entry may unpack to; None where no job has one of that name."""
+    if name in _LIMITS:
+        return _LIMITS[name]
+    if name in map(entry_of, OWN_FILES):
+        return _TABLE_LIMIT
+    if name in map(entry_of, SLOTS):
+        return _CATALOGUE_LIMIT
     picture = name.removeprefix("pictures/")
     try:
-        return picture_name(picture) == picture
+        return _PICTURE_LIMIT if name != picture and picture_name(picture) == picture else None
     except ValueError:
-        return False
+        return None

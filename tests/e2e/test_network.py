@@ -73,6 +73,7 @@ server_metadata_url = "{known.address}/.well-known/openid-configuration"
 """,
             encoding="utf-8",
         )
+        (folder / "secrets.toml").chmod(0o600)
         process, address = started(folder, folder, "--host", "atleak.shop.example", port=port)
         try:
             yield Guarded(address, known, allowed)

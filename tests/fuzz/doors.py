@@ -13,7 +13,7 @@ from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instrument
 from atleak.catalogue.limits import load_limits
-from atleak.doors import damaged
+from atleak.doors import damaged, own_line
 from atleak.errors import AtleakError, InputError
 from atleak.intake.controller_workbook import read_controller_workbook
 from atleak.intake.gauge_study import read_study
@@ -36,6 +36,10 @@ SECONDS = 2.0
 
 class TooSlow(Exception):
     """A file took longer than any may."""
+
+
+class OwnFault(Exception):
+    """A fault of atleak's own was turned into a refusal by a door's guard."""
 
 
 @cache
@@ -87,6 +91,14 @@ OF: dict[str, Callable[[str, bytes], object]] = {
 }
 GUARD = damaged(ValueError()).problem.template
 """The wording of a refusal by a door's guard, where nobody thought of what is wrong with a file."""
+OWN = "atleak could not make sense of it: {reason}: please send the file"
+"""The wording where atleak itself failed on it."""
+NO_JOB = "this job cannot be computed ({reason})"
+"""The wording of `Case.diagnose` where whatever came out of computing a job."""
+KNOWN = {
+    NO_JOB: ArithmeticError,  # numbers that no unit has overflow in whichever line computes with them first
+}
+"""What may come out of a line of atleak's own, by the wording of the refusal, and why."""
 LONGEST = 20_000
 """Characters of an error: what a file says is shortened where it is quoted."""
 
@@ -98,6 +110,8 @@ def passes(door: str, name: str, content: bytes) -> InputError | None:
     ------
     TooSlow
         where this process was busy with it for longer than it may.
+    OwnFault
+        where it was refused because atleak itself failed on it.
     Exception
         whatever else came out: nothing should.
     """
@@ -112,6 +126,17 @@ def passes(door: str, name: str, content: bytes) -> InputError | None:
         said.encode("utf-8")  # it can be printed
         assert len(said) < LONGEST, f"{len(said)} characters of error"
         assert isinstance(refused, InputError)
+        if (at := fault_behind(refused)) is not None:
+            raise OwnFault(f"{type(refused.__cause__).__name__} at {at}") from refused.__cause__
     if time.process_time() - start > SECONDS:
         raise TooSlow(f"{time.process_time() - start:.1f} s")
     return refused
+
+
+def fault_behind(refused: InputError) -> str | None:
+    """Return which line of atleak failed on a file that was refused for that; None where the file was at fault."""
+    cause = refused.__cause__
+    if cause is None or refused.problem.template not in (OWN, NO_JOB):
+        return None
+    at = own_line(cause)
+    return None if isinstance(cause, KNOWN.get(refused.problem.template, ())) else at

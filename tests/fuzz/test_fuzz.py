@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 
 from . import doors, run
 from .damage import damaged
-from .doors import passes
+from .doors import OwnFault, fault_behind, passes
 from .seeds import DOORS, seeds
 
 FEW = settings(
@@ -50,3 +50,19 @@ def test_what_comes_out_and_should_not_is_counted_and_kept(tmp_path, monkeypatch
     assert tried.files == 5
     assert tried.wrong == {"KeyError  \"'a fault of the program'\"": 5}
     assert {path.suffix for path in tmp_path.iterdir()} in ({".json", ".txt"}, {".toml", ".txt"})
+
+
+def test_a_fault_of_atleak_s_own_is_no_refusal_of_the_file(tmp_path, monkeypatch):
+    monkeypatch.setattr("atleak.job.file.tomllib", None)  # so that `parse_job` itself fails
+    monkeypatch.setattr(run, "ROUND", 5)
+    with pytest.raises(OwnFault, match=r"^AttributeError at job/file\.py:\d+$"):
+        passes("record", "job.toml", b'number = "7"')
+    tried = run.try_door("record", 0.0, 1, tmp_path)
+    assert sum(tried.wrong.values()) > 0
+    assert all("AttributeError at job/file.py" in said for said in tried.wrong)
+
+
+def test_a_fault_that_a_library_raises_is_one_of_the_file():
+    refused = passes("job", "job.zip", b"PK\3\4 and no more")
+    assert refused is not None
+    assert fault_behind(refused) is None

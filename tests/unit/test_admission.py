@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -11,12 +12,20 @@ from atleak.errors import InputError
 
 SECRETS = """[auth]
 redirect_uri = "https://atleak.shop.example/oauth2callback"
-cookie_secret = "0123456789abcdef"
+cookie_secret = "0123456789abcdef0123456789abcdef"
 client_id = "atleak"
 client_secret = "secret"
 server_metadata_url = "https://id.example/.well-known/openid-configuration"
 """
 SHOP = Allowed(users=["ana@shop.example"], groups=["bench"])
+
+
+def secrets_of(folder: Path, text: str = SECRETS) -> Path:
+    """A file of secrets that its owner alone can read."""
+    path = folder / "secrets.toml"
+    path.write_text(text, encoding="utf-8")
+    path.chmod(0o600)
+    return path
 
 
 @pytest.mark.parametrize(
@@ -87,15 +96,13 @@ def test_a_list_is_read_as_it_is_now(tmp_path: Path) -> None:
 
 
 def test_the_secrets_say_where_people_come_back_to(tmp_path: Path) -> None:
-    path = tmp_path / "secrets.toml"
-    path.write_text(SECRETS, encoding="utf-8")
+    path = secrets_of(tmp_path)
     assert read_sign_in(path) == "atleak.shop.example"
 
 
 @pytest.mark.parametrize("key", [line.partition(" ")[0] for line in SECRETS.splitlines()[1:]])
 def test_a_key_that_signing_in_needs_is_named(tmp_path: Path, key: str) -> None:
-    path = tmp_path / "secrets.toml"
-    path.write_text("".join(line for line in SECRETS.splitlines(True) if not line.startswith(key)), encoding="utf-8")
+    path = secrets_of(tmp_path, "".join(line for line in SECRETS.splitlines(True) if not line.startswith(key)))
     with pytest.raises(InputError, match=f"secrets.toml.*{key}.*required key is missing"):
         read_sign_in(path)
 
@@ -104,7 +111,40 @@ def test_a_key_that_signing_in_needs_is_named(tmp_path: Path, key: str) -> None:
     "address", ["https://atleak.shop.example/", "atleak.shop.example/oauth2callback", "https://[x"]
 )
 def test_an_address_to_which_nobody_comes_back_is_refused(tmp_path: Path, address: str) -> None:
-    path = tmp_path / "secrets.toml"
-    path.write_text(SECRETS.replace("https://atleak.shop.example/oauth2callback", address), encoding="utf-8")
+    path = secrets_of(tmp_path, SECRETS.replace("https://atleak.shop.example/oauth2callback", address))
     with pytest.raises(InputError, match="people cannot come back there"):
         read_sign_in(path)
+
+
+@pytest.mark.parametrize("secret", ["…", "x", "", " " * 40, "a" * 31])
+def test_the_placeholder_of_the_document_is_no_secret(tmp_path: Path, secret: str) -> None:
+    path = secrets_of(tmp_path, SECRETS.replace("0123456789abcdef0123456789abcdef", secret))
+    with pytest.raises(InputError, match=r"key 'cookie_secret': too short.*at least 32 characters.*token_urlsafe"):
+        read_sign_in(path)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="who may read a file is told otherwise there")
+@pytest.mark.parametrize("mode", [0o644, 0o640, 0o602])
+def test_secrets_that_others_can_read_or_change_are_refused(tmp_path: Path, mode: int) -> None:
+    path = secrets_of(tmp_path)
+    path.chmod(mode)
+    with pytest.raises(
+        InputError, match=r"others on this machine can read or change it; expected .*chmod 600 secrets\.toml"
+    ):
+        read_sign_in(path)
+
+
+@pytest.mark.parametrize("blank", ["", " "])
+def test_a_blank_name_on_the_list_lets_nobody_in(blank: str) -> None:
+    allowed = Allowed(users=[blank, "ana@shop.example"], groups=[blank, "bench"])
+    assert not allowed.admits({"email": blank})
+    assert not allowed.admits({"groups": blank})
+    assert allowed.admits({"email": "ana@shop.example"})
+    assert allowed.admits({"groups": "bench"})
+
+
+def test_what_is_missing_is_told_with_both_files_and_where_they_are_explained(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"secrets\.toml.*allowed\.toml.*docs/network\.md.*--without-login"):
+        read_sign_in(tmp_path / "secrets.toml")
+    with pytest.raises(InputError, match=r"allowed\.toml.*docs/network\.md"):
+        read_allowed(tmp_path / "allowed.toml")

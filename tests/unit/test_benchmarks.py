@@ -9,7 +9,8 @@ from types import ModuleType
 import pytest
 
 FOLDER = Path(__file__).resolve().parents[2] / "benchmarks"
-NAMES = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in ("timing", "postgresql"))
+HELPERS = ("timing", "postgresql", "servers")  # what benchmarks share
+NAMES = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in HELPERS)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -18,7 +18,7 @@ from atleak.intake.readings import read_readings
 from atleak.intake.road_test import log_columns, understand
 from atleak.job.case import Case
 from atleak.job.file import load_job, parse_job, read_job_file
-from atleak.job.parts import JobFile
+from atleak.job.parts import JobFile, json_of
 from atleak.report.pictures import printable_picture
 from atleak.sentence import Sentence
 
@@ -27,6 +27,7 @@ DOORS = (
     *(load_job, parse_job, read_job_file, JobFile.of, printable_picture),
     *(load_controller, checked_controller, read_tables, read_entry, Shelf.load, Shelf.checked),
 )
+ZIP = b"PK\5\6" + bytes(18)  # one without files
 
 
 def fails(error: BaseException):
@@ -43,8 +44,39 @@ def test_what_a_library_raises_becomes_an_error_that_names_the_file(kind):
     with pytest.raises(ReadingsError) as refused:
         fails(error)(Path("folder") / "sheet.csv")
     assert refused.value.place.file == "sheet.csv"
-    assert type(error).__name__ in str(refused.value).encode("utf-8").decode()
+    said = "memory" if kind is MemoryError else type(error).__name__
+    assert said in str(refused.value).encode("utf-8").decode()
     assert refused.value.__cause__ is error
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (MemoryError(), "is too large for the memory of this computer"),
+        (PermissionError(13, "Permission denied"), "cannot be read from the disk: Permission denied"),
+        (OSError(22, "Invalid argument"), "is damaged or of a kind that cannot be read"),  # a library's seek
+        (OSError("broken data stream"), "is damaged or of a kind that cannot be read"),
+        (KeyError("part"), "is damaged or of a kind that cannot be read"),  # raised here, which is not atleak
+        (RuntimeError("is encrypted, password required"), "is damaged or of a kind that cannot be read"),
+    ],
+)
+def test_a_disk_and_a_full_memory_are_no_damage(error, said):
+    with pytest.raises(ReadingsError, match=rf"^sheet\.csv: {said}"):
+        fails(error)(Path("sheet.csv"))
+
+
+def test_a_fault_of_atleak_s_own_is_called_so_with_its_place(monkeypatch):
+    monkeypatch.setattr("atleak.job.file.tomllib", None)
+    expected = (
+        r"^job\.toml: atleak could not make sense of it: AttributeError: .*, job/file\.py:\d+: please send the file$"
+    )
+    with pytest.raises(InputError, match=expected):
+        parse_job(b"number = 7", "job.toml")
+    monkeypatch.setattr("atleak.job.file._entries", lambda *_: json_of(None, "a.json"))
+    with pytest.raises(
+        InputError, match=r"^job\.zip: atleak could not make sense of it: TypeError: .*, job/parts\.py:"
+    ):
+        read_job_file(ZIP, name="job.zip")
 
 
 def test_the_name_that_a_file_was_given_comes_first():

@@ -12,7 +12,7 @@ import pytest
 
 from atleak.cli import app
 
-from ..test_admission import SECRETS
+from ..test_admission import secrets_of
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -48,7 +48,7 @@ def served(monkeypatch: pytest.MonkeyPatch) -> Served:
 def sign_in(own_home: Path) -> Path:
     """The user's folder, with files that say who signs in, and with whom."""
     own_home.mkdir()
-    (own_home / "secrets.toml").write_text(SECRETS, encoding="utf-8")
+    secrets_of(own_home)
     (own_home / "allowed.toml").write_text('users = ["ana@shop.example"]', encoding="utf-8")
     return own_home
 

@@ -25,10 +25,10 @@ from atleak.engine.projection import stated_condition
 from atleak.errors import InputError
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import read_road_test
-from atleak.job.case import Case, SourceFile
+from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile
 from atleak.job.file import read_job_file, write_job_file
 from atleak.job.judged_anew import differs
-from atleak.job.parts import FORMAT
+from atleak.job.parts import FORMAT, entry_of
 from atleak.job.record import Job
 from atleak.uncertainty import DEFAULTS
 from atleak.version import __version__
@@ -167,6 +167,15 @@ def with_choices(content: bytes, **choices: object) -> bytes:
 def test_entries_that_no_job_has_are_refused(content, name):
     with pytest.raises(InputError, match="holds a file that no job has"):
         read_job_file(changed(content, **{name: b"x"}))
+
+
+@pytest.mark.parametrize("entry", ["job.json", "result.json", *map(entry_of, (*OWN_FILES, *SLOTS)), "pictures/a.jpg"])
+def test_every_entry_that_a_job_has_is_opened(entry):
+    """Its name and its size are known in one place."""
+    with zipfile.ZipFile(stream := io.BytesIO(), "w") as bundle:
+        bundle.writestr(entry, b"{}")
+    with pytest.raises(InputError, match=r"holds no job\.json|another format"):
+        read_job_file(stream.getvalue())
 
 
 def test_a_zip_that_unfolds_without_end_is_refused(content):

@@ -67,6 +67,28 @@ def test_a_list_that_cannot_be_read_lets_nobody_in(allowed: Path, monkeypatch: p
     assert not entrance.is_open()
 
 
+def test_a_session_that_has_ended_is_forgotten_when_somebody_else_comes_in(
+    allowed: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    active = {"ana", "ben"}
+    runtime = SimpleNamespace(
+        exists=lambda: True, get_instance=lambda: SimpleNamespace(is_active_session=active.__contains__)
+    )
+    visited_by(monkeypatch, ANA)
+    entrance.st.runtime = runtime
+    for session in ("ana", "ben"):
+        monkeypatch.setattr(
+            entrance, "get_script_run_ctx", lambda session=session, **_: SimpleNamespace(session_id=session)
+        )
+        assert entrance.is_open()
+    assert entrance.may_send_files("ana")
+    active.remove("ana")
+    assert entrance.is_open()
+    assert not entrance.may_send_files("ana")
+    assert entrance.may_send_files("ben")
+    assert len(entrance._INSIDE) == 1
+
+
 @pytest.mark.parametrize(("address", "is_open"), [("127.0.0.1", True), ("0.0.0.0", False), (None, False)])
 def test_a_server_that_was_not_told_who_may_use_it_is_open_on_its_own_machine_alone(
     monkeypatch: pytest.MonkeyPatch, address: str | None, is_open: bool
