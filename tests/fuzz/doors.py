@@ -126,17 +126,17 @@ def passes(door: str, name: str, content: bytes) -> InputError | None:
         said.encode("utf-8")  # it can be printed
         assert len(said) < LONGEST, f"{len(said)} characters of error"
         assert isinstance(refused, InputError)
-        if (at := fault_behind(refused)) is not None:
-            raise OwnFault(f"{type(refused.__cause__).__name__} at {at}") from refused.__cause__
+        if (fault := fault_behind(refused)) is not None:
+            raise OwnFault(fault) from refused
     if time.process_time() - start > SECONDS:
         raise TooSlow(f"{time.process_time() - start:.1f} s")
     return refused
 
 
-def fault_behind(refused: InputError) -> str | None:
+def fault_behind(refused: BaseException | None) -> str | None:
     """Return which line of atleak failed on a file that was refused for that; None where the file was at fault."""
-    cause = refused.__cause__
-    if cause is None or refused.problem.template not in (OWN, NO_JOB):
-        return None
-    at = own_line(cause)
-    return None if isinstance(cause, KNOWN.get(refused.problem.template, ())) else at
+    while isinstance(refused, InputError):
+        said, refused = refused.problem.template, refused.__cause__ or refused.__context__
+        if said in (OWN, NO_JOB) and refused is not None and not isinstance(refused, KNOWN.get(said, ())):
+            return f"{type(refused).__name__} at {at}" if (at := own_line(refused)) else None
+    return None

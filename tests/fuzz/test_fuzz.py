@@ -9,6 +9,9 @@ from __future__ import annotations
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
+from atleak.errors import InputError
+from atleak.sentence import Sentence
+
 from . import doors, run
 from .damage import damaged
 from .doors import OwnFault, fault_behind, passes
@@ -66,3 +69,17 @@ def test_a_fault_that_a_library_raises_is_one_of_the_file():
     refused = passes("job", "job.zip", b"PK\3\4 and no more")
     assert refused is not None
     assert fault_behind(refused) is None
+
+
+def test_a_fault_behind_another_refusal_is_found(monkeypatch):
+    monkeypatch.setattr("atleak.job.file.tomllib", None)
+
+    def again(name: str, content: bytes) -> None:
+        try:
+            doors.parse_job(content, name)
+        except InputError as error:
+            raise InputError(Sentence("a job in another")) from error
+
+    monkeypatch.setitem(doors.OF, "record", again)
+    with pytest.raises(OwnFault, match="AttributeError at job/file"):
+        passes("record", "job.toml", b'number = "7"')
