@@ -23,7 +23,7 @@ from atleak.workshop_units import MM
 FONT = "Noto Sans, DejaVu Sans, sans-serif"
 
 _NUMBER = 8  # characters of a component's number that are drawn
-_TITLE = 4  # most lines of its name
+_TITLE = 5  # most lines of its name
 _WIDTH = 1000.0
 _ROW = 104.0
 _LINE = 13.0  # from one line of a name to the next
@@ -35,9 +35,8 @@ _ABOVE, _BELOW = 56.0, 58.0  # of the axis, beside a spool's reach: the planes' 
 _ABOVE_END_VIEW, _BELOW_END_VIEW = 96.0, 84.0  # of the axis, where directions are drawn
 _AFTER_HYPHEN = re.compile(r"(?<=[^-]-)(?=[^-])")
 _VOWELS = "aeiouyäöüàâéèêëïîôùûąęó"
-_SYLLABLE = re.compile(  # its consonants and vowel, behind any other letter
-    rf"(?<=\w)(?:sch|ch|ck|ph|th|qu|sz|cz|rz|[bcdfgkptw][lr]|[^\W\d_{_VOWELS}])(?=[{_VOWELS}])", re.IGNORECASE
-)
+_ONSET = r"sch|ch|ck|ph|th|qu|sz|cz|rz|([bdfgkptw])(?<!\1\1)(?<!ck)[lr]"  # consonants that stay together
+_SYLLABLE = re.compile(rf"(?<=\w)(?:{_ONSET}|[^\W\d_{_VOWELS}])(?=[{_VOWELS}])", re.IGNORECASE)  # where one begins
 _LEAST = 3  # letters before a hyphen, and one more behind it
 _BETWEEN = 5.0  # [mm] of rod between two lands, where the file states no positions
 

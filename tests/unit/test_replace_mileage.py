@@ -16,6 +16,7 @@ from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.readings import Readings
 from atleak.replace_mileage import NO_RATE
+from atleak.sheet_identity import SheetIdentity
 from atleak.uncertainty import DEFAULTS
 
 from .conftest import at_wear, codes
@@ -95,6 +96,8 @@ def test_a_file_says_whether_its_mounting_clearances_were_measured(edited: Edite
 
 
 def test_without_mileage_none_is_projected(sample: Diagnosis, limits: Limits, hipol: Fluid) -> None:
-    diagnosis = diagnose(measured_when_new(sample.controller), hipol, limits, readings=sample.readings)
+    assert sample.readings is not None
+    unstated = replace(sample.readings, identity=SheetIdentity())
+    diagnosis = diagnose(measured_when_new(sample.controller), hipol, limits, readings=unstated)
     assert {land.replace_mileage for land in diagnosis.lands} == {None}
     assert NO_RATE not in codes(diagnosis)

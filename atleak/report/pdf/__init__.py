@@ -32,8 +32,6 @@ from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 _ROAD_POINTS = 1200
-_COLUMNS, _MOST_COLUMNS = ((4, 16), (5, 20)), 6  # of the drawing, by the valves up to which its words stay large
-_LETTERS = 1.6  # against those of the screen
 _LABEL = 48  # characters that fit beside a bar
 
 
@@ -119,6 +117,11 @@ def report_data(
     }
 
 
+def picture_look(valves: int) -> tuple[int, float]:
+    """Return how many of so many valves are drawn beside one another, and how large their names: all are legible."""
+    return (4, 1.6) if valves <= 16 else (5, 1.5) if valves <= 20 else (6, 1.4)
+
+
 def _draw_charts(
     names: PrintedNames, series: RoadSeries | None, chosen: tuple[str, ...], pressures: Pressures
 ) -> dict[str, str]:
@@ -129,9 +132,9 @@ def _draw_charts(
     if "picture" in chosen:
         verdicts = {land.key: land.verdict for land in diagnosis.lands}
         valves = {land.component for land in diagnosis.controller.lands}
-        columns = next((number for number, most in _COLUMNS if len(valves) <= most), _MOST_COLUMNS)
+        columns, letters = picture_look(len(valves))
         charts["picture"] = controller_svg(
-            diagnosis.controller, verdicts, columns=columns, named=say.name, letters=_LETTERS
+            diagnosis.controller, verdicts, columns=columns, named=say.name, letters=letters
         )
     if "shares" in chosen and at.leakage > 0.0 and at.pump_capacity > 0.0:
         label = say("charts.share_of_pump", condition=names.condition(at.condition))

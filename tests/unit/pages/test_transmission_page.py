@@ -20,7 +20,7 @@ PAGE = "27_Transmission"
 
 
 def labelled(elements: Any, label: str) -> Any:
-    return next(element for element in elements if element.label == label)
+    return next(element for element in elements if element.label.replace("\\", "") == label)
 
 
 def start(app: AppTest, name: str = "minimal_example") -> AppTest:

@@ -10,10 +10,12 @@ import pypdfium2
 import pypdfium2.raw as pdfium
 import pytest
 
+from atleak.catalogue.controller_reading import load_controller
 from atleak.job.record import Job
-from atleak.report.pdf import write_pdf
+from atleak.report.pdf import picture_look, write_pdf
 from atleak.report.pdf.blocks import PrintedColumn, grouped_table, table, text, with_notes
-from atleak.wording import languages
+from atleak.views.drawing import controller_svg
+from atleak.wording import languages, wording
 
 LEAST = 8.9  # [pt]: 9 pt as the file rounds it
 
@@ -48,6 +50,17 @@ def test_all_rows_of_the_table_of_lands_are_of_one_height(worn, language):
     row = min(heights)
     assert len(heights) > 20
     assert [each for each in heights if abs(each - row) > 0.3 and abs(each - 2.0 * row) > 0.3] == []  # with a title
+
+
+@pytest.mark.parametrize("name", ["five_speed_2005", "ford_4r70w", "four_speed_2023", "gm_4l60e"])
+def test_names_in_the_drawing_of_a_valve_body_are_no_smaller_than_7_5_points(name):
+    controller = load_controller(name)
+    columns, letters = picture_look(len({land.component for land in controller.lands}))
+    for language in languages():
+        drawn = controller_svg(controller, columns=columns, named=wording(language).name, letters=letters)
+        width, height = map(float, re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawn).groups())
+        scale = min(180.0 / width, 120.0 / height) * 72.0 / 25.4  # points of a unit, as the template places it
+        assert min(map(float, re.findall(r'font-size="([\d.]+)"', drawn))) * scale >= 7.5
 
 
 def test_a_note_below_a_table_belongs_to_it_and_another_paragraph_does_not():

@@ -98,6 +98,8 @@ def test_a_word_longer_than_a_line_is_broken_and_a_name_without_end_is_cut():
         ("Überdruckventil", 12, ["Überdruck-", "ventil"]),
         ("Leitungsdruck-Verstärkungsventil", 20, ["Leitungsdruck-", "Verstärkungsventil"]),
         ("Begrenzungsventil der Leitung", 16, ["Begrenzungs-", "ventil der", "Leitung"]),
+        ("Leitungsdruckregelung", 14, ["Leitungsdruck-", "regelung"]),
+        ("Vorwärtskupplung", 13, ["Vorwärtskupp-", "lung"]),
         ("shift valve 1-2", 12, ["shift valve", "1-2"]),
         ("X" * 20, 12, ["X" * 11 + "-", "X" * 9]),
     ],
