@@ -109,7 +109,7 @@ def test_a_zero_that_is_not_zero_is_told(controller, heading, zero):
 
 
 def test_a_ring_that_the_gauge_was_set_with_is_no_correction(controller):
-    lines = ("Zero set with ring 15.000 mm", "Valve;Land;Spool [mm];Bore [mm]", ";".join(PAIR))
+    lines = ("Zero set with ring 15.000 mm", "Readings of today", "Valve;Land;Spool [mm];Bore [mm]", ";".join(PAIR))
     assert not said(read(controller, *lines), "correction_not_applied")
 
 
