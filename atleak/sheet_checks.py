@@ -25,6 +25,8 @@ OTHERS = 0.2  # of the pairs beyond those may be worn besides
 FAR = 3.0  # standard uncertainties from zero: of the instruments' common error, and of the estimate itself
 RESOLVED = 2.5  # times its own uncertainty by which a pair must have opened, so that wear would show by its spread
 DAYS_OLDER = 30  # than the road test, from where on a sheet may be of another state
+SLIP_FROM = 8.0  # times the mounting clearance, from where on an opened pair may be a slip of the pen
+_SLIP_LEAST = 0.1e-3  # [m] that the radial clearance must have besides
 _KEPT = 2.5  # standard uncertainties within which a pair counts for the estimate
 _ROUNDS = 20
 _NAMED = 12  # pairs that a message lists
@@ -66,6 +68,7 @@ def sheet_messages(
         *_older(readings, road_test, place),
         *_shifted(lands, place),
         *_suspect(lands, readings, place),
+        *_slips(lands, readings, place),
         *_unequal_repeats([land.state for land in lands], place),
     )
 
@@ -191,6 +194,23 @@ def _suspect(lands: Sequence[LandSources], readings: Readings, place: Place) -> 
     first, planes = suspects[0].key[0], suspects[0].state.land.planes
     places = (each.place for each in readings.readings if each.component == first and each.plane in planes)
     yield Message("warning", "tighter_than_new", text, next(places, place))
+
+
+def _slips(lands: Sequence[LandSources], readings: Readings, place: Place) -> Iterator[Message]:
+    for land in lands:
+        clearance, new = land.state.radial_clearance, land.state.land.mounting_high
+        if land.state.measured and clearance >= max(SLIP_FROM * new, _SLIP_LEAST):
+            text = Sentence(
+                "{pair}: radial clearance {clearance} {clearance.unit}, {times:.2g} times the mounting clearance "
+                "({new} {new.unit}): a slip? Look at its readings",
+                pair=_pair(land),
+                clearance=_um(clearance),
+                times=clearance / new if new else math.inf,
+                new=_um(new),
+            )
+            component, planes = land.key[0], land.state.land.planes
+            places = (each.place for each in readings.readings if each.component == component and each.plane in planes)
+            yield Message("warning", "clearance_far_open", text, next(places, place))
 
 
 def _unequal_repeats(states: Sequence[LandClearance], place: Place) -> Iterator[Message]:

@@ -143,6 +143,7 @@ def messages_of(hipol: Fluid, limits: Limits) -> Callable[..., dict[str, Message
 OF_SHEET = {
     "pairs_moved_alike",
     "tighter_than_new",
+    "clearance_far_open",
     "unequal_repeats",
     "measuring_temperature_differs",
     "sheet_older_than_road_test",
@@ -151,6 +152,17 @@ OF_SHEET = {
 
 def test_nothing_is_said_of_a_sound_sheet(messages_of: Callable, minimal: Controller) -> None:
     assert messages_of(a_sheet(minimal, lambda new: new), minimal) == {}
+
+
+@pytest.mark.parametrize("times", [6.0, 9.0])
+def test_a_pair_opened_many_times_its_mounting_clearance_is_asked_about(
+    messages_of: Callable, minimal: Controller, times: float
+) -> None:
+    land = minimal.lands[-1]
+    sheet = a_sheet(minimal, lambda new: new, worn={len(minimal.lands) - 1: (times - 1.0) * land.new_clearance})
+    message = messages_of(sheet, minimal).get("clearance_far_open")
+    assert (message is not None) == (times > 8.0)
+    assert message is None or message.text.startswith(f"{land.component}/{land.land}: radial clearance 1")
 
 
 def test_a_shift_is_said_once_with_its_estimate_and_corrects_nothing(

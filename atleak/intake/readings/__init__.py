@@ -43,6 +43,7 @@ from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.head import read_head
 from atleak.intake.readings.headings import best_header
 from atleak.intake.readings.land_values import LandValues, read_land_values
+from atleak.intake.readings.one_unit import units_apart
 from atleak.intake.readings.pivot import without_pivot
 from atleak.intake.readings.problems import ReadingsRefused
 from atleak.intake.readings.rows import Rows, read_rows
@@ -135,6 +136,7 @@ def read_readings(
     read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
     problems = [problem for rows in read for problem in rows.problems]
     problems += require_one_measurement(read, file)
+    problems += [] if problems else units_apart(read)
     first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
     converted = convert([entry for rows in read for entry in rows.entries], controller, first.headings)
     head = read_head([rows.table.as_it_stands for rows in read if rows.entries], sheets)
@@ -161,6 +163,7 @@ def read_readings(
             *account.messages,
             *of_lands.messages,
             *_contradictions(read, converted),
+            *(_temperatures(read) if head.temperature is None else ()),
             *_at_unworn_ends(converted.unworn),
         ),
         temperature=head.temperature,
@@ -218,6 +221,11 @@ def _contradictions(read: Sequence[Rows], converted: Converted) -> list[Message]
         for message in agreement.messages(rows.table, rows.columns, rows.entries, converted.readings)
     ]
     return list(dict.fromkeys(repeated))  # a message about what stands above several tables is given once
+
+
+def _temperatures(read: Sequence[Rows]) -> list[Message]:
+    told = (agreement.temperatures(rows.table, rows.columns, list(rows.of_row)) for rows in read)
+    return list(dict.fromkeys(message for messages in told for message in messages))
 
 
 def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:

@@ -15,20 +15,24 @@ from atleak.intake.readings.headings import Header
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.values import DiameterCell
 from atleak.intake.readings.words import (
+    BESIDE_ZERO,
     CLEARANCES,
     CORRECTED,
     CORRECTIONS,
     ERRORS,
     NOT_MEASURED,
     RADIAL,
+    WEAR,
+    ZERO,
     is_blank,
     letters,
     number,
     part_of,
     plain,
     text_of,
+    vocabulary,
 )
-from atleak.intake.sheets.sheet import Sheet
+from atleak.intake.sheets.sheet import Sheet, rows_named
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import Reading
 from atleak.sentence import Sentence
@@ -36,6 +40,9 @@ from atleak.sentence import Sentence
 _ROUNDED = 1.5e-6  # [m] by which a clearance or mean of rounded diameters may differ from theirs
 _SHOWN = 5  # rows that are named one by one
 _PAIRS = 400  # at most so many pairs of diameters are compared with a clearance
+_TEMPERATURES = 3  # of a column that are named
+_TEMPERATURE = vocabulary("temperature")
+_BESIDE_TEMPERATURE = vocabulary("temperature", "beside_head", "degree")
 _UNITS = ("mm", "µm", "inch")  # that a clearance without a unit may be in
 _CONTROLLER = re.compile(
     r"\b(?:controller|schieberkasten|sterownik)\b[\s:=]*([A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+)?", re.IGNORECASE
@@ -62,7 +69,10 @@ def messages(
         if index in columns.read or not words:
             continue
         unit = _unit(heading)
-        if any(word in CLEARANCES for word in words) and not any(word in NOT_MEASURED for word in words):
+        is_clearance = any(word in CLEARANCES for word in words) and not any(word in NOT_MEASURED for word in words)
+        if is_clearance or any(word in WEAR for word in words):
+            yield from _of_one_part(sheet, index, heading, rows, readings)
+        if is_clearance:
             radial = any(word in RADIAL for word in words)
             contradictions = list(_clearances(sheet, index, rows, lands, unit, radial))
             yield from _warnings(sheet, index, heading, contradictions, "clearance")
@@ -158,6 +168,58 @@ def _clearances(
         yield row, Sentence("{size:g} {unit}", size=value, unit=shown.said), computed
 
 
+def _of_one_part(
+    sheet: Sheet, index: int, heading: str, rows: dict[int, list[Reading]], readings: Sequence[Reading]
+) -> Iterator[Message]:
+    """Tell of a clearance or wear that is all a sheet says of a part without a diameter: it is not used."""
+    parts: dict[tuple[str, str], set[str]] = defaultdict(set)
+    for reading in readings:
+        parts[reading.component, reading.plane].add(reading.part)
+    stated = {
+        row: value
+        for row, beside in rows.items()
+        if all(len(parts[each.component, each.plane]) == 1 for each in beside)
+        and (value := _stated(sheet, row, index)) is not None
+    }
+    if not stated:
+        return
+    unit = next((written for _, written in stated.values() if written), None) or _unit(heading)
+    sizes = sorted(size for size, _ in stated.values())
+    said = Sentence("{size:g}", size=sizes[0])
+    if sizes[-1] > sizes[0]:
+        said = Sentence("{low:g} to {high:g}", low=sizes[0], high=sizes[-1])
+    text = Sentence(
+        "column {heading!r} says {said}{unit} in {rows}, where only one part was measured: it is not used, and the "
+        "other part counts with its nominal diameter",
+        heading=heading,
+        said=said,
+        unit=Sentence(" {unit}", unit=unit.said) if unit else "",
+        rows=rows_named(sheet, list(stated)),
+    )
+    yield Message("warning", "clearance_not_used", text, sheet.place(next(iter(stated)), index, heading))
+
+
+def temperatures(table: Table, columns: Columns, rows: Collection[int]) -> Iterator[Message]:
+    """Tell of a column of temperatures of measuring: only the head's is taken, so 20 °C would be assumed."""
+    sheet, header = table.sheet, table.header
+    for index in range(sheet.width):
+        heading = header.text(index)
+        words = letters(heading)
+        named = any(word in _TEMPERATURE for word in words) and all(word in _BESIDE_TEMPERATURE for word in words)
+        cells = [cell for row in rows if named and not is_blank(cell := sheet.cell(row, index))]
+        if index in columns.read or not cells:
+            continue
+        values = tuple(dict.fromkeys(text_of(cell) for cell in cells))
+        text = Sentence(
+            "column {heading!r} says {values}{more} and is not read: 20 °C counts unless the head of the sheet or the "
+            "job states the temperature of measuring, as in 'Temperature: 21.5 °C' or --measuring-temperature",
+            heading=heading,
+            values=values[:_TEMPERATURES],
+            more=" …" if len(values) > _TEMPERATURES else "",
+        )
+        yield Message("warning", "temperature_not_read", text, sheet.place(max(header.last, 0), index, heading))
+
+
 def _differences(readings: Sequence[Reading]) -> list[float]:
     """Return D − d [m] of the means, then of single readings; nothing where one part is missing."""
     spools, sleeves = (
@@ -227,7 +289,8 @@ def _sets(
 
 def _is_correction(words: Sequence[str]) -> bool:
     of_gauge = {"gauge", "ring"} & set(words) and any(word in ERRORS for word in words)
-    correction = bool(of_gauge) or any(word in CORRECTIONS for word in words)
+    of_zero = any(word in ZERO for word in words) and all(word in BESIDE_ZERO for word in words)
+    correction = bool(of_gauge) or of_zero or any(word in CORRECTIONS for word in words)
     return correction and not any(word in CORRECTED for word in words)
 
 

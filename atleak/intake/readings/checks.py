@@ -11,7 +11,7 @@ from atleak.errors import Place, ReadingsError
 from atleak.intake.readings.sizes import MM
 from atleak.intake.units import find_unit, unit, unit_names
 from atleak.phrases import PART_WORDS, angle, named
-from atleak.readings import REPEAT_TOLERANCE, LandClearance, Reading, Readings, clearances
+from atleak.readings import NOMINAL_TOLERANCE, REPEAT_TOLERANCE, LandClearance, Reading, Readings, clearances
 from atleak.sentence import Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import MM as TO_MM
@@ -23,6 +23,7 @@ FACTORS = (10.0, 25.4, 1000.0 / 25.4, 100.0, 1000.0, 25400.0)  # between units, 
 _FACTOR_TOLERANCE = 1.2  # a factor is recognised this far off: a nominal diameter is only nominal
 _FAR = 2.0  # times the nominal diameter, that is another component's land
 _WHOLE_SHEET = 0.8  # of all readings wrong by one factor: the unit is wrong, not the readings
+_EXCHANGED = 0.1e-3  # [m] within which a diameter is that of another land: choice of this project
 _Off = tuple[Reading, Land, float, float | None]  # far from its nominal diameter: how many times, the factor it is near
 
 
@@ -92,7 +93,9 @@ def _contradictions(
     """Yield what contradicts itself, but of the lands that are doubtful already, with the land it is of."""
     apart = list(_repeats(readings, controller, doubtful))
     yield from apart
-    known = {*doubtful, *(land.key for land, _ in apart)}
+    exchanged = list(_exchanged(gaps, by_land, readings))
+    yield from exchanged
+    known = {*doubtful, *(land.key for land, _ in (*apart, *exchanged))}
     for gap in gaps:
         if gap.measured and gap.land.key not in known:
             for problem in _clearance(gap, by_land[gap.land.key], readings):
@@ -253,6 +256,38 @@ def _repeats(
                 ),
             ),
         )
+
+
+def _exchanged(
+    gaps: Sequence[LandClearance], by_land: Mapping[LandKey, list[Reading]], all_readings: Readings
+) -> Iterator[tuple[Land, ReadingsError]]:
+    """Yield each of two lands that measure like the other one: their readings stand in each other's place."""
+    far = [
+        gap.land
+        for gap in gaps
+        if gap.measured
+        and all(
+            abs(each.diameter - gap.land.nominal_of(each.part)) > NOMINAL_TOLERANCE for each in by_land[gap.land.key]
+        )
+    ]
+    for land in far:
+        readings = by_land[land.key]
+        for other in far:
+            if _is_like(readings, other) and _is_like(by_land[other.key], land):
+                problem = Sentence(
+                    "{land} measures like {other}, and the other way round: the two exchanged?",
+                    land=named(land),
+                    other=named(other),
+                )
+                first = readings[0]
+                written = _written(all_readings, first.diameter)
+                about = _about(all_readings, land, first)
+                yield land, ReadingsError(problem, place=first.place, value=written, expected=about)
+                break
+
+
+def _is_like(readings: Sequence[Reading], land: Land) -> bool:
+    return all(abs(each.diameter - land.nominal_of(each.part)) <= _EXCHANGED for each in readings)
 
 
 def _diameter(reading: Reading) -> float:

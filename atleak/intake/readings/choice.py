@@ -15,13 +15,16 @@ from atleak.intake.readings.headings import EXPECTED, Header, best_header
 from atleak.intake.readings.pivot import without_pivot
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet_tables import Table, continued, find_tables
+from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
 from atleak.intake.readings.turned import turned
 from atleak.intake.readings.values import Key
-from atleak.intake.readings.words import is_repeat_title
+from atleak.intake.readings.words import is_blank, is_repeat_title, letters, vocabulary
 from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Sheet
 from atleak.phrases import PART_WORDS
 from atleak.sentence import Sentence
+
+_DEVIATION = vocabulary("deviation")
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,7 @@ def choose(
         looked_at = [sheet for sheet in sheets if sheet in shown or not sheet.hidden]
     readable = [table for sheet in looked_at for table in tables[sheet.name] if table.readable]
     if not readable:
-        raise _no_readings(sheets, tables, file)
+        raise _no_readings(sheets, tables, file, names)
     beside = [
         sheet
         for sheet in sheets
@@ -171,7 +174,9 @@ def _unless_none(tables: list[Table]) -> list[Table]:
     return [replace(table, aside=None) if table.header.values else table for table in tables]
 
 
-def _no_readings(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file: str) -> ReadingsError:
+def _no_readings(
+    sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file: str, known: ControllerNames
+) -> ReadingsError:
     if not any(any(any(str(cell).strip() for cell in row) for row in sheet.rows) for sheet in sheets):
         return ReadingsError(
             Sentence("the workbook is empty"), place=Place(file), expected=Sentence("a measuring sheet filled in")
@@ -201,10 +206,10 @@ def _no_readings(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]],
             place=Place(file, sheets[0].name if len(sheets) == 1 else None),
             expected=EXPECTED,
         )
-    return _incomplete(*max(headers, key=lambda pair: pair[1].score))
+    return _incomplete(*max(headers, key=lambda pair: pair[1].score), known)
 
 
-def _incomplete(sheet: Sheet, header: Header) -> ReadingsError:
+def _incomplete(sheet: Sheet, header: Header, names: ControllerNames) -> ReadingsError:
     missing = []
     if not header.of("component"):
         missing.append(Sentence("component"))
@@ -223,12 +228,44 @@ def _incomplete(sheet: Sheet, header: Header) -> ReadingsError:
             problem=problem,
             headings=_quoted(others),
         )
+    deviations = [text for text in map(header.text, range(sheet.width)) if set(letters(text)) & _DEVIATION]
+    if others and (beside := [text for text in deviations if text not in others]):
+        problem = Sentence(
+            "{problem}. No deviations of diameters were understood under {headings}: one such column beside a nominal "
+            "one of its own is",
+            problem=problem,
+            headings=_quoted(beside),
+        )
+    means = [column.name for column in header.of("mean")] if not header.values else []
+    if means:
+        problem = Sentence("{problem}. Means are no readings ({headings})", problem=problem, headings=_quoted(means))
+    sized = _of_size(sheet, header, names) if not header.values else []
+    if sized:
+        problem = Sentence(
+            "{problem}. Numbers of that size stand under {headings}: more words there than a part, land, direction or "
+            "repeat",
+            problem=problem,
+            headings=_quoted(sized),
+        )
     return ReadingsError(
         problem,
         place=sheet.place(header.last),
         value=", ".join(repr(column.name) for column in header.columns),
         expected=EXPECTED,
     )
+
+
+def _of_size(sheet: Sheet, header: Header, names: ControllerNames) -> list[str]:
+    """Return the headings that say nothing known, and under which most numbers are of the size of a diameter."""
+    sizes, known = Sizes(names.controller), {column.index for column in header.columns if column.role != "quantity"}
+    found = []
+    for index in range(sheet.width):
+        rows = range(header.last + 1, len(sheet.rows))
+        cells = [cell for row in rows if not is_blank(cell := sheet.cell(row, index))]
+        sized = [cell for cell in cells if any(sizes.near(value, (MM, UM, INCH)) for value in numbers_of(cell))]
+        if index not in known and header.text(index) and 2 * len(sized) > len(cells):
+            found.append(header.text(index))
+    return found
 
 
 def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsError]:

@@ -14,6 +14,7 @@ from atleak.sentence import Sentence
 
 _DEVIATION = vocabulary("deviation")
 _BESIDE = vocabulary("beside_deviation", "diameter", "actual", "reading")  # no standard and no permitted deviation
+_PERMITTED = vocabulary("permitted")
 _DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
 
 
@@ -67,9 +68,14 @@ def _is_deviation(column: Column) -> bool:
     return len(beside) < len(words) and all(word in _BESIDE or part_of(word) for word in beside)
 
 
+def _is_permitted(column: Column) -> bool:
+    """Return whether a heading says a deviation or tolerance, which no diameter is: "Upper dev", "Lower tol"."""
+    return any(word in _DEVIATION or word in _PERMITTED for word in letters(split_unit(column.heading)[0]))
+
+
 def _nominal_of(deviation: Column, header: Header) -> list[Column]:
     """Return the nominal diameters that a deviation may be from: those of its part, where headings say one."""
-    nominal = [column for column in header.of("specification") if not _is_deviation(column)]
+    nominal = [column for column in header.of("specification") if not _is_permitted(column)]
     if len(nominal) < 2:
         return nominal
     part = part_in(deviation.heading)

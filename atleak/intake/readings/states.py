@@ -37,6 +37,7 @@ _TIME = re.compile(r"[T ,]+\d{1,2}:\d{2}(:\d{2})?(\.\d+)?\s*([ap]m)?$", re.IGNOR
 _LISTED = 4  # values of a column that are named
 _FEWEST = 2  # rows that make a block
 _AS_ONE = 3e-6  # [m] within which rows that return pass for repeats without a warning: choice of this project
+_NO_REMARK = Sentence("the remark 'rejected', and nothing else, in the rows that do not count; or without these rows")
 _COUNTING = vocabulary("repeat", "reading", "number", "generic")
 
 StationKey = tuple[str, Part, str, float | None, bool, int | None]
@@ -60,6 +61,7 @@ def question(
     if not several:
         return None
     place = sheet.place(max(header.last, 0))
+    remarks = {column.index for column in header.of("remark")}
     for index, splits in _splitting(several, sheet, header, columns):
         heading = header.text(index)
         named = Sentence("column {heading!r}", heading=heading) if heading else Sentence("a column without heading")
@@ -77,7 +79,8 @@ def question(
             place=sheet.place(max(header.last, 0), index, heading),
             value=", ".join(values[:_LISTED]) + (" …" if len(values) > _LISTED else ""),
             expected=Sentence(
-                "{which}; or, if they are repeats, a column 'Repeat' with 1, 2 …", which=_which_rows(heading, values[0])
+                "{which}; or, if they are repeats, a column 'Repeat' with 1, 2 …",
+                which=_NO_REMARK if index in remarks else _which_rows(heading, values[0]),
             ),
         )
     return _blocks(entries, breaks, sheet, place)

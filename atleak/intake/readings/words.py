@@ -408,8 +408,8 @@ def summary_of(cell: Cell, *, key: bool = False) -> Summary | None:
 
     >>> summary_of("Mittelwert aus 3 Messungen"), summary_of("below average finish"), summary_of("Grand Total")
     ('mean', None, 'sum')
-    >>> summary_of("Kolben Summe", key=True), summary_of("Ø", key=True)
-    ('sum', 'mean')
+    >>> summary_of("Kolben Summe", key=True), summary_of("Ø", key=True), summary_of("σ", key=True)
+    ('sum', 'mean', 'spread')
     """
     if not isinstance(cell, str):
         return None
@@ -418,8 +418,9 @@ def summary_of(cell: Cell, *, key: bool = False) -> Summary | None:
 
 @lru_cache(maxsize=4096)
 def _summary(text: str, key: bool) -> Summary | None:
-    if key and text.lower().strip(" .:") in _SUMMARY_SIGNS:
-        return "sum" if text.strip(" .:") in {"Σ", "∑"} else "mean"
+    sign = text.strip(" .:")
+    if key and sign.lower() in _SUMMARY_SIGNS:
+        return "spread" if sign == "σ" else "sum" if sign in {"Σ", "∑"} else "mean"
     words = letters(text)
     kinds = [_SUMMARY_WORDS[word] for word in words if word in _SUMMARY_WORDS]
     if not kinds and key and words and words[-1] == "ergebnis":  # as a German spreadsheet program ends a subtotal
@@ -544,6 +545,9 @@ def is_page_title(text: str) -> bool:
 CLEARANCES = vocabulary("clearance")
 NOT_MEASURED = vocabulary("not_of_these", "specification", "specification_title")
 RADIAL = vocabulary("radial")
+WEAR = vocabulary("wear")
 CORRECTIONS = vocabulary("correction")
+ZERO = vocabulary("zero")
+BESIDE_ZERO = vocabulary("zero", "beside_zero", "error", "correction")
 ERRORS = vocabulary("error")
 CORRECTED = vocabulary("corrected")

@@ -50,8 +50,8 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
             for index, value in zip(indices, values, strict=True)
             if index in columns and isinstance(value, str) and value.strip().lower() not in MISSING
         ]
-        if cells and all(is_unit(cell.text) and not cell.repeats for cell in cells):
-            for cell in cells:
+        if cells and all(is_unit(cell.text) for cell in cells):
+            for cell in cells:  # a column may be called rpm
                 _refuse_another_unit(cell, cell.text, int(row), assigner)
             continue
         others = _others(cells, alone=len(indices) == 1)

@@ -59,6 +59,11 @@ def test_a_header_that_returns_with_one_other_column_is_refused(name: str) -> No
         read_road_test(log(HEAD, rows(), again, rows(30)), name="log.csv")
 
 
+def test_a_row_of_units_below_columns_that_are_called_by_units_is_no_header() -> None:
+    lines = [f"{i / 10},{800 + i},{20 + i % 3},1" for i in range(30)]
+    assert read(log("Time,RPM,MPH,Gear", lines, "s,rpm,mph,", lines)).rows_left_out == 1
+
+
 def test_a_remark_that_names_a_column_is_no_header() -> None:
     understood = read(log(HEAD, rows(), "Main pressure,,,,", "Lap 2,,,,", rows(30)))
     assert (understood.rows, understood.rows_left_out) == (60, 2)
