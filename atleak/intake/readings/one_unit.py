@@ -9,12 +9,13 @@ from dataclasses import dataclass
 
 from atleak.errors import Place, ReadingsError
 from atleak.intake.readings.rows import Rows
-from atleak.intake.readings.words import is_blank, letters, plain, text_of, vocabulary
+from atleak.intake.readings.words import is_blank, letters, part_of, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Sheet
 from atleak.sentence import Sentence, all_of
 
 _UNIT = vocabulary("whole_unit")
 _OF_COLUMN = vocabulary("whole_unit", "head_vehicle", "head_vin", "head_serial")
+_OF_OTHERS = vocabulary("part", "gauge", "head_instrument")  # whose serial number tells no units apart
 _NAMED = re.compile(r"([^\W\d_]{3,})[\s:#._-]*(?:(?i:no|nr|number|n°)\b[\s.:#]*)?([A-Z](?![\w])|[\w./-]*\d[\w./-]*)")
 _LISTED = 4  # values of a column that are named
 
@@ -103,7 +104,8 @@ def _column(filled: Sequence[Rows]) -> ReadingsError | None:
         for index in rows.table.columns:
             heading = header.text(index)
             words = letters(heading)
-            if index in rows.columns.read or not any(word in _OF_COLUMN for word in words):
+            of_unit = any(word in _OF_COLUMN for word in words)
+            if index in rows.columns.read or not of_unit or any(word in _OF_OTHERS or part_of(word) for word in words):
                 continue
             places.setdefault(heading, sheet.place(max(header.last, 0), index, heading))
             for entry in rows.entries:

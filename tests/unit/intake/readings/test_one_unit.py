@@ -50,7 +50,13 @@ def test_titles_of_two_units_are_refused_with_both_names(controller, first, seco
 
 
 @pytest.mark.parametrize(
-    ("first", "second"), [("Gearbox 1", "Gearbox 1"), ("Unit A: spools", "Unit A: bores"), ("Spools", "Unit: mm")]
+    ("first", "second"),
+    [
+        ("Gearbox 1", "Gearbox 1"),
+        ("Unit A: spools", "Unit A: bores"),
+        ("Spools", "Unit: mm"),
+        ("Micrometer serial 4711", "Comparator serial 8822"),
+    ],
 )
 def test_titles_of_one_unit_are_read_as_one_measurement(controller, first, second):
     assert len(read(controller, *halves(first, second)).readings) == 4
@@ -81,6 +87,12 @@ SERIALS = (
 def test_a_column_of_two_serial_numbers_is_refused_until_rows_are_chosen(controller):
     assert '--where "Serial=A17"' in refusal(controller, *SERIALS)
     assert len(read(controller, *SERIALS, where={"Serial": "A17"}).readings) == 2
+
+
+@pytest.mark.parametrize("heading", ["Gauge serial", "Micrometer S/N", "Part serial", "Spool serial"])
+def test_the_serial_number_of_a_gauge_or_part_is_no_question(controller, heading):
+    lines = (SERIALS[0].replace("Serial", heading), *SERIALS[1:])
+    assert len(read(controller, *lines).readings) == 4
 
 
 def test_a_serial_number_for_every_part_is_no_question(controller):
