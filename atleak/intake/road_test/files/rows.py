@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -104,8 +105,10 @@ def mended(data: bytes, delimiter: str, width: int, pad: bool = False) -> Mended
     pad
         whether rows with fewer cells get blank ones.
     """
-    sign, lines, too_wide, short, changed = delimiter.encode(), [], 0, 0, False
-    for line in data.split(b"\n"):
+    sign, count, too_wide, short, changed = delimiter.encode(), 0, 0, 0, False
+    rows = io.BytesIO()
+    for whole in io.BytesIO(data):  # one line at a time: all of them at once take many times the file's size
+        line = whole.removesuffix(b"\n")
         if not line.strip():
             continue
         beyond: Sequence[bytes] = ()
@@ -127,9 +130,9 @@ def mended(data: bytes, delimiter: str, width: int, pad: bool = False) -> Mended
             short += 1
         if pad:
             line = line.rstrip(b"\r") + sign * max(0, width - 1 - line.count(sign))
-        lines.append(line)
-    lines.append(b"")
-    return Mended(b"\n".join(lines), len(lines) - 1, too_wide, changed or pad or too_wide > 0, short)
+        rows.write(line + b"\n")
+        count += 1
+    return Mended(rows.getvalue(), count, too_wide, changed or pad or too_wide > 0, short)
 
 
 def _quoted(line: bytes, delimiter: str) -> list[bytes] | None:
