@@ -110,7 +110,7 @@ def _column(filled: Sequence[Rows]) -> ReadingsError | None:
             places.setdefault(heading, sheet.place(max(header.last, 0), index, heading))
             for entry in rows.entries:
                 cell = sheet.filled(entry.row, index)
-                if not is_blank(cell):
+                if not is_blank(cell) and plain(text_of(cell)) != plain(entry.key.component):
                     values[heading][text_of(cell)].add((entry.key.component, entry.key.part, entry.key.plane))
     for heading, stations in values.items():
         if len(stations) > 1 and not _numbers_parts(list(stations.values())):
