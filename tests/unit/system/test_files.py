@@ -155,7 +155,7 @@ def test_a_process_killed_while_it_writes_leaves_a_whole_file(tmp_path: Path) ->
 @POSIX
 @pytest.mark.parametrize(
     "option",
-    ["--json", "--pdf", *(pytest.param(name, marks=pytest.mark.slow) for name in ("--xlsx", "--job-file"))],
+    ["--json", *(pytest.param(name, marks=pytest.mark.slow) for name in ("--pdf", "--xlsx", "--job-file"))],
 )
 def test_a_report_that_does_not_fit_on_the_disk_leaves_the_earlier_one(
     tmp_path: Path, sample_readings: Path, option: str

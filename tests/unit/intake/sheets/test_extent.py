@@ -132,6 +132,7 @@ def test_merged_ranges_and_spans_beyond_the_cells_take_no_time(doors, bare_workb
                 door(data)
 
 
+@pytest.mark.slow  # the quick round has tables of too many cells, columns and rows
 def test_a_workbook_of_hundreds_of_sheets_is_refused(doors, bare_workbook):
     space = "http://schemas.openxmlformats.org"
     sheets = "".join(f'<sheet name="S{number}" sheetId="{number}" r:id="rId1"/>' for number in range(1, 1001))
