@@ -103,6 +103,7 @@ FLOORS = (
     ),
     ("job.file",),
     ("report.batch", "jobs"),
+    ("fleet",),
     ("cli",),
     ("__main__", "__init__"),
 )
