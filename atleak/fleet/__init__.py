@@ -1,1 +1,1 @@
-"""Many jobs at once: where they come from, how they are shared out to workers, and what their results say together."""
+"""Diagnose thousands of units on many processes, keep their results as Parquet, and say what they show together."""

@@ -71,7 +71,7 @@ FLOORS = (
     ("engine.circuit_series",),
     ("engine.series", "engine.projection", "engine.repaired", "engine.flows"),
     ("engine.road_leakage", "engine.road_pressure", "rules"),
-    ("uncertainty", "variants"),
+    ("engine.road_bands", "uncertainty", "variants"),
     ("sheet_checks", "provisional", "replace_mileage", "result_messages", "road_findings", "gauges", "learning"),
     ("land_diagnosis",),
     ("diagnosis",),
