@@ -44,6 +44,7 @@ FLOORS = (
         "workshop_units",
         "thinning",
         "keeping",
+        "spreads",
     ),
     (
         "equations",
@@ -74,7 +75,7 @@ FLOORS = (
     ("sheet_checks", "provisional", "replace_mileage", "result_messages", "road_findings", "gauges", "learning"),
     ("land_diagnosis",),
     ("diagnosis",),
-    ("repair", "next_checks", "comparison", "history", "what_if"),
+    ("repair", "next_checks", "comparison", "history", "what_if", "fleet.summed"),
     ("views", "intake"),
     ("channel_formulas", "report.drawn_png", "report.own_font", "report.paging"),
     (
