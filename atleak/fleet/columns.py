@@ -8,13 +8,14 @@ Every data set has its rows' unit by `HASH`; the valve body, `PARTITION`, stands
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal, get_args
 
 import pyarrow as pa
 
 from atleak.schemas import schema as json_schema
-from atleak.verdicts import BANDS
+from atleak.verdicts import BANDS, Verdict
 
 DataSet = Literal["units", "lands", "conditions", "circuits", "events", "temperatures", "errors"]
 DATA_SETS: tuple[DataSet, ...] = get_args(DataSet)
@@ -123,6 +124,17 @@ _LEFT_OUT: Mapping[DataSet, frozenset[str]] = {
 }
 _OF_JSON = {"string": _TEXT, "number": _NUMBER, "integer": _WHOLE, "boolean": _YES_NO}
 _DEFS = "#/$defs/"
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The rows of one unit: of a result in every data set but the errors, of an error in that one alone."""
+
+    controller: str | None  # id of the valve body; None where it is not known
+    input_sha256: str
+    reference: str
+    verdict: Verdict | None  # None of an error
+    tables: Mapping[DataSet, pa.Table]
 
 
 @cache
