@@ -342,20 +342,21 @@ class Results:
         """Write what counts of some parts of one valve body as one, and remove them."""
         of_any = next(iter(counting))
         merged = _Part(self._next_name(), of_any.folder, of_any.data_set)
-        data_sets = (*_BESIDE, "units") if of_any.data_set == "units" else ("errors",)
         batch = []
-        for data_set in data_sets:
+        for data_set in (*_BESIDE, "units") if of_any.data_set == "units" else ("errors",):
             having = {
                 part: counts
                 for part, counts in counting.items()
                 if any(counts) and data_set in (part.data_set, *self._known[part].beside)
             }
             if having:
-                names = columns_of(data_set).names
-                tables = (self._rows(part, counts, data_set, names) for part, counts in having.items())
-                batch.append((merged.of(data_set), tables))
+                batch.append((merged.of(data_set), self._all_rows(having, data_set)))
         self._commit(batch)
         self._remove(counting)
+
+    def _all_rows(self, counting: Mapping[_Part, Sequence[bool]], data_set: DataSet) -> Iterator[pa.Table]:
+        for part, counts in counting.items():
+            yield self._rows(part, counts, data_set, columns_of(data_set).names)
 
     def _remove(self, parts: Iterable[_Part]) -> None:
         """Remove parts as far as possible: one that another program reads stays, and does not count."""
