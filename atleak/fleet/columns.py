@@ -157,16 +157,20 @@ def _type_of(part: Mapping[str, Any], parts: Mapping[str, Any]) -> pa.DataType:
         return _type_of(parts[part["$ref"].removeprefix(_DEFS)], parts)
     if "enum" in part:
         return _TEXT
-    kind = part["type"]
-    if isinstance(kind, list):
-        kind = _wider([each for each in kind if each != "null"])
+    (kind,) = _kinds(part)
     if kind == "array":
         return pa.list_(_type_of(part["items"], parts))
     if kind == "object":
-        return pa.struct([(key, _type_of(each, parts)) for key, each in part["properties"].items()])
+        keys = {key: each for key, each in part["properties"].items() if not _mixed(each)}
+        return pa.struct([(key, _type_of(each, parts)) for key, each in keys.items()])
     return _OF_JSON[kind]
 
 
-def _wider(kinds: list[str]) -> str:
-    """Return the kind that holds values of all of them: text where they differ."""
-    return kinds[0] if len(kinds) == 1 else "string"
+def _kinds(part: Mapping[str, Any]) -> list[str]:
+    kinds = part["type"]
+    return [kind for kind in kinds if kind != "null"] if isinstance(kinds, list) else [kinds]
+
+
+def _mixed(part: Mapping[str, Any]) -> bool:
+    """Return whether values of several kinds stand in one list, as no column holds them: the steps to a place."""
+    return part.get("type") == "array" and "type" in part["items"] and len(_kinds(part["items"])) > 1
