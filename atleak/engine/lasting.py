@@ -40,13 +40,15 @@ class CountedSamples:
             steps[each.start : max(each.stop - 1, each.start)] = np.diff(self.time[each])
         self.samples = np.flatnonzero(~out)
         self.part = part[self.samples]  # number of the segment of each that counts
-        self._steps = np.where(out, 0.0, steps)  # time to the next sample of the same segment
-        elapsed = np.cumsum(self._steps) - self._steps
+        self.steps = np.where(
+            out, 0.0, steps
+        )  # [s] to the next sample of the same segment; 0 of one that does not count
+        elapsed = np.cumsum(self.steps) - self.steps
         self.clock = elapsed[self.samples] + _APART * self.part  # [s] of those that count
 
     def time_of(self, mask: np.ndarray) -> float:
         """Return how long some of the log's samples take [s], each until the next one of its segment."""
-        return float(np.sum(self._steps[mask]))
+        return float(np.sum(self.steps[mask]))
 
     def smooth(self, values: np.ndarray) -> np.ndarray:
         """Return the median of half a second where there are samples enough for one; what is unknown stays so."""

@@ -236,6 +236,22 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     )
 
 
+def channels_of(
+    road_test: RoadTest, assumed: OperatingPoint
+) -> tuple[np.ndarray | float, np.ndarray | float, np.ndarray | float, np.ndarray | float]:
+    """Return main and converter pressure [Pa], temperature [°C] and gear of a log, as far as it holds them."""
+    instead = {
+        "main_pressure": np.nan,
+        "converter_pressure": assumed.converter_pressure,
+        "atf_temperature": assumed.temperature,
+        "gear": float(assumed.gear),
+    }
+    main, converter, temperature, gear = (
+        value if (logged := road_test.values(quantity)) is None else logged for quantity, value in instead.items()
+    )
+    return main, converter, temperature, gear
+
+
 def _main_pressure(road_test: RoadTest) -> np.ndarray:
     main, why = road_test.values("main_pressure"), road_test.refused.get("main_pressure")
     if main is None:

@@ -44,6 +44,7 @@ FLOORS = (
         "workshop_units",
         "thinning",
         "keeping",
+        "spreads",
     ),
     (
         "equations",
@@ -70,11 +71,11 @@ FLOORS = (
     ("engine.circuit_series",),
     ("engine.series", "engine.projection", "engine.repaired", "engine.flows"),
     ("engine.road_leakage", "engine.road_pressure", "rules"),
-    ("uncertainty", "variants"),
+    ("engine.road_bands", "uncertainty", "variants"),
     ("sheet_checks", "provisional", "replace_mileage", "result_messages", "road_findings", "gauges", "learning"),
     ("land_diagnosis",),
     ("diagnosis",),
-    ("repair", "next_checks", "comparison", "history", "what_if"),
+    ("repair", "next_checks", "comparison", "history", "what_if", "fleet.summed"),
     ("views", "intake"),
     ("channel_formulas", "report.drawn_png", "report.own_font", "report.paging"),
     (
@@ -103,6 +104,7 @@ FLOORS = (
     ),
     ("job.file",),
     ("report.batch", "jobs"),
+    ("fleet",),
     ("cli",),
     ("__main__", "__init__"),
 )
