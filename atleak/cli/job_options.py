@@ -169,19 +169,13 @@ def chosen_job(options: argparse.Namespace) -> tuple[Case, Job | None]:
     if options.readings is None and options.road_test is None and options.pressures is None:
         problem = "there is nothing to diagnose: neither a measuring sheet nor a road test nor gauge readings are given"
         options.refuse(f"{problem}; expected READINGS, --road-test LOG or --pressures FILE")
-    job = None
+    case, job = _case(options), None
     if options.job is not None:
         from atleak.job.file import load_job
+        from atleak.job.of_record import with_record
 
         job = load_job(options.job)
-        if options.mileage is None:
-            options.mileage = job.vehicle.mileage_km
-        if options.measuring_temperature is None:
-            options.measuring_temperature = job.measuring_temperature_c
-        for name in ("pump_side_clearance", "pump_tip_clearance"):
-            if getattr(options, name) is None:
-                setattr(options, name, getattr(job, f"{name}_um"))
-    case = _case(options)
+        case = with_record(case, job)
     if job is not None and job.repair_decisions:
         from atleak.job.case import SLOTS, Reader
         from atleak.job.decisions import check_decisions
