@@ -36,6 +36,11 @@ class FoundUnits:
     messages: tuple[Message, ...]  # what was left aside, and how tables were understood
     twice: list[tuple[str, str]] = field(default_factory=list)  # names of units that came before, and as what
 
+    @property
+    def has_tables(self) -> bool:
+        """Tell whether some of them are rows of a table."""
+        return any(isinstance(source, TableUnits) for source in self.sources)
+
     def __len__(self) -> int:
         """Return how many units there are, those that are there twice among them."""
         return sum(len(source) if isinstance(source, TableUnits) else 1 for source in self.sources)
