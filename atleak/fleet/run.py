@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from distributed import Client
+
+    from atleak.fleet.columns import ErrorKind
+    from atleak.fleet.results import Results
+    from atleak.fleet.running import Run
+    from atleak.fleet.units import FleetUnit
 
 TIME_LIMIT = 1800.0  # [s] for one unit
 
@@ -38,7 +44,7 @@ class Finished:
     """What became of the units of a run."""
 
     verdicts: Mapping[str, int]  # verdict → how many units of this run
-    errors: Mapping[str, int]  # kind of error → how many units of this run
+    errors: Mapping[ErrorKind, int]  # kind of error → how many units of this run
     before: int  # units that had their result, or their error, before this run
     twice: int  # units given that are the same as another one, to the last byte
     seconds: float
@@ -50,8 +56,8 @@ class Finished:
 
 
 def run_fleet(
-    units: Sequence[Any],
-    results: Any,
+    units: Sequence[FleetUnit],
+    results: Results,
     client: Client,
     *,
     time_limit: float | None = TIME_LIMIT,
@@ -83,4 +89,25 @@ def run_fleet(
     FleetError
         the scheduler or all workers are lost for good; what was finished is kept.
     """
-    raise NotImplementedError
+    from atleak.fleet.running import Run
+
+    begun = time.monotonic()
+    results.tidy()
+    done = results.done() - (results.failed() if retry_errors else set())
+    given = {unit.input_sha256: unit for unit in units}
+    wanted = [unit for sha256, unit in given.items() if sha256 not in done]
+
+    def say(run: Run) -> None:
+        if progress is not None:
+            progress(Progress(run.done, run.errors.total(), len(wanted), time.monotonic() - begun, run.workers))
+
+    run = Run(wanted, results, client, time_limit, say)
+    run.go()
+    results.tidy()
+    return Finished(
+        verdicts=dict(run.verdicts),
+        errors=dict(run.errors),
+        before=len(given) - len(wanted),
+        twice=len(units) - len(given),
+        seconds=time.monotonic() - begun,
+    )
