@@ -43,6 +43,9 @@ class Named(Protocol):
     def labels(self) -> tuple[tuple[str, str], ...]: ...
 
     @property
+    def choices(self) -> str: ...
+
+    @property
     def input_sha256(self) -> str: ...
 
 
@@ -154,6 +157,7 @@ def _named(unit: Named, tries: int) -> dict[str, Any]:
         "name": unit.name,
         "group": unit.group,
         "labels": list(unit.labels),
+        "choices": unit.choices,
         "atleak": __version__,
         "evaluated_at": dt.datetime.now(dt.UTC),
         "tries": tries,

@@ -83,9 +83,10 @@ class FleetUnit:
         return self.case or Case(), self.job or Job()
 
     def name_within(self, error: InputError) -> None:
-        """Name the job file in an error about a file in it, as `atleak.job.parts.JobFile.diagnose` does."""
-        if self.job_file is not None:
-            name_within(error, self.job_file.name)
+        """Name the job file, in an error about a file in it, as `atleak.job.parts.JobFile.diagnose` does."""
+        whole = None if self.job_file is None else self.job_file.name
+        if whole is not None and not (error.place.file or "").startswith(whole):  # which opening it names already
+            name_within(error, whole)
 
     def _files(self) -> Iterator[SourceFile]:
         """Return the files of its own and those chosen in place of the catalogue's."""
