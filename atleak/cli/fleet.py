@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -119,7 +121,7 @@ def _run(options: argparse.Namespace) -> int:
                 found, results, client, time_limit=limit, retry_errors=options.retry_errors, progress=progress
             )
         _say_twice(found)
-        return _said(results, finished, options)
+        return _said(results, found, finished, options)
 
 
 def _found(options: argparse.Namespace) -> FoundUnits:
@@ -165,7 +167,8 @@ def _shown(*, quiet: bool) -> Iterator[Callable[[Progress], None]]:
     from atleak.report.terminal import TerminalConsole
 
     columns = ("units", BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeElapsedColumn())
-    with Bar(*columns, console=TerminalConsole(sys.stderr), transient=True, disable=quiet) as bar:
+    console = TerminalConsole(sys.stderr)
+    with Bar(*columns, console=console, transient=True, disable=quiet or not console.is_terminal) as bar:
         task = bar.add_task("", total=None, rate="")
 
         def show(progress: Progress) -> None:
@@ -187,18 +190,16 @@ def _rate(progress: Progress) -> str:
     return " · ".join(told)
 
 
-def _said(results: Results, finished: Finished, options: argparse.Namespace) -> int:
+def _said(results: Results, found: FoundUnits, finished: Finished, options: argparse.Namespace) -> int:
     """Print what the results hold now, and return the exit status."""
     from atleak.wording import signed
 
-    errors = results.table("errors", columns=["kind", "name", "message"])
     counts = _counts(results.table("units", columns=["verdict"]), "verdict")
     new = sum(finished.errors.values()) + finished.evaluated
-    print(f"{sum(counts.values())} units with a result in {options.out}; {new} of this run, {finished.seconds:.0f} s")
+    print(f"{new} units in {finished.seconds:.0f} s; {sum(counts.values())} with a result in {options.out}:")
     for level in sorted(map(Verdict, counts), key=lambda each: each.rank, reverse=True):
         print(f"  {counts[level.value]:6}  {signed(level)}")
-    _say_errors(errors, Path(options.out) / "errors")
-    if errors.num_rows:
+    if _say_errors(results, found):
         return 2
     past = options.fail_on and any(Verdict(each).rank >= Verdict(options.fail_on).rank for each in counts)
     return 1 if past else 0
@@ -208,15 +209,30 @@ def _counts(table: pa.Table, column: str) -> dict[str, int]:
     return {each["values"]: each["counts"] for each in table[column].value_counts().to_pylist()}
 
 
-def _say_errors(errors: pa.Table, folder: Path) -> None:
-    """Print how many units have no result, by kind, with the first messages and where the others are."""
+def _say_errors(results: Results, found: FoundUnits) -> bool:
+    """Print which of the units have no result, by kind, with the first messages; return whether there are any."""
+    errors = results.table("errors", columns=["input_sha256", "kind", "name", "message"])
     rows = errors.to_pylist()
-    for kind, count in sorted(_counts(errors, "kind").items()):
+    of_these = [row for row in rows if row["input_sha256"] in found.seen]
+    for kind, count in sorted(Counter(row["kind"] for row in of_these).items()):
         print(f"atleak: {count} without a result ({kind}):", file=sys.stderr)
-        of_kind = [row for row in rows if row["kind"] == kind]
-        for row in of_kind[:_ERRORS]:
-            print(f"  {row['name']}: {row['message']}", file=sys.stderr)
+        for row in [row for row in of_these if row["kind"] == kind][:_ERRORS]:
+            print(f"  {_named(row)}", file=sys.stderr)
         if count > _ERRORS:
             print(f"  … and {count - _ERRORS} more", file=sys.stderr)
     if rows:
-        print(f"atleak: all of them stand in {folder}; --retry-errors tries them again", file=sys.stderr)
+        others = len(rows) - len(of_these)
+        more = f", {others} of units that are not among these" if others else ""
+        folder = results.folder / "errors"
+        print(f"atleak: every error stands in {folder}{more}; --retry-errors tries them again", file=sys.stderr)
+    return bool(of_these)
+
+
+def _named(row: Mapping[str, str]) -> str:
+    """Return the message of an error with the unit's name before it, unless it names the unit itself."""
+    name, message = row["name"], row["message"]
+    if message.startswith(name):
+        return message
+    path = Path(name)
+    named = message.startswith(f"{path.name}: ") and path.name != name
+    return f"{path.parent}{os.sep}{message}" if named else f"{name}: {message}"

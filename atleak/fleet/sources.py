@@ -35,6 +35,7 @@ class FoundUnits:
     sources: Sequence[_JobFile | TableUnits | _BookJob]
     messages: tuple[Message, ...]  # what was left aside, and how tables were understood
     twice: list[tuple[str, str]] = field(default_factory=list)  # names of units that came before, and as what
+    seen: dict[str, str] = field(default_factory=dict)  # hash → name of each unit that had its turn
 
     @property
     def has_tables(self) -> bool:
@@ -48,13 +49,13 @@ class FoundUnits:
     def __iter__(self) -> Iterator[FleetUnit]:
         """Give every unit; of those with the same content only the first, the others are named in ``twice``."""
         self.twice.clear()
-        names: dict[str, str] = {}
+        self.seen.clear()
         for source in self.sources:
             for unit in source if isinstance(source, TableUnits) else (source.unit(),):
                 known = _with_hash(unit)
-                first = names.get(known.input_sha256)
+                first = self.seen.get(known.input_sha256)
                 if first is None:
-                    names[known.input_sha256] = known.name
+                    self.seen[known.input_sha256] = known.name
                     yield known
                 else:
                     self.twice.append((known.name, first))
