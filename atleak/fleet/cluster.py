@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 HERE = "127.0.0.1"
 _ANSWER = 20.0  # [s] within which a scheduler has to answer
 _MEMORY = 0.9  # part of this machine's memory that all workers together may take
-_SETTINGS: Mapping[str, Any] = {
+SETTINGS: Mapping[str, Any] = {
     # a unit whose worker ended is tried again by the run itself, which knows when it is alone
     "distributed.scheduler.allowed-failures": 0,
     # a worker that computes for minutes in compiled code says nothing meanwhile; the unit's time limit ends it
@@ -30,6 +30,12 @@ _SETTINGS: Mapping[str, Any] = {
     "distributed.worker.memory.terminate": 0.95,
     "distributed.worker.multiprocessing-method": "spawn",
     "distributed.worker.profile.enabled": False,
+    # what dask watches of itself, more seldom
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "2s",
+    "distributed.admin.system-monitor.disk": False,
+    "distributed.admin.system-monitor.gil.enabled": False,
+    "distributed.diagnostics.nvml": False,
     "distributed.worker.http.routes": [],
     "distributed.scheduler.http.routes": [],
     # large units are expected
@@ -67,7 +73,7 @@ def connected(
     except ImportError as error:
         problem = Sentence("a fleet run needs dask.distributed, which is not installed")
         raise FleetError(problem, expected=Sentence("python -m pip install atleak[fleet]")) from error
-    with _quiet(), _same_environment(), dask.config.set(_SETTINGS):
+    with _quiet(), _same_environment(), dask.config.set(SETTINGS):
         if scheduler is None:
             with _started_here(workers, memory_limit) as client:
                 yield client
@@ -78,8 +84,9 @@ def connected(
 
 @contextmanager
 def _started_here(workers: int | None, memory_limit: int | None) -> Iterator[Client]:
+    from dask.system import CPU_COUNT
     from distributed import Client, LocalCluster, Security
-    from distributed.system import CPU_COUNT, MEMORY_LIMIT
+    from distributed.system import MEMORY_LIMIT
 
     count = workers or CPU_COUNT
     try:

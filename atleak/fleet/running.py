@@ -6,19 +6,21 @@ along. One that took too long was named before its worker left, and is tried aga
 
 from __future__ import annotations
 
+import asyncio
+import concurrent.futures
 import contextlib
 import itertools
 import queue
 import secrets
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 from distributed import Client, Future
 from distributed.scheduler import KilledWorker
+from tornado.platform.asyncio import BaseAsyncIOLoop
 
 from atleak.doors import unexpected
 from atleak.errors import FleetError, InputError, Place
@@ -39,10 +41,11 @@ PATIENCE = 300.0  # [s] without any worker
 _NO_ANSWER = 60.0  # [s] without an answer of a scheduler that seems to be there
 _TICK = 0.5  # [s]
 _LOOK = 2.0  # [s] between two looks at which workers there are
-_FETCHED = 32  # units of which the rows are fetched at a time
-_FETCHED_WITHIN = 60.0  # [s]
+_AT_ONCE = 64  # units that are taken back before others are handed out
 _MEMORY = "worker-restart-memory"  # dask's topic of workers that took more memory than they may
 _TOLD_WITHIN = 1.0  # [s] after such a worker has ended
+
+Fetched = concurrent.futures.Future[list[Packed]]
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,9 @@ class Run:
     Parameters
     ----------
     units
-        that have no result yet.
+        each is asked for when its turn comes.
+    known
+        hashes of units that have a result, or an error, already.
     results
         open for writing.
     client
@@ -76,6 +81,7 @@ class Run:
     def __init__(
         self,
         units: Iterable[FleetUnit],
+        known: Collection[str],
         results: Results,
         client: Client,
         time_limit: float | None,
@@ -83,12 +89,17 @@ class Run:
     ) -> None:
         self.verdicts: Counter[str] = Counter()
         self.errors: Counter[ErrorKind] = Counter()
+        self.before = 0  # units that are known already
         self.workers = 0
         self._results, self._client, self._time_limit, self._say = results, client, time_limit, say
-        self._waiting = deque(_Try(unit) for unit in units)
+        assert isinstance(client.loop, BaseAsyncIOLoop)
+        self._loop = client.loop.asyncio_loop
+        self._units, self._all_seen = iter(units), False
+        self._known, self._met = known, set[str]()  # hashes: known already, and of units that had their turn
+        self._waiting: deque[_Try] = deque()  # to be handed out next
         self._alone: deque[_Try] = deque()  # to be handed out once all others are done
         self._under_way: dict[Future, _Try] = {}
-        self._ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
+        self._happened: queue.SimpleQueue[tuple[Future, Fetched | None]] = queue.SimpleQueue()
         self._overdue: queue.SimpleQueue[dict[str, str]] = queue.SimpleQueue()
         self._left: set[str] = set()  # addresses of workers that left because a unit took too long
         self._finished: list[Rows] = []  # not yet written
@@ -114,7 +125,8 @@ class Run:
         """
         self._client.subscribe_topic(OVERDUE, lambda event: self._overdue.put(event[1]))
         try:
-            while self._waiting or self._alone or self._under_way:
+            while not self._all_seen or self._waiting or self._alone or self._under_way:
+                self._draw()
                 try:
                     self._look()
                     self._hand_out()
@@ -144,9 +156,8 @@ class Run:
             raise FleetError(problem, expected=_AGAIN)
 
     def _hand_out(self) -> None:
-        room = AHEAD * self._threads - len(self._under_way)
-        handed = [self._waiting.popleft() for _ in range(min(room, len(self._waiting)))]
-        if self._threads and self._alone and not (handed or self._under_way or self._waiting):
+        handed = [self._waiting.popleft() for _ in range(min(self._room, len(self._waiting)))]
+        if self._threads and self._alone and self._all_seen and not (handed or self._under_way):
             handed = [self._alone.popleft()]
         if not handed:
             return
@@ -164,42 +175,65 @@ class Run:
         )
         for future, each in zip(futures, named, strict=True):
             self._under_way[future] = each
-            future.add_done_callback(self._ended.put)
+            future.add_done_callback(self._done)
+
+    @property
+    def _room(self) -> int:
+        """Return how many units more can be handed out."""
+        return max(AHEAD * self._threads - len(self._under_way), 0)
+
+    def _draw(self) -> None:
+        """Have as many units wait as can be handed out, or as are found among those known already within a moment."""
+        until = time.monotonic() + _TICK
+        while not self._all_seen and len(self._waiting) < self._room and time.monotonic() < until:
+            unit = next(self._units, None)
+            if unit is None:
+                self._all_seen = True
+            elif unit.input_sha256 not in self._met:  # else it is the same as another one
+                self._met.add(unit.input_sha256)
+                if unit.input_sha256 in self._known:
+                    self.before += 1
+                else:
+                    self._waiting.append(_Try(unit))
 
     # --- taking back
 
     def _take_back(self) -> None:
         """Wait a little for units that are done, one way or another, and see what became of them."""
-        ended = []
+        happened = []
         with contextlib.suppress(queue.Empty):
-            ended.append(self._ended.get(timeout=_TICK))
-            while len(ended) < _FETCHED:
-                ended.append(self._ended.get_nowait())
+            happened.append(self._happened.get(timeout=_TICK))
+            while len(happened) < _AT_ONCE:
+                happened.append(self._happened.get_nowait())
         self._take_out_overdue()
-        there = [future for future in ended if future in self._under_way]
-        for future in there:
-            if future.status == "error":
+        for future, fetched in happened:
+            if future not in self._under_way:
+                continue
+            if fetched is not None and (packed := fetched.result()):
+                self._take(future, packed[0])
+            elif future.status == "error":
                 self._sort_out(future)
-        self._fetch([future for future in there if future.status not in ("error", "cancelled")])
-        if any(future.status == "cancelled" for future in there):
-            raise OSError("the scheduler has let go of the units")
+            elif future.status == "cancelled":
+                raise OSError("the scheduler has let go of the units")
+            elif fetched is None:
+                self._fetch(future)
+            else:  # its worker ended in that moment, and another one does it again
+                future.add_done_callback(self._done)
 
-    def _fetch(self, futures: Sequence[Future]) -> None:
-        if not futures:
-            return
-        by_name = {self._under_way[future].name: future for future in futures}
-        gather = partial(self._client.gather, by_name, errors="skip", asynchronous=True)
-        packed: dict[str, Packed | None] = dict.fromkeys(by_name)
-        with contextlib.suppress(TimeoutError):
-            packed = self._client.sync(gather, callback_timeout=_FETCHED_WITHIN)
-        for name, future in by_name.items():
-            rows = packed[name]
-            if rows is None:  # its worker ended just now, and another one does it again
-                future.add_done_callback(self._ended.put)
-            elif rows.error == "ended" and self._under_way[future].alone < TRIES_ALONE:
-                self._again_alone(future)
-            else:
-                self._keep(future, rows.rows, rows.error)
+    def _done(self, future: Future) -> None:
+        self._happened.put((future, None))
+
+    def _fetch(self, future: Future) -> None:
+        """Begin to fetch the rows of a unit; nothing waits for it, as a library may keep the worker from answering."""
+        gathering = self._client.gather([future], errors="skip", asynchronous=True)
+        fetching = asyncio.run_coroutine_threadsafe(gathering, self._loop)
+        fetching.add_done_callback(lambda fetched: self._happened.put((future, fetched)))
+
+    def _take(self, future: Future, packed: Packed) -> None:
+        if packed.error == "ended" and self._under_way[future].alone < TRIES_ALONE:
+            self._again_alone(future)
+        else:
+            self._keep(future, packed.rows, packed.error)
 
     def _sort_out(self, future: Future) -> None:
         """Decide what becomes of a unit whose task ended in an error, which none does by itself."""
@@ -308,9 +342,10 @@ class Run:
 
     def _let_go(self) -> None:
         """Let the scheduler forget what is under way."""
-        with contextlib.suppress(OSError, RuntimeError):  # of a client that is closed, or a scheduler that is gone
-            self._client.unsubscribe_topic(OVERDUE)
-            self._client.cancel(list(self._under_way), force=True)
+        if self._client.status == "running":
+            with contextlib.suppress(OSError):  # of a scheduler that is gone at last
+                self._client.unsubscribe_topic(OVERDUE)
+                self._client.cancel(list(self._under_way), force=True)
         self._under_way.clear()
 
 

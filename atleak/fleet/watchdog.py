@@ -9,8 +9,6 @@ import os
 import threading
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import IO
 
 STATUS = 75  # with which the process ends
 _LAST_WORDS = 0.5  # [s] for what is told to get out
@@ -19,7 +17,7 @@ _GRACE = 5.0  # [s] later the process is ended without a word
 _lock = threading.Lock()
 _deadlines: dict[int, float] = {}  # of whatever is under way in this process, by the clock that never goes back
 _numbers = itertools.count()
-_nowhere: IO[str] | None = None
+_nowhere: int | None = None
 
 
 @contextlib.contextmanager
@@ -62,7 +60,7 @@ def _set(number: int, deadline: float | None) -> None:
             faulthandler.cancel_dump_traceback_later()
             return
         if _nowhere is None:
-            _nowhere = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 (as long as the process)
+            _nowhere = os.open(os.devnull, os.O_WRONLY)  # as long as the process
         left = max(min(_deadlines.values()) - time.monotonic(), 0.001)
         faulthandler.dump_traceback_later(left, exit=True, file=_nowhere)
 
