@@ -69,7 +69,7 @@ def test_a_run_counts_verdicts_and_tells_what_is_there_twice(
     out = tmp_path / "results"
     status, printed, told = run("fleet", "run", jobs, "--out", out, "--workers", 3)
     assert status == 0
-    assert printed.splitlines() == [f"2 units in 2 s; 2 with a result in {out}:", "       2  ◌ not measured"]
+    assert printed.splitlines() == [f"2 units in 2 s; 2 with a result in {out}:", "       2  ○ not measured"]
     assert f"{jobs / 'south' / 'again.zip'}: the same as {jobs / 'south' / '2.zip'}, which is evaluated once" in told
     assert asked == {
         "scheduler": None, "workers": 3, "units": 3, "time_limit": 1800.0, "retry_errors": False,
@@ -129,7 +129,7 @@ def test_a_row_is_diagnosed_as_the_command_diagnose_does(
     table.write_text("sheet,mileage\nsmall.csv,120000\n", encoding="utf-8")
     chosen = ("--controller", own, "--temperature", 85, "--assume", "eccentricity=unknown", "--guard", "1.5")
     assert run("fleet", "run", table, "--out", out, *chosen)[0] == 0
-    alone = record_of("diagnose", sheet, "--mileage", 120000, *chosen)
+    alone = record_of(sheet, "--mileage", 120000, *chosen)
     assert pq.read_table(out / "units")["result_sha256"].to_pylist() == [alone["result_sha256"]]
 
 
