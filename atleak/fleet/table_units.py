@@ -60,6 +60,8 @@ class TableUnits:
         chosen: dict[str, Any] = {name: travelling_choice(name, getattr(defaults, name), Path.cwd()) for name in SLOTS}
         self._defaults = replace(defaults, remember=False, **chosen)
         self._chosen: dict[tuple[str, str], Choice] = {}
+        remembered = default_path()
+        self._remembered = remembered if remembered.exists() else None
 
     def __len__(self) -> int:
         return len(self.table.rows)
@@ -135,7 +137,8 @@ class TableUnits:
         speed = read.number("rpm", ENGINE_SPEED)
         changes["engine_speed"] = None if speed is None else speed / 60.0
         case = replace(self._defaults, **{name: value for name, value in changes.items() if value not in (None, ())})
-        return _with_remembered(_recorded(case, job))
+        case = _recorded(case, job)
+        return case if self._remembered is None else _with_remembered(case, self._remembered)
 
     def _choice(self, read: RowCells, slot: str) -> Choice | None:
         chosen = read.text(slot)
@@ -214,13 +217,13 @@ def _labels(table: UnitTable, row: TableRow, *, every: bool) -> Iterator[tuple[s
             yield column.heading, text
 
 
-def _with_remembered(case: Case) -> Case:
+def _with_remembered(case: Case, remembered: Path) -> Case:
     """Return the case with its log's columns as they were settled on this computer: elsewhere it then reads the same.
 
     The head of a log of text is enough for that; nothing is remembered of MDF files.
     """
-    log, remembered = case.road_test, default_path()
-    if log is None or not remembered.exists():
+    log = case.road_test
+    if log is None:
         return case
     try:
         understood = understand(_head_of(log), name=log.name, remembered=remembered, **case.log_choices)
