@@ -11,6 +11,7 @@ from atleak.errors import AtleakError, InputError
 from atleak.fleet.rows import Rows, error_rows, rows_of
 from atleak.fleet.units import FleetUnit
 from atleak.job.case import Choice, Reader, Slot
+from atleak.job.of_sheet import with_sheet
 
 _KEPT = 64  # entries of the catalogue
 
@@ -51,6 +52,7 @@ def evaluate(unit: FleetUnit, *, tries: int = 1) -> Rows:
     try:
         case, job = unit.opened()
         diagnosis = case.diagnose(_READER)
+        job = with_sheet(job, diagnosis.readings) or job
         return rows_of(unit, diagnosis, job, seconds=time.perf_counter() - begun, tries=tries)
     except AtleakError as error:
         if isinstance(error, InputError):

@@ -133,6 +133,21 @@ def test_a_row_is_diagnosed_as_the_command_diagnose_does(
     assert pq.read_table(out / "units")["result_sha256"].to_pylist() == [alone["result_sha256"]]
 
 
+def test_the_head_of_a_sheet_says_whose_it_is_where_its_row_does_not(
+    run: Run, asked: dict[str, Any], small_sheet: Callable[..., Path], tmp_path: Path
+) -> None:
+    sheet, out = small_sheet(), tmp_path / "results"
+    head = "Job:,S-7\nVIN:,WVWZZZ1JZXW000001\nMileage:,98765\n\n"
+    sheet.write_text(head + sheet.read_text(encoding="utf-8"), encoding="utf-8")
+    table = tmp_path / "fleet.csv"
+    table.write_text("sheet,VIN\nsmall.csv,\nsmall.csv,WVWZZZ1JZXW000001\n", encoding="utf-8")
+    assert run("fleet", "run", table, "--out", out, "--controller", "minimal_example")[0] == 0
+    units = pq.read_table(out / "units")
+    assert [units[name].to_pylist() for name in ("number", "vin", "mileage_km")] == [
+        ["S-7"] * 2, ["WVWZZZ1JZXW000001"] * 2, [98765.0] * 2,
+    ]  # fmt: skip
+
+
 def test_jobs_of_the_book_are_a_source(run: Run, asked: dict[str, Any], unmeasured: Diagnosis, tmp_path: Path) -> None:
     book = open_book()
     for number in ("A-1", "A-2", "B-1"):

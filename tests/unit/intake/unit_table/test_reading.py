@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import io
+import re
 from collections import defaultdict
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from atleak.intake.plain_words import words
 from atleak.intake.unit_table import UnitTable, column_meant, read_unit_table
 from atleak.intake.unit_table.headings import spellings
 
+_CODE = re.compile("`([^`]+)`")
 _ROWS = [["Messblatt", "Laufleistung", "Lieferant"], ["a.xlsx", "123,5", "Müller"], ["b.xlsx", "", "Żółty"]]
 
 
@@ -130,3 +132,15 @@ def test_every_spelling_of_a_heading_means_one_column() -> None:
 )
 def test_headings_of_measuring_sheets_mean_the_same_in_a_table(heading: str, column: str | None) -> None:
     assert column_meant(heading) == column
+
+
+def test_the_documentation_names_headings_that_are_understood(root: Path, tmp_path: Path) -> None:
+    text = (root / "docs" / "fleet.md").read_text(encoding="utf-8")
+    told = text.split("### A table of units")[1].split("Every other column")[0]
+    named = [name for line in told.splitlines() if line.startswith("| `") for name in _CODE.findall(line.split("|")[1])]
+    assert len(named) > 25
+    assert [name for name in named if column_meant(name) is None] == []
+    shown = told.split("```")[1].strip()
+    table = _read(tmp_path, "fleet.csv", shown.encode())
+    assert table.labels == ("Supplier", "Batch")
+    assert len(table.rows) == 2
