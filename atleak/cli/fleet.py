@@ -116,10 +116,14 @@ def _run(options: argparse.Namespace) -> int:
         connected(options.scheduler, options.workers) as client,
         Results.open(options.out, for_writing=True, replace=options.replace) as results,
     ):
-        with _shown(quiet=getattr(options, "quiet", False)) as progress:
-            finished = run_fleet(
-                found, results, client, time_limit=limit, retry_errors=options.retry_errors, progress=progress
-            )
+        try:
+            with _shown(quiet=getattr(options, "quiet", False)) as progress:
+                finished = run_fleet(
+                    found, results, client, time_limit=limit, retry_errors=options.retry_errors, progress=progress
+                )
+        except KeyboardInterrupt:
+            print("atleak: interrupted; what was finished is kept, and running again goes on from it", file=sys.stderr)
+            raise
         _say_twice(found)
         return _said(results, found, finished, options)
 

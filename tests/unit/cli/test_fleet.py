@@ -13,7 +13,8 @@ import pytest
 
 from atleak.diagnosis import Diagnosis
 from atleak.errors import FleetError
-from atleak.fleet import cluster, run
+from atleak.fleet import cluster
+from atleak.fleet import run as fleet_run
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress
 from atleak.fleet.work import evaluate
@@ -49,7 +50,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         return Finished(verdicts, {"refused": len(rows) - verdicts.total()}, before=0, twice=0, seconds=2.0)
 
     monkeypatch.setattr(cluster, "connected", connected)
-    monkeypatch.setattr(run, "run_fleet", run_fleet)
+    monkeypatch.setattr(fleet_run, "run_fleet", run_fleet)
     return asked
 
 
@@ -197,6 +198,39 @@ def test_without_its_workers_one_sentence_says_what_to_install(
     assert (status, printed) == (2, "")
     assert told.startswith("atleak: a fleet run needs dask.distributed, which is not installed")
     assert not (tmp_path / "results").exists()
+
+
+def test_an_interrupted_run_says_that_it_goes_on(
+    run: Run, asked: dict[str, Any], jobs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*given: Any, **options: Any) -> Finished:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(fleet_run, "run_fleet", interrupted)
+    status, printed, told = run("fleet", "run", jobs, "--out", tmp_path / "results")
+    assert (status, printed) == (130, "")
+    assert told == "atleak: interrupted; what was finished is kept, and running again goes on from it\n"
+    assert run("fleet", "run", jobs, "--out", tmp_path / "results", "--replace")[0] == 130  # the folder is free again
+
+
+@pytest.mark.slow
+def test_a_run_of_the_command_with_workers_of_its_own(
+    process: Callable[..., Any], jobs: Path, small_sheet: Callable[..., Path], tmp_path: Path
+) -> None:
+    small_sheet()
+    table, out = tmp_path / "fleet.csv", tmp_path / "results"
+    lines = [f"small.csv,minimal_example,{20_000 + number}" for number in range(30)]
+    table.write_text("\n".join(["sheet,controller,mileage", *lines]) + "\n", encoding="utf-8")
+    (jobs / "bad.zip").write_bytes(b"no job")
+    for new in (33, 0):
+        done = process("fleet", "run", jobs, table, "--out", out, "--workers", 2, "--fail-on", "critical")
+        assert done.returncode == 2
+        assert done.stdout.decode().startswith(f"{new} units in ")
+        assert f"; 32 with a result in {out}:" in done.stdout.decode()
+        assert "bad.zip: is no sound zip" in done.stderr.decode()
+        assert "Traceback" not in done.stderr.decode()
+    hashes = pq.read_table(out / "units")["input_sha256"].to_pylist()
+    assert len(hashes) == len(set(hashes)) == 32
 
 
 def test_quiet_prints_nothing_but_what_goes_wrong(run: Run, asked: dict[str, Any], jobs: Path, tmp_path: Path) -> None:
