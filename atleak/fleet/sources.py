@@ -252,10 +252,11 @@ class _Finder:
 
     def _add_folder(self, folder: Path, group: str | None) -> None:
         """Add the job files of a folder; the name of a sub-folder is the group of those in it."""
-        before, hidden = len(self.sources), 0
+        before, hidden, links = len(self.sources), 0, 0
         for here, folders, files in os.walk(folder, onerror=self._unreadable):
             hidden += sum(map(_is_hidden, folders))
             folders[:] = sorted(name for name in folders if not _is_hidden(name))
+            links += sum((Path(here) / name).is_symlink() for name in folders)
             below = next(iter(Path(here).relative_to(folder).parts), group)
             job_files = [name for name in sorted(files) if _is_job_file(Path(name))]
             hidden += sum(map(_is_hidden, job_files))
@@ -265,6 +266,8 @@ class _Finder:
         if hidden:
             text = Sentence("{count} hidden files or folders are left out", count=hidden)
             self._tell("hidden", text, str(folder))
+        if links:
+            self._tell("links", Sentence("{count} links to folders are not followed", count=links), str(folder))
         if len(self.sources) == before:
             self._tell("empty_folder", Sentence("no job file (.zip) is found in this folder"), str(folder))
 

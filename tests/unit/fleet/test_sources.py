@@ -62,6 +62,15 @@ def test_a_folder_is_searched_through_and_its_sub_folders_are_groups(job_file: W
     assert _told(found) == ["2 hidden files or folders are left out"]
 
 
+@pytest.mark.skipif(os.name == "nt", reason="a link takes a privilege there")
+def test_links_to_folders_are_told_and_not_followed(job_file: Write, tmp_path: Path) -> None:
+    job_file("jobs/1.zip")
+    (tmp_path / "jobs" / "round").symlink_to(tmp_path / "jobs")
+    found = find_units([tmp_path / "jobs"])
+    assert len(found) == 1
+    assert _told(found) == ["1 links to folders are not followed"]
+
+
 def test_of_several_folders_each_is_a_group(job_file: Write, tmp_path: Path) -> None:
     job_file("jobs/north/1.zip")
     job_file("jobs/south/2.zip")
