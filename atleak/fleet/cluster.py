@@ -40,8 +40,11 @@ SETTINGS: Mapping[str, Any] = {
     "distributed.scheduler.http.routes": [],
     # large units are expected
     "distributed.admin.large-graph-warning-threshold": "1 GiB",
-    # not dask's own: its threshold of the C library's memory makes a diagnosis a twentieth slower
-    "distributed.nanny.pre-spawn-environ": {"OMP_NUM_THREADS": 1, "MKL_NUM_THREADS": 1, "OPENBLAS_NUM_THREADS": 1},
+    "distributed.nanny.pre-spawn-environ": {
+        **{f"{library}_NUM_THREADS": 1 for library in ("OMP", "MKL", "OPENBLAS")},
+        "DASK_LOGGING__DISTRIBUTED": "critical",
+        # and not dask's own threshold of the C library's memory, which makes a diagnosis a twentieth slower
+    },
 }
 
 

@@ -6,7 +6,6 @@ sends it to all processes at once, and the workers are ended in order.
 
 from __future__ import annotations
 
-import logging
 import signal
 from typing import Any
 
@@ -22,7 +21,6 @@ def dask_setup(worker: Any) -> None:
     worker
         that starts.
     """
-    if worker.nanny is not None:  # not a worker that lives in the program itself
+    if worker.nanny is not None:  # else it lives in another program's process, or a person ends it
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
         set_imports_aside()

@@ -59,7 +59,7 @@ FLOORS = (
         "paper",
         "unit_systems",
     ),
-    ("catalogue", "wording", "system.drafts", "network", "admission"),
+    ("catalogue", "wording", "system.drafts", "system.entries", "network", "admission"),
     ("written_numbers", "phrases", "report.printed_fonts"),
     ("pressure_table", "controller_sheets", "own_lands", "sheet_identity", "wear_line"),
     ("readings", "road_test", "gauge_study"),
