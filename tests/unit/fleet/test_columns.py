@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pyarrow as pa
 import pytest
 
-from atleak.fleet.columns import DATA_SETS, HASH, PARTITION, columns_of
+from atleak.fleet.columns import DATA_SETS, ERROR_KINDS, HASH, PARTITION, columns_of
 from atleak.schemas import schema
 
 
@@ -39,3 +42,12 @@ def test_circuits_stand_in_a_data_set_of_their_own() -> None:
     assert "circuits" not in columns_of("conditions").names
     assert columns_of("circuits").names[:3] == [HASH, "condition", "id"]
     assert "test" not in columns_of("events").names
+
+
+def test_the_page_on_fleets_names_every_column_that_stands_in_no_record(root: Path) -> None:
+    text = (root / "docs" / "fleet.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`(\w+)`", text))
+    assert {*DATA_SETS, PARTITION} <= named
+    for data_set in ("units", "temperatures", "errors"):
+        assert set(columns_of(data_set).names) <= named
+    assert all(f"`{kind}`" in text for kind in ERROR_KINDS)
