@@ -192,7 +192,7 @@ def _comparison(comparison: GroupComparison) -> Iterator[str | Table]:
     rates = [each for each in comparison.verdicts if each.points is not None]
     if rates:
         table = _table(
-            "Differences of rates [percentage points] (95 % of each alone)",
+            f"Differences of rates {_POINTS}",
             "groups",
             "rate of",
             "difference",
