@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime as dt
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import pyarrow as pa
@@ -12,7 +11,8 @@ import pyarrow as pa
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import model_unworn
 from atleak.engine.road_bands import TemperatureClass, temperature_classes
-from atleak.fleet.columns import HASH, DataSet, ErrorKind, columns_of
+from atleak.fleet.columns import HASH, DataSet, ErrorKind, Rows, columns_of
+from atleak.fleet.parts import folder_of
 from atleak.job.issued import result_sha256
 from atleak.job.record import Job
 from atleak.verdicts import Verdict, worst
@@ -46,17 +46,6 @@ class Named(Protocol):
     def input_sha256(self) -> str: ...
 
 
-@dataclass(frozen=True)
-class Rows:
-    """The rows of one unit: of a result in every data set but the errors, of an error in that one alone."""
-
-    controller: str | None  # id of the valve body; None where it is not known
-    input_sha256: str
-    reference: str
-    verdict: Verdict | None  # None of an error
-    tables: Mapping[DataSet, pa.Table]
-
-
 def rows_of(
     unit: Named,
     diagnosis: Diagnosis,
@@ -83,7 +72,13 @@ def rows_of(
     temperatures
         classes of fluid temperature over a log that was evaluated in pieces; of one that the diagnosis holds they are
         computed here.
+
+    Raises
+    ------
+    InputError
+        the id of the valve body is too long for the name of a folder.
     """
+    folder_of(diagnosis.controller.id)  # here, where an id that names no folder concerns this unit alone
     record = diagnosis_record(diagnosis)
     if temperatures is None:
         temperatures = _temperatures(diagnosis)
