@@ -139,7 +139,7 @@ def _wear(here: _Compared, level: float, mileages: np.ndarray, shuffles: int) ->
     of_all = found(wear, numbers)
     known = np.isfinite(mileages)
     classes = classes_of(mileages[known], class_width(mileages)).astype(int)
-    same_mileage = found(wear[known], numbers[known], classes=classes)
+    same_mileage = found(wear[known], numbers[known], classes=classes) if known.any() else None
     differences = []
     for place, pairing in enumerate(here.pairings):
         sides = here.sides(pairing)
@@ -159,10 +159,10 @@ def _wear(here: _Compared, level: float, mileages: np.ndarray, shuffles: int) ->
     return tuple(sorted(differences, key=_clearest_first))
 
 
-def _mean_points(found: MeanDifferences, pairing: int, land: int) -> Difference | None:
-    value, error = float(found.value[pairing, land]), float(found.error[pairing, land])
-    if math.isnan(value):
+def _mean_points(found: MeanDifferences | None, pairing: int, land: int) -> Difference | None:
+    if found is None or np.isnan(found.value[pairing, land]):
         return None
+    value, error = float(found.value[pairing, land]), float(found.error[pairing, land])
     own, of_all = float(found.own_reach[pairing, land]), found.reach_of_all
     if not found.enough[pairing, land] or not (math.isfinite(own) and math.isfinite(of_all)):
         return Difference(value, None, None, None, None)
