@@ -36,6 +36,7 @@ _NAMED = {  # of a unit, whether it has a result or an error
     "name": _TEXT,  # as people know it
     "group": _TEXT,  # sub-folder, or the column of that name in a table
     "labels": _TEXTS,  # what else a table says of it: batch, supplier
+    "choices": _TEXT,  # those of the run for rows of tables, as JSON: with them it is opened again
     "atleak": _TEXT,  # version that evaluated it
     "evaluated_at": _INSTANT,
     "tries": _WHOLE,

@@ -43,6 +43,9 @@ class Named(Protocol):
     def labels(self) -> tuple[tuple[str, str], ...]: ...
 
     @property
+    def choices(self) -> str: ...
+
+    @property
     def input_sha256(self) -> str: ...
 
 
@@ -80,16 +83,16 @@ def rows_of(
     """
     folder_of(diagnosis.controller.id)  # here, where an id that names no folder concerns this unit alone
     record = diagnosis_record(diagnosis)
+    road, in_pieces = record["road_test"], temperatures is not None
     if temperatures is None:
         temperatures = _temperatures(diagnosis)
-    road = record["road_test"]
     of_unit = {
         **_named(unit, tries),
         "seconds": seconds,
         **_written_down(job, record),
         **_diagnosed_with(record),
         **_judged(record["unit"]),
-        **_road(road),
+        **_road(road, in_pieces=in_pieces),
         "result_sha256": result_sha256(record),
     }
     own = {HASH: unit.input_sha256}
@@ -149,6 +152,7 @@ def _named(unit: Named, tries: int) -> dict[str, Any]:
         "name": unit.name,
         "group": unit.group,
         "labels": list(unit.labels),
+        "choices": unit.choices,
         "atleak": __version__,
         "evaluated_at": dt.datetime.now(dt.UTC),
         "tries": tries,
@@ -200,7 +204,7 @@ def _judged(unit: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _road(road: Mapping[str, Any] | None) -> dict[str, Any]:
+def _road(road: Mapping[str, Any] | None, *, in_pieces: bool) -> dict[str, Any]:
     """Return what the record of a road test says of the unit; nothing without one."""
     if road is None:
         return {}
@@ -216,7 +220,7 @@ def _road(road: Mapping[str, Any] | None) -> dict[str, Any]:
         "road_sha256": road["sha256"],
         "road_rows": road["rows"],
         "road_duration_s": road["duration_s"],
-        "road_in_pieces": False,
+        "road_in_pieces": in_pieces,
         **instants,
         "below_s": permissible["below_s"] if permissible else None,
         "worst_below_kpa": permissible["worst_below_kpa"] if permissible else None,

@@ -13,6 +13,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.road_bands import TemperatureClass
 from atleak.errors import InputError
 from atleak.fleet.columns import DATA_SETS, ERROR_KINDS, HASH, Rows, columns_of
 from atleak.fleet.rows import error_rows, rows_of
@@ -171,6 +172,15 @@ def test_the_classes_of_temperature_stand_in_the_units_of_their_names(rows: Rows
         road.min_leakage.leakage * 6e4 <= each["leakage_mean_dm3_min"] <= road.max_leakage.leakage * 6e4
         for each in told
     )
+
+
+def test_the_classes_of_a_log_in_pieces_are_those_given(sample: Diagnosis) -> None:
+    given = TemperatureClass(60.0, 65.0, 7.0, dict.fromkeys(BANDS, 1.0), None, None, None, None, 1e-4)
+    rows = rows_of(Named(), sample, temperatures=[given])
+    (told,) = rows.tables["temperatures"].to_pylist()
+    assert (told["seconds"], told["critical_s"], told["share_mean_percent"]) == (7.0, 1.0, None)
+    assert told["leakage_mean_dm3_min"] == pytest.approx(6.0, rel=1e-12, abs=0.0)
+    assert rows.tables["units"]["road_in_pieces"].to_pylist() == [True]
 
 
 def test_a_unit_of_which_nothing_is_known_has_a_row_too(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
