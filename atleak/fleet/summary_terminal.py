@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
@@ -26,9 +27,9 @@ from atleak.spreads import ENOUGH_UNITS, Rate, Spread
 from atleak.verdicts import BANDS, VERDICTS, Verdict
 from atleak.wording import signed
 
-PAIRS, WORN, DECIDERS, DIFFERENCES, UNITS = 10, 5, 5, 12, 15  # rows of each table; the JSON and the workbook hold all
+PAIRS, WORN, DECIDERS, DIFFERENCES, UNITS = 10, 3, 5, 12, 15  # rows of each table; the JSON and the workbook hold all
 _OTHERS = "all others"
-_POINTS = "[percentage points] (95 % for all at once)"
+_POINTS = "[percentage points], interval of 95 % for all at once (* leaves out zero)"
 _FEW = f"fewer than {ENOUGH_UNITS} units"
 
 
@@ -59,7 +60,8 @@ def _head(summary: FleetSummary) -> Iterator[str | Text | Table]:
 
 def _verdicts(title: str, rows: Iterable[tuple[str, VerdictCounts]], all_of_them: VerdictCounts) -> Table:
     levels = VERDICTS[::-1]
-    table = _table(title, "", "units", *map(signed, levels), "replace or worse")
+    levels_below = (signed(level).replace(" ", "\n", 1) for level in levels)
+    table = _table(title, "", "units", *levels_below, "replace or\nworse %")
     for name, counts in (*rows, ("all", all_of_them)):
         cells = [Text(str(counts.verdicts[level]), style=_style(level, counts.verdicts[level])) for level in levels]
         _add(table, name, str(counts.units), *cells, _percent(counts.rates[Verdict.REPLACE]))
@@ -106,16 +108,10 @@ def _pairs(body: ValveBody) -> Iterator[str | Table]:
     if not worst:
         yield "No land of any unit has reached a limit."
         return
-    table = _table(
-        "Lands that give the most trouble (95 % interval)",
-        "land",
-        "measured",
-        "replace or worse",
-        "flagged",
-        "deciding",
-    )
+    headings = "measured", "replace or\nworse %", "flagged %", "deciding %"
+    table = _table("Lands that give the most trouble (95 % interval)", "land", *headings)
     for each in worst:
-        rates = (_counted(rate) for rate in (each.replace, each.flagged, each.deciding))
+        rates = (_percent(rate) for rate in (each.replace, each.flagged, each.deciding))
         _add(table, _land(each.key), str(each.flagged.of), *rates)
     yield table
 
@@ -127,13 +123,13 @@ def _wear(body: ValveBody) -> Iterator[str | Table]:
     if not classes:
         return
     names = [_land(land.key) for land in shown]
-    table = _table("Wear over mileage [%]: median (5 … 95 % of the units), units", "km", *names)
+    table = _table("Wear over mileage [%]: median (5–95 % of the units), units", "1000 km", *names)
     for low, high in classes:
         cells = []
         for land in shown:
             here = next((part.wear_percent for part in land.classes if part.low_km == low), None)
             cells.append("–" if here is None else f"{_spread(here, 0)}, {here.units}")
-        _add(table, f"{low:.0f} … {high:.0f}", *cells)
+        _add(table, f"{low / 1e3:g}–{high / 1e3:g}", *cells)
     yield table
     without = max(land.without_mileage for land in body.wear)
     if without:
@@ -147,8 +143,8 @@ def _temperatures(body: ValveBody) -> Iterator[Table]:
     if not body.temperatures:
         return
     table = _table(
-        "Over the fluid temperature of the logs: mean of all time (5 … 95 % of the units)",
-        *("°C", "units", "hours", "share %", "largest", "main pressure kPa", "lowest", "red or worse %"),
+        "Over the fluid temperature of the logs: mean of all time (5–95 % of the units)",
+        *("°C", "units", "hours", "share %", "largest", "main\npressure kPa", "lowest", "red or\nworse %"),
     )
     for each in body.temperatures:
         bands = each.bands_percent
@@ -156,7 +152,7 @@ def _temperatures(body: ValveBody) -> Iterator[Table]:
         units = max((part.units for part in (each.share_percent, each.pressure_kpa) if part), default=0)
         _add(
             table,
-            f"{each.low_c:g} … {each.high_c:g}",
+            f"{each.low_c:g}–{each.high_c:g}",
             *(str(units), f"{each.seconds / 3600.0:.1f}"),
             *(_mean(each.share_mean_percent, each.share_percent, 1), _number(each.share_max_percent, 1)),
             *(_mean(each.pressure_mean_kpa, each.pressure_kpa, 0), _number(each.pressure_min_kpa, 0)),
@@ -169,8 +165,8 @@ def _conditions(body: ValveBody) -> Iterator[Table]:
     if not body.conditions:
         return
     table = _table(
-        "At the stated conditions: median (5 … 95 % of the units)",
-        *("condition", "°C", "units", "in part", "share %", "pressure held kPa", "required", "red or worse"),
+        "At the stated conditions: median (5–95 % of the units)",
+        *("condition", "°C", "units", "in\npart", "share %", "pressure\nheld kPa", "required", "red or\nworse"),
     )
     for each in body.conditions:
         units = max((part.units for part in (each.share_percent, each.pressure_held_kpa) if part), default=0)
@@ -184,23 +180,16 @@ def _conditions(body: ValveBody) -> Iterator[Table]:
 
 
 def _comparison(comparison: GroupComparison) -> Iterator[str | Table]:
-    table = _table("Groups", "", "units", "replace or worse (95 %)", "mean km", "without km")
+    table = _table("Groups", "", "units", "replace or\nworse %", "mean km", "without\nkm")
     for group in comparison.groups:
         _add(table, *_group(group))
     yield table
     yield from _said(comparison.messages)
     rates = [each for each in comparison.verdicts if each.points is not None]
     if rates:
-        table = _table(
-            f"Differences of rates {_POINTS}",
-            "groups",
-            "rate of",
-            "difference",
-            "differs",
-        )
+        table = _table(f"Differences of rates {_POINTS}", "groups", "rate of", "difference", words=2)
         for rate in rates:
-            words = _compared(rate.first, rate.second), _or_worse(rate.verdict)
-            _add(table, *words, _points(rate.points), _differs(rate.points))
+            _add(table, _compared(rate.first, rate.second), _or_worse(rate.verdict), _points(rate.points))
         yield table
     yield from _wear_differences(comparison)
 
@@ -222,18 +211,11 @@ def _wear_differences(comparison: GroupComparison) -> Iterator[str | Table]:
         compared = any(each.mean_points and each.mean_points.differs is not None for each in comparison.lands)
         yield "The wear of no land differs between groups." if compared else f"No wear is compared: {_FEW} in a group."
         return
-    table = _table(
-        f"Differences of mean wear {_POINTS}",
-        *("groups", "land", "units", "difference", "differs", "at the same mileage", "differs"),
-    )
+    headings = "groups", "land", "difference", "at the same mileage"
+    table = _table(f"Differences of mean wear {_POINTS}", *headings, words=2)
     for each in called[:DIFFERENCES]:
-        units = " / ".join(str(side.units if side else 0) for side in (each.first_percent, each.second_percent))
-        _add(
-            table,
-            *(_compared(each.first, each.second), _land(each.key), units),
-            *(_points(each.mean_points), _differs(each.mean_points)),
-            *(_points(each.same_mileage_points), _differs(each.same_mileage_points)),
-        )
+        points = (_points(of_kind) for of_kind in (each.mean_points, each.same_mileage_points))
+        _add(table, _compared(each.first, each.second), _land(each.key), *points)
     yield table
     if len(called) > DIFFERENCES:
         yield f"… and {len(called) - DIFFERENCES} more that differ."
@@ -254,14 +236,13 @@ def _errors(errors: Sequence[ErrorKind]) -> Iterator[str]:
 def _units(summary: FleetSummary) -> Iterator[str | Table]:
     if not summary.worst:
         return
-    table = _table(
-        "The worst units", "unit", "valve body", "verdict", "decided by", "lands to replace", "km", "date", words=4
-    )
+    headings = "unit", "valve body", "verdict", "decided by", "lands to\nreplace", "km"
+    table = _table("The worst units", *headings, words=4)
     for each in summary.worst[:UNITS]:
         _add(
             table,
             *(each.name, each.controller, Text(signed(each.verdict), style=look_of(each.verdict).style)),
-            *(_gave(each), str(each.lands_past), _number(each.mileage_km, 0), str(each.date or "–")),
+            *(_gave(each), str(each.lands_past), _number(each.mileage_km, 0)),
         )
     yield ""
     yield table
@@ -279,9 +260,12 @@ def _gave(unit: SummedUnit) -> str:
 
 def _table(title: str, *headings: str, words: int = 1) -> Table:
     """Return a table without rows, whose first columns are words and the others numbers."""
-    table = Table(title=Text(title), title_justify="left")
+    table = Table(title=Text(title), title_justify="left", box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
     for number, heading in enumerate(headings):
-        table.add_column(Text(heading), justify="right" if number >= words else "left")
+        if number < words:
+            table.add_column(Text(heading), overflow="fold")
+        else:
+            table.add_column(Text(heading), justify="right", no_wrap=True)
     return table
 
 
@@ -305,30 +289,29 @@ def _of(rate: Rate) -> str:
     return f"{rate.count} of {rate.of}"
 
 
-def _counted(rate: Rate) -> str:
-    return f"{rate.count} · {_percent(rate)}" if rate.enough else _of(rate)
-
-
 def _percent(rate: Rate) -> str:
     """Return a rate with its interval; of few units the count alone."""
     if rate.low_percent is None or rate.percent is None:
         return _of(rate)
-    return f"{rate.percent:.1f} % ({rate.low_percent:.1f} … {rate.high_percent:.1f})"
+    return f"{rate.percent:.1f} ({_short(rate.low_percent)}–{_short(rate.high_percent)})"
 
 
 def _spread(spread: Spread | None, digits: int) -> str:
-    return "–" if spread is None else f"{spread.median:.{digits}f}{_ends(spread, digits)}"
+    return "–" if spread is None else f"{spread.median:.{digits}f}{_ends(spread)}"
 
 
 def _mean(mean: float | None, spread: Spread | None, digits: int) -> str:
-    return "–" if mean is None or spread is None else f"{mean:.{digits}f}{_ends(spread, digits)}"
+    return "–" if mean is None or spread is None else f"{mean:.{digits}f}{_ends(spread)}"
 
 
-def _ends(spread: Spread, digits: int) -> str:
+def _ends(spread: Spread) -> str:
     """Return the outer quantiles; of few units nothing."""
-    if spread.quantiles is None:
-        return ""
-    return f" ({spread.quantiles[0]:.{digits}f} … {spread.quantiles[-1]:.{digits}f})"
+    return "" if spread.quantiles is None else f" ({_short(spread.quantiles[0])}–{_short(spread.quantiles[-1])})"
+
+
+def _short(value: float | None) -> str:
+    """Return a number as short as two digits can say it."""
+    return "–" if value is None else f"{value:.0f}" if abs(value) >= 9.95 else f"{value:.1f}"
 
 
 def _points(points: Difference | None) -> str:
@@ -336,10 +319,5 @@ def _points(points: Difference | None) -> str:
         return "–"
     if points.low_of_all is None:
         return f"{points.value:+.1f} ({_FEW})"
-    return f"{points.value:+.1f} ({points.low_of_all:+.1f} … {points.high_of_all:+.1f})"
-
-
-def _differs(points: Difference | None) -> str:
-    if points is None or points.differs is None:
-        return "–"
-    return "yes" if points.differs else "no"
+    called = " *" if points.differs else ""
+    return f"{points.value:+.1f} ({points.low_of_all:+.1f} … {points.high_of_all:+.1f}){called}"

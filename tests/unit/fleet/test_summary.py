@@ -23,6 +23,7 @@ from .made_up import CONTROLLERS, ERRORS, GROUPS, WORSE, WORSE_BY, made_up_resul
 from .writing import failed
 
 BODY = CONTROLLERS[0]
+_NEAR = 1e-9  # in per cent, kPa and s
 WORN = Measured(90.0, Verdict.REPLACE)
 NOT_MEASURED = Measured(None, Verdict.NOT_MEASURED, "not_measured")
 
@@ -54,17 +55,17 @@ def assert_spread(found: Spread | None, values: pd.Series) -> None:
     assert found is not None
     known = values.dropna()
     assert (found.units, found.least, found.most) == (len(known), known.min(), known.max())
-    assert (found.mean, found.median) == pytest.approx((known.mean(), known.median()))
+    assert (found.mean, found.median) == pytest.approx((known.mean(), known.median()), abs=_NEAR)
     if len(known) < 10:
         assert found.quantiles is None
     else:
-        assert found.quantiles == pytest.approx([known.quantile(part) for part in PARTS])
+        assert found.quantiles == pytest.approx([known.quantile(part) for part in PARTS], abs=_NEAR)
 
 
 def assert_rate(found: Rate, count: int, of: int) -> None:
     assert (found.count, found.of) == (count, of)
     low, high = wilson_interval(count, of)
-    assert (found.low_percent, found.high_percent) == pytest.approx((100.0 * low, 100.0 * high))
+    assert (found.low_percent, found.high_percent) == pytest.approx((100.0 * low, 100.0 * high), abs=_NEAR)
 
 
 # --- against plain counting ---
@@ -121,18 +122,20 @@ def test_logs_are_weighted_by_their_time(folder: Path, body: ValveBody) -> None:
     assert [each.low_c for each in body.temperatures] == sorted(rows["temperature_low_c"].unique())
     for each in body.temperatures:
         mine = rows[rows["temperature_low_c"] == each.low_c]
-        assert each.seconds == pytest.approx(mine["seconds"].sum())
+        assert each.seconds == pytest.approx(mine["seconds"].sum(), abs=_NEAR)
         for column, mean, spread in (
             ("share_mean_percent", each.share_mean_percent, each.share_percent),
             ("pressure_mean_kpa", each.pressure_mean_kpa, each.pressure_kpa),
         ):
-            assert mean == pytest.approx(np.average(mine[column], weights=mine["seconds"]))
+            assert mean == pytest.approx(np.average(mine[column], weights=mine["seconds"]), abs=_NEAR)
             assert_spread(spread, mine[column])
         assert each.share_max_percent == mine["share_max_percent"].max()
         assert each.pressure_min_kpa == mine["pressure_min_kpa"].min()
         assert each.bands_percent is not None
-        assert each.bands_percent["green"] == pytest.approx(100.0 * mine["green_s"].sum() / mine["seconds"].sum())
-        assert sum(each.bands_percent.values()) == pytest.approx(100.0)
+        assert each.bands_percent["green"] == pytest.approx(
+            100.0 * mine["green_s"].sum() / mine["seconds"].sum(), abs=_NEAR
+        )
+        assert sum(each.bands_percent.values()) == pytest.approx(100.0, abs=_NEAR)
 
 
 def test_conditions_are_spread_over_the_units(folder: Path, body: ValveBody) -> None:
@@ -157,18 +160,24 @@ def test_groups_are_compared_pair_by_pair(folder: Path, body: ValveBody) -> None
     each = next(each for each in comparison.verdicts if each.verdict is Verdict.WATCH and each.first == "north")
     (x_1, n_1), (x_2, n_2) = flagged.loc["north"], flagged.loc[each.second]
     assert each.points is not None
-    assert each.points.value == pytest.approx(100.0 * (x_1 / n_1 - x_2 / n_2))
+    assert each.points.value == pytest.approx(100.0 * (x_1 / n_1 - x_2 / n_2), abs=_NEAR)
     own = newcombe_interval(x_2, n_2, x_1, n_1)
-    assert (each.points.low, each.points.high) == pytest.approx([100.0 * end for end in own])
+    assert (each.points.low, each.points.high) == pytest.approx([100.0 * end for end in own], abs=_NEAR)
     of_all = newcombe_interval(x_2, n_2, x_1, n_1, 1.0 - 0.05 / 3 / 9)  # three kinds of differences, nine rates
-    assert (each.points.low_of_all, each.points.high_of_all) == pytest.approx([100.0 * end for end in of_all])
+    assert (each.points.low_of_all, each.points.high_of_all) == pytest.approx(
+        [100.0 * end for end in of_all], abs=_NEAR
+    )
     wear = lands.merge(units[["input_sha256", "group"]], on="input_sha256")
     for of_land in comparison.lands:
         component, land = of_land.key
         mine = wear[(wear["component"] == component) & (wear["land"] == land)].groupby("group")["wear_percent"]
         assert of_land.mean_points is not None
-        assert of_land.mean_points.value == pytest.approx(mine.mean()[of_land.first] - mine.mean()[of_land.second])
-        assert of_land.median_points == pytest.approx(mine.median()[of_land.first] - mine.median()[of_land.second])
+        assert of_land.mean_points.value == pytest.approx(
+            mine.mean()[of_land.first] - mine.mean()[of_land.second], abs=_NEAR
+        )
+        assert of_land.median_points == pytest.approx(
+            mine.median()[of_land.first] - mine.median()[of_land.second], abs=_NEAR
+        )
 
 
 def test_the_worse_group_is_found_and_others_are_not(summary: FleetSummary) -> None:
@@ -211,7 +220,7 @@ def test_many_groups_are_each_compared_with_all_others_together(folder: Path) ->
     mine = lands[(lands["component"] == each.key[0]) & (lands["land"] == each.key[1])].set_index("input_sha256")
     wear = mine["wear_percent"].groupby(batch).mean()
     assert each.mean_points is not None
-    assert each.mean_points.value == pytest.approx(wear[True] - wear[False])
+    assert each.mean_points.value == pytest.approx(wear[True] - wear[False], abs=_NEAR)
 
 
 def test_the_worst_units_come_first_and_lead_to_their_files(folder: Path, summary: FleetSummary) -> None:
