@@ -7,7 +7,7 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ from atleak.cli.fleet_summary import add_summary
 from atleak.cli.job_options import add_choices, chosen_case
 from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import number
-from atleak.errors import InputError, Message
+from atleak.errors import InputError, Message, OutputError
 from atleak.sentence import Sentence
 from atleak.verdicts import FLAGGED, Verdict
 
@@ -110,6 +110,7 @@ def _seconds(text: str) -> float:
 
 def _run(options: argparse.Namespace) -> int:
     from atleak.fleet.cluster import connected
+    from atleak.fleet.known import note
     from atleak.fleet.results import Results
     from atleak.fleet.run import TIME_LIMIT, run_fleet
 
@@ -119,6 +120,8 @@ def _run(options: argparse.Namespace) -> int:
         connected(options.scheduler, options.workers) as client,
         Results.open(options.out, for_writing=True, replace=options.replace) as results,
     ):
+        with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
+            note(options.out)
         try:
             with _shown(quiet=getattr(options, "quiet", False)) as progress:
                 finished = run_fleet(
