@@ -51,7 +51,7 @@ class _Compared:
     @cached_property
     def numbers(self) -> np.ndarray:
         """Return the number of every unit's group; those that are not compared have one together, the last."""
-        numbers = pd.Index([group.name for group in self.groups]).get_indexer(self.units["label"])
+        numbers = pd.Index([group.name for group in self.groups]).get_indexer(pd.Index(self.units["label"]))
         return np.where(numbers < 0, len(self.groups), numbers)
 
     def names(self, pairing: Pairing) -> tuple[str, str | None]:
