@@ -8,13 +8,14 @@ Every data set has its rows' unit by `HASH`; the valve body, `PARTITION`, stands
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal, get_args
 
 import pyarrow as pa
 
 from atleak.schemas import schema as json_schema
-from atleak.verdicts import BANDS
+from atleak.verdicts import BANDS, Verdict
 
 DataSet = Literal["units", "lands", "conditions", "circuits", "events", "temperatures", "errors"]
 DATA_SETS: tuple[DataSet, ...] = get_args(DataSet)
@@ -35,6 +36,7 @@ _NAMED = {  # of a unit, whether it has a result or an error
     "name": _TEXT,  # as people know it
     "group": _TEXT,  # sub-folder, or the column of that name in a table
     "labels": _TEXTS,  # what else a table says of it: batch, supplier
+    "choices": _TEXT,  # those of the run for rows of tables, as JSON: with them it is opened again
     "atleak": _TEXT,  # version that evaluated it
     "evaluated_at": _INSTANT,
     "tries": _WHOLE,
@@ -125,6 +127,17 @@ _OF_JSON = {"string": _TEXT, "number": _NUMBER, "integer": _WHOLE, "boolean": _Y
 _DEFS = "#/$defs/"
 
 
+@dataclass(frozen=True)
+class Rows:
+    """The rows of one unit: of a result in every data set but the errors, of an error in that one alone."""
+
+    controller: str | None  # id of the valve body; None where it is not known
+    input_sha256: str
+    reference: str
+    verdict: Verdict | None  # None of an error
+    tables: Mapping[DataSet, pa.Table]
+
+
 @cache
 def columns_of(data_set: DataSet) -> pa.Schema:
     """Return the columns of a data set with their types; any of them but the hash may be null."""
@@ -145,16 +158,20 @@ def _type_of(part: Mapping[str, Any], parts: Mapping[str, Any]) -> pa.DataType:
         return _type_of(parts[part["$ref"].removeprefix(_DEFS)], parts)
     if "enum" in part:
         return _TEXT
-    kind = part["type"]
-    if isinstance(kind, list):
-        kind = _wider([each for each in kind if each != "null"])
+    (kind,) = _kinds(part)
     if kind == "array":
         return pa.list_(_type_of(part["items"], parts))
     if kind == "object":
-        return pa.struct([(key, _type_of(each, parts)) for key, each in part["properties"].items()])
+        keys = {key: each for key, each in part["properties"].items() if not _mixed(each)}
+        return pa.struct([(key, _type_of(each, parts)) for key, each in keys.items()])
     return _OF_JSON[kind]
 
 
-def _wider(kinds: list[str]) -> str:
-    """Return the kind that holds values of all of them: text where they differ."""
-    return kinds[0] if len(kinds) == 1 else "string"
+def _kinds(part: Mapping[str, Any]) -> list[str]:
+    kinds = part["type"]
+    return [kind for kind in kinds if kind != "null"] if isinstance(kinds, list) else [kinds]
+
+
+def _mixed(part: Mapping[str, Any]) -> bool:
+    """Return whether values of several kinds stand in one list, as no column holds them: the steps to a place."""
+    return part.get("type") == "array" and "type" in part["items"] and len(_kinds(part["items"])) > 1

@@ -1,77 +1,48 @@
 """Keep the results of a fleet in a folder of Parquet data sets: written whole, read back, and never twice.
 
-A batch of units is written as parts of one name, a part for every data set and valve body, `units` and `errors` last: a
-part of any other data set counts only beside the part of `units` that it was written with, which says how many rows it
-has. Of several rows of one unit, by its reference or its hash, the one written last counts. So a run that ends in the
-midst of writing leaves nothing that counts but whole results, and those of a corrected job take the place of the
-earlier ones.
+A batch of units is written as parts of one name, one for every data set and valve body, `units` and `errors` last: a
+part of any other data set counts only beside the part of `units` that it was written with. Of several rows of one unit,
+by its reference or its hash, the one written last counts. So a run that ends in the midst of writing leaves nothing
+that counts but whole results, and the result of a corrected job takes the place of the earlier one.
 """
 
 from __future__ import annotations
 
 import contextlib
-import datetime as dt
-import json
-import os
-import re
-import secrets
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import compress
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
-from urllib.parse import quote, unquote
+from typing import Self
 
 import pyarrow as pa
 import pyarrow.compute as pc
-import pyarrow.parquet as pq
-from filelock import FileLock, Timeout
+from filelock import FileLock
 
 from atleak.doors import DAMAGE, damaged
 from atleak.errors import FleetError, Place
-from atleak.fleet.columns import DATA_SETS, HASH, PARTITION, DataSet, columns_of
-from atleak.sentence import Sentence, some
-from atleak.system.files import not_written, replace_file, replacing
-from atleak.system.reasons import reason_of
-from atleak.version import __version__
+from atleak.fleet.columns import DATA_SETS, HASH, PARTITION, DataSet, Rows, columns_of
+from atleak.fleet.parts import (
+    BESIDE,
+    COMMITTING,
+    UNFINISHED,
+    Part,
+    folder_of,
+    name_after,
+    parts_of,
+    read_part,
+    settle,
+    write_columns,
+    write_part,
+)
+from atleak.fleet.results_folder import check_free, check_readable, check_version, locked, write_run
+from atleak.sentence import Sentence
 
-if TYPE_CHECKING:
-    from atleak.fleet.rows import Rows
-
-FORMAT = 1  # of the data sets
-NOT_KNOWN = "not-known"  # in a folder's name, in the place of a valve body's id: no id has a hyphen
-_RUN, _LOCK, _COLUMNS = "run.json", "run.lock", "schema.parquet"
-_KIND = "atleak fleet"  # says in `run.json` whose folder it is
-_BESIDE: tuple[DataSet, ...] = tuple(each for each in DATA_SETS if each not in ("units", "errors"))
-_COMMITTING: tuple[DataSet, ...] = ("units", "errors")
-_WITH = b"atleak.with"  # in a part of `units`: the data sets of which a part was written with it
 _SMALL = 1000  # units: a part with fewer is merged with others
 _TRIES = 20  # at reading while a run puts other parts in place of those that were there
-_TOGETHER = 20_000  # rows that are written at a time
-_NAME = re.compile(r"part-(\d{8}T\d{6}\.\d{6})Z-[0-9a-f]{8}\.parquet")
-_STAMP = "%Y%m%dT%H%M%S.%f"
-_NOT_OURS = {".DS_Store", "Thumbs.db", "desktop.ini"}  # that systems put into any folder
-_FREE = Sentence("a folder that is new or empty, or one with results of a fleet")
 
-
-@dataclass(frozen=True, order=True)
-class _Part:
-    """A part of a data set; those of one batch have one name, and the name of a later batch sorts after it."""
-
-    name: str
-    folder: str  # of the valve body
-    data_set: DataSet
-
-    def of(self, data_set: DataSet) -> _Part:
-        """Return the part of another data set that was written with it."""
-        return _Part(self.name, self.folder, data_set)
-
-    @property
-    def controller(self) -> str | None:
-        """Return the valve body's id; None where it is not known."""
-        said = unquote(self.folder.partition("=")[2])
-        return None if said == NOT_KNOWN else said
+Counts = Sequence[bool]  # of the rows of a part of `units` or `errors`
 
 
 @dataclass(frozen=True)
@@ -80,10 +51,7 @@ class _Units:
 
     hashes: tuple[str, ...]
     references: tuple[str, ...]
-    beside: tuple[DataSet, ...]  # of which parts were written with it
-
-
-Batch = Sequence[tuple[_Part, Iterable[pa.Table]]]
+    beside: tuple[DataSet, ...]  # of which a part was written with it; none of an error
 
 
 class Results:
@@ -92,7 +60,7 @@ class Results:
     def __init__(self, folder: Path, lock: FileLock | None = None) -> None:
         self.folder = folder
         self._lock = lock
-        self._known: dict[_Part, _Units] = {}
+        self._known: dict[Part, _Units] = {}  # a part never changes
 
     @classmethod
     def open(cls, folder: str | Path, *, for_writing: bool = False, replace: bool = False) -> Self:
@@ -116,10 +84,10 @@ class Results:
         """
         folder = Path(folder)
         if not for_writing:
-            _check_readable(folder)
+            check_readable(folder)
             return cls(folder)
-        _check_free(folder)
-        results = cls(folder, _locked(folder))
+        check_free(folder)
+        results = cls(folder, locked(folder))
         try:
             results._begin(replace=replace)
         except BaseException:
@@ -179,7 +147,7 @@ class Results:
                 return self._table(data_set, columns, controllers)
             except FileNotFoundError as error:  # a run put a merged part in its place
                 if not tries_left:
-                    raise self._damaged(error.filename, error) from error
+                    raise self._damaged(Path(error.filename), error) from error
         raise AssertionError
 
     def add(self, rows: Sequence[Rows]) -> None:
@@ -191,12 +159,13 @@ class Results:
             naming the part that cannot be written, and why; nothing of these rows is kept.
         """
         name, rows = self._next_name(), _last_of_each(rows)
-        tables: dict[_Part, list[pa.Table]] = {}
-        for data_set in (*_BESIDE, *_COMMITTING):
+        tables: dict[Part, list[pa.Table]] = {}
+        for data_set in (*BESIDE, *COMMITTING):
             for each in rows:
                 if data_set in each.tables:
-                    tables.setdefault(_Part(name, _folder(each.controller), data_set), []).append(each.tables[data_set])
-        self._commit(list(tables.items()))
+                    part = Part(name, folder_of(each.controller), data_set)
+                    tables.setdefault(part, []).append(each.tables[data_set])
+        self._commit(tables)
 
     def tidy(self) -> None:
         """Remove what does not count and merge small parts, so that other programs read one row for every unit.
@@ -206,319 +175,144 @@ class Results:
         FleetError, OutputError
             a part that is damaged, or that cannot be written.
         """
-        counting = self._counting()
-        for parts in _to_rewrite(counting):
-            self._rewrite({part: counts for part, counts in counting if part in parts})
-        whole = set(self._parts("units"))
-        self._remove(part for data_set in _BESIDE for part in self._parts(data_set) if part.of("units") not in whole)
-        for unfinished in self.folder.rglob(".atleak-*.part"):
-            with contextlib.suppress(OSError):
-                unfinished.unlink()
+        for parts in _to_rewrite(self._counting()):
+            self._rewrite(parts)
+        whole = set(parts_of(self.folder, "units"))
+        left_over = [part for each in BESIDE for part in parts_of(self.folder, each) if part.of("units") not in whole]
+        self._remove(left_over)
+        for data_set in DATA_SETS:
+            for path in (self.folder / data_set).glob(f"*/{UNFINISHED}"):
+                with contextlib.suppress(OSError):
+                    path.unlink()
 
     def _begin(self, *, replace: bool) -> None:
-        run = _run_of(self.folder)
-        if run is not None and not replace:
-            _check_version(self.folder, run)
         if replace:
-            self._remove([part for data_set in (*_COMMITTING, *_BESIDE) for part in self._parts(data_set)])
-        if run is None or replace:
-            text = json.dumps({"kind": _KIND, "format": FORMAT, "atleak": __version__}, indent=2)
-            replace_file(self.folder / _RUN, f"{text}\n".encode())
+            self._remove([part for data_set in (*COMMITTING, *BESIDE) for part in parts_of(self.folder, data_set)])
+        else:
+            check_version(self.folder)
+        write_run(self.folder)
         for data_set in DATA_SETS:
-            path = self.folder / data_set / _folder(None) / _COLUMNS
-            if replace or not path.is_file():
-                _write(path, columns_of(data_set), ())
+            write_columns(self.folder, data_set, anew=replace)
 
     def _next_name(self) -> str:
-        """Return a name for the parts of a batch that sorts after those of all others, whatever the clock shows."""
-        stamp = dt.datetime.now(dt.UTC).replace(tzinfo=None)
-        names = [part.name for data_set in DATA_SETS for part in self._parts(data_set)]
-        if names:
-            latest = _NAME.fullmatch(max(names))
-            assert latest is not None
-            stamp = max(stamp, dt.datetime.strptime(latest[1], _STAMP) + dt.timedelta(microseconds=1))
-        return f"part-{stamp.strftime(_STAMP)}Z-{secrets.token_hex(4)}.parquet"
+        return name_after([part.name for data_set in DATA_SETS for part in parts_of(self.folder, data_set)])
 
-    def _parts(self, data_set: DataSet) -> list[_Part]:
-        found = (self.folder / data_set).glob(f"{PARTITION}=*/*.parquet")
-        return [_Part(path.name, path.parent.name, data_set) for path in found if _NAME.fullmatch(path.name)]
-
-    def _path(self, part: _Part) -> Path:
-        return self.folder / part.data_set / part.folder / part.name
-
-    def _counting(self) -> list[tuple[_Part, list[bool]]]:
+    def _counting(self) -> list[tuple[Part, Counts]]:
         """Return every part of `units` and `errors`, the earliest first, and which of its rows count."""
-        parts = sorted(part for data_set in _COMMITTING for part in self._parts(data_set))
+        parts = sorted(part for data_set in COMMITTING for part in parts_of(self.folder, data_set))
         self._known = {part: self._known.get(part) or self._units_of(part) for part in parts}
-        by_hash: dict[str, int] = {}
-        by_reference: dict[str, int] = {}
-        row = 0
-        for part in parts:
-            for sha256, reference in zip(self._known[part].hashes, self._known[part].references, strict=True):
-                by_hash[sha256] = by_reference[reference] = row
-                row += 1
-        counting, row = [], 0
-        for part in parts:
-            counts = []
-            for sha256, reference in zip(self._known[part].hashes, self._known[part].references, strict=True):
-                counts.append(by_hash[sha256] == by_reference[reference] == row)
-                row += 1
-            counting.append((part, counts))
-        return counting
+        hashes = [sha256 for units in self._known.values() for sha256 in units.hashes]
+        references = [reference for units in self._known.values() for reference in units.references]
+        of_hash = {sha256: row for row, sha256 in enumerate(hashes)}
+        of_reference = {reference: row for row, reference in enumerate(references)}
+        pairs = enumerate(zip(hashes, references, strict=True))
+        counts = iter([of_hash[sha256] == of_reference[reference] == row for row, (sha256, reference) in pairs])
+        return [(part, [next(counts) for _ in units.hashes]) for part, units in self._known.items()]
 
-    def _units_of(self, part: _Part) -> _Units:
-        table = self._read(part, [HASH, "reference"])
-        beside = json.loads((table.schema.metadata or {}).get(_WITH, b"[]"))
-        return _Units(tuple(table[HASH].to_pylist()), tuple(table["reference"].to_pylist()), tuple(beside))
+    def _units_of(self, part: Part) -> _Units:
+        table, beside = self._read(part, [HASH, "reference"])
+        return _Units(tuple(table[HASH].to_pylist()), tuple(table["reference"].to_pylist()), beside)
 
     def _table(self, data_set: DataSet, columns: Sequence[str] | None, controllers: Collection[str] | None) -> pa.Table:
         schema = columns_of(data_set).append(pa.field(PARTITION, pa.string()))
         wanted = pa.schema([schema.field(name) for name in (schema.names if columns is None else columns)])
-        owner = data_set if data_set in _COMMITTING else "units"
+        stored = [name for name in wanted.names if name != PARTITION]
         tables = [wanted.empty_table()]
-        for part, counts in self._counting():
-            if part.data_set != owner or not any(counts) or data_set not in (owner, *self._known[part].beside):
-                continue
+        for part, counts in self._having(data_set, self._counting()):
             if controllers is None or part.controller in controllers:
-                table = self._rows(part, counts, data_set, [name for name in wanted.names if name != PARTITION])
+                table = self._rows(part, counts, data_set, stored)
                 of_all = pa.repeat(pa.scalar(part.controller, pa.string()), table.num_rows)
                 tables.append(table.append_column(schema.field(PARTITION), of_all).select(wanted.names))
         return pa.concat_tables(tables)
 
-    def _rows(self, part: _Part, counts: Sequence[bool], data_set: DataSet, columns: Sequence[str]) -> pa.Table:
+    def _having(self, data_set: DataSet, counting: Iterable[tuple[Part, Counts]]) -> Iterator[tuple[Part, Counts]]:
+        """Yield the parts of `units` or `errors` with which rows of a data set were written that count."""
+        for part, counts in counting:
+            if any(counts) and data_set in (part.data_set, *self._known[part].beside):
+                yield part, counts
+
+    def _rows(self, part: Part, counts: Counts, data_set: DataSet, columns: Sequence[str]) -> pa.Table:
         """Return the rows of a data set that count, of the units in a part of `units` or `errors`."""
-        table = self._read(part.of(data_set), [*columns, *({HASH} - set(columns))])
+        table, _ = self._read(part.of(data_set), [HASH, *(name for name in columns if name != HASH)])
         if not all(counts):
             hashes = pa.array(compress(self._known[part].hashes, counts), pa.string())
             table = table.filter(pc.is_in(table[HASH], value_set=hashes))
-        schema = columns_of(data_set)
-        return (
-            pa.table(
-                [_grown(table, schema.field(name)) for name in columns], schema=pa.schema(map(schema.field, columns))
-            )
-            if columns
-            else table.select([])
-        )
+        return table
 
-    def _read(self, part: _Part, columns: Sequence[str]) -> pa.Table:
-        """Read columns of a part, as far as they were written."""
-        path = self._path(part)
+    def _read(self, part: Part, columns: Sequence[str]) -> tuple[pa.Table, tuple[DataSet, ...]]:
         try:
-            with path.open("rb") as stream, pq.ParquetFile(stream, page_checksum_verification=True) as file:
-                there = set(file.schema_arrow.names)
-                return file.read([name for name in columns if name in there])
+            return read_part(self.folder, part, columns)
         except FileNotFoundError:
             raise
         except DAMAGE as error:
-            raise self._damaged(path, error) from error
+            raise self._damaged(part.under(self.folder), error) from error
 
-    def _damaged(self, path: str | Path, error: Exception) -> FleetError:
-        """Return the error of a part that cannot be read; without the one that makes it count its units are missing."""
-        path = Path(path)
-        owner = path.parents[1].name if path.parents[1].name in _COMMITTING else "units"
-        counting = self.folder / owner / path.parent.name / path.name
+    def _damaged(self, path: Path, error: Exception) -> FleetError:
+        """Return the error of a part that cannot be read; without the one by which it counts, its units are undone."""
+        counting = "errors" if path.is_relative_to(self.folder / "errors") else "units"
+        undone = self.folder / counting / path.parent.name / path.name
         expected = Sentence(
-            "a part as it was written: once {path} is deleted, the next run evaluates its units anew",
-            path=str(counting),
+            "a part as it was written: once {path} is deleted, the next run evaluates its units anew", path=str(undone)
         )
         return FleetError(damaged(error).problem, place=Place(file=str(path)), expected=expected)
 
-    def _commit(self, batch: Batch) -> None:
-        """Write the parts of a batch, all of them or none: in the order given, those by which others count last."""
-        written: list[_Part] = []
+    def _commit(self, batch: Mapping[Part, Iterable[pa.Table]]) -> None:
+        """Write the parts of a batch, all or none of them; those by which the others count stand last in it."""
+        written: list[Part] = []
         try:
-            for part, tables in batch:
-                beside = [each.data_set for each in written if each.folder == part.folder]
-                if part.data_set in _COMMITTING:
-                    _settle({self._path(each).parent for each in written})
+            for part, tables in batch.items():
+                beside: list[DataSet] = []
+                if part.data_set in COMMITTING:
+                    settle({each.under(self.folder).parent for each in written})
+                if part.data_set == "units":
+                    beside = [each.data_set for each in written if each == part.of(each.data_set)]
                 written.append(part)
-                schema = columns_of(part.data_set).with_metadata({_WITH: json.dumps(beside)})
-                _write(self._path(part), schema, tables)
+                write_part(self.folder, part, tables, beside)
         except BaseException:
             self._remove(reversed(written))
             raise
 
-    def _rewrite(self, counting: Mapping[_Part, Sequence[bool]]) -> None:
-        """Write what counts of some parts of one valve body as one, and remove them."""
-        of_any = next(iter(counting))
-        merged = _Part(self._next_name(), of_any.folder, of_any.data_set)
-        batch = []
-        for data_set in (*_BESIDE, "units") if of_any.data_set == "units" else ("errors",):
-            having = {
-                part: counts
-                for part, counts in counting.items()
-                if any(counts) and data_set in (part.data_set, *self._known[part].beside)
-            }
-            if having:
-                batch.append((merged.of(data_set), self._all_rows(having, data_set)))
+    def _rewrite(self, counting: Sequence[tuple[Part, Counts]]) -> None:
+        """Write what counts of some parts of `units` or `errors` as one, with what belongs to them, and remove them."""
+        first, _ = counting[0]
+        merged = Part(self._next_name(), first.folder, first.data_set)
+        batch = {
+            merged.of(data_set): self._all_rows(data_set, counting)
+            for data_set in (*BESIDE, merged.data_set)
+            if any(self._having(data_set, counting))
+        }
         self._commit(batch)
-        self._remove(counting)
+        self._remove(part for part, _ in counting)
 
-    def _all_rows(self, counting: Mapping[_Part, Sequence[bool]], data_set: DataSet) -> Iterator[pa.Table]:
-        for part, counts in counting.items():
+    def _all_rows(self, data_set: DataSet, counting: Iterable[tuple[Part, Counts]]) -> Iterator[pa.Table]:
+        for part, counts in self._having(data_set, counting):
             yield self._rows(part, counts, data_set, columns_of(data_set).names)
 
-    def _remove(self, parts: Iterable[_Part]) -> None:
-        """Remove parts as far as possible: one that another program reads stays, and does not count."""
+    def _remove(self, parts: Iterable[Part]) -> None:
+        """Remove parts as far as that is possible: one that another program holds open stays, and does not count."""
         for part in parts:
             with contextlib.suppress(OSError):
-                self._path(part).unlink()
-
-
-def _folder(controller: str | None) -> str:
-    return f"{PARTITION}={NOT_KNOWN if controller is None else quote(controller, safe='')}"
+                part.under(self.folder).unlink()
 
 
 def _last_of_each(rows: Sequence[Rows]) -> list[Rows]:
-    """Return the rows of each unit that were given last."""
+    """Return the rows of every unit that were given last."""
     by_hash = {each.input_sha256: each for each in rows}
     by_reference = {each.reference: each for each in rows}
     return [each for each in rows if by_hash[each.input_sha256] is by_reference[each.reference] is each]
 
 
-def _to_rewrite(counting: Sequence[tuple[_Part, Sequence[bool]]]) -> Iterator[set[_Part]]:
+def _to_rewrite(counting: Iterable[tuple[Part, Counts]]) -> Iterator[list[tuple[Part, Counts]]]:
     """Yield the parts that are better written as one: several small ones, and any of which not every row counts."""
-    loose: dict[tuple[DataSet, str], list[tuple[_Part, Sequence[bool]]]] = {}
+    loose: dict[tuple[DataSet, str], list[tuple[Part, Counts]]] = {}
     for part, counts in counting:
         if sum(counts) < _SMALL or not all(counts):
             loose.setdefault((part.data_set, part.folder), []).append((part, counts))
     for parts in loose.values():
-        group: list[tuple[_Part, Sequence[bool]]] = []
+        group: list[tuple[Part, Counts]] = []
         for number, (part, counts) in enumerate(parts, 1):
             group.append((part, counts))
-            if sum(sum(each) for _, each in group) >= _SMALL or number == len(parts):
+            if number == len(parts) or sum(sum(each) for _, each in group) >= _SMALL:
                 if len(group) > 1 or not all(group[0][1]):
-                    yield {each for each, _ in group}
+                    yield group
                 group = []
-
-
-def _write(path: Path, schema: pa.Schema, tables: Iterable[pa.Table]) -> None:
-    """Write a part whole, or nothing of it."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise not_written(path.parent, error) from error
-    with (
-        replacing(path) as beside,
-        beside.open("wb") as stream,
-        pq.ParquetWriter(stream, schema, compression="zstd", write_page_checksum=True) as writer,
-    ):
-        for table in _together(tables):
-            writer.write_table(table)
-
-
-def _together(tables: Iterable[pa.Table]) -> Iterator[pa.Table]:
-    """Yield small tables as larger ones, in the same order."""
-    gathered: list[pa.Table] = []
-    for table in tables:
-        gathered.append(table)
-        if sum(each.num_rows for each in gathered) >= _TOGETHER:
-            yield pa.concat_tables(gathered)
-            gathered = []
-    if gathered:
-        yield pa.concat_tables(gathered)
-
-
-def _settle(folders: Iterable[Path]) -> None:
-    """Have the disk keep the names of files in some folders before anything that is written later."""
-    for folder in folders:
-        with contextlib.suppress(OSError):  # Windows opens no folder, and keeps the order by itself
-            handle = os.open(folder, os.O_RDONLY)
-            try:
-                os.fsync(handle)
-            finally:
-                os.close(handle)
-
-
-def _grown(table: pa.Table, field: pa.Field) -> pa.ChunkedArray:
-    """Return a column as it is written today; null where an earlier version did not write it."""
-    if field.name not in table.schema.names:
-        return pa.chunked_array([pa.nulls(table.num_rows, field.type)])
-    column = table[field.name]
-    return pa.chunked_array([_as(chunk, field.type) for chunk in column.chunks], field.type)
-
-
-def _as(array: pa.Array, kind: pa.DataType) -> pa.Array:
-    if array.type == kind:
-        return array
-    if pa.types.is_struct(kind) and pa.types.is_struct(array.type):
-        there = {field.name for field in array.type}
-        parts = [
-            _as(pc.struct_field(array, field.name), field.type)
-            if field.name in there
-            else pa.nulls(len(array), field.type)
-            for field in kind
-        ]
-        return pa.StructArray.from_arrays(parts, fields=list(kind), mask=array.is_null())
-    if pa.types.is_list(kind) and pa.types.is_list(array.type):
-        lengths = pc.fill_null(pc.list_value_length(array), 0)
-        ends = pc.cumulative_sum(lengths)
-        offsets = pa.concat_arrays([pa.array([0], pa.int32()), ends.cast(pa.int32())])
-        items = _as(array.flatten(), kind.value_type)
-        return pa.ListArray.from_arrays(offsets, items, type=kind, mask=array.is_null())
-    return array.cast(kind)
-
-
-def _run_of(folder: Path) -> dict[str, Any] | None:
-    """Return what the folder says of the run whose results it holds; None where it holds none."""
-    path = folder / _RUN
-    try:
-        said = json.loads(path.read_bytes())
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
-        raise FleetError(problem, place=Place(file=str(path))) from error
-    except ValueError:
-        said = None
-    if not isinstance(said, dict) or said.get("kind") != _KIND or not isinstance(said.get("format"), int):
-        raise FleetError(Sentence("is not what a fleet's run wrote"), place=Place(file=str(path)), expected=_FREE)
-    return said
-
-
-def _check_readable(folder: Path) -> None:
-    run = _run_of(folder)
-    if run is None:
-        problem = Sentence("holds no results of a fleet")
-        expected = Sentence("the folder that 'atleak fleet run' was given for its results")
-        raise FleetError(problem, place=Place(file=str(folder)), expected=expected)
-    if run["format"] > FORMAT:
-        _check_version(folder, run)
-
-
-def _check_version(folder: Path, run: Mapping[str, Any]) -> None:
-    if (run["format"], run.get("atleak")) != (FORMAT, __version__):
-        problem = Sentence(
-            "holds results of atleak {theirs}, and this is atleak {own}", theirs=run.get("atleak"), own=__version__
-        )
-        expected = Sentence("another folder, or --replace to begin anew")
-        raise FleetError(problem, place=Place(file=str(folder)), expected=expected)
-
-
-def _check_free(folder: Path) -> None:
-    """Check that a folder is new, empty or a fleet's, before anything is written to it."""
-    if _run_of(folder) is not None:
-        return
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        names = sorted(path.name for path in folder.iterdir())
-    except OSError as error:
-        raise not_written(folder, error) from error
-    others = [name for name in names if name != _LOCK and name not in _NOT_OURS and not name.startswith(".atleak-")]
-    if others:
-        problem = Sentence("holds something else: {names}", names=some(others, 3))
-        raise FleetError(problem, place=Place(file=str(folder)), expected=_FREE)
-
-
-def _locked(folder: Path) -> FileLock:
-    """Lock a folder for writing until this program lets it go, or ends."""
-    lock = FileLock(folder / _LOCK, timeout=0, thread_local=False)
-    try:
-        lock.acquire()
-    except Timeout as error:
-        problem = Sentence("another run is writing its results there")
-        expected = Sentence("another folder, or that run to end first")
-        raise FleetError(problem, place=Place(file=str(folder)), expected=expected) from error
-    except OSError as error:
-        raise not_written(folder / _LOCK, error) from error
-    return lock

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime as dt
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import pyarrow as pa
@@ -12,7 +11,8 @@ import pyarrow as pa
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import model_unworn
 from atleak.engine.road_bands import TemperatureClass, temperature_classes
-from atleak.fleet.columns import HASH, DataSet, ErrorKind, columns_of
+from atleak.fleet.columns import HASH, DataSet, ErrorKind, Rows, columns_of
+from atleak.fleet.parts import folder_of
 from atleak.job.issued import result_sha256
 from atleak.job.record import Job
 from atleak.verdicts import Verdict, worst
@@ -43,18 +43,10 @@ class Named(Protocol):
     def labels(self) -> tuple[tuple[str, str], ...]: ...
 
     @property
+    def choices(self) -> str: ...
+
+    @property
     def input_sha256(self) -> str: ...
-
-
-@dataclass(frozen=True)
-class Rows:
-    """The rows of one unit: of a result in every data set but the errors, of an error in that one alone."""
-
-    controller: str | None  # id of the valve body; None where it is not known
-    input_sha256: str
-    reference: str
-    verdict: Verdict | None  # None of an error
-    tables: Mapping[DataSet, pa.Table]
 
 
 def rows_of(
@@ -83,18 +75,24 @@ def rows_of(
     temperatures
         classes of fluid temperature over a log that was evaluated in pieces; of one that the diagnosis holds they are
         computed here.
+
+    Raises
+    ------
+    InputError
+        the id of the valve body is too long for the name of a folder.
     """
+    folder_of(diagnosis.controller.id)  # here, where an id that names no folder concerns this unit alone
     record = diagnosis_record(diagnosis)
+    road, in_pieces = record["road_test"], temperatures is not None
     if temperatures is None:
         temperatures = _temperatures(diagnosis)
-    road = record["road_test"]
     of_unit = {
         **_named(unit, tries),
         "seconds": seconds,
         **_written_down(job, record),
         **_diagnosed_with(record),
         **_judged(record["unit"]),
-        **_road(road),
+        **_road(road, in_pieces=in_pieces),
         "result_sha256": result_sha256(record),
     }
     own = {HASH: unit.input_sha256}
@@ -154,6 +152,7 @@ def _named(unit: Named, tries: int) -> dict[str, Any]:
         "name": unit.name,
         "group": unit.group,
         "labels": list(unit.labels),
+        "choices": unit.choices,
         "atleak": __version__,
         "evaluated_at": dt.datetime.now(dt.UTC),
         "tries": tries,
@@ -205,7 +204,7 @@ def _judged(unit: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _road(road: Mapping[str, Any] | None) -> dict[str, Any]:
+def _road(road: Mapping[str, Any] | None, *, in_pieces: bool) -> dict[str, Any]:
     """Return what the record of a road test says of the unit; nothing without one."""
     if road is None:
         return {}
@@ -221,7 +220,7 @@ def _road(road: Mapping[str, Any] | None) -> dict[str, Any]:
         "road_sha256": road["sha256"],
         "road_rows": road["rows"],
         "road_duration_s": road["duration_s"],
-        "road_in_pieces": False,
+        "road_in_pieces": in_pieces,
         **instants,
         "below_s": permissible["below_s"] if permissible else None,
         "worst_below_kpa": permissible["worst_below_kpa"] if permissible else None,

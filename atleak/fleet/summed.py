@@ -1,8 +1,9 @@
 """A fleet in numbers: what `atleak.fleet.summary` finds and workbook, PDF, terminal and pages show.
 
 Numbers are carried as atleak's records carry them: per cent, kPa, °C, km, s. What a number says of units counts every
-unit once: rows of one serial number, or else VIN, are visits of one unit, of which the last counts, by date and
-mileage. Valve bodies are never mixed in what is said of a land, a condition or a temperature.
+unit once: rows of one valve body with one serial number, or else VIN, are visits of one unit. The last visit counts at
+which anything was measured, by date and then mileage; the last of all where none was. Valve bodies are never mixed in
+what is said of a land, a condition or a temperature.
 """
 
 from __future__ import annotations
@@ -32,12 +33,13 @@ class VerdictCounts:
     units: int
     verdicts: Mapping[Verdict, int]  # every verdict, also those of no unit; they add up to `units`
     decisions: Mapping[Decision | None, int]  # None: units without a decision; they add up to `units`
-    provisional: int  # units whose verdict may still become worse, since lands of them were not measured
-    rates: Mapping[Verdict, Rate]  # at this verdict or past it, of the measured units: watch, replace, critical
+    provisional: int  # units whose verdict rests on representative values
+    ok_in_part: int  # units that are ok as far as they were measured: not all of their lands were
+    rates: Mapping[Verdict, Rate]  # at this verdict or past it, of the judged units: watch, replace, critical
 
     @property
-    def measured(self) -> int:
-        """Return of how many units anything was measured: what the rates are of."""
+    def judged(self) -> int:
+        """Return how many units have a verdict: what the rates are of."""
         return self.units - self.verdicts[Verdict.NOT_MEASURED]
 
 
@@ -56,14 +58,16 @@ class Decider:
 class PairTrouble:
     """How often one land of a valve body is flagged, past *replace*, and what decides the verdict of its unit.
 
-    Each unit counts once, as the land was measured last; units of which it was not measured are in no rate.
+    Each unit counts once. A unit is in the rates of a land of which both parts were measured; with one part alone, a
+    land can be flagged and cannot be ok.
     """
 
     key: LandKey
     flagged: Rate  # at *watch* or past it, of the units of which it was measured
     replace: Rate  # at *replace* or past it, of the same
-    deciding: Rate  # that gave the verdict of a flagged unit, of all measured units of the valve body
-    not_measured: int  # units of the valve body of which this land was not measured
+    deciding: Rate  # whose verdict it gave, of the judged units of the valve body
+    not_measured: int  # units without both of its parts measured, or in which a ring seals it
+    flagged_by_one_part: int  # of those
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,7 @@ class LandOverMileage:
     classes: tuple[MileageClass, ...]  # rising; classes without a unit are left out
     without_mileage: int  # measurements
     repaired: int  # measurements
-    latest_percent: Spread | None  # wear at the last visit of every unit, mileage known or not; None of no unit
+    latest_percent: Spread | None  # wear at the visit that counts of every unit, mileage known or not; None of no unit
 
 
 @dataclass(frozen=True)
@@ -110,9 +114,7 @@ class TemperatureClass:
     pressure_mean_kpa: float | None  # main pressure; None where no log tells it
     pressure_kpa: Spread | None
     pressure_min_kpa: float | None  # the lowest of any unit
-    green_percent: float | None  # of the time in which the share is known; None without any
-    yellow_percent: float | None
-    red_percent: float | None
+    bands_percent: Mapping[Band, float] | None  # time in each band, of that with the share in any; None without
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ class ConditionSpread:
     label: str
     temperature_c: float
     engine_rpm: float
-    gear: str | None
+    gear: int
     required_kpa: float | None  # main pressure that is required there; None where units were told different ones
     share_percent: Spread | None  # None where no unit has a number
     pressure_held_kpa: Spread | None  # main pressure that the pump holds
@@ -146,7 +148,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Difference:
-    """Second minus first, in percentage points, with two intervals; None where a side has too few units.
+    """First minus second, in percentage points, with two intervals; None where a side has too few units.
 
     ``low`` … ``high`` is the 95 % interval of this difference alone. ``low_of_all`` … ``high_of_all`` is wider: it
     holds for all differences of the comparison at once, and decides.
@@ -173,7 +175,7 @@ class RateDifference:
     first: str
     second: str | None  # None: all other groups together
     verdict: Verdict  # watch, replace or critical
-    first_units: int  # measured
+    first_units: int  # judged
     second_units: int
     points: Difference | None  # of the rates; None where a side has no measured unit
 
@@ -229,6 +231,7 @@ class SummedUnit:
     decision: str | None
     provisional: bool
     decided_by: LandKey | str | None  # a land, or the kind of what else decided; None where nothing did
+    lands_past: int  # of its lands at *replace* or past it
     max_share_percent: float | None  # of its log
     visits: int  # rows of this unit
 

@@ -15,6 +15,8 @@ from atleak.job.parts import name_within
 from atleak.job.record import Job
 from atleak.sentence import Sentence
 
+FILE, TABLE, BOOK = "file:", "table:", "book:"
+"""What a reference begins with: that of a job file, of a row of a table, of a job of the book."""
 TRAVELS_UP_TO = 16 << 20  # bytes of a file that goes along with the unit; a larger one is read where the work is done
 
 
@@ -33,6 +35,7 @@ class FleetUnit:
     case: Case | None = None
     job: Job | None = None
     fault: AtleakError | None = None  # why it cannot be opened, where that was seen when it was found
+    choices: str = ""  # those of the run for rows of a table that name none: with them `reopened` opens it again
 
     @cached_property
     def input_sha256(self) -> str:
@@ -43,10 +46,11 @@ class FleetUnit:
         InputError
             a file that cannot be read.
         """
-        if self.job_file is not None:
+        if self.job_file is not None and not self.of_table:
             return self.job_file.sha256
         told = None if self.job is None else self.job.model_dump_json(exclude_defaults=True)
         rests_on = (
+            None if self.job_file is None else self.job_file.sha256,
             None if self.case is None else self.case.key,
             told,
             self.group,
@@ -54,6 +58,11 @@ class FleetUnit:
             None if self.fault is None else (self.reference, str(self.fault)),
         )
         return hashlib.sha256(repr(rests_on).encode("utf-8", "backslashreplace")).hexdigest()
+
+    @property
+    def of_table(self) -> bool:
+        """Return whether it is the row of a table."""
+        return self.reference.startswith(TABLE)
 
     def opened(self) -> tuple[Case, Job]:
         """Return the case to diagnose and the record of the job.
@@ -74,9 +83,10 @@ class FleetUnit:
         return self.case or Case(), self.job or Job()
 
     def name_within(self, error: InputError) -> None:
-        """Name the job file in an error about a file in it, as `atleak.job.parts.JobFile.diagnose` does."""
-        if self.job_file is not None:
-            name_within(error, self.job_file.name)
+        """Name the job file, in an error about a file in it, as `atleak.job.parts.JobFile.diagnose` does."""
+        whole = None if self.job_file is None else self.job_file.name
+        if whole is not None and not (error.place.file or "").startswith(whole):  # which opening it names already
+            name_within(error, whole)
 
     def _files(self) -> Iterator[SourceFile]:
         """Return the files of its own and those chosen in place of the catalogue's."""

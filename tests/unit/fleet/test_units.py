@@ -97,6 +97,11 @@ def test_an_error_in_a_job_file_names_it_and_the_file_in_it() -> None:
     error = InputError(Sentence("is empty"), place=Place("sheet.xlsx", row=2))
     FleetUnit("a/7.zip", "file:/a/7.zip", job_file=SourceFile("7.zip", b"")).name_within(error)
     assert str(error) == "7.zip: sheet.xlsx, row 2: is empty"
+    damaged = FleetUnit("a/7.zip", "file:/a/7.zip", job_file=SourceFile("7.zip", b"no job"))
+    with pytest.raises(InputError) as raised:
+        damaged.opened()
+    damaged.name_within(raised.value)
+    assert str(raised.value).startswith("7.zip: is no sound zip")
 
 
 def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
