@@ -36,7 +36,7 @@ from pathlib import Path
 
 import psutil
 
-from atleak.fleet import running
+from atleak.fleet import cluster, running
 from atleak.fleet.cluster import connected
 from atleak.fleet.results import Results
 from atleak.fleet.run import run_fleet
@@ -45,6 +45,7 @@ from tests.unit.fleet.small_units import small_unit
 def main():
     out, count, address = sys.argv[1:]
     running.WRITTEN_EVERY = float(os.environ.get("WRITTEN_EVERY", running.WRITTEN_EVERY))
+    cluster._ANSWER = float(os.environ.get("ANSWER", cluster._ANSWER))
     kills, killed = int(os.environ.get("KILLS", 0)), []
     with Results.open(Path(out), for_writing=True) as results, connected(address or None, 2) as client:
 
@@ -213,23 +214,15 @@ def _cluster(folder: Path, port: int = 0) -> Iterator[tuple[str, subprocess.Pope
     file = folder / "scheduler.json"
     file.unlink(missing_ok=True)
     with ExitStack() as stack:
-        options = (
-            "--host",
-            HERE,
-            "--port",
-            str(port),
-            "--dashboard-address",
-            f"{HERE}:0",
-            "--scheduler-file",
-            str(file),
-        )
+        common = ["--host", HERE, "--preload", "atleak.fleet.prepared"]
+        options = [*common, "--port", str(port), "--dashboard-address", f"{HERE}:0", "--scheduler-file", str(file)]
         scheduler = stack.enter_context(_ending(_start("-m", "dask", "scheduler", *options)))
         until = time.monotonic() + 60.0
         while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
             time.sleep(0.05)
         address = json.loads(file.read_text(encoding="utf-8"))["address"]
-        options = ["--host", HERE, "--nworkers", "2", "--nthreads", "1", "--preload", "atleak.fleet.prepared"]
-        stack.enter_context(_ending(_start("-m", "dask", "worker", address, *options, "--no-dashboard")))
+        options = [*common, "--nworkers", "2", "--nthreads", "1", "--no-dashboard"]
+        stack.enter_context(_ending(_start("-m", "dask", "worker", address, *options)))
         yield address, scheduler
 
 
@@ -282,8 +275,11 @@ def test_a_second_client_on_the_same_results_is_refused(out: Path) -> None:
     assert (said, errors) == (f"{UNITS}\n", "")
 
 
-def test_a_scheduler_that_is_killed_loses_nothing(out: Path, tmp_path: Path, written_often: None) -> None:
+def test_a_scheduler_that_is_killed_loses_nothing(
+    out: Path, tmp_path: Path, written_often: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Its client says so and ends; with another scheduler it goes on."""
+    monkeypatch.setenv("ANSWER", "5")
     units = [*map(small_unit, range(UNITS))]
     with _cluster(tmp_path) as (address, scheduler), _ending(_client(out, address)) as client:
         _until_some_are_written(out)
