@@ -1,4 +1,4 @@
-"""Work with thousands of units at once: ``atleak fleet run``."""
+"""Work with thousands of units at once: ``atleak fleet run``, and what its results say together."""
 
 from __future__ import annotations
 
@@ -7,14 +7,15 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from atleak.cli.fleet_summary import add_summary
 from atleak.cli.job_options import add_choices, chosen_case
 from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import number
-from atleak.errors import InputError, Message
+from atleak.errors import InputError, Message, OutputError
 from atleak.sentence import Sentence
 from atleak.verdicts import FLAGGED, Verdict
 
@@ -34,13 +35,15 @@ def add_parser(commands: Any) -> None:
     group = add_group(
         commands,
         "fleet",
-        "thousands of units: diagnosed on all processors or many machines",
+        "thousands of units: diagnosed on all processors or many machines, and summed up",
         examples=(
             "fleet run jobs/ --out results",
             "fleet run fleet.csv --controller four_speed_2023 --out results --fail-on replace",
+            "fleet summary results --by supplier",
         ),
     )
     _add_run(group)
+    add_summary(group)
 
 
 def _add_run(group: Any) -> None:
@@ -107,6 +110,7 @@ def _seconds(text: str) -> float:
 
 def _run(options: argparse.Namespace) -> int:
     from atleak.fleet.cluster import connected
+    from atleak.fleet.known import note
     from atleak.fleet.results import Results
     from atleak.fleet.run import TIME_LIMIT, run_fleet
 
@@ -116,6 +120,8 @@ def _run(options: argparse.Namespace) -> int:
         connected(options.scheduler, options.workers) as client,
         Results.open(options.out, for_writing=True, replace=options.replace) as results,
     ):
+        with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
+            note(options.out)
         try:
             with _shown(quiet=getattr(options, "quiet", False)) as progress:
                 finished = run_fleet(

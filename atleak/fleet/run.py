@@ -118,10 +118,16 @@ def run_fleet(
     run.go()
     say(run, at_once=True)
     results.tidy()
+    verdicts, errors, before = run.verdicts, run.errors, run.before
+    if run.met - results.done():  # of files that were renamed: another content took the place of an earlier result
+        run = Run(units, results.done(), results, client, time_limit, say)
+        run.go()
+        results.tidy()
+        verdicts, errors, before = verdicts + run.verdicts, errors + run.errors, before - run.done
     return Finished(
-        verdicts=dict(run.verdicts),
-        errors=dict(run.errors),
-        before=run.before,
-        twice=len(units) - run.before - run.done,
+        verdicts=dict(verdicts),
+        errors=dict(errors),
+        before=before,
+        twice=len(units) - before - verdicts.total() - errors.total(),
         seconds=time.monotonic() - begun,
     )

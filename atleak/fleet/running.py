@@ -95,7 +95,8 @@ class Run:
         assert isinstance(client.loop, BaseAsyncIOLoop)
         self._loop = client.loop.asyncio_loop
         self._units, self._all_seen = iter(units), False
-        self._known, self._met = known, set[str]()  # hashes: known already, and of units that had their turn
+        self._known = known
+        self.met: set[str] = set()  # hashes of the units that had their turn
         self._waiting: deque[_Try] = deque()  # to be handed out next
         self._alone: deque[_Try] = deque()  # to be handed out once all others are done
         self._under_way: dict[Future, _Try] = {}
@@ -189,8 +190,8 @@ class Run:
             unit = next(self._units, None)
             if unit is None:
                 self._all_seen = True
-            elif unit.input_sha256 not in self._met:  # else it is the same as another one
-                self._met.add(unit.input_sha256)
+            elif unit.input_sha256 not in self.met:  # else it is the same as another one
+                self.met.add(unit.input_sha256)
                 if unit.input_sha256 in self._known:
                     self.before += 1
                 else:

@@ -15,6 +15,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.errors import FleetError
 from atleak.fleet import cluster
 from atleak.fleet import run as fleet_run
+from atleak.fleet.known import known_folders
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress
 from atleak.fleet.work import evaluate
@@ -76,6 +77,7 @@ def test_a_run_counts_verdicts_and_tells_what_is_there_twice(
         "scheduler": None, "workers": 3, "units": 3, "time_limit": 1800.0, "retry_errors": False,
     }  # fmt: skip
     assert pq.read_table(out / "units")["group"].to_pylist() == ["north", "south"]
+    assert [each.path for each in known_folders()] == [out.resolve()]  # which the dashboard offers
     status, printed, _ = run("fleet", "run", jobs, "--out", out, "--time-limit", 0)
     assert (status, printed.splitlines()[0]) == (0, f"0 units in 2 s; 2 with a result in {out}:")
     assert asked["time_limit"] is None

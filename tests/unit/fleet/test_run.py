@@ -10,6 +10,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -99,6 +100,15 @@ def test_running_again_does_only_what_is_missing(client: Client, results: Result
     after = {row["name"]: row["evaluated_at"] for row in results.table("units").to_pylist()}
     assert after["unit 1"] == before["unit 1"]
     assert set(_rows(results)) == {"unit 1", "unit 2", "unit 3"}
+
+
+def test_a_file_that_took_the_name_of_another_loses_neither(client: Client, results: Results) -> None:
+    first, other = small_unit(1), small_unit(200)
+    run_fleet([first], results, client)
+    renamed = replace(first, name="unit 1 elsewhere", reference="file:elsewhere")
+    finished = run_fleet([renamed, replace(other, reference=first.reference)], results, client)
+    assert set(_rows(results)) == {"unit 1 elsewhere", "unit 200"}
+    assert (finished.before, finished.evaluated, finished.twice) == (0, 2, 0)
 
 
 def test_errors_are_tried_again_where_that_is_asked_for(
