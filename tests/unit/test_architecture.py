@@ -44,6 +44,7 @@ FLOORS = (
         "workshop_units",
         "thinning",
         "keeping",
+        "columns",
     ),
     (
         "equations",
@@ -62,6 +63,7 @@ FLOORS = (
     ("written_numbers", "phrases", "report.printed_fonts"),
     ("pressure_table", "controller_sheets", "own_lands", "sheet_identity", "wear_line"),
     ("readings", "road_test", "gauge_study"),
+    ("large_log",),
     ("events", "engine.profile", "engine.extremes", "engine.restrictions"),
     ("engine.balance",),
     ("engine.circuits",),
