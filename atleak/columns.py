@@ -110,23 +110,23 @@ def median_of(stream: Stream) -> float:
     return float(np.mean(found)) if found else float("nan")
 
 
-def percentile_of(stream: Stream, percent: float) -> float:
-    """Return a percentile as `numpy.percentile` computes it, between the two next to it; NaN of nothing.
+def percentiles_of(stream: Stream, percents: Sequence[float]) -> list[float]:
+    """Return percentiles as `numpy.percentile` computes them, between the two next to each; NaN of nothing.
 
-    >>> percentile_of(lambda: iter([np.arange(50.0), np.arange(50.0, 101.0)]), 90)
-    90.0
+    >>> percentiles_of(lambda: iter([np.arange(50.0), np.arange(50.0, 101.0)]), (50, 90))
+    [50.0, 90.0]
     """
-    place = [0.0]
+    places: list[float] = []
 
     def around(count: int) -> list[int]:
-        place[0] = (count - 1) * (percent / 100.0)
-        return [int(place[0]), min(int(place[0]) + 1, count - 1)]
+        places.extend((count - 1) * (percent / 100.0) for percent in percents)
+        return [rank for place in places for rank in (int(place), min(int(place) + 1, count - 1))]
 
     found = ranked(stream, around)
     if not found:
-        return float("nan")
-    low, high = found
-    return low + (high - low) * (place[0] - int(place[0]))
+        return [float("nan")] * len(percents)
+    pairs = zip(places, found[::2], found[1::2], strict=True)
+    return [low + (high - low) * (place - int(place)) for place, low, high in pairs]
 
 
 @dataclass

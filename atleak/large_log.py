@@ -156,3 +156,15 @@ def without_samples(road_test: RoadTest) -> RoadTest:
         for name, channel in road_test.channels.items()
     }
     return replace(road_test, time=nothing, channels=MappingProxyType(channels), segments=(), in_pieces=True, _held={})
+
+
+def rows_of(part: RoadTest, start: int, stop: int) -> RoadTest:
+    """Return some rows of a piece, whose channels are all on its base."""
+    time = part.time[start:stop]
+    channels = {
+        name: replace(channel, time=time[:1])
+        if channel.source == "constant"
+        else replace(channel, time=time, values=channel.values[start:stop], suspect=channel.suspect[start:stop])
+        for name, channel in part.channels.items()
+    }
+    return replace(part, rows=len(time), time=time, channels=MappingProxyType(channels), segments=(), _held={})

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from atleak.columns import median_of, positive, spans, steps_of
+from atleak.columns import median_of, percentiles_of, positive, spans, steps_of
 from atleak.events.acceleration import (
     ByEngineSpeed,
     as_test,
@@ -33,6 +33,7 @@ from atleak.events.gears import (
     logarithms_of,
     speed_ratio,
 )
+from atleak.events.slip import FEWEST, ConverterSlip, slip_and_driving
 from atleak.large_log import LargeLog
 from atleak.road_test import ChannelSource, RoadTest
 from atleak.sentence import Sentence
@@ -102,7 +103,7 @@ class _Looked:
         self.lock_up, self.steady = Runs(limits.lock_up_seconds), Runs(limits.steady_seconds)
         self.stands, self.rests = Runs(), Runs()  # of the engine; from which an acceleration may begin
         self.shifts = _Shifts(log, limits)
-        commanded, steady, rests = _commanded(log), _Steady(log, limits), _Rests(log, limits)
+        commanded, steady, rests = largest_command(log), _Steady(log, limits), _Rests(log, limits)
         for start, stop in log.spans():
             part, begins = log.part(start, stop), log.begin_mask(start, stop)
             engine, locked = part.values("engine_speed"), locked_samples(part, limits, commanded)
@@ -135,7 +136,7 @@ class _Looked:
                     yield Event(kind, start, stop, note=self.note if kind == "lock_up" else Sentence(""))
 
 
-def _commanded(log: LargeLog) -> float:
+def largest_command(log: LargeLog) -> float:
     """Return the largest value of the command to lock up; NaN where there is none."""
     most = float("nan")
     if log.head.channel("lock_up") is not None:
@@ -366,3 +367,44 @@ def _runs_from(log: LargeLog, first: int, end: int, limits: Thresholds) -> int |
         if len(running):
             return first + low + int(running[0])
     return None
+
+
+# --- slip of the converter
+
+
+def slip_in_pieces(
+    log: LargeLog, events: Sequence[Event], thresholds: Thresholds | None = None
+) -> ConverterSlip | None:
+    """Return the slip of the converter, as `atleak.events.converter_slip` does; ``events`` are those of the log."""
+    limits = thresholds or Thresholds()
+    if slip_and_driving(log.head, limits) is None:
+        return None
+
+    def parts() -> Iterator[tuple[int, RoadTest, np.ndarray, np.ndarray]]:
+        for start, stop in log.spans():
+            part = log.part(start, stop)
+            shown = slip_and_driving(part, limits)
+            if shown is not None:
+                yield start, part, *shown
+
+    if sum(int(np.count_nonzero(driving)) for *_, driving in parts()) < FEWEST:
+        return None
+    low, median, high = percentiles_of(lambda: (slip[driving] for *_, slip, driving in parts()), (5, 50, 95))
+    locked, most = sum(event.duration for event in events if event.kind == "lock_up"), largest_command(log)
+    if not most > 0:
+        return ConverterSlip(low, median, high, locked, None, None)
+    wanted = Runs(limits.lock_up_seconds)
+    for start, part, _, driving in parts():
+        begins = log.begin_mask(start, start + len(driving))
+        wanted.add(start, driving & (np.asarray(part.values("lock_up")) >= 0.5 * most), part.time, begins)
+    wanted.close()
+
+    def then() -> Iterator[np.ndarray]:
+        for first, last in wanted.found:
+            for low_row, high_row in spans(last + 1 - first, log.piece):
+                shown = slip_and_driving(log.part(first + low_row, first + high_row), limits)
+                if shown is not None:
+                    yield np.abs(shown[0])
+
+    seconds = sum(stop - start for start, stop in wanted.times)
+    return ConverterSlip(low, median, high, locked, seconds, median_of(then) if wanted.found else None)

@@ -1,8 +1,9 @@
-"""Makes up drives for tests: an engine that stands, starts, idles, stalls and pulls through the gears, with all faults."""
+"""Makes up drives for tests: an engine that stands, starts, idles, stalls and pulls through the gears."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
@@ -101,8 +102,7 @@ def drive(
     for cut in cuts[1:-1]:
         time[cut:] += 8.0
     segments = tuple(
-        Segment(low, high - low, float(time[low]), float(time[high - 1] - time[low]))
-        for low, high in zip(cuts, cuts[1:], strict=False)
+        Segment(low, high - low, float(time[low]), float(time[high - 1] - time[low])) for low, high in pairwise(cuts)
     )
     logged = {
         name: Channel(name, time, series, np.isnan(series), column=name, kind="measured", sampling_hz=1.0 / step)

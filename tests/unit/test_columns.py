@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak import columns
-from atleak.columns import DiskColumn, median_of, percentile_of, positive, ranked, spans, steps_of, stream_of
+from atleak.columns import DiskColumn, median_of, percentiles_of, positive, ranked, spans, steps_of, stream_of
 
 NUMBERS = st.lists(st.floats(-1e150, 1e150), min_size=1, max_size=60)
 
@@ -60,7 +60,7 @@ def test_medians_and_percentiles_are_numpys(numbers: list[float], length: int, p
     stream = in_pieces(values, length)
     assert median_of(stream) == np.median(values)
     close = 1e-12 * float(np.max(np.abs(values)))
-    assert percentile_of(stream, percent) == pytest.approx(np.percentile(values, percent), rel=1e-12, abs=close)
+    assert percentiles_of(stream, [percent])[0] == pytest.approx(np.percentile(values, percent), rel=1e-12, abs=close)
 
 
 @pytest.mark.usefixtures("few_are_sorted")
@@ -75,7 +75,7 @@ def test_numbers_too_many_to_sort_have_the_same_ranks(seed: int) -> None:
 def test_of_nothing_there_is_no_rank() -> None:
     assert ranked(lambda: iter([np.empty(0)]), lambda count: [count]) == []
     assert math.isnan(median_of(lambda: iter([])))
-    assert math.isnan(percentile_of(lambda: iter([]), 90.0))
+    assert math.isnan(percentiles_of(lambda: iter([]), [90.0])[0])
 
 
 def test_steps_do_not_end_with_a_piece() -> None:
