@@ -94,6 +94,16 @@ def damaged(error: BaseException, kind: type[InputError] = InputError, file: str
     return kind(_problem(error), place=Place(file=file))
 
 
+def unexpected(error: BaseException, file: str | None = None) -> InputError:
+    """Return the package's own error for a fault of the program, which stays its cause."""
+    problem = Sentence(
+        "unexpected {kind}: {reason}. This is a fault of atleak", kind=type(error).__name__, reason=str(error)
+    )
+    fault = InputError(problem, place=Place(file=file))
+    fault.__cause__ = error
+    return fault
+
+
 def _problem(error: BaseException) -> Sentence:
     if isinstance(error, MemoryError):
         return Sentence("is too large for the memory of this computer")

@@ -162,6 +162,10 @@ class ChangedElsewhere(BookError):
     """A job that somebody else has saved since it was opened here; nothing was written over."""
 
 
+class FleetError(InputError):
+    """A run over a fleet, or its results, that cannot be begun, gone on with or read."""
+
+
 AnyInputError = TypeVar("AnyInputError", bound=InputError)
 
 

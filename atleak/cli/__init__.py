@@ -19,6 +19,7 @@ from atleak.cli import (
     compare,
     controller,
     diagnose,
+    fleet,
     gauge_study,
     import_log,
     jobs,
@@ -111,6 +112,7 @@ def _parser() -> Parser:
     for group in (
         diagnose,
         jobs,
+        fleet,
         compare,
         variants,
         import_log,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from atleak.cli.parser import Options
 from atleak.cli.shared import (
@@ -45,6 +45,23 @@ def add_job_options(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(refuse=parser.error)
 
 
+def add_choices(parser: argparse.ArgumentParser) -> None:
+    """Add the choices of a job without its files, for the rows of a table; `chosen_case` makes a case of them."""
+    _add_sheet(parser.add_argument_group("how measuring sheets are read, where their row does not say"))
+    add_columns(parser.add_argument_group("how logs are read, where their row does not say"))
+    _add_catalogue(parser.add_argument_group("what units are diagnosed with, where their row does not say"))
+    _add_condition(parser.add_argument_group("the stated condition, in place of each valve body's first"))
+    _add_computing(parser.add_argument_group("how they are computed and judged"))
+    parser.set_defaults(**_OF_ONE_JOB)
+
+
+_OF_ONE_JOB: dict[str, Any] = {
+    **dict.fromkeys(("readings", "road_test", "pressures", "mileage", "complaint")),
+    **dict.fromkeys(("pump_side_clearance", "pump_tip_clearance")),
+    "repair": [],
+}
+
+
 def _add_measured(group: Options) -> None:
     group.add_argument(
         "readings",
@@ -52,6 +69,23 @@ def _add_measured(group: Options) -> None:
         nargs="?",
         help="measuring sheet: xlsx, xls, ods or csv; without one the road test is judged by itself",
     )
+    _add_sheet(group)
+    for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
+        group.add_argument(
+            f"--pump-{side}-clearance",
+            metavar="UM",
+            type=length_of(asked),
+            help=f"{side} clearance of this job's pump [µm, or with its unit: 0.0033in]; as the job record or the "
+            "sheet's head says unless given",
+        )
+    group.add_argument(
+        "--pressures",
+        metavar="FILE",
+        help="gauge readings of the standing vehicle: xlsx or csv; the measuring sheet's own tab unless given",
+    )
+
+
+def _add_sheet(group: Options) -> None:
     group.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
     group.add_argument(
         "--sheet-unit", metavar="UNIT", help="of the diameters, where the sheet does not say: mm, µm, inch"
@@ -73,19 +107,6 @@ def _add_measured(group: Options) -> None:
     )
     group.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
     group.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
-    for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
-        group.add_argument(
-            f"--pump-{side}-clearance",
-            metavar="UM",
-            type=length_of(asked),
-            help=f"{side} clearance of this job's pump [µm, or with its unit: 0.0033in]; as the job record or the "
-            "sheet's head says unless given",
-        )
-    group.add_argument(
-        "--pressures",
-        metavar="FILE",
-        help="gauge readings of the standing vehicle: xlsx or csv; the measuring sheet's own tab unless given",
-    )
 
 
 def _add_road_test(group: Options) -> None:
@@ -93,7 +114,7 @@ def _add_road_test(group: Options) -> None:
     add_columns(group)
 
 
-def _add_unit(group: Options) -> None:
+def _add_catalogue(group: Options) -> None:
     add_controller(group)
     group.add_argument("--fluid", metavar="ID|FILE", help="ATF in the transmission; `atleak fluids` lists those known")
     group.add_argument(
@@ -102,6 +123,10 @@ def _add_unit(group: Options) -> None:
         type=_fluid_state,
         help="of the fluid in the transmission; taken as fresh unless given",
     )
+
+
+def _add_unit(group: Options) -> None:
+    _add_catalogue(group)
     group.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
     group.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
     group.add_argument("--job", metavar="RECORD", help="what the workshop wrote down (TOML or JSON)")
@@ -169,19 +194,13 @@ def chosen_job(options: argparse.Namespace) -> tuple[Case, Job | None]:
     if options.readings is None and options.road_test is None and options.pressures is None:
         problem = "there is nothing to diagnose: neither a measuring sheet nor a road test nor gauge readings are given"
         options.refuse(f"{problem}; expected READINGS, --road-test LOG or --pressures FILE")
-    job = None
+    case, job = chosen_case(options), None
     if options.job is not None:
         from atleak.job.file import load_job
+        from atleak.job.of_record import with_record
 
         job = load_job(options.job)
-        if options.mileage is None:
-            options.mileage = job.vehicle.mileage_km
-        if options.measuring_temperature is None:
-            options.measuring_temperature = job.measuring_temperature_c
-        for name in ("pump_side_clearance", "pump_tip_clearance"):
-            if getattr(options, name) is None:
-                setattr(options, name, getattr(job, f"{name}_um"))
-    case = _case(options)
+        case = with_record(case, job)
     if job is not None and job.repair_decisions:
         from atleak.job.case import SLOTS, Reader
         from atleak.job.decisions import check_decisions
@@ -197,8 +216,8 @@ def as_read(case: Case) -> Case:
     return case if case.road_test is None else with_log_choices(case, Reader().log(case))
 
 
-def _case(options: argparse.Namespace) -> Case:
-    """Return the files and choices that the command line names."""
+def chosen_case(options: argparse.Namespace) -> Case:
+    """Return the files and choices that the command line names, without what a job record says."""
     from atleak.catalogue.pump import PumpClearances
     from atleak.job.case import SLOTS, Case, SourceFile
 

@@ -96,18 +96,21 @@ class Network:
         return sum([*self._through(gaps, balance.pressures), *leaks]) + sum(balance.relief.values())
 
     def _through(self, gaps: Sequence[Branch[Gap]], pressures: Mapping[str, Any]) -> Iterable[Any]:
-        """Return the flow of each gap [m³/s]: those of one shape at once."""
+        """Return the flow of each gap [m³/s], of all at once where they are alike in shape."""
         drops = [branch.drop(pressures) for branch in gaps]
         drops = [
             drop if leaks_both_ways(branch, self.solved) else np.maximum(drop, 0.0)
             for branch, drop in zip(gaps, drops, strict=True)
         ]
-        stacked = [
-            (each.restriction.conductance, each.restriction.bend, drop) for each, drop in zip(gaps, drops, strict=True)
-        ]
-        if len({np.shape(value) for row in stacked for value in row}) != 1:
+        restrictions = [branch.restriction for branch in gaps]
+        columns = ([each.conductance for each in restrictions], [each.bend for each in restrictions], drops)
+        if not gaps or any(len({np.shape(value) for value in column}) != 1 for column in columns):
             return [branch.restriction.flow(drop) for branch, drop in zip(gaps, drops, strict=True)]
-        conductance, bend, drop = np.moveaxis(np.array(stacked, float), 1, 0)
+        stacked = [np.array(column, float) for column in columns]
+        deepest = max(column.ndim for column in stacked)
+        conductance, bend, drop = (
+            column.reshape(len(gaps), *(1,) * (deepest - column.ndim), *column.shape[1:]) for column in stacked
+        )
         return list(Gap(conductance, bend).flow(drop))
 
     def beside_lands(self, balance: Balance) -> Any:

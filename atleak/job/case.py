@@ -93,13 +93,28 @@ class SourceFile:
         try:
             return Path(self.path or self.name).read_bytes()
         except OSError as error:
-            problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
-            raise InputError(problem, place=Place(file=self.name)) from error
+            raise self._unreadable(error) from error
 
     @cached_property
     def sha256(self) -> str:
-        """Return the SHA-256 digest of the bytes, as hexadecimal digits."""
-        return hashlib.sha256(self.content).hexdigest()
+        """Return the SHA-256 digest of the bytes, as hexadecimal digits; of a file at a path without holding them.
+
+        Raises
+        ------
+        InputError
+            a path that cannot be read.
+        """
+        if self.data is not None or "content" in vars(self) or self.path is None:
+            return hashlib.sha256(self.content).hexdigest()
+        try:
+            with self.path.open("rb") as stream:
+                return hashlib.file_digest(stream, "sha256").hexdigest()
+        except OSError as error:
+            raise self._unreadable(error) from error
+
+    def _unreadable(self, error: OSError) -> InputError:
+        problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
+        return InputError(problem, place=Place(file=self.name))
 
 
 Choice = str | SourceFile

@@ -260,7 +260,7 @@ class JobFile:
         try:
             return self.case.diagnose()
         except InputError as error:
-            error.rename_file(lambda file: _within(self.name, file) if file else self.name)
+            name_within(error, self.name)
             raise
 
     @classmethod
@@ -319,6 +319,11 @@ class JobFile:
             problem = Sentence("names no {part}", part=missing[0])
             raise InputError(problem, place=Place(file=name), expected=Sentence("a complete job file"))
         return cls(stated.record.with_pictures(pictures), stated.case(files), result, name)
+
+
+def name_within(error: InputError, name: str) -> None:
+    """Name the job file, in an error about it or about a file in it."""
+    error.rename_file(lambda file: _within(name, file) if file else name)
 
 
 def _within(name: str, file: str) -> Sentence:

@@ -270,6 +270,10 @@ class Job(Record):
 
     _pictures: Mapping[str, bytes] = PrivateAttr(default_factory=lambda: MappingProxyType({}))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let the record be pickled, which a mapping that cannot be changed does not allow."""
+        return _unpickled, (self.record(), dict(self._pictures))
+
     @property
     def pump_clearances(self) -> PumpClearances:
         """Return what was measured of this job's pump."""
@@ -341,3 +345,7 @@ class Job(Record):
     def record(self) -> dict[str, Any]:
         """Return what was filled in, as JSON values."""
         return self.model_dump(mode="json", exclude_defaults=True)
+
+
+def _unpickled(record: dict[str, Any], pictures: dict[str, bytes]) -> Job:
+    return Job.model_validate(record).with_pictures(pictures)

@@ -19,11 +19,10 @@ from atleak.jobs.book import Book
 from atleak.jobs.tables import decisions, jobs, lands, visits
 from atleak.jobs.units import final_unit
 from atleak.rules import LandKey
+from atleak.spreads import ENOUGH_UNITS, PARTS
 from atleak.verdicts import FLAGGED
 
 STEP = 0.1  # [µm] in which clearances are counted, well under what any gauge tells: choice of this project
-ENOUGH_UNITS = 10  # from which on a unit's place among its kind is shown: choice of this project
-PARTS = (0.05, 0.25, 0.5, 0.75, 0.95)  # of the units, whose quantiles are shown
 
 
 @dataclass(frozen=True)

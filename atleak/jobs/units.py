@@ -19,10 +19,19 @@ from atleak.jobs.tables import jobs, key_of, units, vehicles, visits
 def unit_key(job_id: str, record: Job) -> str:
     """Return the key by which a job's unit is told; a serial or VIN without a digit, as "unknown", tells none."""
     vehicle = record.vehicle
-    numbers = {"serial": record.transmission.serial, "vin": vehicle.vin}
+    plate = key_of(vehicle.registration)
+    return key_of_numbers(record.transmission.serial, vehicle.vin) or (f"plate:{plate}" if plate else f"job:{job_id}")
+
+
+def key_of_numbers(serial: str | None, vin: str | None) -> str | None:
+    """Return the key of a unit by its transmission's serial number, or else its vehicle's VIN; None without both.
+
+    >>> key_of_numbers("unknown", "WDB 210 061 1A")
+    'vin:WDB2100611A'
+    """
+    numbers = {"serial": serial or "", "vin": vin or ""}
     keys = {kind: key_of(text) for kind, text in numbers.items() if any(letter.isdigit() for letter in text)}
-    keys["plate"] = key_of(vehicle.registration)
-    return next((f"{kind}:{key}"[:80] for kind, key in keys.items() if key), f"job:{job_id}")
+    return next((f"{kind}:{key}"[:80] for kind, key in keys.items() if key), None)
 
 
 def visit_for(connection: sa.Connection, job_id: str, parts: JobParts, before: int | None) -> int:

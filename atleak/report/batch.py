@@ -8,7 +8,8 @@ from pathlib import Path
 
 from atleak.catalogue.limits import Verdict
 from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError, InputError, Message, Place
+from atleak.doors import unexpected
+from atleak.errors import AtleakError, Message
 from atleak.job.doubts import record_doubts
 from atleak.job.file import read_job_file
 from atleak.job.issued import issued_record
@@ -18,7 +19,6 @@ from atleak.paper import DEFAULT_PAPER
 from atleak.report.own_font import OwnFont
 from atleak.report.pdf import missing_characters, write_pdf
 from atleak.report.xlsx import write_workbook
-from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.marks import Kind
 from atleak.views.diagnosis_record import diagnosis_record, to_json
@@ -101,7 +101,7 @@ def write_reports(
         except (KeyboardInterrupt, SystemExit):
             raise
         except BaseException as error:  # noqa: BLE001 (a panic of a library in Rust is no Exception)
-            reported = Reported(source, tuple(written), error=_unexpected(error, source))
+            reported = Reported(source, tuple(written), error=unexpected(error, source.name))
         done.append(reported)
         if progress is not None:
             progress(len(done), len(sources), reported)
@@ -114,16 +114,6 @@ def _report(form: str, diagnosis: Diagnosis, job: Job, say: Wording, paper: str,
     if form == "xlsx":
         return write_workbook(diagnosis, job, language=say.language, units=say.units, paper=paper)
     return to_json(issued_record(diagnosis, job)).encode("utf-8", errors="backslashreplace")
-
-
-def _unexpected(error: BaseException, source: Path) -> AtleakError:
-    """Put a fault of the program in words; the fault itself stays its cause."""
-    problem = Sentence(
-        "unexpected {kind}: {reason}. This is a fault of atleak", kind=type(error).__name__, reason=str(error)
-    )
-    fault = InputError(problem, place=Place(file=source.name))
-    fault.__cause__ = error
-    return fault
 
 
 def _free(stem: str, taken: set[str]) -> str:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import streamlit as st
+from streamlit.runtime.uploaded_file_manager import UploadedFile
 
 from atleak.errors import AtleakError
 from atleak.job.record import Job
 from atleak.report.own_font import forget_font, keep_font, kept_file, kept_font
 from atleak.report.pdf import missing_characters
 from atleak.wording import Wording
-from pages.shared import show
+from pages.shared import drop_zone, show
 
 _KEY = "workshop-data-font"
 
@@ -21,13 +22,10 @@ def draw(say: Wording) -> None:
     st.subheader(say("workshop_data.font"))
     st.caption(say("workshop_data.font_what"))
     try:
-        # a widget's name counts the files taken, so that the next one begins empty
-        count = st.session_state.setdefault(_KEY, 0)
-        upload = st.file_uploader(say("workshop_data.font_file"), ["ttf", "otf", "ttc"], key=f"{_KEY}-{count}")
-        if upload is not None:
-            keep_font(upload.getvalue(), upload.name)
-            st.session_state[_KEY] = count + 1
-            st.rerun()
+        drop_zone.draw("font", say("workshop_data.font_file"), _take, types=["ttf", "otf", "ttc"])
+        with st.container():
+            if fault := st.session_state.pop(f"{_KEY}-fault", None):
+                st.error(show.plain(fault))
         kept = kept_file()
         st.write(show.plain(say("workshop_data.font_kept", name=kept.name) if kept else say("workshop_data.font_none")))
         if st.button(say("workshop_data.font_forget"), disabled=kept is None, key=f"{_KEY}-forget"):
@@ -35,6 +33,14 @@ def draw(say: Wording) -> None:
             st.rerun()
     except AtleakError as error:
         st.error(show.plain(error))
+
+
+def _take(files: Sequence[UploadedFile]) -> None:
+    for file in files:
+        try:
+            keep_font(file.getvalue(), file.name)
+        except AtleakError as error:
+            st.session_state[f"{_KEY}-fault"] = error
 
 
 def printing(write: Callable[..., bytes]) -> Callable[[], bytes]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any, get_args
 
 import pandas as pd
 import streamlit as st
 from pydantic import ValidationError
+from streamlit.runtime.uploaded_file_manager import UploadedFile
 
 from atleak.catalogue.controller import Controller
 from atleak.errors import InputError
@@ -18,7 +19,7 @@ from atleak.report.pictures import printable_picture
 from atleak.views.land_names import component_words
 from atleak.wording import Wording
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
-from pages.shared import fields, reader, show
+from pages.shared import drop_zone, fields, reader, show
 from pages.shared.state import RECORD, choose, job, job_generation, put_job, session
 
 __all__ = ["draw", "job", "key", "put_job"]
@@ -236,25 +237,21 @@ def _as_printed(name: str, content: bytes) -> bytes:
 
 
 def _uploads(what: str, *, several: bool) -> None:
-    """Offer to upload pictures; the place is empty again once they are in."""
-    count = f"{key(what)}-count"
-    own = f"{count}-{st.session_state.setdefault(count, 0)}"
+    """Offer to upload pictures."""
+    fault_key = f"{key(what)}-fault"
 
-    def changed() -> None:
-        st.session_state[count] += 1
-        given = st.session_state[own]
-        for picture in given if several else [given]:
+    def take(pictures: Sequence[UploadedFile]) -> None:
+        for picture in pictures:
             name, content = picture.name, picture.getvalue()
             try:
                 printable_picture(name, content)
                 _put(job().with_photo(name, content) if several else job().with_logo(name, content))
             except InputError as error:
-                st.session_state[f"{count}-fault"] = error.sentence
+                st.session_state[fault_key] = error.sentence
 
-    label = reader.say()(f"job_form.{what}")
-    st.file_uploader(label, PICTURE_KINDS, accept_multiple_files=several, key=own, on_change=changed)
+    drop_zone.draw(what, reader.say()(f"job_form.{what}"), take, types=PICTURE_KINDS, several=several)
     with st.container():
-        if fault := st.session_state.pop(f"{count}-fault", None):
+        if fault := st.session_state.pop(fault_key, None):
             st.error(show.plain(fault))
 
 

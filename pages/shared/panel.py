@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import glob
+from collections.abc import Sequence
 from pathlib import Path
 
 import streamlit as st
+from streamlit.runtime.uploaded_file_manager import UploadedFile
 
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
@@ -14,7 +16,7 @@ from atleak.intake.units import unit
 from atleak.job.case import SourceFile
 from atleak.wording import Wording
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
-from pages.shared import book, choices, dropped, fields, reader, show
+from pages.shared import book, choices, drop_zone, dropped, fields, reader, show
 from pages.shared.cases import PageCase, controller_of, diagnosis_of, own_faults
 from pages.shared.state import (
     FILES,
@@ -83,16 +85,13 @@ def _key(name: str) -> str:
 
 
 def _drop_zone() -> None:
-    """Take whatever files are dropped; the zone is empty again once they are in."""
-    turn = f"drop-{st.session_state.setdefault('drops', 0)}"
-
-    def changed() -> None:
-        st.session_state["drops"] += 1
-        dropped.take([SourceFile(each.name, each.getvalue()) for each in st.session_state[turn]])
-
+    """Take whatever files are dropped."""
     say = reader.say()
-    label, tip = say("panel.files"), say("panel.files_help")
-    st.file_uploader(label, key=turn, accept_multiple_files=True, help=tip, on_change=changed)
+
+    def take(files: Sequence[UploadedFile]) -> None:
+        dropped.take([SourceFile(each.name, each.getvalue()) for each in files])
+
+    drop_zone.draw("job", say("panel.files"), take, several=True, help=say("panel.files_help"))
 
 
 def _status(slot: str, result: Diagnosis) -> None:

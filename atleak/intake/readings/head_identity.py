@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from atleak.errors import Message
-from atleak.intake.readings.head_labels import Stated, stated_values
+from atleak.intake.readings.head_labels import Stated, means, stated_values
 from atleak.intake.readings.words import Vocabulary, letters, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Sheet
 from atleak.sentence import Sentence, all_of
 from atleak.sheet_identity import SheetIdentity
 from atleak.workshop_units import MILE
-from atleak.written_numbers import MILEAGE, read_number
+from atleak.written_numbers import MILEAGE, WrittenNumber, read_number
 
 _LONGEST = 200  # signs of a text; what is longer is no entry of a field
 _BESIDE = vocabulary("beside_identity")
@@ -101,13 +101,30 @@ def several(stated: Sequence[tuple[str, Stated]], what: Sentence) -> Message:
 
 def _mileage(stated: Stated, messages: list[Message]) -> float | None:
     """Return a mileage [km], None where it cannot be read; a message then says so."""
-    written = text_of(stated.value)
-    match = _DISTANCE.fullmatch(written)
-    unit = match["unit"] if match else ""
-    in_miles = unit.lower().startswith("mi") or (not unit and not _OF_MILES.isdisjoint(letters(stated.label)))
-    read = read_number(match["number"] if match else written, _MILES if in_miles else MILEAGE)
+    read = written_mileage(text_of(stated.value), stated.label)
     if read.value is None:
         text = Sentence("the mileage in the head is not taken: {reason}", reason=read.reason)
         messages.append(Message("warning", "head_unclear", text, stated.place))
-        return None
-    return read.value * MILE / 1e3 if in_miles else read.value
+    return read.value
+
+
+def written_mileage(written: str, label: str) -> WrittenNumber:
+    """Read a mileage, in km or in miles as it or its label says.
+
+    >>> written_mileage("106 315", "Mileage [km]").value, round(written_mileage("66 061 mi", "Odometer").value)
+    (106315.0, 106315)
+    """
+    match = _DISTANCE.fullmatch(written)
+    unit = match["unit"] if match else ""
+    in_miles = unit.lower().startswith("mi") or (not unit and not _OF_MILES.isdisjoint(letters(label)))
+    read = read_number(match["number"] if match else written, _MILES if in_miles else MILEAGE)
+    return replace(read, value=read.value * MILE / 1e3) if in_miles and read.value is not None else read
+
+
+def identity_field(label: str) -> str | None:
+    """Return which field of the job a label names, as ``vin`` or ``mileage``; None where it names none.
+
+    >>> identity_field("Chassis no."), identity_field("Kilometerstand"), identity_field("Supplier")
+    ('vin', 'mileage', None)
+    """
+    return next((name for name, field in _FIELDS.items() if means(label, field.words, field.beside)), None)

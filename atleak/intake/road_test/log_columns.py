@@ -87,7 +87,8 @@ def _of_table(table: LogTable) -> Iterator[tuple[Heading, np.ndarray, Iterable[s
     headings = [heading for heading in table.headings if heading.index < table.width]
     frame = table.read([heading.index for heading in headings])
     for heading in headings:
-        yield heading, *numbers(frame, heading.index, table.decimal)
+        values, words_there, _ = numbers(frame, heading.index, table.decimal)
+        yield heading, values, words_there
 
 
 def _column(heading: Heading, values: np.ndarray, words: Iterable[str], repeated: bool) -> LogColumn:

@@ -12,6 +12,7 @@ import numpy as np
 
 from atleak.errors import Message, MessageLevel, Place, RoadTestError, one_of, unknown
 from atleak.intake.plain_words import words
+from atleak.intake.road_test.blocks import Ends
 from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names.matching import Match, Tier, match_name, match_short_name, name_kind, split_unit
 from atleak.intake.road_test.names.memory import NOT_LOGGED
@@ -163,6 +164,7 @@ class Assigner:
         self.unreadable: set[str] = set()  # columns whose cells are no numbers, which has been said
         self.messages: list[Message] = []
         self.base: np.ndarray | None = None  # stamps of signals that have none of their own
+        self.ends: dict[int, Ends] = {}  # by place of a column whose cells are all finite numbers
 
     def say(self, code: str, text: Sentence, level: MessageLevel = "info", column: str | None = None) -> None:
         """Add a message."""

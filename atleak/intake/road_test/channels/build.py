@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
 from types import MappingProxyType
@@ -12,9 +10,11 @@ from types import MappingProxyType
 import numpy as np
 
 from atleak.errors import RoadTestError, unknown
+from atleak.intake.road_test.blocks import Ends, each
 from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.channels.assign import Assigner, Signal
 from atleak.intake.road_test.clock.timeline import Timeline
+from atleak.intake.road_test.names.unit_choice import Fit
 from atleak.road_test import QUANTITIES, Channel, Segment
 from atleak.sentence import Sentence
 from atleak.unit_systems import Quantity
@@ -28,13 +28,10 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
     logged = {name: signal for name, signal in assigner.signals.items() if name != "time"}
 
     def check(signal: Signal) -> _Checked:
-        return _checked(signal, timeline, next((speed for speed in speeds if speed is not signal), None))
+        speed = next((speed for speed in speeds if speed is not signal), None)
+        return _checked(signal, timeline, speed, assigner.ends.get(signal.candidate.heading.index))
 
-    if len(timeline.time) > _MANY_SAMPLES:  # numpy leaves the other cores free for the next channel
-        with ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
-            checked = dict(zip(logged, pool.map(check, logged.values()), strict=True))
-    else:
-        checked = {name: check(signal) for name, signal in logged.items()}
+    checked = dict(zip(logged, each(check, logged.values(), len(timeline.time)), strict=True))
     for quantity in QUANTITIES:
         if quantity in logged:
             built[quantity] = _channel(assigner, logged[quantity], checked[quantity], timeline)
@@ -47,7 +44,6 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
     return MappingProxyType(built)
 
 
-_MANY_SAMPLES = 200_000
 _SPEEDS = ("engine_speed", "vehicle_speed", "output_speed", "turbine_speed")  # each tells whether the car moves
 
 
@@ -61,13 +57,14 @@ class _Checked:
     suspect_masks: dict[str, np.ndarray]
 
 
-def _checked(signal: Signal, timeline: Timeline, speed: Signal | None) -> _Checked:
+def _checked(signal: Signal, timeline: Timeline, speed: Signal | None, ends: Ends | None) -> _Checked:
+    """Check a signal; ``ends`` are those of its column, where all its cells are known to be finite numbers."""
     raw, time = signal.values, signal.time
     if time is None:
         time = timeline.time
         if timeline.order is not None:
             raw = raw[timeline.order]
-        if np.isnan(raw.sum()):
+        if ends is None and np.isnan(raw.sum()):
             present = ~np.isnan(raw)
             raw, time = raw[present], time[present]
     si = signal.fit.to_si(raw)
@@ -78,7 +75,13 @@ def _checked(signal: Signal, timeline: Timeline, speed: Signal | None) -> _Check
         beside = speed.values if timeline.order is None else speed.values[timeline.order]
         return np.concatenate([[False], np.diff(beside) != 0])
 
-    return _Checked(raw, si, time, suspects.suspect(signal.candidate.quantity, raw, si, time, moving))
+    known = (ends, _in_si(ends, signal.fit)) if ends is not None else None
+    return _Checked(raw, si, time, suspects.suspect(signal.candidate.quantity, raw, si, time, moving, known))
+
+
+def _in_si(ends: Ends, fit: Fit) -> Ends:
+    least, most = fit.to_si(np.array(ends)).tolist()
+    return least, most
 
 
 def _channel(assigner: Assigner, signal: Signal, checked: _Checked, timeline: Timeline) -> Channel:

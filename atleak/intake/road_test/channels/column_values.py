@@ -7,12 +7,13 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from atleak.intake.road_test.blocks import each
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.headers_between import refuse_another_header
 from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.channels.spoilt_numbers import cause, holds, quoted
 from atleak.intake.road_test.files.cells import OFF, Decimal, is_clock, is_destroyed
-from atleak.intake.road_test.files.delimited import numbers, words_of
+from atleak.intake.road_test.files.delimited import Cells, numbers, words_of
 from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names import words_as_numbers
 from atleak.road_test import QUANTITIES
@@ -154,13 +155,34 @@ def holds_clocks(table: LogTable, heading: Heading) -> bool:
     return sum(is_clock(cell) for cell in cells) > 0.5 * len(cells)
 
 
-def column_numbers(candidate: Candidate, frame: pd.DataFrame, decimal: Decimal, assigner: Assigner) -> np.ndarray:
-    """Return a column's numbers, NaN where there is none; a column that cannot be read is NaN throughout."""
-    column = frame[candidate.heading.index]
-    values, unreadable = numbers(frame, candidate.heading.index, decimal)
+def columns_of_numbers(
+    channels: list[Candidate], frame: pd.DataFrame, decimal: Decimal, assigner: Assigner
+) -> dict[int, np.ndarray]:
+    """Return each channel's numbers by its column, NaN where there is none.
+
+    A column that cannot be read is NaN throughout.
+    """
+
+    def cells(channel: Candidate) -> Cells:
+        return numbers(frame, channel.heading.index, decimal)
+
+    plain = all(dtype.kind == "f" for dtype in frame.dtypes)  # text takes much memory: one column at a time
+    read = each(cells, channels, len(frame) if plain else 0)
+    return {
+        channel.heading.index: _column_numbers(channel, found, frame.index, decimal, assigner)
+        for channel, found in zip(channels, read, strict=True)
+    }
+
+
+def _column_numbers(
+    candidate: Candidate, cells: Cells, index: pd.Index, decimal: Decimal, assigner: Assigner
+) -> np.ndarray:
+    values, unreadable, ends = cells
     if len(unreadable) and candidate.quantity != "lock_up":  # of a switch it is a value
         unreadable = unreadable[unreadable.str.lower() != OFF]
     if not len(unreadable):
+        if ends is not None:
+            assigner.ends[candidate.heading.index] = ends
         return _without_thousands(candidate, values, assigner)
     if candidate.quantity in ("gear", "selector", "lock_up"):
         if candidate.quantity == "gear" and np.isnan(values).all() and words_as_numbers.only_positions(unreadable):
@@ -169,7 +191,7 @@ def column_numbers(candidate: Candidate, frame: pd.DataFrame, decimal: Decimal, 
             return np.full(len(values), np.nan)
         values = values.copy()
         in_words = words_as_numbers.as_numbers(candidate.quantity, unreadable)
-        values[column.index.get_indexer(unreadable.index)] = in_words
+        values[index.get_indexer(unreadable.index)] = in_words
         drive = unreadable[np.isnan(in_words)]
         if candidate.quantity == "gear" and len(drive) and words_as_numbers.only_positions(drive):
             said = Sentence(

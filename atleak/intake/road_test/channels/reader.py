@@ -14,7 +14,7 @@ from atleak.intake.road_test.channels.assign import (
     find_candidates,
     map_columns,
 )
-from atleak.intake.road_test.channels.column_values import Rows, column_numbers, rows_of
+from atleak.intake.road_test.channels.column_values import Rows, columns_of_numbers, rows_of
 from atleak.intake.road_test.channels.long import long_shape, read_long
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult, reach
 from atleak.intake.road_test.channels.timing import (
@@ -84,9 +84,7 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     rows = rows_of(frame, times, channels, table, assigner)
     frame = rows.frame
     channels, unit_columns = with_units_beside(channels, table, frame.index, assigner)
-    columns = {
-        candidate.heading.index: column_numbers(candidate, frame, table.decimal, assigner) for candidate in channels
-    }
+    columns = columns_of_numbers(channels, frame, table.decimal, assigner)
     motions = motions_beside(channels, columns)
     own_times = _own_times(table.headings, times, channels)
     if own_times is not None:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pandas as pd
 
+from atleak.intake.road_test.blocks import Ends, ends_of_steps
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
@@ -49,6 +50,7 @@ _STEP = {  # what a channel can change between two samples at most, per kind, in
 }
 _HELD = 5  # equal samples that may be one answer, held
 _FEW, _LIVELY = 0.1, 0.25  # share of samples that may be frozen, and of others that change, where nothing else moves
+_SCALE = (-39.9, 214.9)  # [°C] from which on a temperature may be the end of a sensor's scale
 _FROZEN_SECONDS = {"rotational_speed": 15.0, "temperature": 3600.0, "pressure": 600.0}
 
 
@@ -113,8 +115,8 @@ def spikes(series: pd.Series, step: float) -> pd.Series:
     """
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
-    least, most = _ends(values)
-    if len(values) >= 3 and most - least > step:
+    steps = ends_of_steps(values)
+    if len(values) >= 3 and (steps is None or steps[0] < -step or steps[1] > step):
         change = np.diff(values)
         high, low = np.flatnonzero(change > step), np.flatnonzero(change < -step)
         big = np.sort(np.concatenate([high, low]))
@@ -167,7 +169,7 @@ def failed_sensor(series: pd.Series) -> pd.Series:
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
     least, most = _ends(values)
-    if least <= -39.9 or most >= 214.9:
+    if least <= _SCALE[0] or most >= _SCALE[1]:
         ends = (np.abs(values + 40) < 0.06) | (np.abs(values - 215) < 0.06)
         rest = values[~ends & np.isfinite(values)]
         if len(rest) and np.median(rest) > -15:
@@ -181,23 +183,27 @@ def suspect(
     si: np.ndarray,
     time: np.ndarray,
     moving: Callable[[], np.ndarray | None] | None = None,
+    ends: tuple[Ends, Ends] | None = None,
 ) -> dict[str, np.ndarray]:
     """Return, by name of the check, which samples each check of a quantity doubts; checks without doubt are left out.
 
-    ``raw`` are the file's numbers, ``si`` the same in SI, ``time`` the channel's stamps.
+    ``raw`` are the file's numbers, ``si`` the same in SI, ``time`` the channel's stamps; ``ends``, where they are
+    known: between which of the file's numbers all lie, and the same in SI.
     """
     limits, kind = QUANTITIES[quantity], QUANTITIES[quantity].unit_kind
     clean, masks = pd.Series(si, time, copy=False), {}
-    least, most = _ends(si)  # most checks are of values that lie at an end: of the usual channel none is
-    if least < limits.low or most > limits.high or np.isin(_ends(raw), _SENTINELS).any():
+    raw_ends, (least, most) = ends or (_ends(raw), _ends(si))
+    # most checks are of values that lie at an end: of the usual channel none is
+    if least < limits.low or most > limits.high or np.isin(raw_ends, _SENTINELS).any():
         masks["sentinel"] = sentinel(clean if raw is si else pd.Series(raw, time, copy=False))
         masks["out of range"] = out_of_range(clean, limits.low, limits.high)
         suspect_so_far = masks["sentinel"].to_numpy() | masks["out of range"].to_numpy()
         clean = pd.Series(np.where(suspect_so_far, np.nan, si), time) if suspect_so_far.any() else clean
     if kind == "temperature":
-        masks["failed sensor"] = failed_sensor(clean)
-        if masks["failed sensor"].to_numpy().any():
-            clean = clean.mask(masks["failed sensor"])
+        if least <= _SCALE[0] or most >= _SCALE[1]:
+            masks["failed sensor"] = failed_sensor(clean)
+            if masks["failed sensor"].to_numpy().any():
+                clean = clean.mask(masks["failed sensor"])
         masks["start-up"] = start_up(clean, 8.0)
     if kind in _STEP and most - least > _STEP[kind]:
         masks["spike"] = spikes(clean, _STEP[kind])

@@ -64,8 +64,8 @@ def clock_of(
                 candidate.label,
             )
             return None
-    values, unreadable = numbers(frame, candidate.heading.index, table.decimal)
-    whole = bool(np.isfinite(values.sum()))
+    values, unreadable, ends = numbers(frame, candidate.heading.index, table.decimal)
+    whole = ends is not None
     if len(unreadable) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
         _say_spoilt(candidate, unreadable, values, table, assigner)
         return None
@@ -81,7 +81,7 @@ def clock_of(
             candidate.label,
         )
         return None
-    clock = clocks.numeric_clock(values, unit, motions if whole else [])
+    clock = clocks.numeric_clock(values, unit, motions if whole else [], whole)
     if clock.form.startswith("epoch") and _rounded(clock.seconds):
         text = Sentence(
             "{column!r}: a spreadsheet has cut its numbers short: few stamps differ", column=candidate.label

@@ -48,14 +48,15 @@ class Motion:
         return bool(np.percentile(change[use] / step[use], 75) <= self.limit)
 
 
-def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion] = ()) -> Clock:
+def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion] = (), whole: bool = False) -> Clock:
     """Convert numbers to seconds.
 
     With a unit, that unit. Without: epochs in s, ms, µs or ns and Excel days by their size; otherwise s, or ms
-    where whole numbers step by 5 and more and the channels beside it could not move that fast in seconds.
+    where whole numbers step by 5 and more and the channels beside it could not move that fast in seconds. ``whole``:
+    that all numbers are finite is known.
     """
     values = values.astype(float, copy=False)
-    finite = values if np.isfinite(values.sum()) else values[np.isfinite(values)]
+    finite = values if whole else values[np.isfinite(values)]
     if not len(finite):
         return Clock(values, unit or "s", unit is None)
     first = float(finite[0])

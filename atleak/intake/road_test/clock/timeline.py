@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from atleak.intake.road_test.blocks import ends_of_steps, steps_over
 from atleak.road_test import Segment
 
 
@@ -34,9 +35,7 @@ def gap_limit(steps: np.ndarray) -> float:
     An evenly sampled log breaks at 3.5 usual steps, an irregular one (answers in turn) at 10 medians or 5 times the
     step that 19 of 20 stay under.
     """
-    part = steps[:: max(1, len(steps) // 100_000)]
-    part = part[part > 0]
-    steps = part if len(part) else steps[steps > 0]
+    steps = steps[steps > 0]
     if not len(steps):
         return np.inf
     median = float(np.median(steps))
@@ -46,27 +45,38 @@ def gap_limit(steps: np.ndarray) -> float:
     return max(1.0, 10 * median, 5 * usual)
 
 
+_MANY = 100_000
+
+
+def _gap_limit_of(time: np.ndarray) -> float:
+    """Return the limit by some 100 000 steps of a long log; by all where none of those goes on."""
+    before, after = time[:-1], time[1:]
+    stride = max(1, len(before) // _MANY)
+    limit = gap_limit(after[::stride] - before[::stride])
+    return limit if limit < np.inf or stride == 1 else gap_limit(after - before)
+
+
 def build(seconds: np.ndarray) -> Timeline:
     """Build time base and segments from stamps in file order.
 
     Unreadable stamps and a single stale or stray stamp are left out; stamps slightly out of order are sorted;
     a backward jump means that the clock was restarted: the later stretch is placed behind the earlier one.
     """
-    steps = np.diff(seconds)
-    if len(steps) and np.isfinite(seconds[0]) and bool((steps >= 0).all()):
-        return _finish(seconds, steps, None)
+    ends = ends_of_steps(seconds)
+    if ends is not None and ends[0] >= 0:
+        return _finish(seconds, None, longest=ends[1])
     usable = np.flatnonzero(np.isfinite(seconds))
     unreadable = len(seconds) - len(usable)
     usable, stale = _without_strays(seconds, usable)
     stamps = seconds[usable]
     steps = np.diff(stamps)
     if not (steps < 0).any():
-        return _finish(stamps, steps, usable, unreadable=unreadable, stale=stale)
+        return _finish(stamps, usable, unreadable=unreadable, stale=stale)
     median = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
     shifted, order, reordered, restarts = _in_order(stamps, steps, median)
     time = np.maximum.accumulate(shifted[order])  # a stretch that was moved may begin a rounding error too early
     return _finish(
-        time, np.diff(time), usable[order],
+        time, usable[order],
         unreadable=unreadable, stale=stale, reordered=reordered, restarts=restarts[0], breaks=restarts[1],
     )  # fmt: skip
 
@@ -118,9 +128,9 @@ def _in_order(
 
 def _finish(
     time: np.ndarray,
-    steps: np.ndarray,
     order: np.ndarray | None,
     *,
+    longest: float = np.inf,
     unreadable: int = 0,
     stale: int = 0,
     reordered: int = 0,
@@ -129,16 +139,14 @@ def _finish(
 ) -> Timeline:
     if not len(time):
         return Timeline(time, order, (), 0.0, unreadable, stale)
-    limit = gap_limit(steps)
-    gaps: list[int] = []
-    if limit < np.inf and steps.max(initial=0) > limit:
-        gaps = (np.flatnonzero(steps > limit) + 1).tolist()
+    limit = _gap_limit_of(time)
+    gaps: list[int] = (steps_over(time, limit) + 1).tolist() if longest > limit else []
     restarted = set(breaks)
-    lengths = tuple(float(steps[index - 1]) for index in gaps if index not in restarted)
+    lengths = tuple(float(time[index] - time[index - 1]) for index in gaps if index not in restarted)
     edges = sorted({0, len(time), *gaps, *restarted})
     segments = tuple(
         Segment(low, high - low, float(time[low]), float(time[high - 1] - time[low])) for low, high in pairwise(edges)
     )
-    lost = sum(float(steps[index - 1]) for index in breaks)
+    lost = sum(float(time[index] - time[index - 1]) for index in breaks)
     duration = float(time[-1] - time[0]) - lost
     return Timeline(time, order, segments, duration, unreadable, stale, reordered, restarts, lengths)

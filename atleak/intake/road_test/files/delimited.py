@@ -5,19 +5,20 @@ from __future__ import annotations
 import csv
 import io
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from atleak.errors import Place, RoadTestError
+from atleak.intake.road_test.blocks import Ends, ends_of
 from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, kind_of, without_unit
 from atleak.intake.road_test.files.decoding import LogText, to_text
 from atleak.intake.road_test.files.headings import Heading, Row
 from atleak.intake.road_test.files.layout import WHITESPACE, Layout, find_dialect, find_table, split_line
-from atleak.intake.road_test.files.log_file import HEAD, LARGE, PIECE, LogFile
+from atleak.intake.road_test.files.log_file import HEAD, LARGE, PIECE, LogFile, Look, beside
 from atleak.intake.road_test.files.rows import QUOTE, Tallying, mended, one_line_end, signs_per_line
 from atleak.sentence import Sentence
 
@@ -88,12 +89,14 @@ class Delimited:
         RoadTestError
             when its lines cannot be told apart, or many of them have more numbers than the table has columns.
         """
-        tallying = Tallying(self._pieces(), self.delimiter, self.quoted)
+        tallying = Tallying(self.delimiter, self.quoted)
+        wait = self._look_through(tallying.add)
         try:
             frame = self._read_once(columns)
         except pd.errors.ParserError:
             frame = None
-        if tallying.result().even(-1 if frame is None else len(frame), self.per_line) and frame is not None:
+        wait()
+        if tallying.tally().even(-1 if frame is None else len(frame), self.per_line) and frame is not None:
             return self._without_cell_units(frame)
         text = self.text or prepared(self.source)
         rows = mended(text.data[self.offset :], self.delimiter, self.width, pad=frame is None)
@@ -114,12 +117,12 @@ class Delimited:
         frame.attrs["breaks_off"] = self.breaks_off
         return self._without_cell_units(frame)
 
-    def _pieces(self) -> Iterator[memoryview]:
-        """Return the bytes of the rows, a piece at a time."""
+    def _look_through(self, look: Look) -> Callable[[], None]:
+        """Show the bytes of the rows, a piece at a time, in a thread; return what waits until that is done."""
         if self.text is None:
-            return self.source.pieces(self.offset + 3 * self.encoding.endswith("sig"))
+            return self.source.look_through(self.offset + 3 * self.encoding.endswith("sig"), look)
         data = memoryview(self.text.data)
-        return (data[at : at + PIECE] for at in range(self.offset, len(data), PIECE))
+        return beside(look, (data[at : at + PIECE] for at in range(self.offset, len(data), PIECE)))
 
     def _without_cell_units(self, frame: pd.DataFrame) -> pd.DataFrame:
         """Take the unit out of the cells of the columns in which it stands behind every number."""
@@ -188,9 +191,9 @@ class Delimited:
                 for piece in reader:
                     for index in columns:
                         if index in numeric:
-                            values, unreadable = split_words(piece[index], self.decimal)
-                            parts[index].append(values)
-                            words[index].append(unreadable)
+                            cells = split_words(piece[index], self.decimal)
+                            parts[index].append(cells.values)
+                            words[index].append(cells.words)
                         else:
                             parts[index].append(piece[index])
         frame = pd.DataFrame(
@@ -220,7 +223,6 @@ class Delimited:
                 )
         except (ValueError, UnicodeDecodeError):  # pandas' parser errors are ValueErrors
             return None
-        self.source.digest.start()
         # a zero byte among numbers would have stopped the reader; in text it must be looked for
         if any(frame[index].dtype.kind not in "fiub" for index in columns) and self.source.digest.has_nul:
             return None
@@ -356,13 +358,25 @@ def without_cut_cell(text: LogText) -> LogText:
 _NO_WORDS = pd.Series([], dtype="str")
 
 
-def split_words(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, pd.Series]:
-    """Return a column as floats, and those of its cells that are neither a number nor a word for *missing*."""
+class Cells(NamedTuple):
+    """A column as floats, and those of its cells that are neither a number nor a word for *missing*.
+
+    ``ends``: its least and its greatest number, where every cell is a finite one and they are known.
+    """
+
+    values: np.ndarray
+    words: pd.Series
+    ends: Ends | None = None
+
+
+def split_words(column: pd.Series, decimal: Decimal) -> Cells:
+    """Part a column's numbers from its words."""
     if column.dtype.kind in "fiub":
         values = column.to_numpy(dtype=float)
-        if column.dtype.kind == "f" and not np.isfinite(values.sum()) and np.isinf(values).any():
+        ends = ends_of(values)
+        if ends is None and np.isinf(values).any():
             values = np.where(np.isinf(values), np.nan, values)
-        return values, _NO_WORDS
+        return Cells(values, _NO_WORDS, ends)
     text = column.astype("str").str.strip().str.strip('"').str.strip()
     plain = text
     if decimal == ",":
@@ -371,7 +385,7 @@ def split_words(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, pd.Ser
     values = pd.to_numeric(plain, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
     values = np.where(np.isinf(values), np.nan, values)
     rest = text[np.isnan(values) & column.notna().to_numpy()]
-    return values, rest[~rest.str.lower().isin(MISSING - {OFF})]
+    return Cells(values, rest[~rest.str.lower().isin(MISSING - {OFF})])
 
 
 def words_of(frame: pd.DataFrame, index: int, decimal: Decimal) -> pd.Series:
@@ -379,10 +393,12 @@ def words_of(frame: pd.DataFrame, index: int, decimal: Decimal) -> pd.Series:
     stored = frame.attrs.get("words", {}).get(index)
     if stored is not None:
         return stored[stored.index.isin(frame.index)] if len(stored) else stored
-    return split_words(frame[index], decimal)[1]
+    return split_words(frame[index], decimal).words
 
 
-def numbers(frame: pd.DataFrame, index: int, decimal: Decimal) -> tuple[np.ndarray, pd.Series]:
+def numbers(frame: pd.DataFrame, index: int, decimal: Decimal) -> Cells:
     """Return a column as floats and its cells that are no numbers."""
-    values, rest = split_words(frame[index], decimal)
-    return values, words_of(frame, index, decimal) if index in frame.attrs.get("words", {}) else rest
+    cells = split_words(frame[index], decimal)
+    if index in frame.attrs.get("words", {}):
+        return cells._replace(words=words_of(frame, index, decimal))
+    return cells

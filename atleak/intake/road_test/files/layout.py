@@ -78,6 +78,8 @@ def _scored_dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
     best_score: tuple[float, int] = (0.0, 0)
     best_dialect: Dialect | None = None
     for delimiter in (",", ";", "\t", "|", WHITESPACE):
+        if delimiter != WHITESPACE and not any(delimiter in line for line in lines):
+            continue
         rows = [split_line(line, delimiter) for line in lines]
         widths = Counter(len(row) for row in rows if len(row) > 1)
         if not widths:

@@ -5,15 +5,17 @@ from __future__ import annotations
 import gzip
 import hashlib
 import io
-import mmap
 import tempfile
 import threading
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Literal
+
+import numpy as np
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.files.other_files import refuse_what_is_no_log
@@ -31,55 +33,103 @@ SPARE = 120 << 20
 GROWTH = 4
 
 Form = Literal["text", "workbook", "mdf"]
+Look = Callable[[memoryview], object]
+"""What looks at a file's bytes, a piece at a time."""
+
+
+def beside(look: Look, pieces: Iterable[memoryview]) -> Callable[[], None]:
+    """Show pieces of a text in a thread; return what waits until that is done."""
+
+    def show() -> None:
+        for piece in pieces:
+            look(piece)
+
+    pool = ThreadPoolExecutor(1)
+    done = pool.submit(show)
+    pool.shutdown(wait=False)
+    return done.result
+
+
+def pieces_of(path: Path, start: int = 0) -> Iterator[memoryview]:
+    """Yield a file's bytes from ``start`` on, a piece at a time, each in place of the one before."""
+    piece = memoryview(bytearray(PIECE))
+    with path.open("rb", buffering=0) as stream:
+        stream.seek(start)
+        while length := stream.readinto(piece):
+            yield piece[:length]
 
 
 class Digest:
-    """The SHA-256 of a file, computed in a thread while the file is read."""
+    """The SHA-256 of a file, computed in a thread while the file is read; others may look at the bytes with it."""
 
     def __init__(self, source: bytes | Path) -> None:
         self._hash, self._source = hashlib.sha256(), source
-        self._error: Sentence | None = None
+        self._look: Look | None = None
+        self._start = 0
+        self._nul = False
+        self._error: Exception | None = None
         self.has_nul_unpacked = False
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._started = False
 
-    def start(self) -> None:
-        """Start computing, if not started yet; best beside work that leaves a core free."""
-        if not self._started:
-            self._started = True
-            self._thread.start()
+    def start(self, look: Look | None = None, start: int = 0) -> bool:
+        """Start computing; return False where that was done already.
 
-    def _finish(self) -> None:
+        ``look`` is shown the bytes of a file from ``start`` on: reading them once serves both.
+        """
+        if self._started:
+            return False
+        self._started = True
+        self._look, self._start = look, start
+        self._thread.start()
+        return True
+
+    def wait(self) -> None:
+        """Wait until all bytes were read.
+
+        Raises
+        ------
+        RoadTestError
+            where the disk does not give them.
+        """
         self.start()
         self._thread.join()
+        if isinstance(self._error, OSError):
+            problem = Sentence("cannot be read: {reason}", reason=reason_of(self._error))
+            raise RoadTestError(problem) from self._error
+        if self._error is not None:
+            raise self._error
 
     def _run(self) -> None:
+        try:
+            self._read()
+        except Exception as error:  # noqa: BLE001  whatever it is: `wait` raises it where somebody sees it
+            self._error = error
+
+    def _read(self) -> None:
         if isinstance(self._source, bytes):
             self._hash.update(self._source)
             self._source = b""
             return
-        try:
-            with (
-                self._source.open("rb") as stream,
-                mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as mapped,
-            ):
-                self._hash.update(mapped)
-        except OSError as error:
-            self._error = reason_of(error)
+        before = self._start
+        for piece in pieces_of(self._source):
+            self._hash.update(piece)
+            self._nul = self._nul or not np.frombuffer(piece, np.uint8).min()
+            if self._look is not None and before < len(piece):
+                self._look(piece[before:])
+            before = max(before - len(piece), 0)
 
     def __str__(self) -> str:
-        self._finish()
-        if self._error:
-            raise RoadTestError(Sentence("cannot be read: {reason}", reason=self._error))
+        self.wait()
         return self._hash.hexdigest()
 
     @property
     def has_nul(self) -> bool:
-        """Return whether the file on disk holds zero bytes; it is searched at each call."""
+        """Return whether the file holds zero bytes."""
         if isinstance(self._source, bytes):
             return self.has_nul_unpacked
-        with self._source.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as mapped:
-            return mapped.find(b"\x00") >= 0
+        self.wait()
+        return self._nul
 
 
 @dataclass(frozen=True)
@@ -124,14 +174,13 @@ class LogFile:
         if self.folder is not None:
             self.folder.cleanup()
 
-    def pieces(self, start: int) -> Iterator[memoryview]:
-        """Yield the log's bytes from ``start`` on, a piece at a time, each in place of the one before."""
-        assert self.path is not None
-        piece = memoryview(bytearray(PIECE))
-        with self.path.open("rb", buffering=0) as stream:
-            stream.seek(start)
-            while length := stream.readinto(piece):
-                yield piece[:length]
+    def look_through(self, start: int, look: Look) -> Callable[[], None]:
+        """Show all bytes of the log from ``start`` on, in a thread; return what waits until that is done."""
+        path = self.path
+        assert path is not None
+        if not self.packed and self.digest.start(look, start):
+            return self.digest.wait
+        return beside(look, pieces_of(path, start))
 
     def part(self, start: int, stop: int) -> bytes:
         """Return the log's bytes from ``start`` to ``stop``."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,35 +40,31 @@ class Tally:
         return self.lines in (None, rows) and self.quotes in (None, rows * per_line[1])
 
 
-def tally(pieces: Iterable[memoryview], delimiter: str, quoted: bool) -> Tally:
-    """Count the delimiters of a text that comes in pieces, small enough for the processor's cache.
+class Tallying:
+    """Counts the delimiters of a text that comes in pieces, small enough for the processor's cache.
 
     Where quotation marks may reach over a line's end, ``quoted``, its lines and these marks are counted, too.
     """
-    ends = delimiters = quotes = 0
-    last = _LINE_FEED
-    for piece in pieces:
+
+    def __init__(self, delimiter: str, quoted: bool) -> None:
+        self._delimiter, self._quoted = ord(delimiter), quoted
+        self._ends = self._delimiters = self._quotes = 0
+        self._last = _LINE_FEED
+
+    def add(self, piece: memoryview) -> None:
+        """Count in the next piece of the text."""
         numbers = np.frombuffer(piece, np.uint8)
-        delimiters += int(np.count_nonzero(numbers == ord(delimiter)))
-        if quoted:
-            ends += int(np.count_nonzero(numbers == _LINE_FEED))
-            quotes += int(np.count_nonzero(numbers == QUOTE[0]))
-            last = int(numbers[-1])
-    return Tally(delimiters, ends + (last != _LINE_FEED), quotes) if quoted else Tally(delimiters)
+        self._delimiters += int(np.count_nonzero(numbers == self._delimiter))
+        if self._quoted:
+            self._ends += int(np.count_nonzero(numbers == _LINE_FEED))
+            self._quotes += int(np.count_nonzero(numbers == QUOTE[0]))
+            self._last = int(numbers[-1])
 
-
-class Tallying:
-    """A tally that is made in a thread, beside the reading."""
-
-    def __init__(self, pieces: Iterable[memoryview], delimiter: str, quoted: bool) -> None:
-        self._pool = ThreadPoolExecutor(1)
-        self._tally = self._pool.submit(tally, pieces, delimiter, quoted)
-
-    def result(self) -> Tally:
-        """Wait for the tally and return it."""
-        result = self._tally.result()
-        self._pool.shutdown()
-        return result
+    def tally(self) -> Tally:
+        """Return the counts of all pieces so far."""
+        if not self._quoted:
+            return Tally(self._delimiters)
+        return Tally(self._delimiters, self._ends + (self._last != _LINE_FEED), self._quotes)
 
 
 def signs_per_line(lines: Sequence[bytes], delimiter: str) -> tuple[int, int] | None:

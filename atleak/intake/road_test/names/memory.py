@@ -4,23 +4,17 @@ from __future__ import annotations
 
 import datetime as dt
 import hashlib
-import json
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from atleak.errors import OutputError, Place
+from atleak.errors import OutputError
 from atleak.intake.plain_words import words
 from atleak.sentence import Sentence
+from atleak.system.entries import readable, rewritten
 from atleak.system.files import PRIVATE, replace_file
 from atleak.system.home import earlier_file, home, made
-from atleak.system.reasons import reason_of
-
-_PATIENCE = 30  # [s] to wait for other writers
-_POLL = 0.01  # [s]
-
 
 NOT_LOGGED = ""  # in place of a column: the user says that no column holds the quantity
 
@@ -69,12 +63,12 @@ def default_path() -> Path:
 
 def recall(path: Path, header: str) -> RememberedColumns | None:
     """Return the choices kept for a header's signature, or None. A damaged file counts as empty."""
-    return _understood(_readable(path).get(header)) if header else None
+    return _understood(readable(path).get(header)) if header else None
 
 
 def recall_all(path: Path) -> dict[str, RememberedColumns]:
     """Return everything that is kept, by the header's signature, the latest first."""
-    kept = {header: _understood(entry) for header, entry in _readable(path).items()}
+    kept = {header: _understood(entry) for header, entry in readable(path).items()}
     good = [(header, entry) for header, entry in kept.items() if entry is not None]
     return dict(sorted(good, key=lambda pair: pair[1].when, reverse=True))
 
@@ -133,7 +127,7 @@ def restore(path: Path, header: str, entry: RememberedColumns) -> None:
     OutputError
         where the file cannot be written.
     """
-    with _rewritten(path) as entries:
+    with rewritten(path) as entries:
         entries[header] = {**vars(entry), "columns": list(entry.columns)}
 
 
@@ -145,49 +139,6 @@ def forget(path: Path, header: str) -> None:
     OutputError
         where the file cannot be written.
     """
-    if header in _readable(path):
-        with _rewritten(path) as entries:
+    if header in readable(path):
+        with rewritten(path) as entries:
             entries.pop(header, None)
-
-
-@contextmanager
-def _rewritten(path: Path) -> Iterator[dict[str, object]]:
-    """Yield the entries of the file to be changed, then write them; no other process or thread writes meanwhile."""
-    from filelock import FileLock, Timeout  # 40 ms, and most runs remember nothing
-
-    place = Place(file=str(path))
-    lock = FileLock(path.with_suffix(".lock"), timeout=_PATIENCE, mode=PRIVATE)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with lock.acquire(poll_interval=_POLL):
-            entries = _load(path)
-            yield entries
-            replace_file(
-                path,
-                json.dumps(entries, ensure_ascii=False, indent=1).encode("utf-8", "backslashreplace"),
-                mode=PRIVATE,
-            )
-    except Timeout:
-        problem = Sentence("another program has kept it locked for {seconds} s", seconds=_PATIENCE)
-        raise OutputError(problem, place=place) from None
-    except (OSError, NotImplementedError) as error:  # the latter: a file system without locks
-        reason = reason_of(error) if isinstance(error, OSError) and error.strerror else str(error)
-        problem = Sentence("cannot be written: {reason}", reason=reason)
-        raise OutputError(problem, place=place) from error
-
-
-def _readable(path: Path) -> dict[str, object]:
-    """Return the entries of the file; none where it cannot be read."""
-    try:
-        return _load(path)
-    except OSError:
-        return {}
-
-
-def _load(path: Path) -> dict[str, object]:
-    """Return the entries of the file; none where it does not exist or is damaged."""
-    try:
-        entries = json.loads(path.read_text(encoding="utf-8"))
-    except (FileNotFoundError, ValueError, RecursionError):
-        return {}
-    return entries if isinstance(entries, dict) else {}

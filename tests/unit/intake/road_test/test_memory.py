@@ -107,9 +107,9 @@ def test_a_file_that_cannot_be_read_is_not_replaced(tmp_path: Path, monkeypatch:
 def test_a_lock_that_is_never_released_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from filelock import FileLock
 
-    from atleak.intake.road_test.names import memory
+    from atleak.system import entries
 
-    monkeypatch.setattr(memory, "_PATIENCE", 0.1)
+    monkeypatch.setattr(entries, "_PATIENCE", 0.1)
     with FileLock(tmp_path / "columns.lock"), pytest.raises(OutputError, match="locked"):
         remember(tmp_path / "columns.json", "a", {"gear": "G"})
 

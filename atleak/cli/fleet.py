@@ -1,0 +1,248 @@
+"""Work with thousands of units at once: ``atleak fleet run``, and what its results say together."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from atleak.cli.fleet_summary import add_summary
+from atleak.cli.job_options import add_choices, chosen_case
+from atleak.cli.parser import add_command, add_group
+from atleak.cli.shared import number
+from atleak.errors import InputError, Message, OutputError
+from atleak.sentence import Sentence
+from atleak.verdicts import FLAGGED, Verdict
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+    from atleak.fleet.results import Results
+    from atleak.fleet.run import Finished, Progress
+    from atleak.fleet.sources import FoundUnits
+
+_TWICE = 5  # names that are printed of units that are there twice
+_ERRORS = 3  # messages that are printed of each kind of error
+
+
+def add_parser(commands: Any) -> None:
+    """Add the commands."""
+    group = add_group(
+        commands,
+        "fleet",
+        "thousands of units: diagnosed on all processors or many machines, and summed up",
+        examples=(
+            "fleet run jobs/ --out results",
+            "fleet run fleet.csv --controller four_speed_2023 --out results --fail-on replace",
+            "fleet summary results --by supplier",
+        ),
+    )
+    _add_run(group)
+    add_summary(group)
+
+
+def _add_run(group: Any) -> None:
+    parser = add_command(
+        group,
+        "run",
+        _run,
+        "diagnose every unit that has no result yet, and keep the results as Parquet",
+        usage="atleak fleet run [JOBS ...] --out FOLDER [--workers N | --scheduler ADDRESS] [options]",
+        examples=(
+            "fleet run jobs/ --out results",
+            "fleet run 'stand_*/**/*.zip' --out results --workers 4",
+            "fleet run fleet.csv --controller my_unit.toml --map main_pressure=PL --out results",
+            "fleet run --book --text four_speed_2023 --out results --fail-on replace",
+        ),
+    )
+    parser.add_argument(
+        "jobs",
+        metavar="JOBS",
+        nargs="*",
+        help="job files, folders of them (the name of a sub-folder is the group of its units), tables of units with "
+        "the paths of sheets and logs (csv, xlsx or Parquet), patterns of any of these",
+    )
+    parser.add_argument("--book", action="store_true", help="also the jobs of the job book")
+    parser.add_argument(
+        "--text", metavar="WORDS", help="of the job book those alone that `atleak jobs list --text` shows"
+    )
+    parser.add_argument("-o", "--out", metavar="FOLDER", required=True, help="where the results are kept")
+    _add_running(parser.add_argument_group("how it is run"))
+    parser.add_argument(
+        "--fail-on",
+        choices=[level.value for level in FLAGGED],
+        help="end with status 1 where a unit of the results is at or past this level",
+    )
+    add_choices(parser)
+
+
+def _add_running(group: Any) -> None:
+    where = group.add_mutually_exclusive_group()
+    where.add_argument("--workers", metavar="N", type=_count, help="processes: as many as processors unless given")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="of a dask scheduler that is up: tcp://10.0.0.5:8786")
+    group.add_argument(
+        "--time-limit", metavar="S", type=_seconds, help="for one unit [s]: 1800 unless given, 0 for none"
+    )
+    group.add_argument("--retry-errors", action="store_true", help="try units again that ended in an error before")
+    group.add_argument("--replace", action="store_true", help="begin anew: what the folder holds of earlier runs goes")
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or not 0 < int(text) <= 10_000:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of processes")
+    return int(text)
+
+
+def _seconds(text: str) -> float:
+    seconds = number(text)
+    if seconds < 0.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is no time: write seconds, or 0 for no limit")
+    return seconds
+
+
+# --- what the command does
+
+
+def _run(options: argparse.Namespace) -> int:
+    from atleak.fleet.cluster import connected
+    from atleak.fleet.known import note
+    from atleak.fleet.results import Results
+    from atleak.fleet.run import TIME_LIMIT, run_fleet
+
+    found = _found(options)
+    limit = TIME_LIMIT if options.time_limit is None else options.time_limit or None
+    with (
+        connected(options.scheduler, options.workers) as client,
+        Results.open(options.out, for_writing=True, replace=options.replace) as results,
+    ):
+        with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
+            note(options.out)
+        try:
+            with _shown(quiet=getattr(options, "quiet", False)) as progress:
+                finished = run_fleet(
+                    found, results, client, time_limit=limit, retry_errors=options.retry_errors, progress=progress
+                )
+        except KeyboardInterrupt:
+            print("atleak: interrupted; what was finished is kept, and running again goes on from it", file=sys.stderr)
+            raise
+        _say_twice(found)
+        return _said(results, found, finished, options)
+
+
+def _found(options: argparse.Namespace) -> FoundUnits:
+    """Return the units that the command line names; what was left out, or does nothing, is told."""
+    from atleak.fleet.sources import find_units
+    from atleak.jobs.search import Query
+
+    if not options.jobs and not options.book:
+        expected = Sentence("job files, folders, tables of units, or --book")
+        raise InputError(Sentence("no job is given"), expected=expected)
+    defaults = chosen_case(options)
+    found = find_units(options.jobs, defaults=defaults, book=Query(text=options.text or "") if options.book else None)
+    if options.text and not options.book:
+        print("atleak: --text does nothing without --book", file=sys.stderr)
+    if not found.has_tables and defaults != type(defaults)():
+        print("atleak: choices for units do nothing without a table of units: a job has its own", file=sys.stderr)
+    quiet = getattr(options, "quiet", False)
+    for message in found.messages:
+        if message.level == "warning" or not quiet:
+            _say(message)
+    return found
+
+
+def _say(message: Message) -> None:
+    place = message.place.sentence if message.place is not None else ""
+    print(f"atleak: {place}: {message.text}" if place else f"atleak: {message.text}", file=sys.stderr)
+
+
+def _say_twice(found: FoundUnits) -> None:
+    """Tell of which units the same content was found before: they are evaluated once."""
+    for name, first in found.twice[:_TWICE]:
+        print(f"atleak: {name}: the same as {first}, which is evaluated once", file=sys.stderr)
+    if len(found.twice) > _TWICE:
+        print(f"atleak: … and {len(found.twice) - _TWICE} more that are there twice", file=sys.stderr)
+
+
+@contextmanager
+def _shown(*, quiet: bool) -> Iterator[Callable[[Progress], None]]:
+    """Show a bar with the rate and the time that is left, on standard error."""
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
+    from atleak.report.terminal import TerminalConsole
+
+    columns = ("units", BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeElapsedColumn())
+    console = TerminalConsole(sys.stderr)
+    with Bar(*columns, console=console, transient=True, disable=quiet or not console.is_terminal) as bar:
+        task = bar.add_task("", total=None, rate="")
+
+        def show(progress: Progress) -> None:
+            done = progress.before + progress.done
+            bar.update(task, total=progress.of, completed=done, rate=_rate(progress))
+
+        yield show
+
+
+def _rate(progress: Progress) -> str:
+    """Return in words how fast a run goes, how long it still takes, and how many errors there are."""
+    told = [f"{progress.per_second:.3g}/s"] if progress.done else []
+    if progress.seconds_left is not None:
+        minutes, seconds = divmod(round(progress.seconds_left), 60)
+        hours, minutes = divmod(minutes, 60)
+        told.append(f"{hours}:{minutes:02}:{seconds:02} left")
+    if progress.errors:
+        told.append(f"{progress.errors} errors")
+    return " · ".join(told)
+
+
+def _said(results: Results, found: FoundUnits, finished: Finished, options: argparse.Namespace) -> int:
+    """Print what the results hold now, and return the exit status."""
+    from atleak.wording import signed
+
+    counts = _counts(results.table("units", columns=["verdict"]), "verdict")
+    new = sum(finished.errors.values()) + finished.evaluated
+    print(f"{new} units in {finished.seconds:.0f} s; {sum(counts.values())} with a result in {options.out}:")
+    for level in sorted(map(Verdict, counts), key=lambda each: each.rank, reverse=True):
+        print(f"  {counts[level.value]:6}  {signed(level)}")
+    if _say_errors(results, found):
+        return 2
+    past = options.fail_on and any(Verdict(each).rank >= Verdict(options.fail_on).rank for each in counts)
+    return 1 if past else 0
+
+
+def _counts(table: pa.Table, column: str) -> dict[str, int]:
+    return {each["values"]: each["counts"] for each in table[column].value_counts().to_pylist()}
+
+
+def _say_errors(results: Results, found: FoundUnits) -> bool:
+    """Print which of the units have no result, by kind, with the first messages; return whether there are any."""
+    errors = results.table("errors", columns=["input_sha256", "kind", "name", "message"])
+    rows = errors.to_pylist()
+    of_these = [row for row in rows if row["input_sha256"] in found.seen]
+    for kind, count in sorted(Counter(row["kind"] for row in of_these).items()):
+        print(f"atleak: {count} without a result ({kind}):", file=sys.stderr)
+        for row in [row for row in of_these if row["kind"] == kind][:_ERRORS]:
+            print(f"  {_named(row)}", file=sys.stderr)
+        if count > _ERRORS:
+            print(f"  … and {count - _ERRORS} more", file=sys.stderr)
+    if rows:
+        others = len(rows) - len(of_these)
+        more = f", {others} of units that are not among these" if others else ""
+        folder = results.folder / "errors"
+        print(f"atleak: every error stands in {folder}{more}; --retry-errors tries them again", file=sys.stderr)
+    return bool(of_these)
+
+
+def _named(row: Mapping[str, str]) -> str:
+    """Return the message of an error with the unit's name before it, unless it names the unit itself."""
+    name, message = row["name"], row["message"]
+    if message.startswith(name):
+        return message
+    path = Path(name)
+    named = message.startswith(f"{path.name}: ") and path.name != name
+    return f"{path.parent}{os.sep}{message}" if named else f"{name}: {message}"

@@ -1,0 +1,152 @@
+"""Reach the workers of a fleet run: processes of this machine, or any dask scheduler by its address."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from atleak.errors import FleetError
+from atleak.sentence import Sentence
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+HERE = "127.0.0.1"
+_ANSWER = 20.0  # [s] within which a scheduler has to answer
+_MEMORY = 0.9  # part of this machine's memory that all workers together may take
+SETTINGS: Mapping[str, Any] = {
+    # a unit whose worker ended is tried again by the run itself, which knows when it is alone
+    "distributed.scheduler.allowed-failures": 0,
+    # a worker that computes for minutes in compiled code says nothing meanwhile; the unit's time limit ends it
+    "distributed.scheduler.worker-ttl": None,
+    "distributed.deploy.lost-worker-timeout": "1 day",  # a worker that is slow to start anew is not given up
+    # a worker past its memory is ended; one that only paused would never go on, as a unit keeps nothing afterwards
+    "distributed.worker.memory.target": False,
+    "distributed.worker.memory.spill": False,
+    "distributed.worker.memory.pause": False,
+    "distributed.worker.memory.terminate": 0.95,
+    "distributed.worker.multiprocessing-method": "spawn",
+    "distributed.worker.profile.enabled": False,
+    # what dask watches of itself, more seldom
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "2s",
+    "distributed.admin.system-monitor.disk": False,
+    "distributed.admin.system-monitor.gil.enabled": False,
+    "distributed.diagnostics.nvml": False,
+    "distributed.worker.http.routes": [],
+    "distributed.scheduler.http.routes": [],
+    # large units are expected
+    "distributed.admin.large-graph-warning-threshold": "1 GiB",
+    "distributed.nanny.pre-spawn-environ": {
+        **{f"{library}_NUM_THREADS": 1 for library in ("OMP", "MKL", "OPENBLAS")},
+        "DASK_LOGGING__DISTRIBUTED": "critical",
+        # and not dask's own threshold of the C library's memory, which makes a diagnosis a twentieth slower
+    },
+}
+
+
+@contextmanager
+def connected(
+    scheduler: str | None = None, workers: int | None = None, memory_limit: int | None = None
+) -> Iterator[Client]:
+    """Give a client of the workers, which are started here and ended again unless a scheduler is named.
+
+    Parameters
+    ----------
+    scheduler
+        address of a scheduler that runs already, as ``tcp://10.0.0.5:8786``; unless given, workers are started on this
+        machine, reached from this machine alone.
+    workers
+        how many of them to start; as many as there are processors unless given.
+    memory_limit
+        of each worker started here, in bytes; unless given, its part of the machine's memory. A worker that takes more
+        is ended and started anew.
+
+    Raises
+    ------
+    FleetError
+        dask.distributed is not installed, nobody answers at the address, or no worker can be started.
+    """
+    try:
+        import dask
+        import distributed  # noqa: F401
+    except ImportError as error:
+        problem = Sentence("a fleet run needs dask.distributed, which is not installed")
+        raise FleetError(problem, expected=Sentence("python -m pip install atleak[fleet]")) from error
+    with _quiet(), _same_environment(), dask.config.set(SETTINGS):
+        if scheduler is None:
+            with _started_here(workers, memory_limit) as client:
+                yield client
+        else:
+            with _reached(scheduler) as client:
+                yield client
+
+
+@contextmanager
+def _started_here(workers: int | None, memory_limit: int | None) -> Iterator[Client]:
+    from dask.system import CPU_COUNT
+    from distributed import Client, LocalCluster, Security
+    from distributed.system import MEMORY_LIMIT
+
+    count = workers or CPU_COUNT
+    try:
+        cluster = LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            host=HERE,
+            dashboard_address=f"{HERE}:0",
+            protocol="tls://",
+            security=Security.temporary(),  # nobody else on this machine can hand it anything to do
+            memory_limit=memory_limit or int(_MEMORY * MEMORY_LIMIT / count),
+            preload=["atleak.fleet.prepared"],
+            silence_logs=logging.CRITICAL,
+        )
+    except (OSError, RuntimeError, TimeoutError) as error:
+        problem = Sentence("the worker processes cannot be started: {reason}", reason=str(error))
+        raise FleetError(problem) from error
+    with cluster, Client(cluster, set_as_default=False, direct_to_workers=True) as client:
+        yield client
+
+
+@contextmanager
+def _reached(address: str) -> Iterator[Client]:
+    from distributed import Client
+
+    try:
+        client = Client(address, timeout=_ANSWER, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        problem = Sentence("no dask scheduler answers there: {reason}", reason=str(error))
+        expected = Sentence("the address that the scheduler said when it was started, as tcp://10.0.0.5:8786")
+        raise FleetError(problem, value=address, expected=expected) from error
+    with client:
+        yield client
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what dask logs out of the terminal: what matters of it is said by the run, in words."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "tornado", "asyncio")]
+    levels = [each.level for each in loggers]
+    for each in loggers:
+        each.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for each, level in zip(loggers, levels, strict=True):
+            each.setLevel(level)
+
+
+@contextmanager
+def _same_environment() -> Iterator[None]:
+    """Give back the environment's variables that dask sets here so that its workers have them."""
+    before = dict(os.environ)
+    try:
+        yield
+    finally:
+        for name in os.environ.keys() - before.keys():
+            del os.environ[name]
+        os.environ.update(before)

@@ -1,0 +1,318 @@
+"""Keep the results of a fleet in a folder of Parquet data sets: written whole, read back, and never twice.
+
+A batch of units is written as parts of one name, one for every data set and valve body, `units` and `errors` last: a
+part of any other data set counts only beside the part of `units` that it was written with. Of several rows of one unit,
+by its reference or its hash, the one written last counts. So a run that ends in the midst of writing leaves nothing
+that counts but whole results, and the result of a corrected job takes the place of the earlier one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import compress
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import pyarrow as pa
+import pyarrow.compute as pc
+from filelock import FileLock
+
+from atleak.doors import DAMAGE, damaged
+from atleak.errors import FleetError, Place
+from atleak.fleet.columns import DATA_SETS, HASH, PARTITION, DataSet, Rows, columns_of
+from atleak.fleet.parts import (
+    BESIDE,
+    COMMITTING,
+    UNFINISHED,
+    Part,
+    folder_of,
+    name_after,
+    parts_of,
+    read_part,
+    settle,
+    write_columns,
+    write_part,
+)
+from atleak.fleet.results_folder import check_free, check_readable, check_version, locked, write_run
+from atleak.sentence import Sentence
+
+_SMALL = 1000  # units: a part with fewer is merged with others
+_TRIES = 20  # at reading while a run puts other parts in place of those that were there
+
+Counts = Sequence[bool]  # of the rows of a part of `units` or `errors`
+
+
+@dataclass(frozen=True)
+class _Units:
+    """The units of a part of `units` or `errors`, in the order of its rows."""
+
+    hashes: tuple[str, ...]
+    references: tuple[str, ...]
+    beside: tuple[DataSet, ...]  # of which a part was written with it; none of an error
+
+
+class Results:
+    """The results of a fleet in a folder; for writing they are open to one program at a time."""
+
+    def __init__(self, folder: Path, lock: FileLock | None = None) -> None:
+        self.folder = folder
+        self._lock = lock
+        self._known: dict[Part, _Units] = {}  # a part never changes
+
+    @classmethod
+    def open(cls, folder: str | Path, *, for_writing: bool = False, replace: bool = False) -> Self:
+        """Open the results in a folder.
+
+        Parameters
+        ----------
+        folder
+            made where there is none, for writing.
+        for_writing
+            whether results are added; nobody else adds any meanwhile.
+        replace
+            whether to begin anew: what the folder holds of earlier runs is removed.
+
+        Raises
+        ------
+        FleetError
+            the folder holds something else, or results of another version; another run is writing there.
+        OutputError
+            the folder cannot be made or written to.
+        """
+        folder = Path(folder)
+        if not for_writing:
+            check_readable(folder)
+            return cls(folder)
+        check_free(folder)
+        results = cls(folder, locked(folder))
+        try:
+            results._begin(replace=replace)
+        except BaseException:
+            results.close()
+            raise
+        return results
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let others write."""
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
+
+    def done(self) -> set[str]:
+        """Return the hashes of all units that have a result or an error."""
+        return {sha256 for part, counts in self._counting() for sha256 in compress(self._known[part].hashes, counts)}
+
+    def failed(self) -> set[str]:
+        """Return the hashes of all units that have an error."""
+        errors = [(part, counts) for part, counts in self._counting() if part.data_set == "errors"]
+        return {sha256 for part, counts in errors for sha256 in compress(self._known[part].hashes, counts)}
+
+    def controllers(self) -> tuple[str, ...]:
+        """Return the ids of all valve bodies of which there is a result."""
+        bodies = {part.controller for part, counts in self._counting() if part.data_set == "units" and any(counts)}
+        return tuple(sorted(filter(None, bodies)))
+
+    def table(
+        self, data_set: DataSet, columns: Sequence[str] | None = None, controllers: Collection[str] | None = None
+    ) -> pa.Table:
+        """Return the rows of a data set that count; a column that an earlier version did not write is null.
+
+        Parameters
+        ----------
+        data_set
+            one of `DATA_SETS`.
+        columns
+            those that are read; unless given all, and at the end ``controller``, the valve body's id.
+        controllers
+            ids of the valve bodies whose rows are read; unless given all.
+
+        Raises
+        ------
+        FleetError
+            a part that is damaged or missing, by its path.
+        """
+        for tries_left in reversed(range(_TRIES)):
+            try:
+                return self._table(data_set, columns, controllers)
+            except FileNotFoundError as error:  # a run put a merged part in its place
+                if not tries_left:
+                    raise self._damaged(Path(error.filename), error) from error
+        raise AssertionError
+
+    def add(self, rows: Sequence[Rows]) -> None:
+        """Write the rows of some units; they count as soon as this returns.
+
+        Raises
+        ------
+        OutputError
+            naming the part that cannot be written, and why; nothing of these rows is kept.
+        """
+        name, rows = self._next_name(), _last_of_each(rows)
+        tables: dict[Part, list[pa.Table]] = {}
+        for data_set in (*BESIDE, *COMMITTING):
+            for each in rows:
+                if data_set in each.tables:
+                    part = Part(name, folder_of(each.controller), data_set)
+                    tables.setdefault(part, []).append(each.tables[data_set])
+        self._commit(tables)
+
+    def tidy(self) -> None:
+        """Remove what does not count and merge small parts, so that other programs read one row for every unit.
+
+        Raises
+        ------
+        FleetError, OutputError
+            a part that is damaged, or that cannot be written.
+        """
+        for parts in _to_rewrite(self._counting()):
+            self._rewrite(parts)
+        whole = set(parts_of(self.folder, "units"))
+        left_over = [part for each in BESIDE for part in parts_of(self.folder, each) if part.of("units") not in whole]
+        self._remove(left_over)
+        for data_set in DATA_SETS:
+            for path in (self.folder / data_set).glob(f"*/{UNFINISHED}"):
+                with contextlib.suppress(OSError):
+                    path.unlink()
+
+    def _begin(self, *, replace: bool) -> None:
+        if replace:
+            self._remove([part for data_set in (*COMMITTING, *BESIDE) for part in parts_of(self.folder, data_set)])
+        else:
+            check_version(self.folder)
+        write_run(self.folder)
+        for data_set in DATA_SETS:
+            write_columns(self.folder, data_set, anew=replace)
+
+    def _next_name(self) -> str:
+        return name_after([part.name for data_set in DATA_SETS for part in parts_of(self.folder, data_set)])
+
+    def _counting(self) -> list[tuple[Part, Counts]]:
+        """Return every part of `units` and `errors`, the earliest first, and which of its rows count."""
+        parts = sorted(part for data_set in COMMITTING for part in parts_of(self.folder, data_set))
+        self._known = {part: self._known.get(part) or self._units_of(part) for part in parts}
+        hashes = [sha256 for units in self._known.values() for sha256 in units.hashes]
+        references = [reference for units in self._known.values() for reference in units.references]
+        of_hash = {sha256: row for row, sha256 in enumerate(hashes)}
+        of_reference = {reference: row for row, reference in enumerate(references)}
+        pairs = enumerate(zip(hashes, references, strict=True))
+        counts = iter([of_hash[sha256] == of_reference[reference] == row for row, (sha256, reference) in pairs])
+        return [(part, [next(counts) for _ in units.hashes]) for part, units in self._known.items()]
+
+    def _units_of(self, part: Part) -> _Units:
+        table, beside = self._read(part, [HASH, "reference"])
+        return _Units(tuple(table[HASH].to_pylist()), tuple(table["reference"].to_pylist()), beside)
+
+    def _table(self, data_set: DataSet, columns: Sequence[str] | None, controllers: Collection[str] | None) -> pa.Table:
+        schema = columns_of(data_set).append(pa.field(PARTITION, pa.string()))
+        wanted = pa.schema([schema.field(name) for name in (schema.names if columns is None else columns)])
+        stored = [name for name in wanted.names if name != PARTITION]
+        tables = [wanted.empty_table()]
+        for part, counts in self._having(data_set, self._counting()):
+            if controllers is None or part.controller in controllers:
+                table = self._rows(part, counts, data_set, stored)
+                of_all = pa.repeat(pa.scalar(part.controller, pa.string()), table.num_rows)
+                tables.append(table.append_column(schema.field(PARTITION), of_all).select(wanted.names))
+        return pa.concat_tables(tables)
+
+    def _having(self, data_set: DataSet, counting: Iterable[tuple[Part, Counts]]) -> Iterator[tuple[Part, Counts]]:
+        """Yield the parts of `units` or `errors` with which rows of a data set were written that count."""
+        for part, counts in counting:
+            if any(counts) and data_set in (part.data_set, *self._known[part].beside):
+                yield part, counts
+
+    def _rows(self, part: Part, counts: Counts, data_set: DataSet, columns: Sequence[str]) -> pa.Table:
+        """Return the rows of a data set that count, of the units in a part of `units` or `errors`."""
+        table, _ = self._read(part.of(data_set), [HASH, *(name for name in columns if name != HASH)])
+        if not all(counts):
+            hashes = pa.array(compress(self._known[part].hashes, counts), pa.string())
+            table = table.filter(pc.is_in(table[HASH], value_set=hashes))
+        return table
+
+    def _read(self, part: Part, columns: Sequence[str]) -> tuple[pa.Table, tuple[DataSet, ...]]:
+        try:
+            return read_part(self.folder, part, columns)
+        except FileNotFoundError:
+            raise
+        except DAMAGE as error:
+            raise self._damaged(part.under(self.folder), error) from error
+
+    def _damaged(self, path: Path, error: Exception) -> FleetError:
+        """Return the error of a part that cannot be read; without the one by which it counts, its units are undone."""
+        counting = "errors" if path.is_relative_to(self.folder / "errors") else "units"
+        undone = self.folder / counting / path.parent.name / path.name
+        expected = Sentence(
+            "a part as it was written: once {path} is deleted, the next run evaluates its units anew", path=str(undone)
+        )
+        return FleetError(damaged(error).problem, place=Place(file=str(path)), expected=expected)
+
+    def _commit(self, batch: Mapping[Part, Iterable[pa.Table]]) -> None:
+        """Write the parts of a batch, all or none of them; those by which the others count stand last in it."""
+        written: list[Part] = []
+        try:
+            for part, tables in batch.items():
+                beside: list[DataSet] = []
+                if part.data_set in COMMITTING:
+                    settle({each.under(self.folder).parent for each in written})
+                if part.data_set == "units":
+                    beside = [each.data_set for each in written if each == part.of(each.data_set)]
+                written.append(part)
+                write_part(self.folder, part, tables, beside)
+        except BaseException:
+            self._remove(reversed(written))
+            raise
+
+    def _rewrite(self, counting: Sequence[tuple[Part, Counts]]) -> None:
+        """Write what counts of some parts of `units` or `errors` as one, with what belongs to them, and remove them."""
+        first, _ = counting[0]
+        merged = Part(self._next_name(), first.folder, first.data_set)
+        batch = {
+            merged.of(data_set): self._all_rows(data_set, counting)
+            for data_set in (*BESIDE, merged.data_set)
+            if any(self._having(data_set, counting))
+        }
+        self._commit(batch)
+        self._remove(part for part, _ in counting)
+
+    def _all_rows(self, data_set: DataSet, counting: Iterable[tuple[Part, Counts]]) -> Iterator[pa.Table]:
+        for part, counts in self._having(data_set, counting):
+            yield self._rows(part, counts, data_set, columns_of(data_set).names)
+
+    def _remove(self, parts: Iterable[Part]) -> None:
+        """Remove parts as far as that is possible: one that another program holds open stays, and does not count."""
+        for part in parts:
+            with contextlib.suppress(OSError):
+                part.under(self.folder).unlink()
+
+
+def _last_of_each(rows: Sequence[Rows]) -> list[Rows]:
+    """Return the rows of every unit that were given last."""
+    by_hash = {each.input_sha256: each for each in rows}
+    by_reference = {each.reference: each for each in rows}
+    return [each for each in rows if by_hash[each.input_sha256] is by_reference[each.reference] is each]
+
+
+def _to_rewrite(counting: Iterable[tuple[Part, Counts]]) -> Iterator[list[tuple[Part, Counts]]]:
+    """Yield the parts that are better written as one: several small ones, and any of which not every row counts."""
+    loose: dict[tuple[DataSet, str], list[tuple[Part, Counts]]] = {}
+    for part, counts in counting:
+        if sum(counts) < _SMALL or not all(counts):
+            loose.setdefault((part.data_set, part.folder), []).append((part, counts))
+    for parts in loose.values():
+        group: list[tuple[Part, Counts]] = []
+        for number, (part, counts) in enumerate(parts, 1):
+            group.append((part, counts))
+            if number == len(parts) or sum(sum(each) for _, each in group) >= _SMALL:
+                if len(group) > 1 or not all(group[0][1]):
+                    yield group
+                group = []

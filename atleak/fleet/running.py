@@ -1,0 +1,357 @@
+"""Hand out a fleet's units to dask's workers, a few at a time, and take back what they give.
+
+A unit whose worker ended is tried again alone, at the end: nobody knows which of the units that the worker had took it
+along. One that took too long was named before its worker left, and is tried again like any other.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import concurrent.futures
+import contextlib
+import itertools
+import queue
+import secrets
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from distributed import Client, Future
+from distributed.scheduler import KilledWorker
+from tornado.platform.asyncio import BaseAsyncIOLoop
+
+from atleak.doors import unexpected
+from atleak.errors import FleetError, InputError, Place
+from atleak.fleet.columns import ErrorKind
+from atleak.fleet.results import Results
+from atleak.fleet.rows import Rows, error_rows
+from atleak.fleet.task import OVERDUE, OtherVersionError, Packed, on_worker, packed_unit
+from atleak.fleet.units import FleetUnit
+from atleak.sentence import Sentence
+from atleak.version import __version__
+
+AHEAD = 2  # units at a worker: the one it works on, and the next
+TRIES_OVERDUE = 2  # of a unit that takes too long
+TRIES_ALONE = 2  # of a unit whose worker ended, after the one among others
+WRITTEN_EVERY = 20.0  # [s]
+WRITTEN_AT = 500  # units
+PATIENCE = 300.0  # [s] without any worker
+_NO_ANSWER = 60.0  # [s] without an answer of a scheduler that seems to be there
+_TICK = 0.5  # [s]
+_LOOK = 2.0  # [s] between two looks at which workers there are
+_AT_ONCE = 64  # units that are taken back before others are handed out
+_MEMORY = "worker-restart-memory"  # dask's topic of workers that took more memory than they may
+_TOLD_WITHIN = 1.0  # [s] after such a worker has ended
+
+Fetched = concurrent.futures.Future[list[Packed]]
+
+
+@dataclass(frozen=True)
+class _Try:
+    """A unit that is handed out, or that is to be."""
+
+    unit: FleetUnit
+    tries: int = 1  # this one with it
+    alone: int = 0  # how many of them alone
+    name: str = ""  # of this try
+    begun: float = 0.0  # when it was handed out, by the clock that never goes back
+
+
+class Run:
+    """A run under way.
+
+    Parameters
+    ----------
+    units
+        each is asked for when its turn comes.
+    known
+        hashes of units that have a result, or an error, already.
+    results
+        open for writing.
+    client
+        of the workers.
+    time_limit
+        [s] for one unit; None: none.
+    say
+        called about twice a second with this run.
+    """
+
+    def __init__(
+        self,
+        units: Iterable[FleetUnit],
+        known: Collection[str],
+        results: Results,
+        client: Client,
+        time_limit: float | None,
+        say: Callable[[Run], object],
+    ) -> None:
+        self.verdicts: Counter[str] = Counter()
+        self.errors: Counter[ErrorKind] = Counter()
+        self.before = 0  # units that are known already
+        self.workers = 0
+        self._results, self._client, self._time_limit, self._say = results, client, time_limit, say
+        assert isinstance(client.loop, BaseAsyncIOLoop)
+        self._loop = client.loop.asyncio_loop
+        self._units, self._all_seen = iter(units), False
+        self._known = known
+        self.met: set[str] = set()  # hashes of the units that had their turn
+        self._waiting: deque[_Try] = deque()  # to be handed out next
+        self._alone: deque[_Try] = deque()  # to be handed out once all others are done
+        self._under_way: dict[Future, _Try] = {}
+        self._happened: queue.SimpleQueue[tuple[Future, Fetched | None]] = queue.SimpleQueue()
+        self._overdue: queue.SimpleQueue[dict[str, str]] = queue.SimpleQueue()
+        self._left: set[str] = set()  # addresses of workers that left because a unit took too long
+        self._finished: list[Rows] = []  # not yet written
+        self._written = time.monotonic()
+        self._threads = 0
+        self._looked = 0.0  # when
+        self._seen = self._answered = time.monotonic()  # when there was a worker, and a scheduler
+        run = secrets.token_hex(6)
+        self._names = (f"{run}-{number}" for number in itertools.count())
+
+    @property
+    def done(self) -> int:
+        """Return how many units have a result or an error by now."""
+        return self.verdicts.total() + self.errors.total()
+
+    def go(self) -> None:
+        """Have all units evaluated; what is finished is written however this ends.
+
+        Raises
+        ------
+        FleetError
+            no worker is left, the scheduler is lost, or the workers cannot run this version of atleak.
+        """
+        self._client.subscribe_topic(OVERDUE, lambda event: self._overdue.put(event[1]))
+        try:
+            while not self._all_seen or self._waiting or self._alone or self._under_way:
+                self._draw()
+                try:
+                    self._look()
+                    self._hand_out()
+                    self._take_back()
+                except OSError as error:  # of the connection to the scheduler
+                    self._wait_for_scheduler(error)
+                self._write()
+                self._say(self)
+        finally:
+            self._write(at_once=True)
+            self._let_go()
+
+    # --- handing out
+
+    def _look(self) -> None:
+        """See which workers there are, now and then."""
+        now = time.monotonic()
+        if self._threads and now - self._looked < _LOOK:
+            return
+        threads = self._client.nthreads()
+        self.workers, self._threads = len(threads), sum(threads.values())
+        self._looked = self._answered = now
+        if self._threads:
+            self._seen = now
+        elif now - self._seen > PATIENCE:
+            problem = Sentence("there has been no worker for {seconds:.0f} s", seconds=now - self._seen)
+            raise FleetError(problem, expected=_AGAIN)
+
+    def _hand_out(self) -> None:
+        handed = [self._waiting.popleft() for _ in range(min(self._room, len(self._waiting)))]
+        if self._threads and self._alone and self._all_seen and not (handed or self._under_way):
+            handed = [self._alone.popleft()]
+        if not handed:
+            return
+        now = time.monotonic()
+        named = [replace(each, name=next(self._names), begun=now) for each in handed]
+        futures = self._client.map(
+            on_worker,
+            [packed_unit(each.unit) for each in named],
+            [each.name for each in named],
+            [each.tries for each in named],
+            key=[("unit", each.name) for each in named],
+            time_limit=self._time_limit,
+            version=__version__,
+            pure=False,
+        )
+        for future, each in zip(futures, named, strict=True):
+            self._under_way[future] = each
+            future.add_done_callback(self._done)
+
+    @property
+    def _room(self) -> int:
+        """Return how many units more can be handed out."""
+        return max(AHEAD * self._threads - len(self._under_way), 0)
+
+    def _draw(self) -> None:
+        """Have as many units wait as can be handed out, or as are found among those known already within a moment."""
+        until = time.monotonic() + _TICK
+        while not self._all_seen and len(self._waiting) < self._room and time.monotonic() < until:
+            unit = next(self._units, None)
+            if unit is None:
+                self._all_seen = True
+            elif unit.input_sha256 not in self.met:  # else it is the same as another one
+                self.met.add(unit.input_sha256)
+                if unit.input_sha256 in self._known:
+                    self.before += 1
+                else:
+                    self._waiting.append(_Try(unit))
+
+    # --- taking back
+
+    def _take_back(self) -> None:
+        """Wait a little for units that are done, one way or another, and see what became of them."""
+        happened = []
+        with contextlib.suppress(queue.Empty):
+            happened.append(self._happened.get(timeout=_TICK))
+            while len(happened) < _AT_ONCE:
+                happened.append(self._happened.get_nowait())
+        self._take_out_overdue()
+        for future, fetched in happened:
+            if future not in self._under_way:
+                continue
+            if fetched is not None and (packed := fetched.result()):
+                self._take(future, packed[0])
+            elif future.status == "error":
+                self._sort_out(future)
+            elif future.status == "cancelled":
+                raise OSError("the scheduler has let go of the units")
+            elif fetched is None:
+                self._fetch(future)
+            else:  # its worker ended in that moment, and another one does it again
+                future.add_done_callback(self._done)
+
+    def _done(self, future: Future) -> None:
+        self._happened.put((future, None))
+
+    def _fetch(self, future: Future) -> None:
+        """Begin to fetch the rows of a unit; nothing waits for it, as a library may keep the worker from answering."""
+        gathering = self._client.gather([future], errors="skip", asynchronous=True)
+        fetching = asyncio.run_coroutine_threadsafe(gathering, self._loop)
+        fetching.add_done_callback(lambda fetched: self._happened.put((future, fetched)))
+
+    def _take(self, future: Future, packed: Packed) -> None:
+        if packed.error == "ended" and self._under_way[future].alone < TRIES_ALONE:
+            self._again_alone(future)
+        else:
+            self._keep(future, packed.rows, packed.error)
+
+    def _sort_out(self, future: Future) -> None:
+        """Decide what becomes of a unit whose task ended in an error, which none does by itself."""
+        each, error = self._under_way[future], future.exception()
+        if isinstance(error, KilledWorker):
+            self._under_way[future] = replace(each, tries=each.tries + error.allowed_failures)
+            self._killed(future, error)
+        elif isinstance(error, OtherVersionError | ImportError | AttributeError):
+            problem = Sentence(
+                "the workers cannot run this atleak, {version}: {reason}", version=__version__, reason=_said(error)
+            )
+            raise FleetError(
+                problem, expected=Sentence("the same version of atleak, and of dask, on every machine")
+            ) from error
+        else:
+            self._fail(future, "fault", unexpected(error, each.unit.name))
+
+    def _killed(self, future: Future, error: KilledWorker) -> None:
+        each, worker = self._under_way[future], error.last_worker.address
+        took = (time.monotonic() - each.begun) / (1 + error.allowed_failures)
+        if worker in self._left:  # it was at a worker that left because of another unit
+            self._waiting.append(self._under_way.pop(future))
+        elif each.alone and self._time_limit is not None and took >= self._time_limit:
+            self._fail(future, "time limit", self._too_long(each))
+        elif each.alone < TRIES_ALONE:
+            self._again_alone(future)
+        else:
+            self._fail(future, "ended", self._why_ended(each, worker))
+
+    def _take_out_overdue(self) -> None:
+        """Take out units that took too long: a scheduler may have them tried by one worker after another."""
+        by_name = {each.name: future for future, each in self._under_way.items()}
+        with contextlib.suppress(queue.Empty):
+            while True:
+                said = self._overdue.get_nowait()
+                future = by_name.get(said["name"])
+                if future is None or future not in self._under_way:  # of another run, or of an earlier try
+                    continue
+                self._left.add(said["worker"])
+                self._client.cancel([future], force=True)
+                each = self._under_way[future]
+                if each.tries < TRIES_OVERDUE:
+                    self._again(future)
+                else:
+                    self._fail(future, "time limit", self._too_long(each))
+
+    def _too_long(self, each: _Try) -> InputError:
+        problem = Sentence("takes longer than the {seconds:g} s that one unit may take", seconds=self._time_limit)
+        return InputError(problem, place=Place(file=each.unit.name))
+
+    def _why_ended(self, each: _Try, worker: str) -> InputError:
+        time.sleep(_TOLD_WITHIN)
+        taken = [said["rss"] for _, said in self._client.get_events(_MEMORY) if said["worker"] == worker]
+        if taken:
+            problem = Sentence(
+                "needs more memory than a worker may take: it had {size:.1f} GB when it was ended",
+                size=max(taken) / 1e9,
+            )
+        else:
+            problem = Sentence("the process that worked on it ended each time, {count} times in all", count=each.tries)
+        return InputError(problem, place=Place(file=each.unit.name))
+
+    def _again(self, future: Future) -> None:
+        each = self._under_way.pop(future)
+        self._waiting.append(replace(each, tries=each.tries + 1))
+
+    def _again_alone(self, future: Future) -> None:
+        each = self._under_way.pop(future)
+        self._alone.append(replace(each, tries=each.tries + 1, alone=each.alone + 1))
+
+    def _fail(self, future: Future, kind: ErrorKind, error: InputError) -> None:
+        each = self._under_way[future]
+        self._keep(future, error_rows(each.unit, kind, str(error), tries=each.tries), kind)
+
+    def _keep(self, future: Future, rows: Rows, error: ErrorKind | None) -> None:
+        del self._under_way[future]
+        self._finished.append(rows)
+        if error is not None:
+            self.errors[error] += 1
+        elif rows.verdict is not None:
+            self.verdicts[rows.verdict.value] += 1
+
+    # --- writing, and what the connection does
+
+    def _write(self, *, at_once: bool = False) -> None:
+        now = time.monotonic()
+        due = now - self._written >= WRITTEN_EVERY or len(self._finished) >= WRITTEN_AT
+        if self._finished and (due or at_once):
+            self._results.add(self._finished)
+            self._finished, self._written = [], now
+
+    def _wait_for_scheduler(self, error: OSError) -> None:
+        """Wait while the client tries to reach the scheduler again; what was under way is handed out anew."""
+        for future in list(self._under_way):
+            each = self._under_way.pop(future)
+            (self._alone if each.alone else self._waiting).appendleft(each)
+        self._threads = 0
+        while True:
+            time.sleep(_TICK)
+            self._say(self)
+            if self._client.status == "closed" or time.monotonic() - self._answered > _NO_ANSWER:
+                problem = Sentence("the scheduler does not answer any more ({reason})", reason=str(error))
+                raise FleetError(problem, expected=_AGAIN) from error
+            if self._client.status == "running":
+                return
+
+    def _let_go(self) -> None:
+        """Let the scheduler forget what is under way."""
+        if self._client.status == "running":
+            with contextlib.suppress(OSError):  # of a scheduler that is gone at last
+                self._client.unsubscribe_topic(OVERDUE)
+                self._client.cancel(list(self._under_way), force=True)
+        self._under_way.clear()
+
+
+_AGAIN = Sentence("the run to be started again: it goes on from here, as what was finished is kept")
+
+
+def _said(error: Any) -> str:
+    return f"{type(error).__name__}: {error}"

@@ -1,0 +1,91 @@
+"""Run one unit as a task of dask's: a worker calls this, and what it gives back travels as bytes."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import cast
+
+import pyarrow as pa
+from distributed import get_worker
+
+from atleak.fleet.columns import DataSet, ErrorKind
+from atleak.fleet.rows import Rows
+from atleak.fleet.units import FleetUnit
+from atleak.fleet.watchdog import ended_after
+from atleak.fleet.work import evaluate
+from atleak.verdicts import Verdict
+from atleak.version import __version__
+
+OVERDUE = "atleak-fleet-overdue"  # topic of the scheduler's event log: whose time limit was exceeded
+
+
+class OtherVersionError(Exception):
+    """A worker has another version of atleak than the one that sent it a unit."""
+
+
+@dataclass(frozen=True)
+class Packed:
+    """The rows of one unit as they travel: the tables as Arrow's own bytes."""
+
+    controller: str | None
+    input_sha256: str
+    reference: str
+    verdict: Verdict | None
+    error: ErrorKind | None
+    tables: Mapping[DataSet, bytes]
+
+    @classmethod
+    def of(cls, rows: Rows) -> Packed:
+        """Pack the rows of a unit."""
+        errors = rows.tables.get("errors")
+        kind = None if errors is None else cast(ErrorKind, errors.column("kind")[0].as_py())
+        tables = {data_set: _written(table) for data_set, table in rows.tables.items()}
+        return cls(rows.controller, rows.input_sha256, rows.reference, rows.verdict, kind, tables)
+
+    @property
+    def rows(self) -> Rows:
+        """Return the rows as they were."""
+        tables = {data_set: pa.ipc.open_stream(content).read_all() for data_set, content in self.tables.items()}
+        return Rows(self.controller, self.input_sha256, self.reference, self.verdict, tables)
+
+
+def packed_unit(unit: FleetUnit) -> bytes:
+    """Return a unit as it travels to a worker; dask then need not look for anything of its own in it."""
+    return pickle.dumps(unit, protocol=pickle.HIGHEST_PROTOCOL)
+
+
+def on_worker(unit: bytes, name: str, tries: int, time_limit: float | None, version: str) -> Packed:
+    """Evaluate a unit within its time.
+
+    Parameters
+    ----------
+    unit
+        as `packed_unit` gives it.
+    name
+        of this try, by which the scheduler's event log is to know it.
+    tries
+        how often the unit was begun, this time with it.
+    time_limit
+        [s] after which this process ends; None: never.
+    version
+        of the atleak that sends the unit.
+
+    Raises
+    ------
+    OtherVersionError
+        this worker has another one, by which the results would not be what the run says they are.
+    """
+    if version != __version__:
+        raise OtherVersionError(__version__)
+    worker = get_worker()
+    with ended_after(time_limit, lambda: worker.log_event(OVERDUE, {"name": name, "worker": worker.address})):
+        return Packed.of(evaluate(pickle.loads(unit), tries=tries))
+
+
+def _written(table: pa.Table) -> bytes:
+    sink = pa.BufferOutputStream()
+    with pa.ipc.new_stream(sink, table.schema) as stream:
+        stream.write_table(table)
+    return sink.getvalue().to_pybytes()

@@ -1,0 +1,57 @@
+"""Count units by verdict and decision, and what decided their verdicts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+
+from atleak.fleet.spreading import rate, spread
+from atleak.fleet.summed import Decider, Group, VerdictCounts
+from atleak.uncertainty import DECISIONS
+from atleak.verdicts import FLAGGED, VERDICTS, Verdict
+
+_DECIDED_BY = ["decided_by_kind", "decided_by_component", "decided_by_land", "decided_by_circuit"]
+
+
+def counts_of(units: pd.DataFrame) -> VerdictCounts:
+    """Count some units, a row each."""
+    verdicts = {verdict: int((units["verdict"] == verdict).sum()) for verdict in VERDICTS}
+    judged = len(units) - verdicts[Verdict.NOT_MEASURED]
+    past = {level: sum(n for each, n in verdicts.items() if each.rank >= level.rank) for level in FLAGGED}
+    in_part = (units["verdict"] == Verdict.OK) & (units["lands_measured"] < units["lands_total"])
+    return VerdictCounts(
+        units=len(units),
+        verdicts=verdicts,
+        decisions={
+            **{decision: int((units["decision"] == decision).sum()) for decision in DECISIONS},
+            None: int((~units["decision"].isin(DECISIONS)).sum()),
+        },
+        provisional=int(units["provisional"].sum()),
+        ok_in_part=int(in_part.sum()),
+        rates={level: rate(past[level], judged) for level in FLAGGED},
+    )
+
+
+def deciders_of(units: pd.DataFrame) -> tuple[Decider, ...]:
+    """Count what gave the verdicts of the flagged units, the most frequent first."""
+    flagged = units[units["verdict"].isin(FLAGGED)]
+    by_what = flagged.groupby(_DECIDED_BY, dropna=False)
+    return tuple(sorted((_decider(mine.iloc[0], len(mine), len(flagged)) for _, mine in by_what), key=_most_first))
+
+
+def _decider(unit: pd.Series, count: int, flagged: int) -> Decider:
+    kind, component, land, circuit = (None if pd.isna(unit[each]) else unit[each] for each in _DECIDED_BY)
+    return Decider(str(kind), component, None if land is None else int(land), circuit, rate(count, flagged))
+
+
+def _most_first(decider: Decider) -> tuple[Any, ...]:
+    return -decider.units.count, decider.kind, decider.component or "", decider.land or 0, decider.circuit or ""
+
+
+def groups_of(units: pd.DataFrame) -> tuple[Group, ...]:
+    """Count the units of every group, by name; those that state none are in none."""
+    return tuple(
+        Group(str(name), counts_of(mine), spread(mine["mileage_km"]), int(mine["mileage_km"].isna().sum()))
+        for name, mine in units.groupby("label", sort=True)
+    )

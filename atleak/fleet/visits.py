@@ -1,0 +1,125 @@
+"""Tell which rows of a fleet are visits of one unit, and which of them counts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from atleak.errors import unknown
+from atleak.fleet.columns import HASH, PARTITION
+from atleak.fleet.results import Results
+from atleak.fleet.summed import GROUP
+from atleak.jobs.units import key_of_numbers
+from atleak.sentence import Sentence
+
+_COLUMNS = (
+    *(HASH, PARTITION, "reference", "name", GROUP, "atleak", "evaluated_at"),
+    *("number", "date", "measured_on", "vin", "serial", "mileage_km"),
+    *("controller_sha256", "limits_sha256", "fluid_sha256", "profile", "lands_measured", "lands_total"),
+    *("verdict", "decision", "provisional"),
+    *("decided_by_kind", "decided_by_component", "decided_by_land", "decided_by_circuit"),
+    *("road_rows", "max_share_percent"),
+)
+_FIRST_MILEAGE = -1.0  # [km] of a visit without one, which comes before those with one of the same day
+
+
+@dataclass(frozen=True)
+class Visits:
+    """The rows of `units`, one for each visit, in the order of valve body, unit and time.
+
+    Beside the columns of the data set they have ``unit``, a number of its own for each unit, ``label``, what it states
+    under the heading that is asked for, and two that say which visit of a unit counts: ``counts``, the last one at
+    which anything was measured, else the last of all; and ``last_log``, the last one with a log.
+    """
+
+    rows: pd.DataFrame
+    headings: tuple[str, ...]  # under which any of them states something
+    by: str | None  # of those, the one that is asked for
+
+    @property
+    def counted(self) -> pd.DataFrame:
+        """Return the visits that count, one for each unit."""
+        return self.rows[self.rows["counts"]]
+
+    def of(self, controller: str) -> Visits:
+        """Return the visits of one valve body."""
+        return Visits(self.rows[self.rows[PARTITION] == controller].reset_index(drop=True), self.headings, self.by)
+
+    @cached_property
+    def _hashes(self) -> pa.Array:
+        return pa.array(self.rows[HASH], pa.string())
+
+    def places(self, hashes: pa.ChunkedArray) -> np.ndarray:
+        """Return the number of the row of each hash, −1 of those that are of none."""
+        return pc.fill_null(pc.index_in(hashes, value_set=self._hashes), -1).to_numpy()
+
+    def visits_of(self, unit: int) -> int:
+        """Return how many visits a unit has."""
+        return int((self.rows["unit"] == unit).sum())
+
+
+def read_visits(results: Results, *, by: str | None, controller: str | None) -> Visits:
+    """Read the rows of all units, or of those of one valve body.
+
+    Raises
+    ------
+    InputError
+        No unit states such a heading, or none is of such a valve body.
+    """
+    if controller is not None and controller not in results.controllers():
+        raise unknown(Sentence("no unit of these results has such a valve body"), controller, results.controllers())
+    table = results.table("units", [*_COLUMNS, "labels"], None if controller is None else [controller])
+    table = table.sort_by(HASH)  # whatever was written first
+    rows = table.drop_columns(["labels"]).to_pandas()
+    headings = _headings(table)
+    heading = None if by is None else _heading(by, headings)
+    rows["label"] = None if heading is None else _stated(table, heading)
+    rows["lands_measured"] = rows["lands_measured"].fillna(0)
+    rows["provisional"] = rows["provisional"].eq(True)
+    numbers = zip(table["serial"].to_pylist(), table["vin"].to_pylist(), strict=True)
+    keys = [key_of_numbers(serial, vin) for serial, vin in numbers]
+    told = pd.Series(keys, dtype=object).fillna("row:" + rows[HASH])
+    rows["told"] = [key is not None for key in keys]
+    rows["unit"] = pd.factorize(pd.MultiIndex.from_arrays([rows[PARTITION], told]))[0]
+    rows["day"] = pd.to_datetime(rows["date"].fillna(rows["measured_on"]))
+    rows["driven"] = rows["mileage_km"].fillna(_FIRST_MILEAGE)
+    rows = rows.sort_values(
+        [PARTITION, "unit", "day", "driven", "evaluated_at", HASH], na_position="first", ignore_index=True
+    )
+    measured = rows["lands_measured"] > 0
+    any_measured = measured.groupby(rows["unit"]).transform("any")
+    rows["counts"] = _last(rows, measured | ~any_measured)
+    rows["last_log"] = _last(rows, rows["road_rows"].notna())
+    return Visits(rows, headings, heading)
+
+
+def _last(rows: pd.DataFrame, among: pd.Series) -> pd.Series:
+    """Return whether each row is the last of its unit among some."""
+    return among & ~rows["unit"].where(among).duplicated(keep="last")
+
+
+def _headings(table: pa.Table) -> tuple[str, ...]:
+    keys = {key for chunk in table["labels"].chunks for key in pc.unique(chunk.keys).to_pylist()}
+    with_group = pc.any(pc.not_equal(pc.utf8_trim_whitespace(table[GROUP]), "")).as_py()
+    return (*((GROUP,) if with_group else ()), *sorted(keys - {GROUP}))
+
+
+def _heading(asked: str, headings: tuple[str, ...]) -> str:
+    """Return the heading that is meant; capitals and blanks around it do not matter."""
+    meant = asked.strip().casefold()
+    found = [each for each in headings if each == asked] or [each for each in headings if each.casefold() == meant]
+    if not found:
+        raise unknown(Sentence("no unit of these results states anything under this heading"), asked, headings)
+    return found[0]
+
+
+def _stated(table: pa.Table, heading: str) -> pd.Series:
+    column = table[GROUP] if heading == GROUP else pc.map_lookup(table["labels"], pa.scalar(heading), "first")
+    text = pc.utf8_trim_whitespace(column)
+    stated: pd.Series = pc.if_else(pc.equal(text, ""), None, text).to_pandas().astype(object)
+    return stated.where(stated.notna(), None)

@@ -1,0 +1,46 @@
+"""What the headings of a table of units say: which part of a job stands in each column."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import resources
+
+from atleak.intake.plain_words import words
+from atleak.intake.readings.head_identity import identity_field
+
+UNCLEAR = "unclear"
+"""The meaning of a heading that can be understood in two ways: its column is not taken, and nothing is guessed."""
+
+MEASURED = ("job_file", "readings", "road_test", "pressures")
+"""The columns of which a row fills at least one: what a unit is diagnosed by."""
+
+_OF_HEAD = {"job": "number", "vin": "vin", "serial": "serial", "mileage": "mileage", "technician": "technician"}
+"""Fields of the head of a measuring sheet, and the column that holds the same."""
+
+
+@cache
+def _listed() -> Mapping[str, Mapping[str, list[str]]]:
+    return tomllib.loads(resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
+
+
+@cache
+def _names() -> Mapping[str, str]:
+    return {words(name): column for column, name in spellings()}
+
+
+def spellings() -> Iterator[tuple[str, str]]:
+    """Yield every column with a heading that it may have, the English ones first."""
+    for column, by_language in _listed().items():
+        yield from ((column, name) for names in by_language.values() for name in names)
+
+
+def column_meant(heading: str) -> str | None:
+    """Return the column that a heading stands for, `UNCLEAR`, or None: a column of the table's own.
+
+    >>> column_meant("Messblatt"), column_meant("road_test"), column_meant("Laufleistung [km]"), column_meant("Batch")
+    ('readings', 'road_test', 'mileage', None)
+    """
+    named = _names().get(words(heading))
+    return named or _OF_HEAD.get(identity_field(heading) or "")

@@ -1,0 +1,111 @@
+"""What a worker does for one unit: the same diagnosis as anywhere else, or one row that says why there is none."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from atleak.catalogue.entries import catalogue_files
+from atleak.fleet.columns import DATA_SETS
+from atleak.fleet.task import Packed
+from atleak.fleet.units import FleetUnit
+from atleak.fleet.work import evaluate
+from atleak.job.case import Case, SourceFile
+from atleak.job.file import write_job_file
+from atleak.job.issued import issued_record
+from atleak.job.record import Job
+from atleak.report.batch import write_reports
+
+from .small_units import Faulty, Short, bad_unit, small_unit
+
+
+def _error(unit: FleetUnit, **options: Any) -> dict[str, Any]:
+    rows = evaluate(unit, **options)
+    assert list(rows.tables) == ["errors"]
+    assert (rows.controller, rows.verdict) == (None, None)
+    (row,) = rows.tables["errors"].to_pylist()
+    return row
+
+
+def test_a_unit_has_the_result_that_its_files_have_alone() -> None:
+    unit = small_unit(300)
+    case, job = unit.opened()
+    diagnosis = case.diagnose()
+    rows = evaluate(unit, tries=2)
+    (of_unit,) = rows.tables["units"].to_pylist()
+    assert of_unit["result_sha256"] == issued_record(diagnosis, job)["result_sha256"]
+    assert (of_unit["verdict"], of_unit["tries"], of_unit["number"]) == (diagnosis.verdict.value, 2, "300")
+    assert (rows.controller, rows.verdict) == ("minimal_example", diagnosis.verdict)
+    assert of_unit["seconds"] > 0.0
+
+
+def test_an_entry_of_the_catalogue_is_kept_by_its_bytes_alone() -> None:
+    """Two files of one name are two valve bodies."""
+    text = catalogue_files("controllers")["minimal_example"].read_text(encoding="utf-8")
+    renamed = text.replace('name = "', 'name = "other ', 1)
+    assert renamed != text
+    case, job = small_unit(1).opened()
+    names = []
+    for content in (text, renamed, text):
+        own = Case(readings=case.readings, controller=SourceFile("own.toml", content.encode()))
+        rows = evaluate(FleetUnit("u", "file:u", case=own, job=job))
+        names.append(rows.tables["units"].column("controller_name")[0].as_py())
+    assert names[0] == names[2] == names[1].removeprefix("other ")
+    assert names[0] != names[1]
+
+
+def test_a_bad_file_is_an_error_in_the_words_that_a_person_would_have_got() -> None:
+    unit = bad_unit(1)
+    with pytest.raises(Exception, match="not a measuring sheet") as alone:
+        unit.opened()[0].diagnose()
+    row = _error(unit, tries=3)
+    assert (row["kind"], row["message"], row["tries"]) == ("refused", str(alone.value), 3)
+
+
+def test_a_bad_file_in_a_job_file_is_named_as_in_a_batch_of_reports(tmp_path: Path) -> None:
+    case = small_unit(1).opened()[0]
+    path = tmp_path / "job.zip"
+    whole = zipfile.ZipFile(io.BytesIO(write_job_file(case.diagnose(), Job(), case)))
+    with zipfile.ZipFile(path, "w") as damaged:
+        for name in whole.namelist():
+            damaged.writestr(name, b"no sheet" if name == "readings" else whole.read(name))
+    unit = FleetUnit("folder/job.zip", f"file:{path}", job_file=SourceFile.at(path))
+    (reported,) = write_reports([path], tmp_path / "out", formats=["json"])
+    assert _error(unit)["message"] == str(reported.error)
+    assert str(reported.error).startswith("job.zip: ")
+
+
+def test_a_fault_of_atleak_s_own_is_told_from_a_bad_file() -> None:
+    row = _error(small_unit(1, Faulty))
+    assert row["kind"] == "fault"
+    assert row["message"] == "unit 1: unexpected ZeroDivisionError: of atleak's own. This is a fault of atleak"
+
+
+def test_a_unit_for_which_the_memory_does_not_suffice_is_as_one_whose_worker_was_ended() -> None:
+    assert _error(small_unit(1, Short))["kind"] == "ended"
+
+
+def test_a_lack_of_memory_is_known_behind_the_package_s_own_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def short(case: Case, *_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(Case, "_diagnosed", short)
+    row = _error(small_unit(1))
+    assert row["kind"] == "ended"
+    assert "MemoryError" in row["message"]
+
+
+def test_rows_travel_as_they_are() -> None:
+    rows = evaluate(small_unit(3))
+    packed = Packed.of(rows)
+    assert packed.error is None
+    arrived = packed.rows
+    assert {name: table.to_pylist() for name, table in arrived.tables.items()} == {
+        name: table.to_pylist() for name, table in rows.tables.items()
+    }
+    assert set(arrived.tables) <= set(DATA_SETS)
+    assert Packed.of(evaluate(bad_unit(1))).error == "refused"
