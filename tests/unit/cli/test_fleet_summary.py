@@ -127,6 +127,8 @@ def test_the_summary_goes_to_a_pdf_and_a_workbook_in_the_reader_s_language(run: 
     status, out, err = run("fleet", "summary", tmp_path / "results", "--pdf", pdf, "--xlsx", xlsx, "--language", "de")
     assert (status, err) == (0, "")
     assert f"written: {pdf}" in out
+    status, out, _ = run("fleet", "summary", tmp_path / "results", "--xlsx", tmp_path / "en.xlsx", "--json", "-")
+    assert (status, json.loads(out)["visits"]) == (0, 12)
     with pypdfium2.PdfDocument(pdf) as document:
         assert wording("de")("fleet_summary.title") in document[0].get_textpage().get_text_range()
     pairs = CalamineWorkbook.from_path(xlsx).get_sheet_by_name(wording("de")("fleet_sheets.pairs")).to_python()
