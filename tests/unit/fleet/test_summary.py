@@ -10,9 +10,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from atleak.diagnosis import Diagnosis
 from atleak.equations.proportions import newcombe_interval, wilson_interval
 from atleak.errors import FleetError, InputError
 from atleak.fleet.results import Results
+from atleak.fleet.rows import rows_of
 from atleak.fleet.summary import summed_up
 from atleak.fleet.summed import FleetSummary, ValveBody
 from atleak.spreads import PARTS, Rate, Spread
@@ -20,6 +22,7 @@ from atleak.verdicts import Verdict
 
 from .few_units import Measured, Unit, condition, results_of, temperature_class
 from .made_up import CONTROLLERS, ERRORS, GROUPS, WORSE, WORSE_BY, made_up_results
+from .test_rows import JOB, Named
 from .writing import failed
 
 BODY = CONTROLLERS[0]
@@ -264,6 +267,35 @@ def test_what_was_written_first_changes_nothing(tmp_path: Path) -> None:
     assert (first.bodies, first.worst) == (turned.bodies, turned.worst)
 
 
+def test_a_unit_that_was_diagnosed_is_summed_up_to_its_own_result(
+    tmp_path: Path, sample_diagnoses: dict[str, Diagnosis]
+) -> None:
+    diagnosis = sample_diagnoses["workshop"]
+    with Results.open(tmp_path, for_writing=True) as results:
+        results.add([rows_of(Named(), diagnosis, JOB)])
+    summary = summed_up(Results.open(tmp_path), by="supplier")
+    (body,), (unit,) = summary.bodies, summary.worst
+    assert (body.controller, summary.headings) == (diagnosis.controller.id, ("group", "batch", "supplier"))
+    assert (unit.verdict, unit.decision, unit.label) == (diagnosis.verdict, diagnosis.decision, "Almar")
+    assert (unit.serial, unit.date, unit.mileage_km) == ("S 7", JOB.date, diagnosis.mileage or 90e3)
+    lands = {land.key: land for land in diagnosis.lands}
+    assert {each.key for each in body.pairs} == set(lands)
+    for each in body.pairs:
+        assert each.flagged.count + each.flagged_by_one_part == lands[each.key].verdict.flagged
+    for land in body.wear:
+        of_unit = lands[land.key]
+        whole = of_unit.state.status == "measured" and of_unit.state.land.seal is None
+        assert (land.latest_percent is not None) == whole
+        if land.latest_percent is not None and of_unit.wear is not None:
+            assert land.latest_percent.mean == pytest.approx(100.0 * of_unit.wear, abs=_NEAR)
+    for found, projection in zip(body.conditions, diagnosis.projections, strict=True):
+        assert found.label == projection.condition.label
+        assert found.share_percent is not None
+        assert found.share_percent.mean == pytest.approx(100.0 * projection.share, abs=_NEAR)
+    assert body.temperatures
+    assert sum(each.seconds for each in body.temperatures) > 0.0
+
+
 # --- what counts ---
 
 
@@ -493,6 +525,30 @@ def test_components_stand_in_the_order_of_their_numbers(tmp_path: Path) -> None:
     assert [land.key for land in body.wear] == [("valve", 1), ("2", 1), ("2", 2), ("10", 1), ("12'", 1)]
 
 
+def test_of_very_many_groups_the_largest_are_compared_with_all_others(tmp_path: Path) -> None:
+    random = np.random.default_rng(6)
+    sizes = {f"g{n:02}": 12 if n < 2 else 1 for n in range(40)}
+    units = [
+        Unit(
+            f"{name} {n}",
+            {("8", 1): Measured(float(random.normal(40.0 if name == "g01" else 20.0, 3.0)))},
+            own={"group": name},
+        )
+        for name, size in sizes.items()
+        for n in range(size)
+    ]
+    (body,) = summed_up(results_of(tmp_path, units), by="group").bodies
+    comparison = body.comparison
+    assert comparison is not None
+    assert len(comparison.groups) == 40
+    assert len({each.first for each in comparison.lands}) == 30
+    assert [each.first for each in comparison.lands if each.mean_points and each.mean_points.differs] == ["g01"]
+    second = comparison.lands[0].second_percent
+    assert (comparison.lands[0].second, second and second.units) == (None, len(units) - 12)
+    assert {each.second_units for each in comparison.verdicts if each.first == "g01"} == {len(units) - 12}
+    assert "many_groups" in {message.code for message in comparison.messages}
+
+
 # --- what cannot be summed up ---
 
 
@@ -501,6 +557,12 @@ def test_what_nobody_states_is_refused_with_what_there_is(folder: Path) -> None:
         summed_up(Results.open(folder), by="supplyer")
     with pytest.raises(InputError, match=r"four_speed.*four_speed_2023"):
         summed_up(Results.open(folder), controller="four_speed")
+
+
+def test_what_differs_from_unit_to_unit_makes_no_groups(tmp_path: Path) -> None:
+    units = [Unit(str(n), own={"group": f"g{n}"}) for n in range(201)]
+    with pytest.raises(InputError, match="201 different values"):
+        summed_up(results_of(tmp_path, units), by="group")
 
 
 def test_results_without_any_unit_are_refused(tmp_path: Path) -> None:
