@@ -245,7 +245,7 @@ class _Finder:
     def _add_table(self, path: Path) -> None:
         units = TableUnits(path, self._defaults)
         self.sources.append(units)
-        labels = units.table.labels
+        labels = units.labels
         if labels:
             text = Sentence("columns that are kept as labels of their units: {names}", names=labels)
             self.messages.append(Message("info", "labels", text, Place(path.name, units.table.sheet)))

@@ -20,7 +20,7 @@ from atleak.fleet.table_cells import DATES, RowCells, day_order, file_at, placed
 from atleak.fleet.units import TABLE, FleetUnit, travelling
 from atleak.intake.dates import Order
 from atleak.intake.road_test import default_path, understand
-from atleak.intake.unit_table import MEASURED, TableRow, UnitTable, read_unit_table
+from atleak.intake.unit_table import MEASURED, TableColumn, TableRow, UnitTable, read_unit_table
 from atleak.job.case import SLOTS, Case, Choice, SourceFile, with_log_choices
 from atleak.job.of_record import with_record
 from atleak.job.record import Job
@@ -32,6 +32,7 @@ from atleak.written_numbers import (
 )
 
 _IDENTIFIED_BY = (*MEASURED, "where", "number")  # a row stays the same unit while these stay
+_NO_LABELS = ("job_file", "group", "customer", "plate", "technician")  # what leads to a person is kept nowhere
 _KEY = 16  # hexadecimal digits
 _START = 64 << 10  # bytes of a log in which its header stands
 _GEAR = AskedNumber(Sentence("gear"), "", 3.0, (-9.0, 20.0))
@@ -74,6 +75,14 @@ class TableUnits:
         """Return the unit whose reference ends with a key; None where no row is that unit any more."""
         rows = zip(self.table.rows, self._keys, strict=True)
         return next((self._unit(row, own) for row, own in rows if own == key), None)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Return the headings of all columns that are kept as labels, be it of those rows alone that name a job file."""
+        table = self.table
+        if not any(text_of(table.cell(row, "job_file")) for row in table.rows):
+            return table.labels
+        return tuple(column.heading for column in table.columns if _is_label(column, every=True))
 
     @cached_property
     def _keys(self) -> list[str]:
@@ -212,9 +221,12 @@ def _recorded(case: Case, job: Job) -> Case:
 def _labels(table: UnitTable, row: TableRow, *, every: bool) -> Iterator[tuple[str, str]]:
     """Yield what stands in the table's own columns; beside a job file also what its record would have said."""
     for column, cell in zip(table.columns, row.cells, strict=False):
-        own = column.meaning is None or (every and column.meaning not in ("job_file", "group"))
-        if own and column.heading and (text := text_of(cell)):
+        if _is_label(column, every=every) and (text := text_of(cell)):
             yield column.heading, text
+
+
+def _is_label(column: TableColumn, *, every: bool) -> bool:
+    return bool(column.heading) and (column.meaning is None or (every and column.meaning not in _NO_LABELS))
 
 
 def _with_remembered(case: Case, remembered: Path) -> Case:
