@@ -21,7 +21,7 @@ import pyarrow.compute as pc
 from filelock import FileLock
 
 from atleak.doors import DAMAGE, damaged
-from atleak.errors import FleetError, Place
+from atleak.errors import FleetError, OutputError, Place
 from atleak.fleet.columns import DATA_SETS, HASH, PARTITION, DataSet, Rows, columns_of
 from atleak.fleet.parts import (
     BESIDE,
@@ -38,6 +38,7 @@ from atleak.fleet.parts import (
 )
 from atleak.fleet.results_folder import check_free, check_readable, check_version, locked, write_run
 from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 
 _SMALL = 1000  # units: a part with fewer is merged with others
 _TRIES = 20  # at reading while a run puts other parts in place of those that were there
@@ -80,7 +81,7 @@ class Results:
         FleetError
             the folder holds something else, or results of another version; another run is writing there.
         OutputError
-            the folder cannot be made or written to.
+            the folder cannot be made or written to, or what is to be replaced cannot be removed.
         """
         folder = Path(folder)
         if not for_writing:
@@ -187,7 +188,9 @@ class Results:
 
     def _begin(self, *, replace: bool) -> None:
         if replace:
-            self._remove([part for data_set in (*COMMITTING, *BESIDE) for part in parts_of(self.folder, data_set)])
+            for part in [part for data_set in COMMITTING for part in parts_of(self.folder, data_set)]:
+                _remove_counting(part.under(self.folder))
+            self._remove([part for data_set in BESIDE for part in parts_of(self.folder, data_set)])
         else:
             check_version(self.folder)
         write_run(self.folder)
@@ -293,6 +296,16 @@ class Results:
         for part in parts:
             with contextlib.suppress(OSError):
                 part.under(self.folder).unlink()
+
+
+def _remove_counting(path: Path) -> None:
+    """Remove a part that counts as long as it is there: beside results of another version, that is never to be."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        problem = Sentence("cannot be removed: {reason}", reason=reason_of(error))
+        expected = Sentence("a file that no other program has open")
+        raise OutputError(problem, place=Place(file=str(path)), expected=expected) from error
 
 
 def _last_of_each(rows: Sequence[Rows]) -> list[Rows]:
