@@ -43,6 +43,8 @@ from atleak.system.reasons import reason_of
 _SMALL = 1000  # units: a part with fewer is merged with others
 _TRIES = 20  # at reading while a run puts other parts in place of those that were there
 
+Standing = tuple[str, str | None]
+"""The reference and the group under which a unit stands in the results."""
 Counts = Sequence[bool]  # of the rows of a part of `units` or `errors`
 
 
@@ -52,6 +54,7 @@ class _Units:
 
     hashes: tuple[str, ...]
     references: tuple[str, ...]
+    groups: tuple[str | None, ...]
     beside: tuple[DataSet, ...]  # of which a part was written with it; none of an error
 
 
@@ -113,6 +116,15 @@ class Results:
     def done(self) -> set[str]:
         """Return the hashes of all units that have a result or an error."""
         return {sha256 for part, counts in self._counting() for sha256 in compress(self._known[part].hashes, counts)}
+
+    def standing(self) -> dict[str, Standing]:
+        """Return, by the hash of every unit that has a result or an error, as what it stands there."""
+        found: dict[str, Standing] = {}
+        for part, counts in self._counting():
+            units = self._known[part]
+            all_rows = zip(units.hashes, zip(units.references, units.groups, strict=True), strict=True)
+            found.update(compress(all_rows, counts))
+        return found
 
     def failed(self) -> set[str]:
         """Return the hashes of all units that have an error."""
@@ -213,8 +225,9 @@ class Results:
         return [(part, [next(counts) for _ in units.hashes]) for part, units in self._known.items()]
 
     def _units_of(self, part: Part) -> _Units:
-        table, beside = self._read(part, [HASH, "reference"])
-        return _Units(tuple(table[HASH].to_pylist()), tuple(table["reference"].to_pylist()), beside)
+        table, beside = self._read(part, [HASH, "reference", "group"])
+        hashes, references, groups = (tuple(column.to_pylist()) for column in table.columns)
+        return _Units(hashes, references, groups, beside)
 
     def _table(self, data_set: DataSet, columns: Sequence[str] | None, controllers: Collection[str] | None) -> pa.Table:
         schema = columns_of(data_set).append(pa.field(PARTITION, pa.string()))

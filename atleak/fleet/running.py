@@ -14,7 +14,7 @@ import queue
 import secrets
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,7 +25,7 @@ from tornado.platform.asyncio import BaseAsyncIOLoop
 from atleak.doors import unexpected
 from atleak.errors import FleetError, InputError, Place
 from atleak.fleet.columns import ErrorKind
-from atleak.fleet.results import Results
+from atleak.fleet.results import Results, Standing
 from atleak.fleet.rows import Rows, error_rows
 from atleak.fleet.task import OVERDUE, OtherVersionError, Packed, on_worker, packed_unit
 from atleak.fleet.units import FleetUnit
@@ -67,7 +67,8 @@ class Run:
     units
         each is asked for when its turn comes.
     known
-        hashes of units that have a result, or an error, already.
+        by its hash, each unit that has a result, or an error, already, and as what it stands there: one that was moved
+        is evaluated anew, and takes the place of what stands there.
     results
         open for writing.
     client
@@ -81,7 +82,7 @@ class Run:
     def __init__(
         self,
         units: Iterable[FleetUnit],
-        known: Collection[str],
+        known: Mapping[str, Standing],
         results: Results,
         client: Client,
         time_limit: float | None,
@@ -192,7 +193,7 @@ class Run:
                 self._all_seen = True
             elif unit.input_sha256 not in self.met:  # else it is the same as another one
                 self.met.add(unit.input_sha256)
-                if unit.input_sha256 in self._known:
+                if self._known.get(unit.input_sha256) == (unit.reference, unit.group):
                     self.before += 1
                 else:
                     self._waiting.append(_Try(unit))

@@ -211,7 +211,7 @@ def test_what_cannot_be_removed_stops_before_another_version_takes_the_folder(
         unlink(self, missing_ok)
 
     monkeypatch.setattr(Path, "unlink", refusing)
-    with pytest.raises(OutputError, match="cannot be removed: .*; expected a file that no other") as raised:
+    with pytest.raises(OutputError, match=r"cannot be removed: .*; expected a file that no other") as raised:
         Results.open(folder, for_writing=True, replace=True)
     assert raised.value.place.file == str(held)
     assert (folder / "run.json").read_bytes() == before

@@ -111,6 +111,27 @@ def test_a_file_that_took_the_name_of_another_loses_neither(client: Client, resu
     assert (finished.before, finished.evaluated, finished.twice) == (0, 2, 0)
 
 
+@pytest.mark.parametrize(("suffix", "group"), [(" moved", "north"), ("", "south")])
+def test_a_unit_that_was_moved_stands_once_and_where_it_is_now(
+    client: Client, results: Results, suffix: str, group: str
+) -> None:
+    first, bad, other = replace(small_unit(1), group="north"), replace(bad_unit(2), group="north"), small_unit(3)
+    run_fleet([first, bad, other], results, client)
+    moved = [
+        replace(each, name=f"{each.name}, moved", reference=f"{each.reference}{suffix}", group=group)
+        for each in (first, bad)
+    ]
+    copies = [replace(each, reference=f"{each.reference} copied") for each in moved]
+    for before, evaluated in ((1, 1), (3, 0)):
+        finished = run_fleet([*moved, other, *copies], results, client)
+        assert (finished.before, finished.evaluated, finished.twice) == (before, evaluated, 2)
+        rows = [row for name in ("units", "errors") for row in results.table(name).to_pylist()]
+        told = {(row["name"], row["reference"], row["group"]) for row in rows}
+        assert told == {(each.name, each.reference, each.group) for each in (*moved, other)}
+        assert len(rows) == 3
+        assert len(set(results.table("lands")["input_sha256"].to_pylist())) == 2
+
+
 def test_errors_are_tried_again_where_that_is_asked_for(
     client: Client, results: Results, failing: Failing, tmp_path: Path
 ) -> None:
@@ -194,7 +215,7 @@ def test_a_unit_that_waited_at_a_worker_that_left_is_not_to_blame(
         return _killed("tcp://gone:4")
 
     failing(left)
-    run = Run([small_unit(1)], (), results, client, 30.0, lambda run: None)
+    run = Run([small_unit(1)], {}, results, client, 30.0, lambda run: None)
     run._left.add("tcp://gone:4")
     run.go()
     assert results.table("units").column("tries").to_pylist() == [1]
@@ -223,7 +244,7 @@ def test_what_is_finished_is_kept_when_the_run_is_interrupted(client: Client, re
 
     units = [*map(small_unit, range(12))]
     with pytest.raises(KeyboardInterrupt):
-        Run(units, (), results, client, None, interrupted).go()
+        Run(units, {}, results, client, None, interrupted).go()
     kept = _rows(results)
     assert 3 <= len(kept) < 12
     finished = run_fleet(units, results, client)
@@ -252,7 +273,7 @@ def test_a_scheduler_that_ends_is_named_and_what_was_finished_is_kept(results: R
         ) as other,
         pytest.raises(FleetError, match="the scheduler does not answer any more"),
     ):
-        Run(units, (), results, other, None, ended).go()
+        Run(units, {}, results, other, None, ended).go()
     assert 2 <= len(_rows(results)) < 12
 
 
