@@ -78,7 +78,7 @@ class TableUnits:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Return the headings of all columns that are kept as labels, be it of those rows alone that name a job file."""
+        """Return the headings of all columns that are kept as labels, be it of rows alone that name a job file."""
         table = self.table
         if not any(text_of(table.cell(row, "job_file")) for row in table.rows):
             return table.labels

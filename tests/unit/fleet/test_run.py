@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import pickle
+import socket
 import sys
 import time
 from collections import Counter
@@ -283,6 +284,44 @@ def test_nobody_at_an_address_is_said_in_words(monkeypatch: pytest.MonkeyPatch) 
     with pytest.raises(FleetError, match="no dask scheduler answers there") as error:
         connected(address).__enter__()
     assert address in str(error.value)
+
+
+@pytest.mark.parametrize("address", ["nonsense", "http://x:80", "tcp://:8786", "tcp://x:0", "tcp://x:65536", "x:²"])
+def test_what_is_no_address_is_refused_before_anything_tries_to_reach_it(
+    address: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "_answering", None)
+    with pytest.raises(FleetError, match=r"is no address of a scheduler \(found .*; expected the address that"):
+        connected(address).__enter__()
+
+
+def test_what_listens_and_says_nothing_is_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "_ANSWER", 0.5)
+    with (
+        socket.create_server((HERE, 0)) as silent,
+        pytest.raises(FleetError, match=r"no dask scheduler answers there: no answer within 0\.5 s"),
+    ):
+        connected(f"tcp://{HERE}:{silent.getsockname()[1]}").__enter__()
+
+
+def test_a_client_that_cannot_be_made_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else it goes on trying, and holds up the program's end."""
+    made: list[Client] = []
+    start = Client.start
+
+    async def answering(address: str) -> None:
+        """The scheduler ends in the moment after its answer."""
+
+    def starting(self: Client, **options: Any) -> None:
+        made.append(self)
+        start(self, **options)
+
+    monkeypatch.setattr(cluster, "_answering", answering)
+    monkeypatch.setattr(cluster, "_ANSWER", 0.5)
+    monkeypatch.setattr(Client, "start", starting)
+    with pytest.raises(FleetError, match="no dask scheduler answers there"):
+        connected(f"tcp://{HERE}:9").__enter__()
+    assert [each.status for each in made] == ["closed"]
 
 
 def test_without_dask_the_run_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
