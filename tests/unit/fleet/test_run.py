@@ -27,7 +27,7 @@ from atleak.fleet.cluster import HERE, SETTINGS, connected
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress, run_fleet
 from atleak.fleet.running import Run
-from atleak.fleet.task import OVERDUE, on_worker
+from atleak.fleet.task import BEGUN, OVERDUE, on_worker
 from atleak.fleet.units import FleetUnit
 
 from .small_units import Short, bad_unit, small_unit
@@ -202,6 +202,31 @@ def test_a_unit_that_takes_too_long_has_one_more_try(client: Client, results: Re
     (row,) = results.table("errors").to_pylist()
     assert (row["tries"], row["name"]) == (running.TRIES_OVERDUE, "unit 0")
     assert row["message"] == "unit 0: takes longer than the 30 s that one unit may take"
+
+
+@pytest.mark.parametrize(("after", "kind"), [("handed out", "ended"), ("begun", "time limit")])
+def test_the_time_of_a_unit_alone_counts_from_where_its_worker_begins_it(
+    client: Client, results: Results, monkeypatch: pytest.MonkeyPatch, after: str, kind: str
+) -> None:
+    """A worker that ends long after it was handed the unit may have been starting all the time."""
+
+    def ending(unit: bytes, name: str, tries: int, **options: Any) -> Any:
+        if options["tell_begun"]:
+            if after == "begun":
+                get_worker().log_event(BEGUN, {"name": name})
+            time.sleep(0.4)
+        raise _killed()
+
+    monkeypatch.setattr(running, "on_worker", ending)
+    monkeypatch.setattr(running, "_TOLD_WITHIN", 0.0)
+    assert run_fleet([small_unit(1)], results, client, time_limit=0.2).errors == {kind: 1}
+
+
+def test_a_worker_says_when_it_begins_a_unit_alone(client: Client, results: Results, failing: Failing) -> None:
+    failing(lambda unit, tries: _killed() if tries == 1 else None)
+    run = Run([small_unit(1)], {}, results, client, 30.0, lambda run: None)
+    run.go()
+    assert len(run._begun) == 1
 
 
 def test_a_unit_that_waited_at_a_worker_that_left_is_not_to_blame(
