@@ -117,9 +117,10 @@ def _run(options: argparse.Namespace) -> int:
     found = _found(options)
     limit = TIME_LIMIT if options.time_limit is None else options.time_limit or None
     with (
+        Results.reserved(options.out, replace=options.replace) as results,
         connected(options.scheduler, options.workers) as client,
-        Results.open(options.out, for_writing=True, replace=options.replace) as results,
     ):
+        results.begin(replace=options.replace)
         with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
             note(options.out)
         try:

@@ -36,7 +36,7 @@ from atleak.fleet.parts import (
     write_columns,
     write_part,
 )
-from atleak.fleet.results_folder import check_free, check_readable, check_version, locked, write_run
+from atleak.fleet.results_folder import check_free, check_readable, check_version, locked, remove_empty, write_run
 from atleak.sentence import Sentence
 from atleak.system.reasons import reason_of
 
@@ -61,9 +61,10 @@ class _Units:
 class Results:
     """The results of a fleet in a folder; for writing they are open to one program at a time."""
 
-    def __init__(self, folder: Path, lock: FileLock | None = None) -> None:
+    def __init__(self, folder: Path, lock: FileLock | None = None, *, made: bool = False) -> None:
         self.folder = folder
         self._lock = lock
+        self._made = made  # the folder was not there, and nothing is written to it yet
         self._known: dict[Part, _Units] = {}  # a part never changes
 
     @classmethod
@@ -90,10 +91,35 @@ class Results:
         if not for_writing:
             check_readable(folder)
             return cls(folder)
-        check_free(folder)
-        results = cls(folder, locked(folder))
+        results = cls.reserved(folder, replace=replace)
         try:
-            results._begin(replace=replace)
+            results.begin(replace=replace)
+        except BaseException:
+            results.close()
+            raise
+        return results
+
+    @classmethod
+    def reserved(cls, folder: str | Path, *, replace: bool = False) -> Self:
+        """Check a folder as `open` for writing does and keep others from it, but change nothing in it before `begin`.
+
+        Parameters
+        ----------
+        folder, replace
+            as of `open`. A folder that is made here goes again where nothing is begun.
+
+        Raises
+        ------
+        FleetError, OutputError
+            as of `open`.
+        """
+        folder = Path(folder)
+        made = not folder.exists()
+        check_free(folder)
+        results = cls(folder, locked(folder), made=made)
+        try:
+            if not replace:
+                check_version(folder)
         except BaseException:
             results.close()
             raise
@@ -112,6 +138,8 @@ class Results:
         if self._lock is not None:
             self._lock.release()
             self._lock = None
+            if self._made:
+                remove_empty(self.folder)
 
     def done(self) -> set[str]:
         """Return the hashes of all units that have a result or an error."""
@@ -198,13 +226,19 @@ class Results:
                 with contextlib.suppress(OSError):
                     path.unlink()
 
-    def _begin(self, *, replace: bool) -> None:
+    def begin(self, *, replace: bool) -> None:
+        """Have a folder that is reserved hold results of this version, and nothing else where they are to be replaced.
+
+        Raises
+        ------
+        OutputError
+            it cannot be written to, or what is to be replaced cannot be removed.
+        """
+        self._made = False
         if replace:
             for part in [part for data_set in COMMITTING for part in parts_of(self.folder, data_set)]:
                 _remove_counting(part.under(self.folder))
             self._remove([part for data_set in BESIDE for part in parts_of(self.folder, data_set)])
-        else:
-            check_version(self.folder)
         write_run(self.folder)
         for data_set in DATA_SETS:
             write_columns(self.folder, data_set, anew=replace)
