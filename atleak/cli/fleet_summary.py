@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from atleak.cli.parser import add_command
@@ -16,7 +19,7 @@ def add_summary(group: Any) -> None:
         "summary",
         run,
         "what the results of a fleet say together: verdicts, wear over mileage, the worst lands, temperatures, groups",
-        usage="atleak fleet summary RESULTS [--by HEADING] [--controller ID] [--json FILE|-] [options]",
+        usage="atleak fleet summary RESULTS [--by HEADING] [--controller ID] [--json FILE|-] [--errors] [options]",
         examples=(
             "fleet summary results",
             "fleet summary results --by supplier",
@@ -29,6 +32,7 @@ def add_summary(group: Any) -> None:
     )
     parser.add_argument("--controller", metavar="ID", help="the units of this valve body alone")
     parser.add_argument("--list", metavar="N", type=_count, help="list so many of the worst units")
+    parser.add_argument("--errors", action="store_true", help="list instead every unit without a result, and why")
     add_json(parser)
     add_force(parser)
 
@@ -49,6 +53,10 @@ def run(options: argparse.Namespace) -> int:
 
     check_targets(options, [], [("record", options.json)])
     results = Results.open(options.results)
+    if options.errors and options.json is None:
+        for row in results.table("errors", columns=["name", "kind", "message"]).to_pylist():
+            print(f"{named_error(row)} ({row['kind']})")
+        return 0
     listed = LISTED if options.list is None else options.list
     summary = summed_up(results, by=options.by, controller=options.controller, listed=listed)
     if options.json != "-":
@@ -56,3 +64,13 @@ def run(options: argparse.Namespace) -> int:
     if options.json is not None:
         say_written(write_json(options.json, summary_record(summary)))
     return 0
+
+
+def named_error(row: Mapping[str, str]) -> str:
+    """Return the message of an error with the unit's name before it, unless it names the unit itself."""
+    name, message = row["name"], row["message"]
+    if message.startswith(name):
+        return message
+    path = Path(name)
+    named = message.startswith(f"{path.name}: ") and path.name != name
+    return f"{path.parent}{os.sep}{message}" if named else f"{name}: {message}"

@@ -101,7 +101,7 @@ def test_a_bad_file_stops_no_other_and_ends_with_status_2(
     (jobs / "bad.zip").unlink()
     status, _, told = run("fleet", "run", jobs, "--out", out)
     assert status == 0
-    assert "1 of units that are not among these" in told
+    assert "1 of units that were not given this time" in told
     run("fleet", "run", jobs, "--out", out, "--retry-errors")
     assert asked["retry_errors"] is True
 
@@ -204,6 +204,37 @@ def test_without_its_workers_one_sentence_says_what_to_install(
     assert (status, printed) == (2, "")
     assert told.startswith("atleak: a fleet run needs dask.distributed, which is not installed")
     assert not (tmp_path / "results").exists()
+
+
+def test_units_of_earlier_runs_are_counted_and_an_error_comes_before_a_level(
+    run: Run, asked: dict[str, Any], jobs: Path, small_sheet: Callable[..., Path], tmp_path: Path
+) -> None:
+    out, given = tmp_path / "results", jobs / "north" / "1.zip"
+    _, printed, _ = run("fleet", "run", given, "--out", out)
+    assert printed.splitlines() == [f"1 unit in 2 s; 1 with a result in {out}:", "       1  ○ not measured"]
+    _, printed, _ = run("fleet", "run", jobs / "south", "--out", out)
+    assert printed.splitlines()[-1] == "1 unit of these was not given this time"
+    (jobs / "bad.zip").write_bytes(b"no job at all")
+    small_sheet(sleeve=11.2)
+    table = tmp_path / "fleet.csv"
+    table.write_text("sheet,controller\nsmall.csv,minimal_example\n", encoding="utf-8")
+    for more, expected in (((), 1), ((jobs / "bad.zip",), 2)):
+        assert run("fleet", "run", table, *more, "--out", out, "--fail-on", "critical")[0] == expected
+
+
+def test_where_not_all_errors_are_printed_a_command_lists_them(
+    run: Run, asked: dict[str, Any], jobs: Path, tmp_path: Path
+) -> None:
+    for number in range(33):
+        (jobs / f"bad {number}.zip").write_bytes(b"no job at all %d" % number)
+    status, _, told = run("fleet", "run", jobs, "--out", tmp_path / "results")
+    assert status == 2
+    assert "atleak: 33 without a result (refused):" in told
+    assert told.count("is no sound zip") == 30
+    (line,) = [line for line in told.splitlines() if "… and 3 more: `atleak " in line]
+    status, listed, _ = run(*line.partition("`atleak ")[2].partition("` lists all")[0].split(" ", 3))
+    assert (status, len(listed.splitlines())) == (0, 33)
+    assert all(": is no sound zip" in each and each.endswith(" (refused)") for each in listed.splitlines())
 
 
 @pytest.fixture
