@@ -6,10 +6,26 @@ import argparse
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import add_force, add_json, check_targets, say_written, write_json
+from atleak.cli.shared import (
+    add_force,
+    add_json,
+    add_print,
+    check_targets,
+    print_font,
+    print_options,
+    say_written,
+    write,
+    write_json,
+)
+
+if TYPE_CHECKING:
+    from atleak.fleet.results import Results
+    from atleak.fleet.summed import FleetSummary
+    from atleak.report.own_font import OwnFont
+    from atleak.system.marks import Kind
 
 
 def add_summary(group: Any) -> None:
@@ -19,10 +35,10 @@ def add_summary(group: Any) -> None:
         "summary",
         run,
         "what the results of a fleet say together: verdicts, wear over mileage, the worst lands, temperatures, groups",
-        usage="atleak fleet summary RESULTS [--by HEADING] [--controller ID] [--json FILE|-] [--errors] [options]",
+        usage="atleak fleet summary RESULTS [--by HEADING] [--pdf FILE] [--xlsx FILE] [--json FILE|-] [options]",
         examples=(
             "fleet summary results",
-            "fleet summary results --by supplier",
+            "fleet summary results --by supplier --pdf fleet.pdf --xlsx fleet.xlsx",
             "fleet summary results --controller four_speed_2023 --json -",
         ),
     )
@@ -33,6 +49,9 @@ def add_summary(group: Any) -> None:
     parser.add_argument("--controller", metavar="ID", help="the units of this valve body alone")
     parser.add_argument("--list", metavar="N", type=_count, help="list so many of the worst units")
     parser.add_argument("--errors", action="store_true", help="list instead every unit without a result, and why")
+    parser.add_argument("--pdf", metavar="FILE.pdf", help="the summary on a few pages, with charts")
+    parser.add_argument("--xlsx", metavar="FILE.xlsx", help="everything of the summary as a workbook, with charts")
+    add_print(parser)
     add_json(parser)
     add_force(parser)
 
@@ -51,19 +70,31 @@ def run(options: argparse.Namespace) -> int:
     from atleak.fleet.summary_terminal import print_summary
     from atleak.fleet.summed import LISTED
 
-    check_targets(options, [], [("record", options.json)])
+    targets: list[tuple[Kind, str | None]] = [("PDF", options.pdf), ("report workbook", options.xlsx)]
+    check_targets(options, [], [("record", options.json), *targets])
+    formats = [name for name in ("pdf", "xlsx") if getattr(options, name) is not None]
+    printed, font = print_options(options, formats), print_font(options, formats)
     results = Results.open(options.results)
-    if options.errors and options.json is None:
-        for row in results.table("errors", columns=["name", "kind", "message"]).to_pylist():
-            print(f"{named_error(row)} ({row['kind']})")
+    if options.errors and options.json is None and not formats:
+        _list_errors(results)
         return 0
     listed = LISTED if options.list is None else options.list
     summary = summed_up(results, by=options.by, controller=options.controller, listed=listed)
+    written = _write_papers(summary, options, printed, font)
+    if options.json is not None:  # written last: standard output stays empty when another file fails
+        written += write_json(options.json, summary_record(summary))
     if options.json != "-":
-        print_summary(summary)
-    if options.json is not None:
-        say_written(write_json(options.json, summary_record(summary)))
+        if options.errors:
+            _list_errors(results)
+        else:
+            print_summary(summary)
+        say_written(written)
     return 0
+
+
+def _list_errors(results: Results) -> None:
+    for row in results.table("errors", columns=["name", "kind", "message"]).to_pylist():
+        print(f"{named_error(row)} ({row['kind']})")
 
 
 def named_error(row: Mapping[str, str]) -> str:
@@ -74,3 +105,19 @@ def named_error(row: Mapping[str, str]) -> str:
     path = Path(name)
     named = message.startswith(f"{path.name}: ") and path.name != name
     return f"{path.parent}{os.sep}{message}" if named else f"{name}: {message}"
+
+
+def _write_papers(
+    summary: FleetSummary, options: argparse.Namespace, printed: dict[str, str], font: OwnFont | None
+) -> list[str]:
+    """Write the PDF and the workbook where they are asked for; return the names of the files written."""
+    written: list[str] = []
+    if options.xlsx is not None:
+        from atleak.fleet.summary_workbook import write_summary_workbook
+
+        written += write(options.xlsx, write_summary_workbook(summary, **printed))
+    if options.pdf is not None:
+        from atleak.fleet.summary_pdf import write_summary_pdf
+
+        written += write(options.pdf, write_summary_pdf(summary, **printed, font=font))
+    return written

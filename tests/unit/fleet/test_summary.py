@@ -10,9 +10,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from atleak.diagnosis import Diagnosis
 from atleak.equations.proportions import newcombe_interval, wilson_interval
 from atleak.errors import FleetError, InputError
 from atleak.fleet.results import Results
+from atleak.fleet.rows import rows_of
 from atleak.fleet.summary import summed_up
 from atleak.fleet.summed import FleetSummary, ValveBody
 from atleak.spreads import PARTS, Rate, Spread
@@ -20,6 +22,7 @@ from atleak.verdicts import Verdict
 
 from .few_units import Measured, Unit, condition, results_of, temperature_class
 from .made_up import CONTROLLERS, ERRORS, GROUPS, WORSE, WORSE_BY, made_up_results
+from .test_rows import JOB, Named
 from .writing import failed
 
 BODY = CONTROLLERS[0]
@@ -262,6 +265,35 @@ def test_what_was_written_first_changes_nothing(tmp_path: Path) -> None:
         summed_up(results_of(tmp_path / name, order), by="group") for name, order in (("a", units), ("b", units[::-1]))
     )
     assert (first.bodies, first.worst) == (turned.bodies, turned.worst)
+
+
+def test_a_unit_that_was_diagnosed_is_summed_up_to_its_own_result(
+    tmp_path: Path, sample_diagnoses: dict[str, Diagnosis]
+) -> None:
+    diagnosis = sample_diagnoses["workshop"]
+    with Results.open(tmp_path, for_writing=True) as results:
+        results.add([rows_of(Named(), diagnosis, JOB)])
+    summary = summed_up(Results.open(tmp_path), by="supplier")
+    (body,), (unit,) = summary.bodies, summary.worst
+    assert (body.controller, summary.headings) == (diagnosis.controller.id, ("group", "batch", "supplier"))
+    assert (unit.verdict, unit.decision, unit.label) == (diagnosis.verdict, diagnosis.decision, "Almar")
+    assert (unit.serial, unit.date, unit.mileage_km) == ("S 7", JOB.date, diagnosis.mileage or 90e3)
+    lands = {land.key: land for land in diagnosis.lands}
+    assert {each.key for each in body.pairs} == set(lands)
+    for each in body.pairs:
+        assert each.flagged.count + each.flagged_by_one_part == lands[each.key].verdict.flagged
+    for land in body.wear:
+        of_unit = lands[land.key]
+        whole = of_unit.state.status == "measured" and of_unit.state.land.seal is None
+        assert (land.latest_percent is not None) == whole
+        if land.latest_percent is not None and of_unit.wear is not None:
+            assert land.latest_percent.mean == pytest.approx(100.0 * of_unit.wear, abs=_NEAR)
+    for found, projection in zip(body.conditions, diagnosis.projections, strict=True):
+        assert found.label == projection.condition.label
+        assert found.share_percent is not None
+        assert found.share_percent.mean == pytest.approx(100.0 * projection.share, abs=_NEAR)
+    assert body.temperatures
+    assert sum(each.seconds for each in body.temperatures) > 0.0
 
 
 # --- what counts ---
