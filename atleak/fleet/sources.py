@@ -249,6 +249,7 @@ class _Finder:
         if labels:
             text = Sentence("columns that are kept as labels of their units: {names}", names=labels)
             self.messages.append(Message("info", "labels", text, Place(path.name, units.table.sheet)))
+        self.messages += units.doubts()
 
     def _add_folder(self, folder: Path, group: str | None) -> None:
         """Add the job files of a folder; the name of a sub-folder is the group of those in it."""

@@ -235,6 +235,30 @@ def test_what_leads_to_a_person_is_no_label_beside_a_job_file(
     assert str(message.text) == "columns that are kept as labels of their units: Serial, Batch"
 
 
+@pytest.mark.parametrize(
+    ("heading", "cell", "said"),
+    [
+        ("Schieberkastn", "mine", "is a mere label of its units; did you mean 'Schieberkasten'?"),
+        (
+            "Schieberkastn",
+            "five_speed_2005",
+            "is a mere label of its units, though it says 'five_speed_2005'; did you mean 'Schieberkasten'?",
+        ),
+        ("Straßenfahrt", "logs/a.csv", "is a mere label of its units, though it says 'logs/a.csv'"),
+        ("Supplier", "Almar", None),
+        ("Batch", "7", None),
+        ("Test stand", ".", None),
+    ],
+)
+def test_a_label_that_may_be_a_misspelt_column_is_doubted(
+    fleet: Fleet, tmp_path: Path, heading: str, cell: str, said: str | None
+) -> None:
+    fleet(f"sheet;{heading}", "b.csv;", f"a.csv;{cell}")
+    messages = find_units([tmp_path / "fleet.csv"]).messages
+    doubts = [(str(each.text), str(each.place)) for each in messages if each.level == "warning"]
+    assert doubts == ([] if said is None else [(said, f"fleet.csv, column {heading}")])
+
+
 def test_rows_are_known_by_their_files_and_number_wherever_they_stand(fleet: Fleet) -> None:
     lines = ["sheet,number,batch", "a.csv,1,x", "b.csv,2,x", "a.csv,3,x"]
     references = {unit.opened()[1].number: unit.reference for unit in fleet(*lines)}
