@@ -29,7 +29,7 @@ OPTIONS.add_argument("--rows", type=int, default=1_800_000)
 OPTIONS.add_argument("--repeat", type=int, default=5)
 OPTIONS.add_argument("--json", action="store_true", help="print one JSON object")
 SMALL = {"rows": 2_000, "repeat": 1}
-LIMITS = {"clean": 1.4, "decimal comma": 1.4, "clock strings": 4.0}
+LIMITS = {"clean": 1.4, "decimal comma": 1.4, "clock strings": 1.4}
 
 
 def write_logs(folder: Path, rows: int) -> dict[str, Path]:

@@ -71,6 +71,18 @@ def steps_over(values: np.ndarray, limit: float) -> np.ndarray:
     return np.concatenate(places) if places else np.zeros(0, int)
 
 
+def turned(table: np.ndarray) -> np.ndarray:
+    """Return a long table of few columns as rows of its columns.
+
+    >>> turned(np.array([[1, 2], [3, 4], [5, 6]])).tolist()
+    [[1, 3, 5], [2, 4, 6]]
+    """
+    result = np.empty(table.shape[::-1], table.dtype)
+    for start in range(0, len(table), _BLOCK):
+        result[:, start : start + _BLOCK] = table[start : start + _BLOCK].T
+    return result
+
+
 def _steps(values: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
     """Yield where a block begins, and its steps, each block's in place of the ones before."""
     room = np.empty(min(_BLOCK, max(len(values) - 1, 0)))

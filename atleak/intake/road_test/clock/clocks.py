@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from atleak.intake.dates import day_number, half_day, likely_order, sure_date
+from atleak.intake.road_test.blocks import turned
 from atleak.intake.units import Unit, find_unit
 from atleak.sentence import Sentence
 
@@ -196,7 +197,7 @@ def text_clock(column: pd.Series) -> Clock | None:
     order = likely_order(dates, [half_day(text) for text in read.texts])
     days = [day_number(text, order) for text in dates]
     halves = [half_day(text) for text in read.texts]
-    used = {int(index) for index in np.unique(read.dates[good])}
+    used = set(np.flatnonzero(np.bincount(read.dates[good])).tolist())
     dated = bool(used) and all(days[index] is not None for index in used)
     as_parts = _three_parts if parts == 3 else _two_parts
     clock = as_parts(read, good, days if dated else None, halves)
@@ -280,22 +281,28 @@ def _read(column: pd.Series) -> _ClockParts:
         dates=np.zeros(size, int),
         texts=[""],
     )
-    packed = _packed(column)
-    if not packed.dtype.itemsize:
+    packed, all_as_long = _packed(column)
+    width = packed.dtype.itemsize
+    if not width:
         return read
-    table = packed.view(np.uint8).reshape(size, packed.dtype.itemsize)
-    lengths = (table != 0).sum(axis=1)
-    for length in np.unique(lengths[lengths > 0]):
-        rows = np.flatnonzero(lengths == length)
+    table = packed.view(np.uint8).reshape(size, width)
+    alike = {width: np.arange(size)} if all_as_long else _by_length(table)
+    for length, rows in alike.items():
         for _ in range(12):  # templates of one length
-            rows = _read_alike(read, table, rows, int(length), column)
+            rows = _read_alike(read, table, rows, length, column)
             if not len(rows):
                 break
     return read
 
 
-def _packed(column: pd.Series) -> np.ndarray:
-    """Return the strings as a fixed-width array of bytes, one byte for each character."""
+def _by_length(table: np.ndarray) -> dict[int, np.ndarray]:
+    """Return the rows of strings of each length."""
+    lengths = (table != 0).sum(axis=1)
+    return {int(length): np.flatnonzero(lengths == length) for length in np.unique(lengths[lengths > 0])}
+
+
+def _packed(column: pd.Series) -> tuple[np.ndarray, bool]:
+    """Return the strings as a fixed-width array of bytes, one for each character, and whether all are as long."""
     try:
         import pyarrow as pa
 
@@ -310,16 +317,16 @@ def _packed(column: pd.Series) -> np.ndarray:
         data = strings.buffers()[2]
         if width and data is not None and bool((np.diff(offsets) == width).all()):
             table = np.frombuffer(data, np.uint8)[offsets[0] : offsets[-1]]
-            if table.max() < 0x80:
-                return table.view(f"S{width}")
+            if table.min() > 0 and table.max() < 0x80:
+                return table.view(f"S{width}"), True
     raw = column.to_numpy(dtype=object)
     missing = column.isna().to_numpy()
     if missing.any():
         raw = np.where(missing, "", raw)
     try:
-        return np.array(raw, dtype="S")
+        return np.array(raw, dtype="S"), False
     except UnicodeEncodeError:
-        return np.array([str(cell).encode("ascii", "replace") for cell in raw], dtype="S")
+        return np.array([str(cell).encode("ascii", "replace") for cell in raw], dtype="S"), False
 
 
 def _read_alike(read: _ClockParts, table: np.ndarray, rows: np.ndarray, length: int, raw: pd.Series) -> np.ndarray:
@@ -331,7 +338,7 @@ def _read_alike(read: _ClockParts, table: np.ndarray, rows: np.ndarray, length: 
     if match is None:
         return rows[1:] if len(rows) < 64 else rows[:0]
     whole = len(rows) == len(table)
-    block = np.ascontiguousarray((table[:, :length] if whole else table[rows, :length]).T)
+    block = turned(table[:, :length] if whole else table[rows, :length])
     digits = np.zeros(length, bool)
     for group in range(1, match.re.groups + 1):
         if match[group] is not None:
