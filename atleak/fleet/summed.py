@@ -234,6 +234,14 @@ class SummedUnit:
     lands_past: int  # of its lands at *replace* or past it
     max_share_percent: float | None  # of its log
     visits: int  # rows of this unit
+    lands_measured: int | None = None
+    lands_total: int | None = None
+
+    @property
+    def ok_in_part(self) -> bool:
+        """Return whether it is ok as far as it was measured: not all of its lands were."""
+        whole = self.lands_measured is not None and self.lands_measured == self.lands_total
+        return self.verdict is Verdict.OK and not whole
 
 
 @dataclass(frozen=True)
@@ -243,6 +251,24 @@ class ErrorKind:
     kind: str  # refused, time limit, ended, fault
     count: int
     first: tuple[tuple[str, str], ...]  # name and message, a few, each message once
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Return the first messages, each with the name of its file."""
+        return tuple(named_message(name, message) for name, message in self.first)
+
+
+def named_message(name: str, message: str) -> str:
+    """Return the message of an error with the unit's name before it, unless it names the unit itself.
+
+    >>> named_message("north/017.zip", "017.zip: is no sound zip"), named_message("table.csv, row 7", "no sheet")
+    ('north/017.zip: is no sound zip', 'table.csv, row 7: no sheet')
+    """
+    if message.startswith(name):
+        return message
+    end = max(name.rfind("/"), name.rfind("\\")) + 1
+    named = 0 < end < len(name) and message.startswith(f"{name[end:]}: ")
+    return f"{name[:end]}{message}" if named else f"{name}: {message}"
 
 
 @dataclass(frozen=True)
