@@ -1,4 +1,4 @@
-"""Work with thousands of units at once: ``atleak fleet run``."""
+"""Work with thousands of units at once: ``atleak fleet run``, and what its results say together."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from atleak.cli.fleet_summary import add_summary
 from atleak.cli.job_options import add_choices, chosen_case
 from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import number
@@ -34,13 +35,15 @@ def add_parser(commands: Any) -> None:
     group = add_group(
         commands,
         "fleet",
-        "thousands of units: diagnosed on all processors or many machines",
+        "thousands of units: diagnosed on all processors or many machines, and summed up",
         examples=(
             "fleet run jobs/ --out results",
             "fleet run fleet.csv --controller four_speed_2023 --out results --fail-on replace",
+            "fleet summary results --by supplier",
         ),
     )
     _add_run(group)
+    add_summary(group)
 
 
 def _add_run(group: Any) -> None:

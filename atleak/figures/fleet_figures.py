@@ -21,7 +21,7 @@ from atleak.fleet.summed import (
     VerdictCounts,
     WearDifference,
 )
-from atleak.look import EDGE, FAINT_GRID, HATCHING, OK_IN_PART, SCREEN, SPREAD, look_of
+from atleak.look import EDGE, FAINT_GRID, HATCHING, OK_IN_PART, SCREEN, SPREADS_ON_SCREEN, look_of
 from atleak.spreads import PARTS, Rate, Spread
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
 from atleak.wording import Wording
@@ -177,7 +177,7 @@ class _Boxes:
         """Draw boxes where there are enough units, thin lines elsewhere, and the medians."""
         here = [each for each in zip(self.edges, self.spreads, self.names, strict=True) if each[1] is not None]
         enough = [each for each in here if each[1] is not None and each[1].quantiles is not None]
-        for number, shade in enumerate(SPREAD):
+        for number, shade in enumerate(SPREADS_ON_SCREEN):
             low, high = number, len(PARTS) - 1 - number
             quantiles = [(spread.quantiles or ()) if spread else () for _, spread, _ in enough]
             ends = [[self._shown(each[place]) for each in quantiles] for place in (low, high)]

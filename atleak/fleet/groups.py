@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -13,7 +14,7 @@ import pandas as pd
 from atleak.equations.proportions import newcombe_interval
 from atleak.equations.small_samples import student_quantile
 from atleak.errors import Message
-from atleak.fleet.label_shuffles import MeanDifferences, Pairing, mean_differences
+from atleak.fleet.label_shuffles import SHUFFLES, MeanDifferences, Pairing, mean_differences
 from atleak.fleet.lands import Lands
 from atleak.fleet.spreading import rate, spread
 from atleak.fleet.summed import (
@@ -62,7 +63,7 @@ class _Compared:
         return of_first, ~of_first if second is None else self.numbers == second
 
 
-def compared(units: pd.DataFrame, lands: Lands) -> GroupComparison | None:
+def compared(units: pd.DataFrame, lands: Lands, *, shuffles: int = SHUFFLES) -> GroupComparison | None:
     """Compare the groups of one valve body; None where fewer than two have a unit.
 
     Rates, wear, and wear at the same mileage share the probability of calling anything a difference where nothing
@@ -75,6 +76,8 @@ def compared(units: pd.DataFrame, lands: Lands) -> GroupComparison | None:
         a row for each, with the ``label`` that it states.
     lands
         of the same rows.
+    shuffles
+        of the labels.
     """
     stated = units["label"].notna().to_numpy()
     groups = groups_of(units)
@@ -87,7 +90,7 @@ def compared(units: pd.DataFrame, lands: Lands) -> GroupComparison | None:
         groups=groups,
         not_stated=int((~stated).sum()),
         verdicts=tuple(_rates(here, _LEVEL / kinds)),
-        lands=_wear(here, _LEVEL / kinds, mileages),
+        lands=_wear(here, _LEVEL / kinds, mileages, shuffles),
         messages=tuple(_messages(here, mileages)),
     )
 
@@ -129,15 +132,14 @@ def _rate_points(first: Rate, second: Rate, level: float) -> Difference:
     return Difference(value, *(end * PERCENT for interval in ends for end in interval))
 
 
-def _wear(here: _Compared, level: float, mileages: np.ndarray) -> tuple[WearDifference, ...]:
+def _wear(here: _Compared, level: float, mileages: np.ndarray, shuffles: int) -> tuple[WearDifference, ...]:
     """Return the differences of every land's wear: those called one first, then those of enough units, by size."""
     wear, numbers = here.lands.wear, here.numbers
-    of_all = mean_differences(wear, numbers, here.pairings, level=level, own_level=_LEVEL)
+    found = partial(mean_differences, pairings=here.pairings, level=level, own_level=_LEVEL, shuffles=shuffles)
+    of_all = found(wear, numbers)
     known = np.isfinite(mileages)
-    number = classes_of(mileages[known], class_width(mileages)).astype(int)
-    same_mileage = mean_differences(
-        wear[known], numbers[known], here.pairings, level=level, own_level=_LEVEL, classes=number
-    )
+    classes = classes_of(mileages[known], class_width(mileages)).astype(int)
+    same_mileage = found(wear[known], numbers[known], classes=classes) if known.any() else None
     differences = []
     for place, pairing in enumerate(here.pairings):
         sides = here.sides(pairing)
@@ -157,10 +159,10 @@ def _wear(here: _Compared, level: float, mileages: np.ndarray) -> tuple[WearDiff
     return tuple(sorted(differences, key=_clearest_first))
 
 
-def _mean_points(found: MeanDifferences, pairing: int, land: int) -> Difference | None:
-    value, error = float(found.value[pairing, land]), float(found.error[pairing, land])
-    if math.isnan(value):
+def _mean_points(found: MeanDifferences | None, pairing: int, land: int) -> Difference | None:
+    if found is None or np.isnan(found.value[pairing, land]):
         return None
+    value, error = float(found.value[pairing, land]), float(found.error[pairing, land])
     own, of_all = float(found.own_reach[pairing, land]), found.reach_of_all
     if not found.enough[pairing, land] or not (math.isfinite(own) and math.isfinite(of_all)):
         return Difference(value, None, None, None, None)

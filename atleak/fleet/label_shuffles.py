@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +74,7 @@ def mean_differences(
     labels = np.zeros(len(groups), dtype=int) if classes is None else classes
     values, scale = _scaled(values)
     sums = _Sums([values, _apart(values, groups, labels)], groups, labels)
-    value, error, enough = (each[0] for each in _differences(sums.as_they_are()[0], pairings))
+    value, error, enough = (each[0] for each in _differences(sums.as_they_are, 0, pairings))
     own_reach, of_all = np.zeros(value.shape), 0.0
     for by_chance in sums.by_chance(pairings, shuffles):
         own_reach = np.maximum(own_reach, _reached(by_chance, own_level))
@@ -123,23 +124,23 @@ def _within(labels: Labels, number: int) -> Numbers:
 
 
 class _Sums:
-    """Number, sum and sum of squares of every land in every class and group, as they are and with labels shuffled."""
+    """Number of units, and sum and sum of squares of each kind of values, of every land in every class and group.
+
+    They are laid out as shuffles × classes × groups × (number, then sum and squares of each kind) × lands.
+    """
 
     def __init__(self, kinds: Sequence[Numbers], groups: Labels, classes: Labels) -> None:
         """Take several kinds of values that are known of the same units."""
         known = ~np.isnan(kinds[0])
         filled = [np.where(known, values, 0.0) for values in kinds]
         parts = [known, *(part for values in filled for part in (values, values**2))]
-        of_units = np.concatenate(parts, axis=1).astype(np.float32)
+        of_units = np.concatenate(parts, axis=1)
         self._kinds, self._lands = len(kinds), known.shape[1]
         self._groups = int(groups.max(initial=0)) + 1
-        groups = groups.astype(np.int16)
         rows = [np.flatnonzero(classes == each) for each in np.unique(classes)]
-        self._classes = [(groups[here], np.ascontiguousarray(of_units[here])) for here in rows]
-
-    def as_they_are(self) -> list[Numbers]:
-        """Return the sums of each kind: one shuffle × classes × groups × (number, sum, squares) × lands."""
-        return self._of([labels[None, :] for labels, _ in self._classes])
+        labels = [groups[here].astype(np.int16) for here in rows]
+        self.as_they_are = self._of([each[None, :] for each in labels], [of_units[here] for here in rows])
+        self._classes = list(zip(labels, [of_units[here].astype(np.float32) for here in rows], strict=True))
 
     def by_chance(self, pairings: Sequence[Pairing], shuffles: int) -> list[Numbers]:
         """Return, of each kind, differences over their standard errors, of shuffles of the labels within their classes.
@@ -147,9 +148,11 @@ class _Sums:
         What is of too few units for an interval is zero there, as it is left out of what is found.
         """
         found: list[list[Numbers]] = [[] for _ in range(self._kinds)]
+        of_units = [each for _, each in self._classes]
         for labels in self._shuffled(shuffles):
-            for kind, sums in zip(found, self._of(labels), strict=True):
-                value, error, enough = _differences(sums, pairings)
+            sums = self._of(labels, of_units)
+            for number, kind in enumerate(found):
+                value, error, enough = _differences(sums, number, pairings)
                 kind.append(np.where(enough, _over(np.abs(value), error), 0.0))
         return [np.concatenate(kind) for kind in found]
 
@@ -162,30 +165,29 @@ class _Sums:
             number = min(at_once, shuffles - start)
             yield [draw.permuted(np.tile(labels, (number, 1)), axis=1) for labels, _ in self._classes]
 
-    def _of(self, labels: Sequence[Labels]) -> list[Numbers]:
-        number, groups, lands = len(labels[0]), self._groups, self._lands
-        sums = np.empty((number, len(labels), groups, (1 + 2 * self._kinds) * lands))
-        for place, (mine, (_, of_units)) in enumerate(zip(labels, self._classes, strict=True)):
-            within = _within(mine, groups - 1).reshape(-1, mine.shape[1])
-            sums[:, place, :-1] = (within @ of_units).reshape(number, groups - 1, -1)
-            sums[:, place, -1] = of_units.sum(axis=0, dtype=np.float64) - sums[:, place, :-1].sum(axis=1)
-        parts = sums.reshape(number, len(labels), groups, 1 + 2 * self._kinds, lands)
-        return [parts[:, :, :, [0, 1 + 2 * kind, 2 + 2 * kind]] for kind in range(self._kinds)]
+    def _of(self, labels: Sequence[Labels], of_units: Sequence[NDArray[Any]]) -> Numbers:
+        number, groups = len(labels[0]), self._groups
+        sums = np.empty((number, len(labels), groups, (1 + 2 * self._kinds) * self._lands))
+        for place, (mine, values) in enumerate(zip(labels, of_units, strict=True)):
+            within = _within(mine, groups - 1).reshape(-1, mine.shape[1]).astype(values.dtype)
+            sums[:, place, :-1] = (within @ values).reshape(number, groups - 1, -1)
+            sums[:, place, -1] = values.sum(axis=0, dtype=np.float64) - sums[:, place, :-1].sum(axis=1)
+        return sums.reshape(number, len(labels), groups, 1 + 2 * self._kinds, self._lands)
 
 
-def _differences(sums: Numbers, pairings: Sequence[Pairing]) -> tuple[Numbers, Numbers, NDArray[np.bool_]]:
+def _differences(sums: Numbers, kind: int, pairings: Sequence[Pairing]) -> tuple[Numbers, Numbers, NDArray[np.bool_]]:
     """Return differences, their standard errors and whether there are enough units: shuffles × pairings × lands."""
-    found = [_difference(sums[:, :, first], _second(sums, first, second)) for first, second in pairings]
+    of_all = sums.sum(axis=2) if any(second is None for _, second in pairings) else sums
+    found = []
+    for first, second in pairings:
+        of_first = sums[:, :, first]
+        found.append(_difference(kind, of_first, of_all - of_first if second is None else sums[:, :, second]))
     value, error, enough = (np.stack(each, axis=1) for each in zip(*found, strict=True))
     return value, error, enough
 
 
-def _second(sums: Numbers, first: int, second: int | None) -> Numbers:
-    return sums.sum(axis=2) - sums[:, :, first] if second is None else sums[:, :, second]
-
-
-def _difference(first: Numbers, second: Numbers) -> tuple[Numbers, Numbers, NDArray[np.bool_]]:
-    """Return the same of one pairing, from the sums of both sides: shuffles × classes × (number, sum, squares) × lands.
+def _difference(kind: int, first: Numbers, second: Numbers) -> tuple[Numbers, Numbers, NDArray[np.bool_]]:
+    """Return the same of one pairing, from the sums of both sides.
 
     The residuals of a side's units in a class are those about its own mean, and how far that is from the common fit.
     """
@@ -193,9 +195,8 @@ def _difference(first: Numbers, second: Numbers) -> tuple[Numbers, Numbers, NDAr
     both = (n_1 > 0.0) & (n_2 > 0.0)
     n_1, n_2 = np.where(both, n_1, 0.0), np.where(both, n_2, 0.0)
     n = np.maximum(n_1 + n_2, 1.0)
-    mean_1, mean_2 = first[:, :, 1] / np.maximum(n_1, 1.0), second[:, :, 1] / np.maximum(n_2, 1.0)
-    squares_1 = np.maximum(first[:, :, 2] - n_1 * mean_1**2, 0.0)
-    squares_2 = np.maximum(second[:, :, 2] - n_2 * mean_2**2, 0.0)
+    mean_1, squares_1 = _mean_and_squares(kind, first, n_1)
+    mean_2, squares_2 = _mean_and_squares(kind, second, n_2)
     weight, apart = n_1 * n_2 / n, np.where(both, mean_1 - mean_2, 0.0)
     weights = weight.sum(axis=1)
     with np.errstate(invalid="ignore"):
@@ -207,6 +208,12 @@ def _difference(first: Numbers, second: Numbers) -> tuple[Numbers, Numbers, NDAr
         error = np.sqrt(np.where(both, scatter, 0.0).sum(axis=1)) / weights
     enough = (n_1.sum(axis=1) >= ENOUGH_UNITS) & (n_2.sum(axis=1) >= ENOUGH_UNITS)
     return value, error, enough
+
+
+def _mean_and_squares(kind: int, sums: Numbers, number: Numbers) -> tuple[Numbers, Numbers]:
+    """Return the mean of a side, and the sum of its squares about that."""
+    mean = sums[:, :, 1 + 2 * kind] / np.maximum(number, 1.0)
+    return mean, np.maximum(sums[:, :, 2 + 2 * kind] - number * mean**2, 0.0)
 
 
 def _over(value: Numbers, error: Numbers) -> Numbers:

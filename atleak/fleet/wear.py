@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import pandas as pd
 
 from atleak.fleet.lands import Lands
 from atleak.fleet.spreading import spread
@@ -30,20 +29,19 @@ def classes_of(mileages: np.ndarray, width: float) -> np.ndarray:
 
 def wear_over_mileage(visits: Visits, lands: Lands) -> tuple[LandOverMileage, ...]:
     """Return the wear of every land of a valve body over mileage; all visits count."""
-    rows = visits.rows
-    mileage = rows["mileage_km"].to_numpy(float)
+    mileage, unit = visits.rows["mileage_km"].to_numpy(float), visits.rows["unit"].to_numpy()
     width = class_width(mileage)
-    of_visits = pd.DataFrame({"unit": rows["unit"], "class": classes_of(mileage, width)})
-    latest = lands.at(rows["counts"].to_numpy())
-    repaired = (lands.measured & lands.repaired).sum(axis=0)
+    number = classes_of(mileage, width)
+    latest = lands.at(visits.rows["counts"].to_numpy())
+    measured, repaired = ~np.isnan(lands.wear), (lands.measured & lands.repaired).sum(axis=0)
     found = []
     for place, key in enumerate(lands.keys):
-        measured = of_visits.assign(wear=lands.wear[:, place]).dropna(subset="wear")
+        there = np.flatnonzero(measured[:, place] & ~np.isnan(number))
         found.append(
             LandOverMileage(
                 key=key,
-                classes=tuple(_classes(measured, width)),
-                without_mileage=int(measured["class"].isna().sum()),
+                classes=tuple(_classes(lands.wear[there, place], unit[there], number[there], width)),
+                without_mileage=int(measured[:, place].sum()) - len(there),
                 repaired=int(repaired[place]),
                 latest_percent=spread(latest.wear[:, place]),
             )
@@ -51,11 +49,11 @@ def wear_over_mileage(visits: Visits, lands: Lands) -> tuple[LandOverMileage, ..
     return tuple(found)
 
 
-def _classes(measured: pd.DataFrame, width: float) -> Iterator[MileageClass]:
+def _classes(wear: np.ndarray, unit: np.ndarray, number: np.ndarray, width: float) -> Iterator[MileageClass]:
     """Yield the classes of one land, from its measurements in the order of time; of a unit the last counts."""
-    once = measured.dropna(subset="class").drop_duplicates(["unit", "class"], keep="last")
-    classes, wear = once["class"].to_numpy(), once["wear"].to_numpy()
-    for number in np.unique(classes):
-        percent = spread(wear[classes == number])
+    for each in np.unique(number):
+        within = np.flatnonzero(number == each)[::-1]
+        _, last = np.unique(unit[within], return_index=True)
+        percent = spread(wear[within[last]])
         if percent is not None:
-            yield MileageClass(float(number * width), float((number + 1) * width), percent)
+            yield MileageClass(float(each * width), float((each + 1.0) * width), percent)

@@ -22,6 +22,7 @@ OUTPUTS = {
     "instruments": "instruments --json",
     "gauge-study": "gauge-study --json",
     "controller-learn": "controller learn --json",
+    "fleet-summary": "fleet summary --json",
 }
 """What is written in JSON, by the name of its schema: the command and its option."""
 

@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from atleak.intake.native.child import Refused
+from atleak.intake.native.sheet_slices import Slices
 from atleak.intake.sheets.extent import COLUMNS as WIDTH
 from atleak.intake.sheets.extent import EXPECTED, SHEETS, excess, trimmed
 from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths, unpacked_part
@@ -89,9 +90,12 @@ def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
         as `log_blocks`.
     """
     _refuse_other_kinds(data)
-    for name, hidden, sheet in _worksheets(data):
-        _refuse_more_than_a_log(data, name, sheet)
-        rows: Iterable[list[NativeCell]] = sheet.iter_rows() if sheet.end is not None else ()
+    for name, hidden, sheets in _worksheets_of_a_log(data):
+        sheet = next(sheets)
+        rows: Iterable[list[NativeCell]] = ()
+        if sheet.start is not None:
+            _Extent(data, name).add(sheet.start, sheet.end)
+            rows = ([""] * sheet.start[1] + row for row in sheet.iter_rows())  # which begin at the first filled column
         cells = trimmed([row[:WIDTH] for row in itertools.islice(rows, LOOK)])
         ranges = [] if sheet.merged_cell_ranges is None else sheet.merged_cell_ranges
         merged = _within(ranges, cells, name)
@@ -102,12 +106,12 @@ LogRows = list[list[NativeCell | None]]
 LogColumns = list[bytes | list[NativeCell | None]]
 
 
-def log_blocks(data: bytes) -> Iterator[tuple[str, int, LogRows, LogColumns]]:
-    """Yield every worksheet in blocks: its name, how many rows, and either the rows or the columns of them.
+def log_blocks(data: bytes) -> Iterator[tuple[str, int, int, LogRows, LogColumns]]:
+    """Yield every worksheet in blocks: its name, its first column so far, how many rows, and their rows or columns.
 
     The first block of a sheet comes in rows, all others in columns: packed floats where every cell is a number or
-    empty (NaN), which takes a quarter of the memory, else a list. Empty cells are None, those before the first are left
-    out.
+    empty (NaN), which takes a quarter of the memory, else a list. Empty cells are None, those before the first column
+    and above the first row are left out.
 
     Raises
     ------
@@ -115,17 +119,65 @@ def log_blocks(data: bytes) -> Iterator[tuple[str, int, LogRows, LogColumns]]:
         where the file is protected by a password, no workbook, or spans more cells than a log of its size can.
     """
     _refuse_other_kinds(data)
-    for name, _, sheet in _worksheets(data):
+    for name, _, sheets in _worksheets_of_a_log(data):
+        extent = _Extent(data, name)
+        rows = _rows(sheets, extent)
+        if first := list(itertools.islice(rows, HEAD)):
+            left, width = extent.left, max(map(len, first))
+            head = [[None if cell == "" else cell for cell in row[left:]] for row in first]
+            yield name, left, len(head), [row + [None] * (width - left - len(row)) for row in head], []
+        while block := list(itertools.islice(rows, BLOCK)):
+            columns = itertools.islice(itertools.zip_longest(*block, fillvalue=""), extent.left, None)
+            yield name, extent.left, len(block), [], [_packed(column) for column in columns]
+
+
+class _Extent:
+    """How far the cells of a sheet reach, as far as they were read."""
+
+    def __init__(self, data: bytes, name: str) -> None:
+        self._data, self._name = data, name
+        self._area: tuple[int, int, int, int] | None = None
+
+    def add(self, start: tuple[int, int], end: tuple[int, int]) -> None:
+        """Count in another part of the sheet.
+
+        Raises
+        ------
+        Refused
+            where all parts together span more cells than a log can.
+        """
+        top, left, bottom, right = self._area or (*start, *end)
+        self._area = min(top, start[0]), min(left, start[1]), max(bottom, end[0]), max(right, end[1])
+        top, left, bottom, right = self._area
+        most = LOG_CELLS + LOG_CELLS_PER_BYTE * len(self._data)
+        vast = (bottom - top + 1) * (right - left + 1) > most
+        _refuse_vast(bottom + 1, right + 1, self._name, vast)
+
+    @property
+    def left(self) -> int:
+        """Return the first column in which a cell was filled."""
+        return self._area[1] if self._area is not None else 0
+
+
+def _rows(sheets: Iterable[Any], extent: _Extent) -> Iterator[list[NativeCell]]:
+    """Yield the rows of a sheet that comes in parts, from the first one that is filled on, each from column A on."""
+    next_row: int | None = None
+    for sheet in sheets:
         if sheet.start is None:
             continue
-        _refuse_more_than_a_log(data, name, sheet)
-        top, left = sheet.start
-        rows = itertools.islice(sheet.iter_rows(), top, None)
-        head = [[None if cell == "" else cell for cell in row[left:]] for row in itertools.islice(rows, HEAD)]
-        yield name, len(head), head, []
-        while block := list(itertools.islice(rows, BLOCK)):
-            columns = itertools.islice(zip(*block, strict=True), left, None)
-            yield name, len(block), [], [_packed(column) for column in columns]
+        (top, left), (bottom, _) = sheet.start, sheet.end
+        extent.add(sheet.start, sheet.end)
+        if next_row is not None and top < next_row:
+            raise Refused(
+                Sentence("the rows of this sheet are not in the order of their numbers"),
+                sheet=sheet.name,
+                expected=Sentence("a workbook as a spreadsheet program saves it: open it there and save it anew"),
+            )
+        yield from ([] for _ in range(top - (top if next_row is None else next_row)))
+        # calamine's rows begin at the first column that is filled; of a later part those above it are many
+        filled = sheet.to_python(skip_empty_area=True) if next_row else itertools.islice(sheet.iter_rows(), top, None)
+        yield from ([""] * left + row for row in filled)
+        next_row = bottom + 1
 
 
 def _packed(column: tuple[NativeCell, ...]) -> bytes | list[NativeCell | None]:
@@ -198,7 +250,31 @@ def _protected() -> Refused:
 
 def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
     """Yield every worksheet's name, whether it is hidden, and its cells."""
-    from python_calamine import CalamineWorkbook, PasswordError, SheetTypeEnum, SheetVisibleEnum
+    workbook = _opened(data)
+    for name, hidden in _listed(workbook):
+        yield name, hidden, workbook.get_sheet_by_name(name)
+
+
+def _worksheets_of_a_log(data: bytes) -> Iterator[tuple[str, bool, Iterator[Any]]]:
+    """Yield every worksheet's name, whether it is hidden, and its cells: in several parts where they are many."""
+    slices = Slices(data) if data.startswith(b"PK") else None
+    if slices is None or not slices.names:
+        for name, hidden, sheet in _worksheets(data):
+            yield name, hidden, iter([sheet])
+        return
+    workbook = _opened(slices.rest())
+    for name, hidden in _listed(workbook):
+        cut = name in slices.names
+        yield name, hidden, _parts(slices, name) if cut else iter([workbook.get_sheet_by_name(name)])
+
+
+def _parts(slices: Slices, name: str) -> Iterator[Any]:
+    for part in slices.of(name):
+        yield _opened(part).get_sheet_by_name(name)
+
+
+def _opened(data: bytes) -> Any:
+    from python_calamine import CalamineWorkbook, PasswordError
 
     try:
         workbook = CalamineWorkbook.from_filelike(io.BytesIO(data))
@@ -209,19 +285,21 @@ def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
             Sentence("this workbook has {count} sheets", count=len(workbook.sheets_metadata)),
             expected=Sentence("at most {count}", count=SHEETS),
         )
+    return workbook
+
+
+def _listed(workbook: Any) -> Iterator[tuple[str, bool]]:
+    """Yield every worksheet's name, and whether it is hidden."""
+    from python_calamine import SheetTypeEnum, SheetVisibleEnum
+
     for meta in workbook.sheets_metadata:
         if meta.typ == SheetTypeEnum.WorkSheet:
-            yield meta.name, meta.visible != SheetVisibleEnum.Visible, workbook.get_sheet_by_name(meta.name)
+            yield meta.name, meta.visible != SheetVisibleEnum.Visible
 
 
 def _size(sheet: Any) -> tuple[int, int]:
     """Return the number of rows and columns up to the last cell; calamine's total_height leaves out the last row."""
     return (0, 0) if sheet.end is None else (sheet.end[0] + 1, sheet.end[1] + 1)
-
-
-def _refuse_more_than_a_log(data: bytes, name: str, sheet: Any) -> None:
-    most = LOG_CELLS + LOG_CELLS_PER_BYTE * len(data)
-    _refuse_vast(*_size(sheet), name, sheet.height * sheet.width > most)
 
 
 def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None:

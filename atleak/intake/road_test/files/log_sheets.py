@@ -156,12 +156,8 @@ def open_sheets(source: LogFile) -> list[LogSheet]:
     """
     by_name: dict[str, SheetCells] = {}
     blocks = read_apart(log_blocks, source.data, source.file, RoadTestError, WORKBOOK, stray_cells)
-    for name, count, rows, columns in blocks:
-        cells = by_name.setdefault(name, SheetCells())
-        if rows:
-            cells.head += rows
-        else:
-            cells.blocks.append((count, columns))
+    for name, left, count, rows, columns in blocks:
+        by_name.setdefault(name, SheetCells()).add(left, count, rows, columns)
     sheets = []
     for name, cells in by_name.items():
         cells.drop_blank_end()

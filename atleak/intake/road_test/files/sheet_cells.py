@@ -14,11 +14,25 @@ class SheetCells:
     """The cells of one sheet.
 
     ``head`` are its first rows. ``blocks`` hold the rows behind them: how many, and their columns, each as a list of
-    cells, or as packed floats where every cell is a number or empty (NaN).
+    cells, or as packed floats where every cell is a number or empty (NaN). The sheet's column ``left`` is their first.
     """
 
     head: list[list[Cell]] = field(default_factory=list)
     blocks: list[tuple[int, list[bytes | list[Cell]]]] = field(default_factory=list)
+    left: int | None = None
+
+    def add(self, left: int, count: int, rows: list[list[Cell]], columns: list[bytes | list[Cell]]) -> None:
+        """Add the next rows: the first ones as they stand, all others column by column, from column ``left`` on."""
+        before = (left if self.left is None else self.left) - left
+        if before > 0:  # cells further to the left than any so far
+            self.head = [[None] * before + row for row in self.head]
+            for length, block in self.blocks:
+                block[:0] = [np.full(length, np.nan).tobytes()] * before
+        self.left = left
+        if rows:
+            self.head += rows
+        else:
+            self.blocks.append((count, columns))
 
     @property
     def rows(self) -> int:

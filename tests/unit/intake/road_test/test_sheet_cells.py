@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import io
+from collections.abc import Callable
+
 import numpy as np
+import openpyxl
 import pytest
 
-from atleak.intake.native import workbooks
+from atleak.intake.native import sheet_slices, workbooks
 from atleak.intake.road_test import read_road_test
 from atleak.intake.road_test.files.sheet_cells import SheetCells
 
@@ -43,11 +47,50 @@ def test_a_workbook_of_several_blocks_reads_as_one(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(workbooks, "HEAD", 20)
     monkeypatch.setattr(workbooks, "BLOCK", 30)
     blocks = list(workbooks.log_blocks(data))
-    assert [(count, len(head), len(columns)) for _, count, head, columns in blocks] == [
+    assert [(count, len(head), len(columns)) for _, _, count, head, columns in blocks] == [
         (20, 20, 0), (30, 0, 3), (30, 0, 3), (11, 0, 3),
     ]  # fmt: skip
-    assert [type(column) for column in blocks[2][3]] == [bytes, bytes, list]
+    assert [type(column) for column in blocks[2][4]] == [bytes, bytes, list]
     test = read_road_test(data)
     assert test.rows == 90
     assert test.values("gear")[59:62].tolist() == [3.0, -1.0, 3.0]
     assert test.channels["engine_speed"].samples == 77
+
+
+def test_a_table_that_begins_in_another_column_and_row() -> None:
+    book = openpyxl.Workbook()
+    for row in range(61):
+        cells = [row * 0.1, 900.0 + row, row // 25 + 1] if row else ["Time (s)", "RPM (rpm)", "Gear"]
+        for column, cell in enumerate(cells):
+            book.active.cell(3 + row, 4 + column, cell)
+    stream = io.BytesIO()
+    book.save(stream)
+    test = read_road_test(stream.getvalue())
+    assert test.rows == 60
+    assert test.values("gear")[[0, -1]].tolist() == [1.0, 3.0]
+    (seen,) = workbooks.first_rows(stream.getvalue())
+    assert seen["rows"][2] == ["", "", "", "Time (s)", "RPM (rpm)", "Gear"]
+
+
+def test_cells_further_to_the_left_come_later() -> None:
+    sheet = SheetCells()
+    sheet.add(3, 2, [["Time"], [1]], [])
+    sheet.add(3, 2, [], [np.array([2.0, 3.0]).tobytes()])
+    sheet.add(1, 1, [], [["note"], np.array([np.nan]).tobytes(), np.array([4.0]).tobytes()])
+    assert sheet.column(0, 0) == [None, None, None, None, "note"]
+    assert sheet.column(2, 0) == ["Time", 1, 2.0, 3.0, 4.0]
+
+
+@pytest.mark.slow
+def test_a_log_of_many_slices_is_read_whole(bare_workbook: Callable[..., bytes]) -> None:
+    names = ("Time (s)", "RPM (rpm)", "ATF (°C)")
+    head = "".join(f'<c r="{letter}1" t="str"><v>{name}</v></c>' for letter, name in zip("ABC", names, strict=True))
+    rows = "".join(
+        f'<row r="{n}"><c r="A{n}"><v>{n / 10}</v></c><c r="B{n}"><v>{900 + n % 50}</v></c><c><v>80.5</v></c></row>'
+        for n in range(2, 260_002)
+    )
+    data = bare_workbook(f'<sheetData><row r="1">{head}</row>{rows}</sheetData>')
+    assert len(rows) > sheet_slices.LARGE
+    test = read_road_test(data)
+    assert (test.rows, test.duration) == (260_000, pytest.approx(25999.9, abs=1e-6))
+    assert np.array_equal(np.round(test.values("engine_speed") * 60, 6), 900 + np.arange(2, 260_002) % 50.0)

@@ -1,0 +1,109 @@
+"""``atleak fleet summary``: what it prints and writes, and what it says where there is nothing to sum up."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from atleak.fleet.results import Results
+from atleak.verdicts import Verdict
+
+from ..fleet.few_units import Measured, Unit, condition, results_of, temperature_class
+from ..fleet.made_up import CONTROLLERS, made_up_results
+from .test_schema import closed
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("fleet")
+    made_up_results(folder, units=60)
+    return folder
+
+
+@pytest.mark.parametrize("options", [(), ("--by", "batch", "--controller", CONTROLLERS[0])])
+def test_the_record_is_as_its_schema_says(run: Run, folder: Path, options: tuple[str, ...]) -> None:
+    status, out, _ = run("fleet", "summary", folder, *options, "--json", "-")
+    assert status == 0
+    record = json.loads(out)
+    closed("fleet-summary").validate(record)
+    assert record["counts"]["units"] == (30 if options else 60)
+    assert [body["comparison"] is None for body in record["controllers"]] == ([False] if options else [True, True])
+
+
+def test_a_unit_with_nothing_but_its_verdict_is_as_the_schema_says(run: Run, tmp_path: Path) -> None:
+    units = [
+        Unit("plain", {("8", 1): Measured()}, own={"group": "a"}),
+        Unit("full", {("8", 1): Measured()}, conditions=[condition()], temperatures=[temperature_class()]),
+        Unit("other", own={"group": "b", "decided_by_kind": "reserve"}),
+    ]
+    results_of(tmp_path, units)
+    status, out, _ = run("fleet", "summary", tmp_path, "--by", "group", "--json", "-")
+    assert status == 0
+    closed("fleet-summary").validate(json.loads(out))
+
+
+def test_it_is_printed_for_people(run: Run, folder: Path) -> None:
+    status, out, _ = run("fleet", "summary", folder, "--by", "group")
+    assert status == 0
+    for text in (
+        "60 units, 60 results of atleak",
+        "Units by group",
+        *CONTROLLERS,
+        "Lands that give the most trouble",
+        "Wear over mileage",
+        "Over the fluid temperature of the logs",
+        "At the stated conditions",
+        "Differences of mean wear",
+        "at the same",
+        "fewer than 10 units",
+        "1 without a result (refused):",
+        "The worst units",
+    ):
+        assert text in out
+
+
+def test_names_from_files_are_printed_as_they_are(run: Run, tmp_path: Path) -> None:
+    results_of(tmp_path, [Unit("[red]a[/red]", {("[b]8", 1): Measured(30.0, Verdict.WATCH)}, own={"group": "[x"})])
+    status, out, _ = run("fleet", "summary", tmp_path, "--by", "group")
+    assert status == 0
+    assert "[red]a[/red]" in out
+    assert "[b]8/1" in out
+
+
+def test_the_record_goes_to_a_file_too(run: Run, folder: Path, tmp_path: Path) -> None:
+    target = tmp_path / "fleet.json"
+    status, out, _ = run("fleet", "summary", folder, "--controller", CONTROLLERS[0], "--list", "2", "--json", target)
+    assert (status, "written: " in out) == (0, True)
+    record = json.loads(target.read_bytes())
+    assert [body["controller"] for body in record["controllers"]] == [CONTROLLERS[0]]
+    assert len(record["worst"]) == 2
+
+
+def test_what_cannot_be_summed_up_is_said_in_one_sentence(run: Run, folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "something").mkdir()
+    (tmp_path / "something" / "else.txt").write_text("no results", encoding="utf-8")
+    with Results.open(tmp_path / "begun", for_writing=True):
+        pass
+    with Results.open(tmp_path / "later", for_writing=True):
+        pass
+    run_file = tmp_path / "later" / "run.json"
+    said = json.loads(run_file.read_bytes())
+    run_file.write_text(json.dumps({**said, "format": said["format"] + 1, "atleak": "99.0"}), encoding="utf-8")
+    refused = {
+        ("something",): "holds no results of a fleet",
+        ("nowhere",): "holds no results of a fleet",
+        ("begun",): "holds no unit yet, neither a result nor an error",
+        ("later",): "holds results of atleak 99.0",
+        (folder, "--by", "batsh"): "did you mean 'batch'?",
+        (folder, "--controller", "four_speed"): "did you mean 'four_speed_2023'?",
+    }
+    for (name, *options), text in refused.items():
+        status, out, err = run("fleet", "summary", tmp_path / name, *options)
+        assert (status, out) == (2, "")
+        assert text in err
+        assert err.count("\n") == 1

@@ -1,0 +1,516 @@
+"""A fleet in numbers: every number against one that is counted otherwise, and what it means on other units."""
+
+from __future__ import annotations
+
+import datetime as dt
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from atleak.equations.proportions import newcombe_interval, wilson_interval
+from atleak.errors import FleetError, InputError
+from atleak.fleet.results import Results
+from atleak.fleet.summary import summed_up
+from atleak.fleet.summed import FleetSummary, ValveBody
+from atleak.spreads import PARTS, Rate, Spread
+from atleak.verdicts import Verdict
+
+from .few_units import Measured, Unit, condition, results_of, temperature_class
+from .made_up import CONTROLLERS, ERRORS, GROUPS, WORSE, WORSE_BY, made_up_results
+from .writing import failed
+
+BODY = CONTROLLERS[0]
+_NEAR = 1e-9  # in per cent, kPa and s
+WORN = Measured(90.0, Verdict.REPLACE)
+NOT_MEASURED = Measured(None, Verdict.NOT_MEASURED, "not_measured")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("fleet")
+    made_up_results(folder, units=160)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def summary(folder: Path) -> FleetSummary:
+    return summed_up(Results.open(folder), by="group")
+
+
+@pytest.fixture(scope="module")
+def body(summary: FleetSummary) -> ValveBody:
+    return summary.body(BODY)
+
+
+def read(folder: Path, data_set: str) -> pd.DataFrame:
+    """A data set as other programs read it, of one valve body."""
+    rows = pd.read_parquet(folder / data_set)
+    return rows[rows["controller"] == BODY]
+
+
+def assert_spread(found: Spread | None, values: pd.Series) -> None:
+    assert found is not None
+    known = values.dropna()
+    assert (found.units, found.least, found.most) == (len(known), known.min(), known.max())
+    assert (found.mean, found.median) == pytest.approx((known.mean(), known.median()), abs=_NEAR)
+    if len(known) < 10:
+        assert found.quantiles is None
+    else:
+        assert found.quantiles == pytest.approx([known.quantile(part) for part in PARTS], abs=_NEAR)
+
+
+def assert_rate(found: Rate, count: int, of: int) -> None:
+    assert (found.count, found.of) == (count, of)
+    low, high = wilson_interval(count, of)
+    assert (found.low_percent, found.high_percent) == pytest.approx((100.0 * low, 100.0 * high), abs=_NEAR)
+
+
+# --- against plain counting ---
+
+
+def test_units_are_counted_by_verdict_and_decision(folder: Path, summary: FleetSummary, body: ValveBody) -> None:
+    units = read(folder, "units")
+    assert (summary.visits, summary.counts.units, body.counts.units) == (160, 160, len(units))
+    for verdict, count in body.counts.verdicts.items():
+        assert count == (units["verdict"] == verdict).sum()
+    assert sum(body.counts.verdicts.values()) == sum(body.counts.decisions.values()) == len(units)
+    assert body.counts.decisions["fail"] == (units["decision"] == "fail").sum()
+    replace = units["verdict"].isin(["replace", "critical"]).sum()
+    assert_rate(body.counts.rates[Verdict.REPLACE], replace, len(units))
+    assert {group.name: group.counts.units for group in summary.groups} == {
+        name: (pd.read_parquet(folder / "units")["group"] == name).sum() for name in GROUPS
+    }
+
+
+def test_the_worst_pairs_are_counted(folder: Path, body: ValveBody) -> None:
+    lands, units = read(folder, "lands"), read(folder, "units")
+    assert len(body.pairs) == lands.groupby(["component", "land"]).ngroups
+    for each in body.pairs:
+        component, land = each.key
+        mine = lands[(lands["component"] == component) & (lands["land"] == land)]
+        mine = mine[mine["measured"] == "measured"]
+        assert_rate(each.flagged, mine["verdict"].isin(["watch", "replace", "critical"]).sum(), len(mine))
+        assert_rate(each.replace, mine["verdict"].isin(["replace", "critical"]).sum(), len(mine))
+        gave = (units["decided_by_component"] == component) & (units["decided_by_land"] == land)
+        assert_rate(each.deciding, gave.sum(), len(units))
+        assert each.not_measured == len(units) - len(mine)
+    counts = [each.replace.count for each in body.pairs]
+    assert counts == sorted(counts, reverse=True)
+    assert counts[0] > counts[-1]
+
+
+def test_wear_is_spread_by_classes_of_mileage(folder: Path, body: ValveBody) -> None:
+    lands = read(folder, "lands").merge(read(folder, "units")[["input_sha256", "mileage_km"]], on="input_sha256")
+    for each in body.wear:
+        component, land = each.key
+        mine = lands[(lands["component"] == component) & (lands["land"] == land) & lands["wear_percent"].notna()]
+        assert_spread(each.latest_percent, mine["wear_percent"])
+        assert each.without_mileage == mine["mileage_km"].isna().sum()
+        for part in each.classes:
+            within = (mine["mileage_km"] >= part.low_km) & (mine["mileage_km"] < part.high_km)
+            assert_spread(part.wear_percent, mine.loc[within, "wear_percent"])
+        assert sum(part.wear_percent.units for part in each.classes) == mine["mileage_km"].notna().sum()
+    medians = [part.wear_percent.median for part in body.wear[0].classes]
+    assert medians[0] < medians[-1]
+
+
+def test_logs_are_weighted_by_their_time(folder: Path, body: ValveBody) -> None:
+    rows = read(folder, "temperatures")
+    assert [each.low_c for each in body.temperatures] == sorted(rows["temperature_low_c"].unique())
+    for each in body.temperatures:
+        mine = rows[rows["temperature_low_c"] == each.low_c]
+        assert each.seconds == pytest.approx(mine["seconds"].sum(), abs=_NEAR)
+        for column, mean, spread in (
+            ("share_mean_percent", each.share_mean_percent, each.share_percent),
+            ("pressure_mean_kpa", each.pressure_mean_kpa, each.pressure_kpa),
+        ):
+            assert mean == pytest.approx(np.average(mine[column], weights=mine["seconds"]), abs=_NEAR)
+            assert_spread(spread, mine[column])
+        assert each.share_max_percent == mine["share_max_percent"].max()
+        assert each.pressure_min_kpa == mine["pressure_min_kpa"].min()
+        assert each.bands_percent is not None
+        assert each.bands_percent["green"] == pytest.approx(
+            100.0 * mine["green_s"].sum() / mine["seconds"].sum(), abs=_NEAR
+        )
+        assert sum(each.bands_percent.values()) == pytest.approx(100.0, abs=_NEAR)
+
+
+def test_conditions_are_spread_over_the_units(folder: Path, body: ValveBody) -> None:
+    rows = read(folder, "conditions")
+    assert [each.name for each in body.conditions] == list(rows["name"].unique())
+    for each in body.conditions:
+        mine = rows[rows["name"] == each.name]
+        assert_spread(each.share_percent, mine["share_percent"])
+        assert_spread(each.pressure_held_kpa, mine["p_g_held_kpa"])
+        assert (each.required_kpa, each.temperature_c) == (mine["p_g_kpa"].iloc[0], mine["temperature_c"].iloc[0])
+        assert {band: (mine["band"] == band).sum() for band in each.bands} == each.bands
+
+
+def test_groups_are_compared_pair_by_pair(folder: Path, body: ValveBody) -> None:
+    comparison = body.comparison
+    assert comparison is not None
+    assert comparison.in_pairs
+    pairs = {("north", "south"), ("north", "west"), ("south", "west")}
+    assert {(each.first, each.second) for each in comparison.verdicts} == pairs
+    units, lands = read(folder, "units"), read(folder, "lands")
+    flagged = units["verdict"].ne("ok").groupby(units["group"]).agg(["sum", "size"])
+    each = next(each for each in comparison.verdicts if each.verdict is Verdict.WATCH and each.first == "north")
+    (x_1, n_1), (x_2, n_2) = flagged.loc["north"], flagged.loc[each.second]
+    assert each.points is not None
+    assert each.points.value == pytest.approx(100.0 * (x_1 / n_1 - x_2 / n_2), abs=_NEAR)
+    own = newcombe_interval(x_2, n_2, x_1, n_1)
+    assert (each.points.low, each.points.high) == pytest.approx([100.0 * end for end in own], abs=_NEAR)
+    of_all = newcombe_interval(x_2, n_2, x_1, n_1, 1.0 - 0.05 / 3 / 9)  # three kinds of differences, nine rates
+    assert (each.points.low_of_all, each.points.high_of_all) == pytest.approx(
+        [100.0 * end for end in of_all], abs=_NEAR
+    )
+    wear = lands.merge(units[["input_sha256", "group"]], on="input_sha256")
+    for of_land in comparison.lands:
+        component, land = of_land.key
+        mine = wear[(wear["component"] == component) & (wear["land"] == land)].groupby("group")["wear_percent"]
+        assert of_land.mean_points is not None
+        assert of_land.mean_points.value == pytest.approx(
+            mine.mean()[of_land.first] - mine.mean()[of_land.second], abs=_NEAR
+        )
+        assert of_land.median_points == pytest.approx(
+            mine.median()[of_land.first] - mine.median()[of_land.second], abs=_NEAR
+        )
+
+
+def test_the_worse_group_is_found_and_others_are_not(summary: FleetSummary) -> None:
+    for body in summary.bodies:
+        assert body.comparison is not None
+        with_worse = [each for each in body.comparison.lands if each.second == WORSE]
+        found = [each for each in with_worse if each.same_mileage_points and each.same_mileage_points.differs]
+        assert len(found) > 0.6 * len(with_worse)
+        for each in found:
+            assert each.same_mileage_points is not None
+            assert each.same_mileage_points.low_of_all is not None
+            assert each.same_mileage_points.high_of_all is not None
+            assert each.same_mileage_points.high_of_all < 0.0
+        near = [each.same_mileage_points.value for each in with_worse if each.same_mileage_points]
+        assert np.mean(near) == pytest.approx(-WORSE_BY, abs=2.5)
+        others = [each for each in body.comparison.lands if WORSE not in (each.first, each.second)]
+        assert others
+        assert not any(each.mean_points and each.mean_points.differs for each in others)
+        assert not any(each.same_mileage_points and each.same_mileage_points.differs for each in others)
+
+
+def test_suppliers_that_do_not_differ_are_not_called_different(folder: Path) -> None:
+    for body in summed_up(Results.open(folder), by=" Supplier ").bodies:
+        assert body.comparison is not None
+        called = [each.points for each in body.comparison.verdicts]
+        called += [each.mean_points for each in body.comparison.lands]
+        called += [each.same_mileage_points for each in body.comparison.lands]
+        assert not any(points.differs for points in called if points is not None)
+
+
+def test_many_groups_are_each_compared_with_all_others_together(folder: Path) -> None:
+    comparison = summed_up(Results.open(folder), by="batch", controller=BODY).bodies[0].comparison
+    assert comparison is not None
+    assert not comparison.in_pairs
+    assert len(comparison.groups) == 7
+    assert {(each.first, each.second) for each in comparison.verdicts} == {(f"B{n}", None) for n in range(7)}
+    each = next(each for each in comparison.lands if each.first == "B3")
+    lands, units = read(folder, "lands"), read(folder, "units")
+    batch = pd.Series(["B3" in dict(labels).values() for labels in units["labels"]], index=units["input_sha256"])
+    mine = lands[(lands["component"] == each.key[0]) & (lands["land"] == each.key[1])].set_index("input_sha256")
+    wear = mine["wear_percent"].groupby(batch).mean()
+    assert each.mean_points is not None
+    assert each.mean_points.value == pytest.approx(wear[True] - wear[False], abs=_NEAR)
+
+
+def test_the_worst_units_come_first_and_lead_to_their_files(folder: Path, summary: FleetSummary) -> None:
+    ranks = [unit.verdict.rank for unit in summary.worst]
+    assert ranks == sorted(ranks, reverse=True)
+    assert len(summary.worst) == 50
+    worst = summary.worst[0]
+    row = pd.read_parquet(folder / "units").set_index("reference").loc[worst.reference]
+    assert (worst.name, worst.controller, worst.serial) == (row["name"], row["controller"], row["serial"])
+    assert (worst.date, worst.decided_by) == (row["date"], (row["decided_by_component"], row["decided_by_land"]))
+    lands = pd.read_parquet(folder / "lands").set_index("input_sha256").loc[row["input_sha256"]]
+    assert worst.lands_past == lands["verdict"].isin(["replace", "critical"]).sum()
+    assert summed_up(Results.open(folder), listed=3).worst == tuple(
+        replace(each, label=None) for each in summary.worst[:3]
+    )
+
+
+def test_errors_are_told_by_kind(summary: FleetSummary) -> None:
+    assert sum(each.count for each in summary.errors) == ERRORS
+    refused = next(each for each in summary.errors if each.kind == "refused")
+    assert refused.first == (("north/bad_0.zip", "bad_0.zip: this is what a person would have been told"),)
+
+
+def test_one_valve_body_alone_is_what_it_is_beside_others(folder: Path, body: ValveBody) -> None:
+    alone = summed_up(Results.open(folder), controller=BODY)
+    assert alone.bodies == (replace(body, comparison=None),)
+    assert alone.counts == body.counts
+    kinds = {each.kind for each in summed_up(Results.open(folder), controller=CONTROLLERS[1]).errors}
+    assert kinds == {"refused"}, "those of files whose valve body nobody knows, and of no other valve body"
+
+
+def test_what_was_written_first_changes_nothing(tmp_path: Path) -> None:
+    random = np.random.default_rng(2)
+    units = [
+        Unit(f"u{n}", {("8", 1): Measured(float(random.lognormal(2.0, 0.5)))}, own={"group": "ab"[n % 2]})
+        for n in range(30)
+    ]
+    first, turned = (
+        summed_up(results_of(tmp_path / name, order), by="group") for name, order in (("a", units), ("b", units[::-1]))
+    )
+    assert (first.bodies, first.worst) == (turned.bodies, turned.worst)
+
+
+# --- what counts ---
+
+
+def test_of_several_visits_the_last_measured_one_counts(tmp_path: Path) -> None:
+    key = ("8", 1)
+    visits = [
+        Unit("first", {key: Measured(50.0, Verdict.WATCH)}, own={"date": dt.date(2026, 1, 5), "mileage_km": 9e4}),
+        Unit("second", {key: WORN}, own={"date": dt.date(2026, 2, 5), "mileage_km": 2e5}),
+        Unit("log alone", {key: NOT_MEASURED}, own={"date": dt.date(2026, 3, 5), "mileage_km": 2.1e5}),
+    ]
+    visits = [Unit(**{**vars(each), "own": {**each.own, "serial": "AB 12-3"}}) for each in visits]
+    visits[1] = Unit(**{**vars(visits[1]), "own": {**visits[1].own, "serial": "ab123"}})
+    other = Unit("other", {key: Measured(20.0)}, own={"vin": "WDB 99", "serial": "unknown", "mileage_km": 4e4})
+    elsewhere = Unit("elsewhere", {key: Measured(20.0)}, "body_b", own={"serial": "AB 12-3"})
+    summary = summed_up(results_of(tmp_path, [*visits, other, elsewhere]))
+    body = summary.body("body_a")
+    assert (summary.visits, summary.counts.units, body.visits, body.counts.units) == (5, 3, 4, 2)
+    assert (body.counts.verdicts[Verdict.REPLACE], body.counts.verdicts[Verdict.OK]) == (1, 1)
+    assert (body.pairs[0].replace.count, body.pairs[0].replace.of) == (1, 2)
+    unit = next(each for each in summary.worst if each.verdict is Verdict.REPLACE)
+    assert (unit.name, unit.visits) == ("second", 3)
+    wear = body.wear[0]
+    assert [part.wear_percent.median for part in wear.classes] == [20.0, 50.0, 90.0], "all visits over mileage"
+    assert wear.latest_percent is not None
+    assert (wear.latest_percent.units, wear.latest_percent.mean) == (2, 55.0)
+
+
+def test_a_unit_counts_once_in_a_class_of_mileage(tmp_path: Path) -> None:
+    own = {"serial": "7", "mileage_km": 61e3}
+    visits = [
+        Unit(f"visit {day}", {("8", 1): Measured(wear)}, own={**own, "date": dt.date(2026, 1, day)})
+        for day, wear in ((9, 30.0), (2, 10.0), (5, 20.0))
+    ]
+    (land,) = summed_up(results_of(tmp_path, visits)).bodies[0].wear
+    assert [(part.wear_percent.units, part.wear_percent.mean) for part in land.classes] == [(1, 30.0)]
+
+
+def test_visits_without_a_date_follow_their_mileage(tmp_path: Path) -> None:
+    visits = [
+        Unit(f"at {km}", {("8", 1): Measured(km / 1e3)}, own={"serial": "7", "mileage_km": km})
+        for km in (90e3, 120e3, 30e3)
+    ]
+    (unit,) = summed_up(results_of(tmp_path, visits)).worst
+    assert (unit.mileage_km, unit.visits) == (120e3, 3)
+
+
+def test_results_without_serial_number_and_vin_are_units_of_their_own_and_said_to_be(tmp_path: Path) -> None:
+    units = [Unit(f"u{n}", {("8", 1): Measured()}, own={"serial": None, "vin": "unknown"}) for n in range(2)]
+    summary = summed_up(results_of(tmp_path, [*units, Unit("known", {("8", 1): Measured()})]))
+    assert summary.counts.units == 3
+    assert [message.code for message in summary.messages] == ["not_told_apart"]
+    assert summary.messages[0].text.startswith("2 of 3 results state neither")
+
+
+def test_what_was_not_measured_is_in_no_rate_and_not_ok(tmp_path: Path) -> None:
+    keys = [("8", 1), ("8", 2), ("9", 1)]
+    units = [
+        Unit("nothing", dict.fromkeys(keys, NOT_MEASURED)),
+        Unit("in part", {keys[0]: Measured(), keys[1]: NOT_MEASURED, keys[2]: NOT_MEASURED}),
+        Unit("whole", {keys[0]: Measured(), keys[1]: WORN, keys[2]: Measured(5.0, Verdict.OK, seal="ring")}),
+        Unit("half", {keys[0]: Measured(70.0, Verdict.WATCH, "spool_only"), keys[1]: NOT_MEASURED}),
+    ]
+    body = summed_up(results_of(tmp_path, units)).bodies[0]
+    assert (body.counts.units, body.counts.judged, body.counts.ok_in_part) == (4, 3, 1)
+    assert (body.counts.verdicts[Verdict.NOT_MEASURED], body.counts.verdicts[Verdict.OK]) == (1, 1)
+    assert body.counts.rates[Verdict.WATCH].of == 3
+    pairs = {each.key: each for each in body.pairs}
+    assert (pairs[keys[0]].flagged.count, pairs[keys[0]].flagged.of, pairs[keys[0]].not_measured) == (0, 2, 2)
+    assert pairs[keys[0]].flagged_by_one_part == 1
+    assert (pairs[keys[1]].replace.count, pairs[keys[1]].replace.of) == (1, 1)
+    assert (pairs[keys[2]].flagged.of, pairs[keys[2]].not_measured) == (0, 4)
+    wear = {each.key: each.latest_percent for each in body.wear}
+    assert wear[keys[2]] is None, "a ring seals it"
+    assert [each.units for each in (wear[keys[0]], wear[keys[1]]) if each is not None] == [2, 1]
+
+
+def test_few_units_have_counts_and_no_interval(tmp_path: Path) -> None:
+    def units(number: int) -> list[Unit]:
+        lands = {("8", 1): WORN}
+        own = {"mileage_km": 1e5}
+        return [
+            Unit(f"{number} {n}", lands, conditions=[condition(20.0 + n)], temperatures=[temperature_class()], own=own)
+            for n in range(number)
+        ]
+
+    few, enough = (summed_up(results_of(tmp_path / str(n), units(n))).bodies[0] for n in (9, 10))
+    for body, number in ((few, 9), (enough, 10)):
+        rates = (body.counts.rates[Verdict.WATCH], body.pairs[0].replace, body.deciders[0].units)
+        spreads = (
+            *(body.wear[0].latest_percent, body.wear[0].classes[0].wear_percent),
+            *(body.conditions[0].share_percent, body.temperatures[0].share_percent),
+        )
+        assert [rate.of for rate in rates] == [number] * 3
+        assert [spread.units for spread in spreads if spread] == [number] * 4
+        assert {rate.low_percent is None for rate in rates} == {number < 10}
+        assert {spread.quantiles is None for spread in spreads if spread} == {number < 10}
+
+
+def test_groups_of_few_units_are_counted_and_not_compared(tmp_path: Path) -> None:
+    random = np.random.default_rng(1)
+    sizes = {"few": 4, "some": 12, " ": 3}
+    units = [
+        Unit(f"{name} {n}", {("8", 1): Measured(float(random.normal(30.0, 5.0)))}, own={"group": name})
+        for name, size in sizes.items()
+        for n in range(size)
+    ]
+    summary = summed_up(results_of(tmp_path, units), by="group")
+    comparison = summary.bodies[0].comparison
+    assert comparison is not None
+    assert (summary.not_stated, comparison.not_stated) == (3, 3)
+    assert [(group.name, group.counts.units) for group in comparison.groups] == [("few", 4), ("some", 12)]
+    (of_land,) = comparison.lands
+    points = [*(each.points for each in comparison.verdicts), of_land.mean_points]
+    assert all(each is not None and each.low is None and each.differs is None for each in points)
+    assert of_land.same_mileage_points is None, "nobody stated a mileage"
+    assert [message.code for message in comparison.messages] == ["few_units"]
+    assert "few: fewer than 10 units" in comparison.messages[0].text
+
+
+def test_groups_of_other_mileage_are_said_to_be(tmp_path: Path) -> None:
+    random = np.random.default_rng(4)
+    units = [
+        Unit(
+            f"{group} {n}",
+            {("8", 1): Measured(km / 4e3 + float(random.normal(0.0, 2.0)))},
+            own={"group": group, "mileage_km": km},
+        )
+        for group, further in (("far", 60e3), ("near", 0.0))
+        for n, km in enumerate(random.uniform(60e3, 200e3, 40) + further)
+    ]
+    comparison = summed_up(results_of(tmp_path, units), by="group").bodies[0].comparison
+    assert comparison is not None
+    (message,) = comparison.messages
+    assert (message.level, message.code) == ("warning", "other_mileage")
+    assert message.text.startswith("far: driven ")
+    (of_land,) = comparison.lands
+    assert of_land.mean_points is not None
+    assert of_land.same_mileage_points is not None
+    assert (of_land.mean_points.differs, of_land.same_mileage_points.differs) == (True, False)
+    assert of_land.mean_points.value > 10.0
+    assert abs(of_land.same_mileage_points.value) < 3.0
+
+
+def test_lands_that_were_repaired_are_counted_apart_from_wear(tmp_path: Path) -> None:
+    units = [
+        Unit("worn", {("8", 1): Measured(60.0)}, own={"mileage_km": 1e5}),
+        Unit("repaired", {("8", 1): Measured(2.0, fitted_repair="sleeve")}, own={"mileage_km": 1e5}),
+    ]
+    body = summed_up(results_of(tmp_path, units)).bodies[0]
+    (land,) = body.wear
+    assert (land.repaired, land.latest_percent and land.latest_percent.mean) == (1, 60.0)
+    assert body.pairs[0].flagged.of == 2, "a repaired land is judged like any other"
+
+
+def test_valve_bodies_share_no_statistics_of_a_land(tmp_path: Path) -> None:
+    units = [
+        Unit(f"{body} {n}", {("8", 1): Measured(wear)}, body) for body, wear in (("a", 10.0), ("b", 90.0)) for n in "12"
+    ]
+    summary = summed_up(results_of(tmp_path, units))
+    assert [body.wear[0].latest_percent and body.wear[0].latest_percent.mean for body in summary.bodies] == [10.0, 90.0]
+
+
+def test_conditions_of_one_name_that_are_not_one_stay_apart(tmp_path: Path) -> None:
+    units = [
+        Unit("hot", {("8", 1): Measured()}, conditions=[condition(10.0)]),
+        Unit("hotter", {("8", 1): Measured()}, conditions=[condition(30.0, temperature_c=130.0)]),
+        Unit("other pressure", {("8", 1): Measured()}, conditions=[condition(20.0, p_g_kpa=500.0)]),
+        Unit("without", {("8", 1): Measured(), ("8", 2): NOT_MEASURED}, conditions=[condition(None)]),
+        Unit("not measured", {("8", 1): NOT_MEASURED}, conditions=[condition(5.0)]),
+    ]
+    first, second = summed_up(results_of(tmp_path, units)).bodies[0].conditions
+    by_temperature = {each.temperature_c: each for each in (first, second)}
+    hot = by_temperature[110.0]
+    assert hot.share_percent is not None
+    assert (hot.share_percent.units, hot.share_percent.mean, hot.required_kpa, hot.partly) == (2, 15.0, None, 1)
+    assert by_temperature[130.0].required_kpa == 450.0
+
+
+def test_of_logs_the_last_of_each_unit_counts_and_what_it_lacks_is_none(tmp_path: Path) -> None:
+    lands = {("8", 1): Measured()}
+    units = [
+        Unit(
+            "earlier",
+            lands,
+            temperatures=[temperature_class(share_mean_percent=90.0)],
+            own={"serial": "7", "date": dt.date(2026, 1, 1)},
+        ),
+        Unit(
+            "later",
+            lands,
+            temperatures=[temperature_class(seconds=180.0, share_mean_percent=20.0, pressure_mean_kpa=None)],
+            own={"serial": "7", "date": dt.date(2026, 1, 2)},
+        ),
+        Unit("without a log", lands, own={"serial": "7", "date": dt.date(2026, 1, 3)}),
+        Unit("another", lands, temperatures=[temperature_class(share_mean_percent=40.0, pressure_mean_kpa=None)]),
+    ]
+    (found,) = summed_up(results_of(tmp_path, units)).bodies[0].temperatures
+    assert (found.seconds, found.share_mean_percent) == (240.0, 25.0)
+    assert found.share_percent is not None
+    assert (found.share_percent.units, found.share_percent.mean) == (2, 30.0)
+    assert (found.pressure_mean_kpa, found.pressure_kpa, found.bands_percent) == (None, None, None)
+
+
+def test_units_that_were_judged_otherwise_are_said_to_be(tmp_path: Path) -> None:
+    columns = ("controller_sha256", "limits_sha256", "fluid_sha256", "profile")
+    units = [Unit(f"u{n}", {("8", 1): Measured()}, own=dict.fromkeys(columns, str(n))) for n in range(2)]
+    (body,) = summed_up(results_of(tmp_path, units)).bodies
+    assert [each.code for each in body.messages] == [
+        f"various_{name}" for name in ("controller", "limits", "fluid", "profile")
+    ]
+
+
+def test_what_decided_besides_lands_is_counted(tmp_path: Path) -> None:
+    circuit = {"decided_by_kind": "circuit", "decided_by_circuit": "k1"}
+    units = [Unit(f"c{n}", {("8", 1): Measured()}, verdict=Verdict.CRITICAL, own=circuit) for n in range(2)]
+    units.append(Unit("land", {("8", 1): WORN}))
+    body = summed_up(results_of(tmp_path, units)).bodies[0]
+    found = [
+        (each.kind, each.component, each.land, each.circuit, each.units.count, each.units.of) for each in body.deciders
+    ]
+    assert found == [("circuit", None, None, "k1", 2, 3), ("land", "8", 1, None, 1, 3)]
+
+
+def test_components_stand_in_the_order_of_their_numbers(tmp_path: Path) -> None:
+    keys = [("10", 1), ("2", 2), ("2", 1), ("12'", 1), ("valve", 1)]
+    body = summed_up(results_of(tmp_path, [Unit("one", dict.fromkeys(keys, Measured()))])).bodies[0]
+    assert [land.key for land in body.wear] == [("valve", 1), ("2", 1), ("2", 2), ("10", 1), ("12'", 1)]
+
+
+# --- what cannot be summed up ---
+
+
+def test_what_nobody_states_is_refused_with_what_there_is(folder: Path) -> None:
+    with pytest.raises(InputError, match=r"supplyer.*supplier"):
+        summed_up(Results.open(folder), by="supplyer")
+    with pytest.raises(InputError, match=r"four_speed.*four_speed_2023"):
+        summed_up(Results.open(folder), controller="four_speed")
+
+
+def test_results_without_any_unit_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(FleetError, match="holds no unit yet"):
+        summed_up(results_of(tmp_path, []))
+
+
+def test_errors_alone_are_a_summary(tmp_path: Path) -> None:
+    with Results.open(tmp_path, for_writing=True) as results:
+        results.add([failed(f"file:/{number}", str(number)) for number in range(ERRORS)])
+    summary = summed_up(Results.open(tmp_path))
+    assert (summary.visits, summary.counts.units, summary.bodies, summary.worst) == (0, 0, (), ())
+    assert sum(each.count for each in summary.errors) == ERRORS
