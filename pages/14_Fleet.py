@@ -14,13 +14,14 @@ try:
         st.stop()
     words = fleet.summed(folder)
     fleet.draw_whole(words)
-    show.jumps(fleet.SECTIONS)
-    st.subheader(say("fleet.units_of_all"), anchor="fleet-units")
-    unit = fleet_units.choose(words)
-    if unit is not None and fleet_units.draw(folder, unit, words):
-        st.switch_page(panel.PAGES / "4_Diagnosis.py")
-    body = fleet.choose_body(words)
-    if body is not None:
+    if words.summary.bodies:
+        show.jumps(fleet.SECTIONS)
+        st.subheader(say("fleet.units_of_all"), anchor="fleet-units")
+        unit = fleet_units.choose(words)
+        if unit is not None and fleet_units.draw(folder, unit, words):
+            st.switch_page(panel.PAGES / "4_Diagnosis.py")
+        st.subheader(say("fleet.one_body"), anchor="fleet-body")
+        body = fleet.choose_body(words)
         fleet_body.draw_about(words, body)
         st.subheader(say("fleet_summary.section_pairs"), anchor="fleet-pairs")
         fleet_body.draw_pairs(words, body)

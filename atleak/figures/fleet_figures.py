@@ -21,7 +21,7 @@ from atleak.fleet.summed import (
     VerdictCounts,
     WearDifference,
 )
-from atleak.look import EDGE, FAINT_GRID, HATCHING, OK_IN_PART, SCREEN, SPREADS_ON_SCREEN, look_of
+from atleak.look import FAINT_GRID, HATCHING, OK_IN_PART, SCREEN, SPREADS_ON_SCREEN, look_of
 from atleak.spreads import PARTS, Rate, Spread
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
 from atleak.wording import Wording
@@ -29,9 +29,12 @@ from atleak.workshop_units import PERCENT
 
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 _WIDTH = 0.86  # of a box, of its class
-_NARROW = 0.5  # of the bar of units past *replace*, beside 0.8 of those that are flagged
+_ABOVE = 0.27  # the middle of a row, parts of its height: where its name stands
+_THICK = 0.5  # of a bar, of its row
+_NARROW = 0.3  # of the bar of units past *replace*, over that of units that are flagged
+_ROOM = 4.0  # [%] of a bar's length that a number in it takes
 _HOUR = 3600.0  # [s]
-_PLACES = {Verdict.WATCH: 0.22, Verdict.REPLACE: 0.0, Verdict.CRITICAL: -0.22}  # of a group's marks, above its middle
+_MARKS = {Verdict.WATCH: 0.17, Verdict.REPLACE: 0.0, Verdict.CRITICAL: -0.17}  # of a group, above its row's middle
 
 
 # --- verdicts
@@ -44,28 +47,41 @@ def verdicts(rows: Sequence[tuple[str, VerdictCounts]], say: Wording) -> Figure:
     """
     figure = Figure()
     names = [name for name, _ in rows]
-    for name, counts, marker in _stacked(rows, say):
+    for what, counts, marker in _stacked(rows, say):
         parts = [_part(count, of.units) for count, (_, of) in zip(counts, rows, strict=True)]
         figure.add_bar(
-            y=names,
+            y=_places(names),
             x=parts,
             orientation="h",
-            name=name,
+            width=_THICK,
+            name=what,
             marker={**marker, "line": {"width": 0}},
-            text=[say.number(count, 0) if part >= 4.0 else "" for count, part in zip(counts, parts, strict=True)],
+            text=[say.number(count, 0) if part >= _ROOM else "" for count, part in zip(counts, parts, strict=True)],
             textposition="inside",
             insidetextanchor="middle",
             constraintext="none",
             textangle=0,
             customdata=[
-                say("fleet_summary.chart_rate", count=say.number(count, 0), of=say.number(of.units, 0))
-                for count, (_, of) in zip(counts, rows, strict=True)
+                f"{name}<br>{what}: {_counted(count, of.units, say)}"
+                for count, (name, of) in zip(counts, rows, strict=True)
             ],
-            hovertemplate=f"%{{y}}: {name} %{{customdata}}, %{{x:.1f}} %<extra></extra>",
+            hovertemplate="%{customdata}, %{x:.1f} %<extra></extra>",
         )
     figure.update_xaxes(title=say("fleet_summary.chart_verdicts"), range=[0.0, PERCENT])
-    figure.update_yaxes(type="category", categoryorder="array", categoryarray=names[::-1])
-    return framed(figure, 110 + 40 * max(len(names), 1), barmode="stack")
+    return _named_rows(figure, names, barmode="stack")
+
+
+def _places(names: Sequence[str]) -> list[int]:
+    """Return the height of every row's middle, the first on top."""
+    return list(range(len(names)))[::-1]
+
+
+def _named_rows(figure: Figure, names: Sequence[str], barmode: str | None = None) -> Figure:
+    """Lay out rows, each with its name above it: names are long, and a phone is narrow."""
+    for name, place in zip(names, _places(names), strict=True):
+        figure.add_annotation(x=0.0, y=place + _ABOVE, xref="x domain", text=name, xanchor="left", yanchor="bottom")
+    figure.update_yaxes(range=[-_ABOVE - 0.1, len(names) - 0.2], showticklabels=False, showgrid=False)
+    return framed(figure, 170 + 46 * max(len(names), 1), barmode=barmode)
 
 
 def _stacked(
@@ -109,39 +125,41 @@ def _part(count: int, of: int) -> float:
 def pairs(troubles: Sequence[PairTrouble], names: Sequence[str], say: Wording) -> Figure:
     """Draw in which share of the units pairs are flagged and at *replace* or past it, the most often on top.
 
-    Lines are the 95 % intervals of the latter. Of too few units only the words beside a bar say how many there are.
+    Lines are the 95 % intervals of the latter. Of too few units words beside the bar say so instead, with the count.
     """
-    figure = Figure()
+    figure, places = Figure(), _places(names)
     for rates, level, width in (
-        ([each.flagged for each in troubles], Verdict.WATCH, 0.8),
+        ([each.flagged for each in troubles], Verdict.WATCH, _THICK),
         ([each.replace for each in troubles], Verdict.REPLACE, _NARROW),
     ):
-        last = level is Verdict.REPLACE
-        spans = [_span(rate) for rate in rates]
+        values, spans = [rate.percent or 0.0 for rate in rates], [_span(rate) for rate in rates]
         figure.add_bar(
-            y=names,
-            x=[rate.percent or 0.0 for rate in rates],
+            y=places,
+            x=values,
             orientation="h",
             width=width,
             name=or_worse(level, say),
             marker=_shade(level),
-            error_x=error_bars([rate.percent or 0.0 for rate in rates], spans, 1.0) if last else None,
-            customdata=[_rate(rate, say) for rate in rates],
-            hovertemplate=f"%{{y}}: {or_worse(level, say)} %{{customdata}}<extra></extra>",
+            error_x=error_bars(values, spans, 1.0) if level is Verdict.REPLACE else None,
+            text=["" if rate.enough or level is Verdict.REPLACE else _few(rate, say) for rate in rates],
+            textposition="outside",
+            customdata=[
+                f"{name}<br>{or_worse(level, say)}: {_rate(rate, say)}" for name, rate in zip(names, rates, strict=True)
+            ],
+            hovertemplate="%{customdata}<extra></extra>",
         )
-    deciding = [each for each in zip(troubles, names, strict=True) if each[0].deciding.count]
+    deciding = [each for each in zip(troubles, names, places, strict=True) if each[0].deciding.count]
     figure.add_scatter(
-        x=[each.deciding.percent or 0.0 for each, _ in deciding],
-        y=[name for _, name in deciding],
+        x=[each.deciding.percent or 0.0 for each, _, _ in deciding],
+        y=[place for _, _, place in deciding],
         mode="markers",
         name=say("fleet.deciding"),
         marker={"symbol": "diamond", "size": 9, "color": SCREEN.ink, "line": {"width": 1, "color": SCREEN.ink}},
-        customdata=[_rate(each.deciding, say) for each, _ in deciding],
-        hovertemplate=f"%{{y}}: {say('fleet.deciding')} %{{customdata}}<extra></extra>",
+        customdata=[f"{name}<br>{say('fleet.deciding')}: {_rate(each.deciding, say)}" for each, name, _ in deciding],
+        hovertemplate="%{customdata}<extra></extra>",
     )
     figure.update_xaxes(title=say("fleet_summary.chart_pairs"), rangemode="tozero")
-    figure.update_yaxes(type="category", categoryorder="array", categoryarray=list(reversed(names)))
-    return framed(figure, 110 + 30 * max(len(names), 3), barmode="overlay")
+    return _named_rows(figure, names, barmode="overlay")
 
 
 def _span(rate: Rate) -> tuple[float, float] | None:
@@ -150,12 +168,20 @@ def _span(rate: Rate) -> tuple[float, float] | None:
 
 def _rate(rate: Rate, say: Wording) -> str:
     """Return how many of how many, and the share of units with its interval where there are enough."""
-    counted = say("fleet_summary.chart_rate", count=say.number(rate.count, 0), of=say.number(rate.of, 0))
+    counted = _counted(rate.count, rate.of, say)
     span = _span(rate)
     if span is None:
         return counted
     low, high = (say.number(end, 1) for end in span)
     return f"{counted}: {say.number(rate.percent, 1)} % ({low}–{high})"
+
+
+def _few(rate: Rate, say: Wording) -> str:
+    return say("fleet.too_few", rate=_counted(rate.count, rate.of, say))
+
+
+def _counted(count: int, of: int, say: Wording) -> str:
+    return say("fleet_summary.chart_rate", count=say.number(count, 0), of=say.number(of, 0))
 
 
 # --- spreads
@@ -254,7 +280,7 @@ def _units_below(
         y=list(units),
         width=[(edge[1] - edge[0]) * _WIDTH for edge in edges],
         name=say("fleet_summary.over_units"),
-        marker={"color": EDGE, "line": {"width": 0}},
+        marker={"color": SCREEN.rule, "opacity": 0.5, "line": {"width": 0}},
         showlegend=False,
         hovertemplate="%{y:,.0f}<extra></extra>",
     )
@@ -385,15 +411,17 @@ def rates_of_groups(groups: Sequence[Group], say: Wording) -> Figure:
     Of a group with too few units there are no marks: words say how many of how many are at *replace* or past it.
     """
     figure = Figure()
-    height = {group.name: float(place) for place, group in enumerate(reversed(groups))}
+    names = [group.name for group in groups]
+    height = dict(zip(names, _places(names), strict=True))
     for verdict in FLAGGED:
         look = look_of(verdict)
         rates = [(group, group.counts.rates[verdict]) for group in groups if group.counts.rates[verdict].enough]
         values = [rate.percent or 0.0 for _, rate in rates]
         figure.add_scatter(
             x=values,
-            y=[height[group.name] + _PLACES[verdict] for group, _ in rates],
+            y=[height[group.name] + _MARKS[verdict] for group, _ in rates],
             mode="markers",
+            cliponaxis=False,
             name=or_worse(verdict, say),
             marker={
                 "symbol": look.marker,
@@ -411,16 +439,13 @@ def rates_of_groups(groups: Sequence[Group], say: Wording) -> Figure:
             x=[0.0 for _ in few],
             y=[height[group.name] for group in few],
             mode="text",
-            text=[say("fleet.too_few", rate=_rate(group.counts.rates[Verdict.REPLACE], say)) for group in few],
+            text=[_few(group.counts.rates[Verdict.REPLACE], say) for group in few],
             textposition="middle right",
             showlegend=False,
             hoverinfo="skip",
         )
     figure.update_xaxes(title=say("fleet_summary.chart_groups"), rangemode="tozero")
-    figure.update_yaxes(
-        tickvals=list(height.values()), ticktext=list(height), range=[-0.6, len(groups) - 0.4], showgrid=False
-    )
-    return framed(figure, 110 + 46 * max(len(groups), 2))
+    return _named_rows(figure, names)
 
 
 def wear_differences(found: Sequence[WearDifference], names: Sequence[str], say: Wording) -> Figure:
@@ -431,8 +456,8 @@ def wear_differences(found: Sequence[WearDifference], names: Sequence[str], say:
     """
     figure = Figure()
     for what, offset, symbol, colour in (
-        ("in_the_mean", 0.14, "circle", SCREEN.leakage),
-        ("at_same_mileage", -0.14, "diamond", SCREEN.share),
+        ("in_the_mean", 0.1, "circle", SCREEN.leakage),
+        ("at_same_mileage", -0.1, "diamond", SCREEN.share),
     ):
         of_each = [each.mean_points if what == "in_the_mean" else each.same_mileage_points for each in found]
         rows = list(_with_interval(of_each, names))
@@ -458,10 +483,7 @@ def wear_differences(found: Sequence[WearDifference], names: Sequence[str], say:
         )
     figure.add_vline(x=0.0, line={"color": SCREEN.rule, "width": 1.5, "dash": "dot"})
     figure.update_xaxes(title=say("fleet.difference_of_wear"))
-    figure.update_yaxes(
-        tickvals=list(range(len(names)))[::-1], ticktext=list(names), range=[-0.6, len(names) - 0.4], showgrid=False
-    )
-    return framed(figure, 110 + 38 * max(len(names), 2))
+    return _named_rows(figure, names)
 
 
 def _with_interval(

@@ -29,6 +29,7 @@ FOLDER, BODY, BY = "fleet", "body", "by"  # parameters of the address
 COMMAND = "atleak fleet run jobs/ --out results/"
 SECTIONS = {
     "fleet-units": "fleet.units_of_all",
+    "fleet-body": "fleet.one_body",
     "fleet-pairs": "fleet_summary.section_pairs",
     "fleet-wear": "fleet_summary.section_wear",
     "fleet-temperatures": "fleet_summary.section_temperatures",
@@ -179,12 +180,10 @@ def counts_table(heading: str, rows: Sequence[tuple[str, VerdictCounts]], words:
     st.caption(say("fleet_summary.note_rates"))
 
 
-def choose_body(words: FleetWords) -> ValveBody | None:
-    """Let a valve body and a heading be chosen; None where no unit has a result."""
+def choose_body(words: FleetWords) -> ValveBody:
+    """Let one of the valve bodies be chosen, and a heading by which its units are compared."""
     say, summary = words.say, words.summary
     bodies = {body.controller: body for body in summary.bodies}
-    if not bodies:
-        return None
     first, second = st.columns(2)
     with first:
         asked = address.kept(BODY, of_job=False)
@@ -203,7 +202,7 @@ def _of_body(body: ValveBody, words: FleetWords) -> str:
 
 def heading_words(heading: str, say: Wording) -> str:
     """Name a heading by which groups are told."""
-    return say("fleet.by_nothing") if not heading else say("fleet_summary.group") if heading == GROUP else heading
+    return say("fleet.by_nothing") if not heading else say("fleet.group") if heading == GROUP else heading
 
 
 # --- errors and files
@@ -216,9 +215,8 @@ def draw_errors(words: FleetWords) -> None:
         st.write(say("fleet_summary.no_errors"))
         return
     for kind in kinds:
-        st.markdown(f"**{show.plain(say.get('fleet_errors', kind.kind))}: {say.number(kind.count, 0)}**")
-        lines = [f"- {show.plain(name)}: {show.plain(message)}" for name, message in kind.first]
-        st.markdown("\n".join(lines))
+        head = f"**{show.plain(words.kind_of_error(kind))}: {say.number(kind.count, 0)}**"
+        st.markdown("\n".join([head, "", *(f"- {show.plain(each)}" for each in kind.told)]))
         if kind.count > len(kind.first):
             st.caption(say("fleet.more_errors"))
 

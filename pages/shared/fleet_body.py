@@ -8,7 +8,7 @@ from typing import Any
 import streamlit as st
 
 from atleak.figures import fleet_figures as figures
-from atleak.fleet.summary_words import FleetWords, called
+from atleak.fleet.summary_words import NAME, FleetWords, called, within
 from atleak.fleet.summed import ConditionSpread, Difference, GroupComparison, ValveBody, WearDifference
 from atleak.spreads import Spread
 from atleak.verdicts import Band, Verdict
@@ -17,6 +17,7 @@ from pages.shared import show
 from pages.shared.fleet import counts_table
 
 DRAWN = 15  # most pairs, differences of wear and groups in a figure
+SAID = 3  # differences of wear that are told in sentences
 _HOUR = 3600.0  # [s]
 
 
@@ -102,7 +103,7 @@ def draw_temperatures(words: FleetWords, body: ValveBody) -> None:
     if body.temperatures:
         show.chart(figures.over_temperature(body.temperatures, say), "fleet-temperatures")
         hours = sum(each.seconds for each in body.temperatures) / _HOUR
-        st.caption(say("fleet.temperatures_note", hours=say.number(hours, 1)))
+        st.caption(say("fleet.temperatures_note", hours=say.number(hours, 1 if hours >= 1.0 else 2)))
     else:
         st.write(say("fleet_summary.no_logs"))
     if body.conditions:
@@ -204,10 +205,13 @@ def _wear_compared(words: FleetWords, body: ValveBody, comparison: GroupComparis
     if not told:
         st.markdown(f"**{say('fleet_summary.wear_too_few')}**")
         return
+    said = [f"**{say('fleet_summary.wear_alike', count=len(told))}**"]
     if found:
-        st.markdown(f"**{say('fleet_summary.wear_differs', found=len(found), count=len(told))}**")
-    else:
-        st.markdown(f"**{say('fleet_summary.wear_alike', count=len(told))}**")
+        said = [f"**{say('fleet_summary.wear_differs', found=len(found), count=len(told))}**", ""]
+        said += [f"- {show.plain(_wear_sentence(words, body, each))}" for each in found[:SAID]]
+    st.markdown("\n".join(said))
+    if len(told) < len(comparison.lands):
+        st.caption(say("fleet.not_told", count=say.number(len(comparison.lands) - len(told), 0)))
     drawn = (found or told)[:DRAWN]
     show.chart(figures.wear_differences(drawn, [_named(words, body, each) for each in drawn], say), "fleet-differences")
     st.caption(say("fleet.differences_note"))
@@ -223,8 +227,24 @@ def _wear_compared(words: FleetWords, body: ValveBody, comparison: GroupComparis
         show.rows_table([_difference(words, body, each) for each in told], columns)
 
 
+def _wear_sentence(words: FleetWords, body: ValveBody, each: WearDifference) -> str:
+    """Say by how much the wear of a land differs: at the same mileage where that tells it, else in the mean."""
+    same = each.same_mileage_points
+    how, points = ("same", same) if same is not None and same.differs else ("mean", each.mean_points)
+    assert points is not None
+    return words.say(
+        f"fleet.wear_{how}",
+        pair=words.land(body.controller, each.key),
+        first=within(each.first, NAME),
+        second=within(words.second(each.second), NAME),
+        points=words.points(points.value),
+        interval=words.interval(points.low_of_all, points.high_of_all),
+    )
+
+
 def _named(words: FleetWords, body: ValveBody, each: WearDifference) -> str:
-    return f"{words.land_number(body.controller, each.key)}: {each.first} − {words.second(each.second)}"
+    sides = (within(side, NAME) for side in (each.first, words.second(each.second)))
+    return f"{words.land(body.controller, each.key)}: {' − '.join(sides)}"
 
 
 def _difference(words: FleetWords, body: ValveBody, each: WearDifference) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +14,7 @@ from atleak.fleet.kept_unit import KeptUnit, kept_unit
 from atleak.fleet.known import KnownFolder
 from atleak.fleet.results import Results
 from atleak.fleet.summary_words import FleetWords
-from atleak.fleet.summed import SummedUnit
+from atleak.fleet.summed import GROUP, SummedUnit
 from atleak.fleet.units import BOOK
 from atleak.job.judged_anew import differs
 from atleak.uncertainty import DECISIONS
@@ -47,7 +48,7 @@ _CONDITIONS = (
     Column("leakage", "flow"),
     Column("held", "pressure"),
     Column("required", "pressure"),
-    Column("reserve", "number"),
+    Column("reserve", digits=2),
     Column("decision"),
 )
 
@@ -84,20 +85,34 @@ def choose(words: FleetWords) -> SummedUnit | None:
     if not found:
         st.info(say("fleet.no_unit_fits"))
         return None
+    folder = _folder(units)
     pages = -(-len(found) // PAGE)
     page = 1
     if pages > 1:
         page = st.selectbox(say("job_book.page", pages=pages), range(1, pages + 1), key=f"fleet-page-{pages}-{asked}")
     shown = found[PAGE * (page - 1) : PAGE * page]
     event = show.rows_table(
-        [_row(unit, label(unit), words) for unit in shown],
+        [_row(unit, label(unit), words, len(folder)) for unit in shown],
         _columns(words),
         key=f"fleet-units-{words.summary.folder}-{words.summary.by}-{asked}-{page}",
         on_select="rerun",
         selection_mode="single-row",
     )
-    st.caption(say("fleet.listed", count=say.number(len(found), 0), all=say.number(len(units), 0)))
+    said = [say("fleet.listed", count=say.number(len(found), 0), all=say.number(len(units), 0))]
+    said += [say("fleet.folder", folder=show.plain(folder))] if folder else []
+    st.caption(" ".join(said))
     return next((shown[number] for number in event.selection.rows if number < len(shown)), None)
+
+
+def _folder(units: Sequence[SummedUnit]) -> str:
+    """Return the folder with which the names of all units begin; nothing where they have none in common."""
+    names = [unit.name for unit in units]
+    common = os.path.commonprefix([min(names), max(names)])  # noqa: RUF071  a row of a table has no path
+    return _folder_of(common)
+
+
+def _folder_of(name: str) -> str:
+    return name[: max(name.rfind("/"), name.rfind("\\")) + 1]
 
 
 def _group(unit: SummedUnit) -> str | None:
@@ -123,7 +138,7 @@ def _asked(words: FleetWords, label: Callable[[SummedUnit], str | None]) -> _Ask
     groups = {label(unit) or "" for unit in units}
     named = sorted(each for each in groups if each)
     with places[2]:
-        by = words.heading() or say("fleet_summary.group")
+        by = heading_words(words.summary.by or GROUP, say)
         group = _narrowed(by, [*named, *([_NONE] if "" in groups and named else [])], "group", _of_group(say))
     return _Asked(text, verdict, controller, None if not group else "" if group == _NONE else group)
 
@@ -158,21 +173,21 @@ def _narrowed(label: str, options: Sequence[str], name: str, words: Callable[[st
 
 def _columns(words: FleetWords) -> list[Column]:
     say, units = words.say, words.summary.worst
-    group = heading_words(words.summary.by or "group", say)
+    group = heading_words(words.summary.by or GROUP, say)
     columns = [
         Column("verdict", "verdict", width=92),
-        Column("name", words=say("fleet.unit"), width=190),
+        Column("name", words=say("fleet.unit"), width=150),
+        Column("group", words=group),
+        Column("mileage", "distance"),
+        Column("decided_by", width=150),
+        Column("lands_past", digits=0, words=say("fleet.lands_past", level=say.signed(Verdict.REPLACE))),
+        Column("measured"),
+        Column("max_share", "percent", words=say("fleet.max_share")),
         Column("number"),
         Column("serial"),
         Column("vin"),
-        Column("group", words=group),
-        Column("controller"),
-        Column("mileage", "distance"),
         Column("date"),
-        Column("decided_by", width=150),
-        Column("lands_past", digits=0, words=say("fleet.lands_past", level=say.signed(Verdict.REPLACE))),
-        Column("max_share", "percent", words=say("fleet.max_share")),
-        Column("measured"),
+        Column("controller"),
         Column("visits", digits=0),
     ]
     several = any(unit.visits > 1 for unit in units)
@@ -182,10 +197,10 @@ def _columns(words: FleetWords) -> list[Column]:
     return [column for column in columns if told.get(column.key, True)]
 
 
-def _row(unit: SummedUnit, label: str | None, words: FleetWords) -> dict[str, Any]:
+def _row(unit: SummedUnit, label: str | None, words: FleetWords, cut: int) -> dict[str, Any]:
     return {
         "verdict": unit.verdict,
-        "name": unit.name,
+        "name": unit.name[cut:],
         "number": unit.number,
         "serial": unit.serial,
         "vin": unit.vin,
@@ -260,7 +275,7 @@ def _facts(kept: KeptUnit, unit: SummedUnit, words: FleetWords) -> str:
         say("columns.vin"): unit.vin,
         say("columns.mileage"): None if unit.mileage_km is None else say.quantity(unit.mileage_km, "distance"),
         say("columns.date"): say.date(unit.date) if unit.date else None,
-        say("fleet_summary.group"): unit.group,
+        say("fleet.group"): unit.group,
         **dict(row["labels"] or ()),
         say("columns.decided_by"): words.decided_by(unit),
     }
@@ -306,7 +321,7 @@ def _open(kept: KeptUnit) -> None:
     except AtleakError as error:
         st.session_state[_FAULT] = row["reference"], error
         return
-    remember(reader.say()("done.opened", name=row["name"]))
+    remember(reader.say()("done.opened", name=row["number"] or row["name"][len(_folder_of(row["name"])) :]))
     if row["reference"].startswith(BOOK):
         st.session_state[_OPENED] = open_from_book(row["reference"].removeprefix(BOOK))
         return
