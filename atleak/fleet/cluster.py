@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Iterator, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from atleak.errors import FleetError
+from atleak.errors import FleetError, Message
 from atleak.sentence import Sentence
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 HERE = "127.0.0.1"
 _ANSWER = 20.0  # [s] within which a scheduler has to answer
 _MEMORY = 0.9  # part of this machine's memory that all workers together may take
+_COMPARED = ("python", "numpy", "pandas", "dask", "distributed")
 SETTINGS: Mapping[str, Any] = {
     # a unit whose worker ended is tried again by the run itself, which knows when it is alone
     "distributed.scheduler.allowed-failures": 0,
@@ -50,7 +52,11 @@ SETTINGS: Mapping[str, Any] = {
 
 @contextmanager
 def connected(
-    scheduler: str | None = None, workers: int | None = None, memory_limit: int | None = None
+    scheduler: str | None = None,
+    workers: int | None = None,
+    memory_limit: int | None = None,
+    *,
+    tell: Callable[[Message], object] = lambda message: None,
 ) -> Iterator[Client]:
     """Give a client of the workers, which are started here and ended again unless a scheduler is named.
 
@@ -64,6 +70,8 @@ def connected(
     memory_limit
         of each worker started here, in bytes; unless given, its part of the machine's memory. A worker that takes more
         is ended and started anew.
+    tell
+        told what to know of workers that were there already.
 
     Raises
     ------
@@ -81,7 +89,7 @@ def connected(
             with _started_here(workers, memory_limit) as client:
                 yield client
         else:
-            with _reached(scheduler) as client:
+            with _reached(scheduler, tell) as client:
                 yield client
 
 
@@ -113,17 +121,37 @@ def _started_here(workers: int | None, memory_limit: int | None) -> Iterator[Cli
 
 
 @contextmanager
-def _reached(address: str) -> Iterator[Client]:
+def _reached(address: str, tell: Callable[[Message], object]) -> Iterator[Client]:
     from distributed import Client
 
     try:
-        client = Client(address, timeout=_ANSWER, set_as_default=False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a table of other versions: it is said below
+            client = Client(address, timeout=_ANSWER, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         problem = Sentence("no dask scheduler answers there: {reason}", reason=str(error))
         expected = Sentence("the address that the scheduler said when it was started, as tcp://10.0.0.5:8786")
         raise FleetError(problem, value=address, expected=expected) from error
     with client:
+        for message in _other_versions(cast(Mapping[str, Any], client.get_versions())):
+            tell(message)
         yield client
+
+
+def _other_versions(versions: Mapping[str, Any]) -> Iterator[Message]:
+    """Say which packages are others at the workers than here: results may differ in their last digits."""
+    here = versions["client"]["packages"]
+    other: dict[str, set[str]] = {}
+    for worker in versions["workers"].values():
+        for name in _COMPARED:
+            if worker["packages"].get(name) != here.get(name):
+                other.setdefault(name, set()).add(str(worker["packages"].get(name)))
+    if other:
+        names = tuple(f"{name} {', '.join(sorted(found))} ({here.get(name)})" for name, found in other.items())
+        text = Sentence(
+            "workers have other versions than this machine, so that last digits may differ: {names}", names=names
+        )
+        yield Message("warning", "other_versions", text)
 
 
 @contextmanager

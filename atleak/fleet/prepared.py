@@ -1,26 +1,33 @@
-"""Prepare a worker process before it takes its first unit: ``dask worker … --preload atleak.fleet.prepared``.
+"""Prepare a process of dask's for a fleet: ``dask scheduler --preload atleak.fleet.prepared``, and so each worker.
 
-Everything that a diagnosis needs is imported, once. Ctrl-C is left to the program that hands out the units: a terminal
-sends it to all processes at once, and the workers are ended in order.
+A scheduler then gives a unit whose worker ended back at once, as the run itself tries it again, alone. A worker imports
+all that a diagnosis needs before it takes its first unit, works on however full its memory is until its nanny ends it,
+and leaves Ctrl-C to the program that hands out the units: a terminal sends it to all processes at once, and the workers
+are ended in order.
 """
 
 from __future__ import annotations
 
 import signal
-from typing import Any
+
+from distributed import Scheduler, Worker
 
 import atleak.fleet.task  # noqa: F401 (imported so that no unit waits for it)
 from atleak.system.memory import set_imports_aside
 
 
-def dask_setup(worker: Any) -> None:
+def dask_setup(server: Scheduler | Worker) -> None:
     """Prepare this process; dask calls it.
 
     Parameters
     ----------
-    worker
+    server
         that starts.
     """
-    if worker.nanny is not None:  # else it lives in another program's process, or a person ends it
+    if isinstance(server, Scheduler):
+        server.allowed_failures = 0
+        return
+    server.memory_manager.memory_pause_fraction = False  # what was paused for its memory may never go on
+    if server.nanny is not None:  # else it lives in another program's process, or a person ends it
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         set_imports_aside()

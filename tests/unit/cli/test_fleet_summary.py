@@ -62,9 +62,17 @@ def test_it_is_printed_for_people(run: Run, folder: Path) -> None:
         "at the same",
         "fewer than 10 units",
         "1 without a result (refused):",
-        "The worst units",
+        "Units, the worst first",
     ):
         assert text in out
+
+
+def test_units_without_any_measurement_are_not_said_to_be_within_limits(run: Run, tmp_path: Path) -> None:
+    results_of(tmp_path, [Unit("log alone", {("8", 1): Measured(None, Verdict.NOT_MEASURED, "not_measured")})])
+    status, out, _ = run("fleet", "summary", tmp_path)
+    assert status == 0
+    assert "No land of any unit was measured." in out
+    assert "reached a limit" not in out
 
 
 def test_names_from_files_are_printed_as_they_are(run: Run, tmp_path: Path) -> None:

@@ -33,7 +33,10 @@ UNITS = 40
 CLIENT = """
 import os, sys
 from pathlib import Path
-from atleak.fleet import running
+
+import psutil
+
+from atleak.fleet import cluster, running
 from atleak.fleet.cluster import connected
 from atleak.fleet.results import Results
 from atleak.fleet.run import run_fleet
@@ -42,9 +45,19 @@ from tests.unit.fleet.small_units import small_unit
 def main():
     out, count, address = sys.argv[1:]
     running.WRITTEN_EVERY = float(os.environ.get("WRITTEN_EVERY", running.WRITTEN_EVERY))
+    cluster._ANSWER = float(os.environ.get("ANSWER", cluster._ANSWER))
+    kills, killed = int(os.environ.get("KILLS", 0)), []
     with Results.open(Path(out), for_writing=True) as results, connected(address or None, 2) as client:
+
+        def kill(progress):
+            if len(killed) < kills and progress.done >= progress.of // 8 * len(killed):
+                for pid in list(client.run(os.getpid).values())[:1]:
+                    psutil.Process(pid).kill()
+                    killed.append(pid)
+                    print(pid, flush=True)
+
         print("begun", flush=True)
-        print(run_fleet([*map(small_unit, range(int(count)))], results, client).evaluated, flush=True)
+        print(run_fleet([*map(small_unit, range(int(count)))], results, client, progress=kill).evaluated, flush=True)
 
 if __name__ == "__main__":
     main()
@@ -92,11 +105,6 @@ def _as_alone(out: Path, units: Sequence[FleetUnit]) -> None:
     assert sorted(row["name"] for row in rows) == sorted(unit.name for unit in units)
     alone = {unit.name: issued_record(unit.opened()[0].diagnose())["result_sha256"] for unit in units}
     assert {row["name"]: row["result_sha256"] for row in rows} == alone
-
-
-def _process_of_worker(client: Client) -> psutil.Process:
-    pids = client.run(os.getpid)
-    return psutil.Process(next(iter(pids.values())))
 
 
 def test_workers_of_this_machine_are_reached_from_it_alone(out: Path) -> None:
@@ -155,22 +163,6 @@ def test_a_unit_that_takes_too_much_memory_is_an_error_that_says_so(out: Path) -
     assert row["message"].startswith("unit 1: needs more memory than a worker may take: it had 0.")
 
 
-def test_a_worker_killed_five_times_loses_nothing(out: Path) -> None:
-    units = [*map(small_unit, range(UNITS))]
-    killed: list[int] = []
-    with Results.open(out, for_writing=True) as results, connected(workers=2) as client:
-
-        def kill(progress: Progress) -> None:
-            if len(killed) < 5 and progress.done > UNITS // 8 * len(killed) and progress.workers:
-                process = _process_of_worker(client)
-                killed.append(process.pid)
-                process.kill()
-
-        run_fleet(units, results, client, progress=kill)
-    assert len(set(killed)) == 5
-    _as_alone(out, units)
-
-
 @contextmanager
 def _ending(process: subprocess.Popen[str]) -> Iterator[subprocess.Popen[str]]:
     """A process that is ended with those that it started, whatever happens."""
@@ -222,24 +214,28 @@ def _cluster(folder: Path, port: int = 0) -> Iterator[tuple[str, subprocess.Pope
     file = folder / "scheduler.json"
     file.unlink(missing_ok=True)
     with ExitStack() as stack:
-        options = (
-            "--host",
-            HERE,
-            "--port",
-            str(port),
-            "--dashboard-address",
-            f"{HERE}:0",
-            "--scheduler-file",
-            str(file),
-        )
+        common = ["--host", HERE, "--preload", "atleak.fleet.prepared"]
+        options = [*common, "--port", str(port), "--dashboard-address", f"{HERE}:0", "--scheduler-file", str(file)]
         scheduler = stack.enter_context(_ending(_start("-m", "dask", "scheduler", *options)))
         until = time.monotonic() + 60.0
         while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
             time.sleep(0.05)
         address = json.loads(file.read_text(encoding="utf-8"))["address"]
-        options = ["--host", HERE, "--nworkers", "2", "--nthreads", "1", "--preload", "atleak.fleet.prepared"]
-        stack.enter_context(_ending(_start("-m", "dask", "worker", address, *options, "--no-dashboard")))
+        options = [*common, "--nworkers", "2", "--nthreads", "1", "--no-dashboard"]
+        stack.enter_context(_ending(_start("-m", "dask", "worker", address, *options)))
         yield address, scheduler
+
+
+def test_workers_killed_five_times_lose_nothing_and_complain_of_nothing(
+    out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("KILLS", "5")
+    with _ending(_client(out)) as client:
+        said, errors = client.communicate()
+    *killed, evaluated = said.split()[1:]
+    assert len(set(killed)) == 5
+    assert (evaluated, errors) == (str(UNITS), "")
+    _as_alone(out, [*map(small_unit, range(UNITS))])
 
 
 def test_a_client_that_is_killed_goes_on_where_it_was(out: Path, written_often: None) -> None:
@@ -279,8 +275,11 @@ def test_a_second_client_on_the_same_results_is_refused(out: Path) -> None:
     assert (said, errors) == (f"{UNITS}\n", "")
 
 
-def test_a_scheduler_that_is_killed_loses_nothing(out: Path, tmp_path: Path, written_often: None) -> None:
+def test_a_scheduler_that_is_killed_loses_nothing(
+    out: Path, tmp_path: Path, written_often: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Its client says so and ends; with another scheduler it goes on."""
+    monkeypatch.setenv("ANSWER", "5")
     units = [*map(small_unit, range(UNITS))]
     with _cluster(tmp_path) as (address, scheduler), _ending(_client(out, address)) as client:
         _until_some_are_written(out)

@@ -31,6 +31,7 @@ class Named:
     reference: str = "file:/fleet/north/unit 1.zip"
     group: str | None = "north"
     labels: tuple[tuple[str, str], ...] = (("supplier", "Almar"), ("batch", "B7"))
+    choices: str = '{"fluid": "own.toml"}'
     input_sha256: str = "a" * 64
 
 
@@ -107,6 +108,7 @@ def test_the_row_of_a_unit_says_whose_it_is_and_what_became_of_it(rows: Rows, re
         "name": Named.name,
         "group": "north",
         "labels": [("supplier", "Almar"), ("batch", "B7")],
+        "choices": Named.choices,
         "atleak": __version__,
         "tries": 2,
         "seconds": 0.5,
@@ -213,6 +215,7 @@ def test_a_unit_without_a_result_has_one_row_that_says_why(kind: Any) -> None:
         "name": Named.name,
         "group": "north",
         "labels": [("supplier", "Almar"), ("batch", "B7")],
+        "choices": Named.choices,
         "atleak": __version__,
         "tries": 3,
         "kind": kind,

@@ -268,3 +268,21 @@ def test_without_dask_the_run_says_what_to_install(monkeypatch: pytest.MonkeyPat
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(FleetError, match=r"pip install atleak\[fleet\]"):
         connected().__enter__()
+
+
+def test_other_versions_at_the_workers_are_told() -> None:
+    here = {
+        "python": "3.12.1.final.0",
+        "numpy": "2.4.6",
+        "pandas": "3.1.1",
+        "dask": "2026.8.0",
+        "distributed": "2026.8.0",
+    }
+    versions = {
+        "client": {"packages": here},
+        "workers": {"a": {"packages": here}, "b": {"packages": {**here, "numpy": "2.3.0", "lz4": "1"}}},
+    }
+    (message,) = cluster._other_versions(versions)
+    assert message.text.endswith("differ: numpy 2.3.0 (2.4.6)")
+    del versions["workers"]["b"]
+    assert not [*cluster._other_versions(versions)]
