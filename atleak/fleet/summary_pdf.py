@@ -24,7 +24,7 @@ from atleak.verdicts import Verdict
 from atleak.views.drawing import shortened
 from atleak.wording import wording
 
-UNITS = 20  # of the list that are printed; the workbook has all that the summary lists
+UNITS = {1: 20, 2: 16, 3: 10}  # that are listed, by the valve bodies with sections; the workbook lists more
 ROWS = 12  # most rows of valve bodies, and of groups, in a table
 _UNIT_NAME = 48  # letters of a unit's name
 _MESSAGE = 260  # letters of an error's message
@@ -80,6 +80,11 @@ class _Printed:
         self.words, self.say, self.summary = words, words.say, words.summary
         self.charts: dict[str, str] = {}
 
+    @property
+    def _detailed(self) -> int:
+        """Return how many valve bodies have sections of their own, or one without any valve body."""
+        return max(min(len(self.summary.bodies), DETAILED), 1)
+
     def data(self) -> dict[str, Any]:
         """Return what the template places."""
         sections = [section for section in self._sections() if section["blocks"] or section["level"] == 1]
@@ -118,7 +123,7 @@ class _Printed:
         yield self._section("know", self._know())
         bodies = self.summary.bodies
         for number, body in enumerate(bodies[:DETAILED], start=1):
-            printed = PrintedBody(self.words, body, number, min(len(bodies), DETAILED))
+            printed = PrintedBody(self.words, body, number, self._detailed)
             if len(bodies) > 1:
                 yield {"title": self.words.body(body.controller), "level": 1, "blocks": [*printed.intro()]}
             for name, blocks in printed.sections():
@@ -181,7 +186,7 @@ class _Printed:
 
     def _worst(self) -> Iterator[Block]:
         say, summary = self.say, self.summary
-        listed = [unit for unit in summary.worst if unit.verdict.flagged][:UNITS]
+        listed = [unit for unit in summary.worst if unit.verdict.flagged][: UNITS[self._detailed]]
         if not listed:
             yield text(say("fleet_summary.none_flagged"))
             return

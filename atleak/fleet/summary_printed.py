@@ -369,14 +369,11 @@ class PrintedBody:
                 ),
                 PrintedColumn(say("fleet_columns.compared"), self._sides, width=3),
                 PrintedColumn(say("fleet_columns.means"), self._means, "%", side="r"),
-                PrintedColumn(
-                    say("fleet_columns.mean_points"), lambda each: self._points(each.mean_points), side="r", width=2
-                ),
+                PrintedColumn(say("fleet_columns.mean_points"), lambda each: self._points(each.mean_points), side="r"),
                 PrintedColumn(
                     say("fleet_columns.same_mileage"),
                     lambda each: self._points(each.same_mileage_points),
                     side="r",
-                    width=2,
                 ),
             ],
             found[: self.depth.differences],
@@ -400,4 +397,4 @@ class PrintedBody:
             return "–"
         within = self.words.interval(found.low_of_all, found.high_of_all)
         value = self.words.points(found.value)
-        return f"{value} ({within})" if within else value
+        return f"{value}\u00a0({within})" if within else value

@@ -120,7 +120,7 @@ class FleetWords:
         """Write an interval; nothing where there is none."""
         if low is None or high is None:
             return ""
-        to = " … " if min(low, high) < 0.0 else "–"
+        to = "\u00a0…\u00a0" if min(low, high) < 0.0 else "–"
         return f"{self.say.number(low, digits)}{to}{self.say.number(high, digits)}"
 
     def percent(self, rate: Rate) -> str:

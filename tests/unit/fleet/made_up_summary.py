@@ -78,6 +78,7 @@ def summary(
     units: int = 200,
     groups: Sequence[str] = ("north", "south", "west"),
     keys: Sequence[LandKey] | None = None,
+    lands: int | None = None,
     logs: bool = True,
     mileage: bool = True,
     flagged: bool = True,
@@ -85,10 +86,10 @@ def summary(
     name: str = "west/unit_{:05}.zip",
     seed: int = 18,
 ) -> FleetSummary:
-    """A summary; each valve body has so many units."""
+    """A summary; each valve body has so many units, and of its lands the first so many."""
     chance = random.Random(seed)
     bodies = tuple(
-        _body(controller, units, groups, _keys(controller, keys), logs, mileage, flagged, chance)
+        _body(controller, units, groups, _keys(controller, keys)[:lands], logs, mileage, flagged, chance)
         for controller in controllers
     )
     whole = counts(units * len(bodies), chance, flagged=flagged)
