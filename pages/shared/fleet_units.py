@@ -17,6 +17,7 @@ from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summed import GROUP, SummedUnit
 from atleak.fleet.units import BOOK
 from atleak.job.judged_anew import differs
+from atleak.job.of_sheet import with_sheet
 from atleak.uncertainty import DECISIONS
 from atleak.verdicts import BANDS, Verdict, level_named
 from atleak.views.columns import Column
@@ -317,7 +318,7 @@ def _open(kept: KeptUnit) -> None:
     try:
         given, record = kept.opened()
         case = opened_case(given)
-        otherwise = differs(kept.result, _without_circuits(diagnosis_record(diagnosis_of(case))))
+        diagnosis = diagnosis_of(case)
     except AtleakError as error:
         st.session_state[_FAULT] = row["reference"], error
         return
@@ -325,8 +326,9 @@ def _open(kept: KeptUnit) -> None:
     if row["reference"].startswith(BOOK):
         st.session_state[_OPENED] = open_from_book(row["reference"].removeprefix(BOOK))
         return
+    otherwise = differs(kept.result, _without_circuits(diagnosis_record(diagnosis)))
     in_book = InBook(result_by=row["atleak"], judged_otherwise=otherwise)  # kept in the book once it is changed
-    show_job(case, record, in_book)
+    show_job(case, with_sheet(record, diagnosis.readings) or record, in_book)
     st.session_state[_OPENED] = True
 
 
