@@ -20,13 +20,14 @@ from atleak.report.xlsx.book import Book, span
 from atleak.rules import LandKey
 from atleak.verdicts import Verdict
 
-_ROWS = 23  # that a chart takes, the free ones below it with them
+_ROWS = 22  # that a chart takes, the free ones below it with them
 _CHARTED = 12  # most valve bodies with charts
 _PAIRS, _CURVES = 15, 5  # pairs in the Pareto, and over mileage
-_WIDTH, _HEIGHT = 720, 440  # [px]
+_WIDTH, _HEIGHT = 600, 420  # [px]
 _ROW = 20  # [px]
 _BAR, _AROUND = 28, 150  # [px] of the verdicts of a valve body, and of what stands around them
-_ACROSS = 12  # columns that a chart takes
+_PRINTED = 55  # [%] two charts beside one another fit on A4 and Letter, also where columns are drawn a third wider
+_ACROSS, _COLUMN = 10, 64  # columns that a chart takes, each so wide [px]
 _PATTERNS = {"///": "wide_upward_diagonal", "...": "percent_20"}  # of a look's hatch, as Excel has it
 _DASHES = ("solid", "dash", "round_dot", "long_dash", "dash_dot")
 _MARKERS = ("circle", "square", "diamond", "triangle", "x")
@@ -90,7 +91,10 @@ def rows_of_verdicts(bodies: int) -> int:
 
 def add_charts(book: Book, sheet: Worksheet, words: FleetWords, sheets: Sequence[SummarySheet]) -> None:
     """Draw pairs, wear, share and pressure of every valve body, two charts beside one another."""
-    row = 0
+    row, ends = 0, []
+    sheet.set_print_scale(_PRINTED)
+    sheet.set_column_pixels(0, 2 * _ACROSS - 1, _COLUMN)
+    sheet.set_margins(left=0.4, right=0.4, top=0.5, bottom=0.6)
     bodies = words.summary.bodies
     for body in bodies[:_CHARTED]:
         book.put(sheet, row, 0, words.body(body.controller), book.title)
@@ -109,7 +113,8 @@ def add_charts(book: Book, sheet: Worksheet, words: FleetWords, sheets: Sequence
         for number, (chart, title, alt) in enumerate(made):
             _place(sheet, row + number // 2 * _ROWS, number % 2 * _ACROSS, chart, title, alt)
         row += -(-len(made) // 2) * _ROWS
-        sheet.set_h_pagebreaks([row])
+        ends.append(row)
+    sheet.set_h_pagebreaks(ends[:-1])
     if len(bodies) > _CHARTED:
         book.put(sheet, row, 0, book.say("fleet_summary.more_charts", count=len(bodies) - _CHARTED))
 
@@ -132,39 +137,26 @@ def _of_land(body: ValveBody, key: LandKey, row: Any) -> bool:
 
 
 def _pareto(book: Book, words: FleetWords, sheets: Sequence[SummarySheet], body: ValveBody) -> _Made | None:
-    """Draw how often the leading pairs are flagged and past *replace*, and their part of all such findings."""
+    """Draw how often the leading pairs are flagged, and to be replaced."""
     source, say = _source(book, sheets, "pairs", _of(body)), book.say
     count = sum(pair.flagged.count > 0 for pair in body.pairs[:_PAIRS])
     if source is None or not count:
         return None
     rows = source.first, source.first + count - 1
-    chart = book.workbook.add_chart({"type": "column"})
+    chart = book.workbook.add_chart({"type": "bar"})
     for key, verdict in (("pair_flagged.percent", Verdict.WATCH), ("pair_replace.percent", Verdict.REPLACE)):
         chart.add_series(
             {
                 "name": source.heading(key),
-                "categories": source.cells("pair_number", rows),
+                "categories": source.cells("pair", rows),
                 "values": source.cells(key, rows),
                 "overlap": 100,
                 "gap": 40,
                 **_filled(LOOKS[verdict]),
             }
         )
-    line = book.workbook.add_chart({"type": "line"})
-    line.add_series(
-        {
-            "name": source.heading("cumulated"),
-            "categories": source.cells("pair_number", rows),
-            "values": source.cells("cumulated", rows),
-            "y2_axis": True,
-            "line": {"color": PAPER.ink, "width": 1.5},
-            "marker": {"type": "circle", "size": 5, "fill": {"color": "white"}, "border": {"color": PAPER.ink}},
-        }
-    )
-    chart.combine(line)
-    chart.set_y_axis(_axis(say("fleet_summary.chart_pairs"), min=0))
-    line.set_y2_axis({"min": 0, "max": 100, "name": source.heading("cumulated")})
-    chart.set_x_axis({"name": say("fleet_columns.pair_number")})
+    chart.set_x_axis(_axis(say("fleet_summary.chart_pairs"), min=0))
+    chart.set_y_axis({"reverse": True, "num_font": {"size": 8}})
     name = words.body(body.controller)
     land = words.land(body.controller, body.pairs[0].key)
     rate = words.counted(body.pairs[0].replace)

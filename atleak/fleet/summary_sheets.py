@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from atleak.fleet.summary_words import FleetWords, cumulated
@@ -18,7 +19,7 @@ Cell = str | float | int | bool | dt.date | None
 _COUNT, _TEXT = "#,##0", ""
 _DATE = "yyyy-mm-dd"
 _PARTS = ("quantile_5", "quantile_25", "median", "quantile_75", "quantile_95")  # `atleak.spreads.PARTS`
-_WIDE, _USUAL, _NARROW = 34, 18, 12  # [characters]
+_NUMBER, _LEAST, _MOST, _LONG = 12, 10, 48, 90  # [characters] of columns: numbers, words, long texts that wrap
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,8 @@ class SheetColumn:
     note: str  # what it means
     cell: Callable[[Any], Cell]
     form: str = _TEXT  # Excel's format of its numbers
-    width: int = _NARROW
     verdict: bool = False  # whether its cells are words of verdicts
+    wrapped: bool = False  # whether its cells are long texts
     what: str = ""  # the heading alone, where several columns are parts of one thing
     about: str = ""  # what this thing means
     part: str = ""  # which of its parts this is: key of its words
@@ -40,6 +41,14 @@ class SheetColumn:
     def is_number(self) -> bool:
         """Return whether its cells hold numbers."""
         return bool(self.form)
+
+    def width(self, rows: Sequence[Any]) -> int:
+        """Return how wide it is [characters]: its words, up to a limit."""
+        if self.wrapped:
+            return _LONG
+        if self.is_number:
+            return _NUMBER
+        return min(max([_LEAST, *(len(str(self.cell(row) or "")) + 2 for row in rows)]), _MOST)
 
 
 @dataclass(frozen=True)
@@ -50,6 +59,11 @@ class SummarySheet:
     columns: tuple[SheetColumn, ...]
     rows: tuple[Any, ...]
     frozen: int = 1  # columns that stay in sight
+
+    @cached_property
+    def widths(self) -> tuple[int, ...]:
+        """Return the widths of its columns [characters]."""
+        return tuple(column.width(self.rows) for column in self.columns)
 
     def column(self, key: str) -> int:
         """Return the number of a column, from 0 on."""
@@ -78,10 +92,10 @@ class _Columns:
     say: Wording
     made: list[SheetColumn] = field(default_factory=list)
 
-    def text(self, key: str, cell: Callable[[Any], Cell], width: int = _USUAL, heading: str = "", **more: Any) -> None:
+    def text(self, key: str, cell: Callable[[Any], Cell], heading: str = "", **more: Any) -> None:
         """Add a column of words, or of dates."""
         said = heading or self._heading(key)
-        self.made.append(SheetColumn(key, said, self._note(key), cell, width=width, **more))
+        self.made.append(SheetColumn(key, said, self._note(key), cell, **more))
 
     def count(self, key: str, cell: Callable[[Any], int | None], heading: str = "") -> None:
         """Add a column of numbers of units, files, lands …."""
@@ -159,12 +173,12 @@ class _Columns:
 
     def body(self, words: FleetWords, controller: Callable[[Any], str]) -> None:
         """Add the column with the valve body."""
-        self.text("body", lambda row: words.body(controller(row)), _WIDE)
+        self.text("body", lambda row: words.body(controller(row)))
 
     def pair(self, words: FleetWords, of: Callable[[Any], tuple[str, Any]]) -> None:
         """Add the columns that name a land, in short and in full."""
-        self.text("pair_number", lambda row: words.land_number(of(row)[0], of(row)[1].key), _NARROW)
-        self.text("pair", lambda row: words.land(of(row)[0], of(row)[1].key), _WIDE)
+        self.text("pair_number", lambda row: words.land_number(of(row)[0], of(row)[1].key))
+        self.text("pair", lambda row: words.land(of(row)[0], of(row)[1].key))
 
     def _add(self, key: str, part: str, cell: Callable[[Any], Cell], form: str = _TEXT, unit: str = "") -> None:
         """Add a column that is one part of a thing, or the whole of it."""
@@ -212,7 +226,7 @@ def _verdicts(words: FleetWords) -> SummarySheet:
     say, summary = words.say, words.summary
     columns = _Columns(say)
     every, all_of_them = say("fleet_summary.all_bodies"), say("fleet_summary.all_units")
-    columns.text("body", lambda row: every if row.body is None else words.body(row.body.controller), _WIDE)
+    columns.text("body", lambda row: every if row.body is None else words.body(row.body.controller))
     heading = words.heading()
     if heading:
         columns.text("group", lambda row: all_of_them if row.group is None else row.group, heading=heading)
@@ -275,7 +289,7 @@ def _pairs(words: FleetWords) -> SummarySheet:
 def _deciders(words: FleetWords) -> SummarySheet:
     columns = _Columns(words.say)
     columns.body(words, lambda row: row[0].controller)
-    columns.text("decided_by", lambda row: words.decider(row[0].controller, row[1]), _WIDE)
+    columns.text("decided_by", lambda row: words.decider(row[0].controller, row[1]))
     columns.rate("decided", lambda row: row[1].units)
     rows = ((body, decider) for body in words.summary.bodies for decider in body.deciders)
     return SummarySheet("deciders", tuple(columns.made), tuple(rows), frozen=2)
@@ -344,7 +358,7 @@ def _conditions(words: FleetWords) -> SummarySheet:
     say = words.say
     columns = _Columns(say)
     columns.body(words, lambda row: row[0].controller)
-    columns.text("condition", lambda row: words.condition(row[1]), _WIDE)
+    columns.text("condition", lambda row: words.condition(row[1]))
     columns.number("temperature", "temperature", lambda row: row[1].temperature_c, 0)
     columns.number("engine_speed", "engine_speed", lambda row: row[1].engine_rpm, 0)
     columns.count("gear", lambda row: row[1].gear)
@@ -397,32 +411,32 @@ def _wear_compared(words: FleetWords) -> SummarySheet:
 def _units(words: FleetWords) -> SummarySheet:
     say = words.say
     columns = _Columns(say)
-    columns.text("name", lambda row: row.name, _WIDE)
+    columns.text("name", lambda row: row.name)
     columns.text("verdict", lambda row: say.signed(row.verdict), verdict=True)
     columns.text("decision", lambda row: say.get("decisions", row.decision) if row.decision else None)
-    columns.text("decided_by", words.decided_by, _WIDE)
+    columns.text("decided_by", words.decided_by)
     columns.count("lands_past", lambda row: row.lands_past)
     columns.number("share_max", "percent", lambda row: row.max_share_percent)
     heading = words.heading()
     if heading:
         columns.text("group", lambda row: row.label, heading=heading)
     columns.text("number", lambda row: row.number)
-    columns.text("date", lambda row: row.date, _NARROW)
+    columns.text("date", lambda row: row.date)
     columns.text("serial", lambda row: row.serial)
-    columns.text("vin", lambda row: row.vin, _USUAL + 2)
+    columns.text("vin", lambda row: row.vin)
     columns.number("mileage", "distance", lambda row: row.mileage_km, 0)
     columns.body(words, lambda row: row.controller)
-    columns.text("provisional_unit", lambda row: row.provisional, _NARROW)
+    columns.text("provisional_unit", lambda row: row.provisional)
     columns.count("visits", lambda row: row.visits)
-    columns.text("reference", lambda row: row.reference, _WIDE)
+    columns.text("reference", lambda row: row.reference)
     return SummarySheet("units", tuple(columns.made), tuple(words.summary.worst))
 
 
 def _errors(words: FleetWords) -> SummarySheet:
     columns = _Columns(words.say)
-    columns.text("error", lambda row: words.kind_of_error(row[0]), _WIDE)
+    columns.text("error", lambda row: words.kind_of_error(row[0]))
     columns.count("files", lambda row: row[0].count)
-    columns.text("name", lambda row: row[1][0], _WIDE)
-    columns.text("message", lambda row: row[1][1], 90)
+    columns.text("name", lambda row: row[1][0])
+    columns.text("message", lambda row: row[1][1], wrapped=True)
     rows = ((kind, first) for kind in words.summary.errors for first in kind.first)
     return SummarySheet("errors", tuple(columns.made), tuple(rows))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import datetime as dt
 import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import xlsxwriter
@@ -33,9 +33,10 @@ from atleak.wording import wording
 _UNDATED = dt.datetime(2000, 1, 1)  # the same summary gives the same bytes
 _DATE = "yyyy-mm-dd"
 _LEADING = 5  # pairs of each valve body in the overview
-_DIFFERENCES = 10  # most that the overview tells
+_DIFFERENCES = 5  # most that the overview tells
 _ACROSS = 240  # characters that a page has room for side by side, at six tenths of their size
 _SIDE = 0.4  # [in] margins
+_HIGHEST = 409.0  # [pt] that Excel allows
 _BARS = "pair_replace.percent"  # column of the pairs that has bars behind its numbers
 
 
@@ -100,19 +101,19 @@ class _Writer:
     def _table(self, made: SummarySheet) -> None:
         book, last = self.book, len(made.rows)
         sheet = book.sheet(self.say(f"fleet_sheets.{made.name}"), frozen=(1, made.frozen), protected=False)
-        headings = ((column.heading, column.width) for column in made.columns)
+        headings = ((column.heading, width) for column, width in zip(made.columns, made.widths, strict=True))
         sheet.set_row(0, row_height(headings, bold=True, line=LINE_OF_A_BOOK))
         sheet.repeat_columns(0, made.frozen - 1)
         sheet.fit_to_pages(_pages_across(made), 0)
         sheet.set_margins(left=_SIDE, right=_SIDE)
         look: dict[str, Any] = {"bold": True, "bottom": 1, "text_wrap": True, "bg_color": HEADING}
         for number, column in enumerate(made.columns):
-            sheet.set_column(number, number, column.width)
+            sheet.set_column(number, number, made.widths[number])
             form = book.form(**look, align="right") if column.is_number else book.form(**look)
             book.put(sheet, 0, number, column.heading, form)
             if column.note:
                 sheet.write_comment(0, number, column.note, {"x_scale": 2.0, "author": "atleak"})
-            self._cells(sheet, number, column, made.rows)
+            self._cells(sheet, number, column, made)
             if column.verdict:
                 book.colour_words(sheet, (1, number), (last, number), VERDICTS)
             if column.key == _BARS:
@@ -120,10 +121,13 @@ class _Writer:
                 sheet.conditional_format(1, number, last, number, bar)
         sheet.autofilter(0, 0, last, len(made.columns) - 1)
 
-    def _cells(self, sheet: Worksheet, number: int, column: SheetColumn, rows: Sequence[Any]) -> None:
-        form = self.book.form(num_format=column.form) if column.form else self.book.form()
-        for line, row in enumerate(rows, start=1):
+    def _cells(self, sheet: Worksheet, number: int, column: SheetColumn, made: SummarySheet) -> None:
+        form = self.book.form(num_format=column.form) if column.form else self.book.form(text_wrap=column.wrapped)
+        for line, row in enumerate(made.rows, start=1):
             value = column.cell(row)
+            if column.wrapped:
+                text = [(str(value), made.widths[number])]
+                sheet.set_row(line, min(row_height(text, line=LINE_OF_A_BOOK), _HIGHEST))
             if isinstance(value, dt.date):
                 moment = dt.datetime.combine(value, dt.time())
                 sheet.write_datetime(line, number, moment, self.book.form(num_format=_DATE, align="left"))
@@ -249,8 +253,7 @@ _WHOLE = (2, 3, 4, 5)  # columns of the overview that hold numbers of units
 
 def _pages_across(sheet: SummarySheet) -> int:
     """Return on how many pages side by side a sheet is printed, so that its words stay legible."""
-    repeated = sum(column.width for column in sheet.columns[: sheet.frozen])
-    others = sum(column.width for column in sheet.columns[sheet.frozen :])
+    repeated, others = sum(sheet.widths[: sheet.frozen]), sum(sheet.widths[sheet.frozen :])
     return max(math.ceil(others / max(_ACROSS - repeated, 1)), 1)
 
 

@@ -45,7 +45,7 @@ def rows(sheet: Worksheet) -> list[dict[str, Any]]:
 
 
 def assert_close(found: Any, wanted: float | None) -> None:
-    assert found is None if wanted is None else found == pytest.approx(wanted)
+    assert found is None if wanted is None else found == pytest.approx(wanted, abs=1e-9)
 
 
 def test_rates_of_pairs_are_numbers_with_their_interval_and_units() -> None:
@@ -149,8 +149,8 @@ def test_another_program_reads_every_language_and_unit(language: str, units: str
     heading = f"{say('fleet_columns.pressure_mean')} [{say.unit('pressure')}]"
     classes = [each for body in made.bodies for each in body.temperatures]
     for row, each in zip(others, classes, strict=True):
-        assert row[places[heading]] == pytest.approx(say.convert(each.pressure_mean_kpa, "pressure"))
-        assert row[1] == pytest.approx(say.convert(each.low_c, "temperature"))
+        assert row[places[heading]] == pytest.approx(say.convert(each.pressure_mean_kpa, "pressure"), abs=1e-9)
+        assert row[1] == pytest.approx(say.convert(each.low_c, "temperature"), abs=1e-9)
     assert head[1].endswith(f"[{say.unit('temperature')}]")
     assert len(set(head)) == len(head)
     assert content == write_summary_workbook(made, language=language, units=units)  # the same bytes
