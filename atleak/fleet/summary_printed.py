@@ -195,7 +195,7 @@ class PrintedBody:
         wear = {land.key: land for land in body.wear}
         wanted = [wear[pair.key] for pair in body.pairs if pair.key in wear]
         shown = [land for land in wanted if land.classes][: self.depth.wear]
-        if not wear:
+        if not any(land.latest_percent for land in body.wear):
             return
         if not shown:
             yield text(say("fleet_summary.no_mileage"))
@@ -216,7 +216,7 @@ class PrintedBody:
 
     def _temperatures(self) -> Iterator[Block]:
         say, classes = self.say, self.body.temperatures
-        if not classes:
+        if not any(each.share_percent or each.pressure_kpa for each in classes):
             yield text(say("fleet_summary.no_logs"))
             return
         hours = sum(each.seconds for each in classes) / 3600.0

@@ -15,7 +15,8 @@ import pytest
 from atleak.fleet.summary_pdf import UNITS, write_summary_pdf
 from atleak.fleet.summary_printed import DETAILED
 from atleak.fleet.summary_words import TERMS, FleetWords, within
-from atleak.fleet.summed import FleetSummary
+from atleak.fleet.summary_workbook import write_summary_workbook
+from atleak.fleet.summed import FleetSummary, VerdictCounts
 from atleak.verdicts import FLAGGED, Verdict
 from atleak.wording import Wording, languages, wording
 
@@ -176,24 +177,48 @@ def test_what_is_not_known_is_said() -> None:
 
 
 def test_a_fleet_of_errors_alone_and_one_of_which_nothing_was_measured_can_be_printed() -> None:
-    made = summary(units=3, groups=(), lands=3, logs=False, mileage=False)
-    nothing = replace(made, bodies=(), worst=(), counts=_no_units(made), visits=0)
-    text, say = text_of(write_summary_pdf(nothing)), wording("en")
+    made, say = summary(units=3, groups=(), lands=3, logs=True), wording("en")
+    alone = replace(made, bodies=(), worst=(), counts=unjudged(made.counts, 0), visits=0)
+    text = text_of(write_summary_pdf(alone))
     assert say("fleet_summary.headline_none") in text
     assert made.errors[1].first[0][0] in text
+    nothing = {"share_percent": None, "share_mean_percent": None, "pressure_kpa": None, "pressure_mean_kpa": None}
+    body = replace(
+        made.bodies[0],
+        counts=unjudged(made.counts, 3),
+        deciders=(),
+        pairs=tuple(replace(pair, flagged=rate(0, 0), replace=rate(0, 0)) for pair in made.bodies[0].pairs),
+        wear=tuple(replace(land, classes=(), latest_percent=None) for land in made.bodies[0].wear),
+        temperatures=tuple(replace(each, **nothing, bands_percent=None) for each in made.bodies[0].temperatures),
+    )
+    unmeasured = replace(made, bodies=(body,), counts=body.counts, worst=())
+    text = text_of(write_summary_pdf(unmeasured))
+    assert say("fleet_summary.headline_unmeasured", units=3) in text
+    assert say("fleet_summary.no_logs") in text
+    assert say("fleet_summary.section_wear") not in text
+    assert len(write_summary_workbook(unmeasured)) > 1000
 
 
-def _no_units(made: FleetSummary) -> Any:
-    none = dict.fromkeys(made.counts.verdicts, 0)
+def unjudged(counted: VerdictCounts, units: int) -> VerdictCounts:
+    """The same with so many units, none of which has a verdict."""
     return replace(
-        made.counts,
-        units=0,
-        verdicts=none,
-        decisions={},
+        counted,
+        units=units,
+        verdicts={verdict: units * (verdict is Verdict.NOT_MEASURED) for verdict in Verdict},
+        decisions={None: units},
         provisional=0,
         ok_in_part=0,
         rates={verdict: rate(0, 0) for verdict in FLAGGED},
     )
+
+
+@pytest.mark.slow
+def test_names_that_look_like_markup_are_printed_as_they_are() -> None:
+    names = ("#let x = 1", "*bold* $x$", "<svg/>&amp;")
+    content = write_summary_pdf(summary(units=30, groups=names, lands=3))
+    text = text_of(content)
+    assert all(name in text for name in names)
+    assert b"<pdfuaid:part>1<" in content
 
 
 def test_names_keep_their_ends_where_they_are_shortened() -> None:
