@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.cli.fleet_summary import add_summary
@@ -221,13 +219,15 @@ def _counts(table: pa.Table, column: str) -> dict[str, int]:
 
 def _say_errors(results: Results, found: FoundUnits) -> bool:
     """Print which of the units have no result, by kind, with the first messages; return whether there are any."""
+    from atleak.fleet.summed import named_message
+
     errors = results.table("errors", columns=["input_sha256", "kind", "name", "message"])
     rows = errors.to_pylist()
     of_these = [row for row in rows if row["input_sha256"] in found.seen]
     for kind, count in sorted(Counter(row["kind"] for row in of_these).items()):
         print(f"atleak: {count} without a result ({kind}):", file=sys.stderr)
         for row in [row for row in of_these if row["kind"] == kind][:_ERRORS]:
-            print(f"  {_named(row)}", file=sys.stderr)
+            print(f"  {named_message(row['name'], row['message'])}", file=sys.stderr)
         if count > _ERRORS:
             print(f"  … and {count - _ERRORS} more", file=sys.stderr)
     if rows:
@@ -236,13 +236,3 @@ def _say_errors(results: Results, found: FoundUnits) -> bool:
         folder = results.folder / "errors"
         print(f"atleak: every error stands in {folder}{more}; --retry-errors tries them again", file=sys.stderr)
     return bool(of_these)
-
-
-def _named(row: Mapping[str, str]) -> str:
-    """Return the message of an error with the unit's name before it, unless it names the unit itself."""
-    name, message = row["name"], row["message"]
-    if message.startswith(name):
-        return message
-    path = Path(name)
-    named = message.startswith(f"{path.name}: ") and path.name != name
-    return f"{path.parent}{os.sep}{message}" if named else f"{name}: {message}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from atleak.cli.parser import add_command
@@ -17,6 +18,7 @@ from atleak.cli.shared import (
     write,
     write_json,
 )
+from atleak.errors import OutputError
 
 if TYPE_CHECKING:
     from atleak.fleet.summed import FleetSummary
@@ -59,6 +61,7 @@ def _count(text: str) -> int:
 
 def run(options: argparse.Namespace) -> int:
     """Sum up, write what was asked for, and show the summary."""
+    from atleak.fleet.known import note
     from atleak.fleet.results import Results
     from atleak.fleet.summary import summed_up
     from atleak.fleet.summary_record import summary_record
@@ -72,6 +75,8 @@ def run(options: argparse.Namespace) -> int:
     results = Results.open(options.results)
     listed = LISTED if options.list is None else options.list
     summary = summed_up(results, by=options.by, controller=options.controller, listed=listed)
+    with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
+        note(options.results)
     if options.json != "-":
         print_summary(summary)
     written = [] if options.json is None else write_json(options.json, summary_record(summary))

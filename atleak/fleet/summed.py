@@ -239,12 +239,6 @@ class SummedUnit:
     lands_measured: int | None = None
     lands_total: int | None = None
 
-    @property
-    def ok_in_part(self) -> bool:
-        """Return whether it is ok as far as it was measured: not all of its lands were."""
-        whole = self.lands_measured is not None and self.lands_measured == self.lands_total
-        return self.verdict is Verdict.OK and not whole
-
 
 @dataclass(frozen=True)
 class ErrorKind:
