@@ -15,6 +15,7 @@ from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import Repair
+from atleak.driven import classes_over, driven, evaluated
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import (
@@ -25,20 +26,21 @@ from atleak.engine.projection import (
     project_unworn,
 )
 from atleak.engine.repaired import Losses, pressure_losses
-from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
-from atleak.errors import Message, RoadTestError
+from atleak.engine.road_bands import TemperatureClass
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.errors import Message
 from atleak.gauges.check import PressureCheck, check_pressures
 from atleak.keeping import kept_with
 from atleak.land_diagnosis import LandDiagnosis, diagnosed_land
+from atleak.large_log import LargeLog
 from atleak.pressure_table import PressureTable
 from atleak.provisional import Basis, representative_bases
 from atleak.readings import MeasuringTemperature, Readings, clearances
 from atleak.replace_mileage import NO_RATE, replace_mileage, without_rate
 from atleak.result_messages import messages_of
-from atleak.road_findings import RoadFindings, road_findings
+from atleak.road_findings import RoadFindings
 from atleak.road_test import RoadTest
 from atleak.rules import Rule, unit_rules
-from atleak.sentence import Sentence
 from atleak.sheet_checks import sheet_messages
 from atleak.uncertainty import (
     DECISIONS,
@@ -52,9 +54,6 @@ from atleak.uncertainty import (
     assess,
 )
 from atleak.verdicts import Band, Verdict, worst
-
-NO_LEAKAGE = "no_leakage_over_log"  # code of the message why none is computed over a log
-_LOGGED = ("main_pressure", "converter_pressure", "atf_temperature", "gear")  # channels from which leakage follows
 
 
 @dataclass(frozen=True)
@@ -184,7 +183,12 @@ class Diagnosis:
         RoadTestError
             a road test without usable main pressure.
         """
-        return _evaluated(self.model, road_test, self.projection.condition)
+        return evaluated(self.model, road_test, self.projection.condition)
+
+    @property
+    def temperature_classes(self) -> tuple[TemperatureClass, ...]:
+        """Return for how long the log stays in each class of fluid temperature, and what it holds there."""
+        return classes_over(self.road, self.model, [land.state for land in self.lands], self.limits)
 
     def band(self, projection: Projection) -> Band | None:
         """Return the band that the total share of one of the projections has reached; None where nothing was measured.
@@ -374,7 +378,7 @@ def diagnose(
     *,
     fluid_state: FluidState | None = None,
     readings: Readings | None = None,
-    road_test: RoadTest | None = None,
+    road_test: RoadTest | LargeLog | None = None,
     pressures: PressureTable | None = None,
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,
@@ -397,7 +401,8 @@ def diagnose(
     readings
         those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
     road_test
-        log that is judged by itself, and over which leakage is computed where it holds main pressure.
+        log that is judged by itself, and over which leakage is computed where it holds main pressure; of one that is
+        larger than memory the result holds no samples.
     pressures
         gauge readings of the standing vehicle, which are judged by themselves.
     condition
@@ -445,8 +450,10 @@ def diagnose(
     when_new = tuple(project_beside(as_new, each) for each in projections)
     unworn = project_unworn(states, model, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
-    log = None if road_test is None else road_findings(controller, road_test, limits, assumptions, guard_factor)
-    road, without = (None, None) if road_test is None else _leakage_over(model, road_test, condition)
+    drive = None
+    if road_test is not None:
+        drive = driven(road_test, model, states, condition, limits, assumptions, guard_factor)
+    log, road = None if drive is None else drive.log, None if drive is None else drive.road
     rules = unit_rules(states, projections, unworn, limits)
     uncertainty: UnitUncertainty | None = None
     of_sheet: tuple[Message, ...] = ()
@@ -463,7 +470,8 @@ def diagnose(
             guard_factor=guard_factor,
             known=_known(readings, (model, limits, instruments, assumptions)),
         )
-        of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
+        test = None if log is None else log.road_test
+        of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], test)
     checked = (
         None
         if pressures is None
@@ -472,12 +480,12 @@ def diagnose(
         )
     )
     lands = tuple(diagnosed_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
-    messages = messages_of(readings, controller, fluid, profile, projections, idle, road, states, unworn)
+    messages = messages_of(readings, controller, fluid, profile, projections, idle, drive, states, unworn)
     messages = [*limits.doubts, *messages]
     if checked is not None:
         messages += checked.messages
-    if log is not None and without is not None:
-        messages += [*log.road_test.messages, without]
+    if drive is not None and drive.without is not None:
+        messages += [*drive.log.road_test.messages, drive.without]
     if fluid_state_assumed:
         messages.append(fresh_assumed(fluid))
     if uncertainty is not None:
@@ -518,33 +526,6 @@ def _known(readings: Readings, rests_on: tuple[Any, ...]) -> Known:
     if last is None or last[0] != rests_on:
         last = kept["last"] = rests_on, Known()
     return last[1]
-
-
-def _evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoint) -> RoadLeakage:
-    """Compute the leakage over a log, or take it from the last time, where nothing has changed on which it rests.
-
-    The condition counts only where it stands for what the log does not hold, or sets the pressure of circuits.
-    """
-    logged = all(name in road_test.channels for name in _LOGGED) and not model.controller.circuits
-    rests_on = (model, None if logged else condition)
-    kept: dict[str, tuple[Any, dict[str, Any]]] = kept_with(road_test, "leakage", "", dict)
-    last = kept.get("last")
-    if last is None or last[0] != rests_on:
-        road = evaluate_road_test(model, road_test, condition)
-        last = rests_on, {name: value for name, value in vars(road).items() if name not in ("road_test", "assumed")}
-        kept["last"] = last
-    return RoadLeakage(road_test=road_test, assumed=condition, **last[1])
-
-
-def _leakage_over(
-    model: LeakageModel, road_test: RoadTest, condition: OperatingPoint
-) -> tuple[RoadLeakage | None, Message | None]:
-    """Compute the leakage over a log, or say why there is none: its other findings hold without it."""
-    try:
-        return _evaluated(model, road_test, condition), None
-    except RoadTestError as error:
-        text = Sentence("No leakage is computed over {file}: {problem}.", file=road_test.file, problem=error.problem)
-        return None, Message("warning", NO_LEAKAGE, text)
 
 
 def _farthest_first(rules: Iterable[Rule]) -> list[Rule]:

@@ -110,9 +110,24 @@ def _problem(error: BaseException) -> Sentence:
     if isinstance(error, OSError) and error.errno not in (None, errno.EINVAL):  # libraries raise it without a number
         return Sentence("cannot be read from the disk: {reason}", reason=reason_of(error))
     if at := own_line(error):
-        reason = f"{reason_in_short(error)}, {at}"
-        return Sentence("atleak could not make sense of it: {reason}: please send the file", reason=reason)
+        return own_fault(reason_in_short(error), at)
     return Sentence("is damaged or of a kind that cannot be read ({reason})", reason=reason_in_short(error))
+
+
+def own_fault(said: str, at: str) -> Sentence:
+    """Return what to say of a fault of atleak's own: what was raised, and in which line."""
+    return Sentence("atleak could not make sense of it: {reason}: please send the file", reason=f"{said}, {at}")
+
+
+OWN_FAULT = own_fault("", "").template
+"""The wording of a refusal for a fault of atleak's own."""
+
+
+def is_own_fault(error: BaseException) -> bool:
+    """Return whether an error is a fault of atleak's own, or says that one was met."""
+    if isinstance(error, InputError):
+        return error.problem.template == OWN_FAULT
+    return own_line(error) is not None
 
 
 def own_line(error: BaseException) -> str | None:
@@ -132,10 +147,11 @@ def reason_in_short(error: BaseException) -> str:
 
 
 def called(*given: Any) -> str | None:
-    """Return the first name among some values: a text as it stands, of a path its last part."""
+    """Return the first name among some values: a text as it stands, of a path its last part, of a file its name."""
     for value in given:
         if isinstance(value, PurePath):
             return value.name
+        value = getattr(value, "name", value)
         if isinstance(value, str) and value:
             return value
     return None

@@ -128,6 +128,7 @@ SCREEN = Inks(ink="#16222b", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", 
 DARK = Inks(ink="#E8EEF2", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00",
             card="#1B262E")  # fmt: skip
 SUSPECT = LOOKS[Verdict.REPLACE].screen  # samples of a log that no result uses
+SPREADS = ("#E3EAF1", "#9DB7D5")  # on paper: where nine of ten units are, and where half of them are
 EDGE = "#C5CDD5"  # of a drawing's card without a flagged land
 CLEAR = "rgba(0,0,0,0)"  # a figure's ground on the screen: the page's own
 HATCHING = "rgba(255,255,255,0.7)"  # strokes of a pattern on the screen

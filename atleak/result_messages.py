@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
-import numpy as np
-
 from atleak.catalogue.controller import Controller, NewOrigin
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.pump import Pump
+from atleak.driven import Driven
 from atleak.engine.leakage import narrow_gap_messages
 from atleak.engine.profile import Profile
 from atleak.engine.projection import Projection
-from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.readings import LandClearance, Readings
 from atleak.sentence import Name, Sentence
@@ -140,7 +138,7 @@ def messages_of(
     profile: Profile,
     projections: list[Projection],
     idle: Projection | None,
-    road: RoadLeakage | None,
+    drive: Driven | None,
     states: Iterable[LandClearance],
     unworn: Iterable[Projection],
 ) -> list[Message]:
@@ -150,8 +148,8 @@ def messages_of(
     ----------
     projections, idle
         at every condition that is judged, and that at hot idle, where the controller states one.
-    road
-        leakage over a log; None without one.
+    drive
+        what is known of a road test; None without one.
     states
         the clearance of every land.
     unworn
@@ -193,10 +191,9 @@ def messages_of(
     for state in states:
         messages += state.messages
     temperatures = [projection.condition.temperature for projection in projections]
-    if road is not None:
-        logged = road.road_test.values("atf_temperature")
-        if logged is not None:
-            temperatures += [float(value) for value in (np.nanmin(logged), np.nanmax(logged))]
+    road = None if drive is None else drive.road
+    if drive is not None and road is not None:
+        temperatures += drive.log.temperatures or ()
     messages += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
     messages += narrow_gap_messages(gap for projection in projections for gap in projection.gaps)
     for projection in projections:

@@ -11,6 +11,7 @@ from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.lasting import CountedSamples
+from atleak.engine.pressure_pieces import pressure_in_pieces
 from atleak.engine.road_pressure import (
     CommandedPressure,
     NotJudged,
@@ -20,7 +21,9 @@ from atleak.engine.road_pressure import (
 )
 from atleak.equations.uncertainty import normal_cdf
 from atleak.events import ConverterSlip, Event, converter_slip, events
+from atleak.events.in_pieces import events_in_pieces, slip_in_pieces
 from atleak.keeping import kept_with
+from atleak.large_log import LargeLog
 from atleak.road_test import RoadTest
 from atleak.rules import Rule
 from atleak.sentence import Sentence
@@ -90,11 +93,36 @@ def road_findings(
         road_test=road_test,
         events=happened,
         gears=in_gears,
-        temperatures=_temperatures(road_test),
+        temperatures=_span(road_test.values("atf_temperature")),
         pressure=pressure,
         commanded=commanded,
         decisions=tuple(_decided(rule, u, guard_factor) for rule, u in judged),
         slip=kept_with(road_test, "slip", "", lambda: converter_slip(road_test)),
+    )
+
+
+def findings_in_pieces(
+    controller: Controller,
+    log: LargeLog,
+    limits: Limits,
+    assumptions: Assumptions = DEFAULTS,
+    guard_factor: float = GUARD_FACTOR,
+) -> RoadFindings:
+    """Return what a log that is larger than memory says by itself; parameters are those of `road_findings`."""
+    happened = events_in_pieces(log, gears=controller.gears)
+    found = pressure_in_pieces(controller, log, happened)
+    judged = _judged(found.pressure, found.commanded, limits, assumptions.main_pressure)
+    ends = [_span(log.values("atf_temperature", start, stop)) for start, stop in log.spans()]
+    known = [end for end in ends if end is not None]
+    return RoadFindings(
+        road_test=log.head,
+        events=happened,
+        gears=found.gears,
+        temperatures=(min(low for low, _ in known), max(high for _, high in known)) if known else None,
+        pressure=found.pressure,
+        commanded=found.commanded,
+        decisions=tuple(_decided(rule, u, guard_factor) for rule, u in judged),
+        slip=slip_in_pieces(log, happened),
     )
 
 
@@ -118,11 +146,11 @@ def _judged(
     if lowest is not None and limits.below_permissible is not None:
         where = _lowest_at(lowest.gear, lowest.state, lowest.at)
         kind, steps = RuleKind.PERMISSIBLE_PRESSURE, limits.below_permissible
-        yield Rule(kind, None, lowest.fraction, steps, where=where), relative * lowest.pressure / lowest.limit
+        yield Rule(kind, None, lowest.fraction, steps, where=where), relative * abs(lowest.pressure) / lowest.limit
     if commanded is not None and limits.commanded_pressure is not None:
         where = Sentence("at {time:.1f} s of the road test", time=commanded.at)
         kind, steps = RuleKind.COMMANDED_PRESSURE, limits.commanded_pressure
-        yield Rule(kind, None, abs(commanded.difference), steps, where=where), relative * commanded.actual
+        yield Rule(kind, None, abs(commanded.difference), steps, where=where), relative * abs(commanded.actual)
 
 
 def _lowest_at(gear: int, state: State, time: float) -> Sentence:
@@ -153,8 +181,7 @@ def _gears(road_test: RoadTest) -> dict[int, float]:
     return {int(each): counted.time_of(gear == each) for each in np.unique(gear[np.isfinite(gear)])}
 
 
-def _temperatures(road_test: RoadTest) -> tuple[float, float] | None:
-    logged = road_test.values("atf_temperature")
+def _span(logged: np.ndarray | None) -> tuple[float, float] | None:
     if logged is None or not np.isfinite(logged).any():
         return None
     return float(np.nanmin(logged)), float(np.nanmax(logged))

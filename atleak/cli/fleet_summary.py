@@ -3,10 +3,25 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import add_force, add_json, check_targets, say_written, write_json
+from atleak.cli.shared import (
+    add_force,
+    add_json,
+    add_print,
+    check_targets,
+    print_font,
+    print_options,
+    say_written,
+    write,
+    write_json,
+)
+
+if TYPE_CHECKING:
+    from atleak.fleet.summed import FleetSummary
+    from atleak.report.own_font import OwnFont
+    from atleak.system.marks import Kind
 
 
 def add_summary(group: Any) -> None:
@@ -16,10 +31,10 @@ def add_summary(group: Any) -> None:
         "summary",
         run,
         "what the results of a fleet say together: verdicts, wear over mileage, the worst lands, temperatures, groups",
-        usage="atleak fleet summary RESULTS [--by HEADING] [--controller ID] [--json FILE|-] [options]",
+        usage="atleak fleet summary RESULTS [--by HEADING] [--pdf FILE] [--xlsx FILE] [--json FILE|-] [options]",
         examples=(
             "fleet summary results",
-            "fleet summary results --by supplier",
+            "fleet summary results --by supplier --pdf fleet.pdf --xlsx fleet.xlsx",
             "fleet summary results --controller four_speed_2023 --json -",
         ),
     )
@@ -29,6 +44,9 @@ def add_summary(group: Any) -> None:
     )
     parser.add_argument("--controller", metavar="ID", help="the units of this valve body alone")
     parser.add_argument("--list", metavar="N", type=_count, help="list so many of the worst units")
+    parser.add_argument("--pdf", metavar="FILE.pdf", help="the summary on a few pages, with charts")
+    parser.add_argument("--xlsx", metavar="FILE.xlsx", help="everything of the summary as a workbook, with charts")
+    add_print(parser)
     add_json(parser)
     add_force(parser)
 
@@ -47,12 +65,31 @@ def run(options: argparse.Namespace) -> int:
     from atleak.fleet.summary_terminal import print_summary
     from atleak.fleet.summed import LISTED
 
-    check_targets(options, [], [("record", options.json)])
+    targets: list[tuple[Kind, str | None]] = [("PDF", options.pdf), ("report workbook", options.xlsx)]
+    check_targets(options, [], [("record", options.json), *targets])
+    formats = [name for name in ("pdf", "xlsx") if getattr(options, name) is not None]
+    printed, font = print_options(options, formats), print_font(options, formats)
     results = Results.open(options.results)
     listed = LISTED if options.list is None else options.list
     summary = summed_up(results, by=options.by, controller=options.controller, listed=listed)
     if options.json != "-":
         print_summary(summary)
-    if options.json is not None:
-        say_written(write_json(options.json, summary_record(summary)))
+    written = [] if options.json is None else write_json(options.json, summary_record(summary))
+    say_written([*written, *_write_papers(summary, options, printed, font)])
     return 0
+
+
+def _write_papers(
+    summary: FleetSummary, options: argparse.Namespace, printed: dict[str, str], font: OwnFont | None
+) -> list[str]:
+    """Write the PDF and the workbook where they are asked for; return the names of the files written."""
+    written: list[str] = []
+    if options.xlsx is not None:
+        from atleak.fleet.summary_workbook import write_summary_workbook
+
+        written += write(options.xlsx, write_summary_workbook(summary, **printed))
+    if options.pdf is not None:
+        from atleak.fleet.summary_pdf import write_summary_pdf
+
+        written += write(options.pdf, write_summary_pdf(summary, **printed, font=font))
+    return written

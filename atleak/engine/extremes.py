@@ -1,14 +1,15 @@
 """Find the instants of a log that are worth knowing: the largest and the smallest leakage, the largest share.
 
 A single sample may be noise. The sustained extremes are those of a running median over half a second, which one wrong
-sample cannot move: people read these first.
+sample cannot move: people read these first. Where several samples are equal but for rounding, the first is the instant.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -17,6 +18,7 @@ from atleak.road_test import RoadTest, Segment
 
 SUSTAINED_SECONDS = 0.5  # of the running median: choice of this project
 SUSTAINED_SAMPLES = 5  # that it takes at least: choice of this project
+ROUNDING = 1e-12  # relative: values that differ by less are equal but for rounding
 _LIVELY = ("main_pressure", "converter_pressure", "engine_speed")  # channels whose noise the median is to take out
 
 
@@ -36,9 +38,72 @@ def share_of(leakage: np.ndarray, capacity: np.ndarray) -> np.ndarray:
     return leakage / np.where(capacity > 0.0, capacity, np.nan)
 
 
+class Extremes(Protocol):
+    """The extremes of the leakage over a log, or over some of its samples."""
+
+    @property
+    def window(self) -> float: ...  # [s] of the running median
+    @property
+    def samples(self) -> int: ...  # that count
+    @property
+    def max_leakage(self) -> Instant: ...
+    @property
+    def min_leakage(self) -> Instant: ...
+    @property
+    def max_share(self) -> Instant | None: ...  # None where no sample has one
+    @property
+    def max_leakage_sustained(self) -> Instant | None: ...  # None where no window holds enough samples
+    @property
+    def max_share_sustained(self) -> Instant | None: ...
+    @property
+    def instants(self) -> tuple[Instant, ...]: ...
+
+
+@dataclass(frozen=True)
+class FoundExtremes:
+    """Extremes that were worked out before."""
+
+    window: float  # [s] of the running median
+    samples: int  # that count
+    max_leakage: Instant
+    min_leakage: Instant
+    max_share: Instant | None
+    max_leakage_sustained: Instant | None
+    max_share_sustained: Instant | None
+
+    @property
+    def instants(self) -> tuple[Instant, ...]:
+        """Return every extreme there is."""
+        return instants_of(self)
+
+
+def instants_of(extremes: Extremes) -> tuple[Instant, ...]:
+    """Return every extreme there is."""
+    every = (
+        extremes.max_leakage, extremes.min_leakage, extremes.max_share, extremes.max_leakage_sustained,
+        extremes.max_share_sustained,
+    )  # fmt: skip
+    return tuple(instant for instant in every if instant is not None)
+
+
+def larger(value: float, other: float) -> bool:
+    """Tell whether a value is larger than another by more than rounding."""
+    return value - other > ROUNDING * abs(other)
+
+
+def first_largest(values: np.ndarray) -> int:
+    """Return the first place of the largest value, or of one that equals it but for rounding; NaN is left out.
+
+    >>> first_largest(np.array([1.0, 2.0, np.nan, 2.0000000000000004]))
+    1
+    """
+    most = float(values[np.nanargmax(values)])
+    return int(np.argmax(values >= most - ROUNDING * abs(most)))
+
+
 @dataclass(frozen=True, eq=False)
-class Extremes:
-    """The extremes of the leakage over a log, or over some of its samples; each is worked out when it is asked for.
+class SeriesExtremes:
+    """The extremes of some samples, each worked out when it is asked for.
 
     Arrays have shape (samples,). ``leakage`` is NaN where a sample does not count and finite in one at least.
     """
@@ -48,22 +113,29 @@ class Extremes:
     pump_capacity: np.ndarray | None  # [m³/s]
     segments: Sequence[Segment]
     window: float  # [s] of the running median
+    clock: np.ndarray | None = None  # as `clock_of` gives it for the log of which these samples are a part
+    core: slice = field(
+        default_factory=lambda: slice(None)
+    )  # those that may be an extreme: the others stand around them
+    first: int = 0  # number of the first sample in the log
 
     @cached_property
     def max_leakage(self) -> Instant:
         """Return the sample with the largest leakage."""
-        return self._at(int(np.nanargmax(self.leakage)))
+        return self._at(self._largest(self.leakage))
 
     @cached_property
     def min_leakage(self) -> Instant:
         """Return the sample with the smallest leakage."""
-        return self._at(int(np.nanargmin(self.leakage)))
+        return self._at(self._largest(-self.leakage))
 
     @cached_property
     def max_share(self) -> Instant | None:
         """Return the sample with the largest share; None where no sample has one."""
         share = self._share
-        return None if share is None else self._at(int(np.nanargmax(share)))
+        if share is None or not np.isfinite(share[self.core]).any():
+            return None
+        return self._at(self._largest(share))
 
     @cached_property
     def max_leakage_sustained(self) -> Instant | None:
@@ -78,57 +150,71 @@ class Extremes:
     @property
     def instants(self) -> tuple[Instant, ...]:
         """Return every extreme there is."""
-        every = (
-            self.max_leakage, self.min_leakage, self.max_share, self.max_leakage_sustained, self.max_share_sustained
-        )  # fmt: skip
-        return tuple(instant for instant in every if instant is not None)
+        return instants_of(self)
 
     @property
     def samples(self) -> int:
         """Return how many samples count."""
-        return int(np.count_nonzero(np.isfinite(self.leakage)))
+        return int(np.count_nonzero(np.isfinite(self.leakage[self.core])))
 
-    @property
+    @cached_property
     def _share(self) -> np.ndarray | None:
-        share = None if self.pump_capacity is None else share_of(self.leakage, self.pump_capacity)
-        return None if share is None or not np.isfinite(share).any() else share
+        return None if self.pump_capacity is None else share_of(self.leakage, self.pump_capacity)
+
+    def _largest(self, values: np.ndarray) -> int:
+        return (self.core.start or 0) + first_largest(values[self.core])
 
     def _at(self, sample: int) -> Instant:
         flow = float(self.leakage[sample])
         capacity = None if self.pump_capacity is None else _known(float(self.pump_capacity[sample]))
-        return Instant(float(self.time[sample]), flow, capacity, flow / capacity if capacity else None, sample)
+        share = flow / capacity if capacity else None
+        return Instant(float(self.time[sample]), flow, capacity, share, self.first + sample)
 
     def _sustained(self, values: np.ndarray) -> Instant | None:
-        clock = clock_of(self.time, self.segments, self.window)
-        medians = running_median(values, clock, self.window)
-        if not np.isfinite(medians).any():
+        if not np.isfinite(values).any():
             return None
-        middle = int(np.nanargmax(medians))
+        clock = clock_of(self.time, self.segments, self.window) if self.clock is None else self.clock
+        medians = running_median(values, clock, self.window)
+        if not np.isfinite(medians[self.core]).any():
+            return None
+        middle = self._largest(medians)
         near = np.flatnonzero(np.abs(clock - clock[middle]) <= 0.5 * self.window * (1.0 + 1e-9))
         near = near[np.isfinite(values[near])]
         capacity = None if self.pump_capacity is None else self.pump_capacity[near]
         share = None if capacity is None else share_of(self.leakage[near], capacity)
+        away = np.abs(values[near] - medians[middle])  # of an even number of samples two are as near
+        nearest = int(np.argmax(away <= away.min() + ROUNDING * abs(medians[middle])))
         return Instant(
             time=float(self.time[middle]),
             leakage=float(np.median(self.leakage[near])),
             pump_capacity=None if capacity is None else _median(capacity),
             share=None if share is None else _median(share),
-            sample=int(near[np.argmin(np.abs(values[near] - medians[middle]))]),
+            sample=self.first + int(near[nearest]),
         )
 
 
-def sustained_window(road_test: RoadTest) -> float:
+def sustained_window(road_test: RoadTest, usual_step: float | None = None) -> float:
     """Return the length of the running median for a log [s].
 
     Half a second or, where a pressure or the engine speed is sampled more slowly than ten times a second, five of its
     intervals: otherwise a single answer that the logger holds would fill the window.
+
+    Parameters
+    ----------
+    usual_step
+        median step of the log's time [s], where its samples do not stand in it: that of a channel without a rate.
     """
     intervals = [SUSTAINED_SECONDS / SUSTAINED_SAMPLES]
     for channel in (road_test.channel(name) for name in _LIVELY):
         if channel is None or channel.source == "constant":
             continue
-        steps = np.diff(channel.time)
-        intervals += [1.0 / channel.sampling_hz] if channel.sampling_hz > 0.0 else [_median(steps[steps > 0.0]) or 0.0]
+        interval = usual_step
+        if channel.sampling_hz > 0.0:
+            interval = 1.0 / channel.sampling_hz
+        elif interval is None:
+            steps = np.diff(channel.time)
+            interval = _median(steps[steps > 0.0])
+        intervals.append(interval or 0.0)
     return SUSTAINED_SAMPLES * max(intervals)
 
 
@@ -156,11 +242,17 @@ def running_median(values: np.ndarray, clock: np.ndarray, window: float) -> np.n
     return rolling.median().to_numpy()
 
 
-def clock_of(time: np.ndarray, segments: Sequence[Segment], window: float) -> np.ndarray:
-    """Return the stamps from zero on, with the segments so far apart that no window reaches from one into the next."""
+def clock_of(
+    time: np.ndarray, segments: Sequence[Segment], window: float, begin: float | None = None, before: int = 0
+) -> np.ndarray:
+    """Return the stamps from zero on, with the segments so far apart that no window reaches from one into the next.
+
+    Of a part of a log, ``begin`` is the first stamp of the whole and ``before`` the number of segments that lie before
+    the part: its clock is then that of the whole.
+    """
     breaks = np.zeros(len(time))
-    breaks[[segment.start_row for segment in segments]] = 2.0 * window
-    return time - time[0] + np.cumsum(breaks)
+    breaks[[segment.start_row for segment in segments]] = 1.0
+    return time - (time[0] if begin is None else begin) + 2.0 * window * (before + np.cumsum(breaks))
 
 
 def _median(values: np.ndarray) -> float | None:

@@ -15,7 +15,8 @@ import numpy as np
 from atleak.catalogue.limits import ROUNDING, Steps
 from atleak.engine.lasting import CountedSamples
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.road_leakage import RoadLeakage, channels_of
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.engine.road_samples import channels_of
 from atleak.engine.series import leakage_series
 from atleak.verdicts import BANDS, Band
 

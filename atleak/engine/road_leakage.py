@@ -9,15 +9,14 @@ import numpy as np
 
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import Controller, OperatingPoint
-from atleak.engine.extremes import Extremes, Instant, share_of, sustained_window
+from atleak.engine.extremes import Extremes, Instant, SeriesExtremes, first_largest, share_of, sustained_window
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.series import LeakageSeries, leakage_series
-from atleak.errors import Message, Place, RoadTestError
-from atleak.events import Event, Thresholds, engine_starts
+from atleak.engine.road_samples import RoadSamples, Tally, refuse_without_pressure, said_of_assumed, samples_of
+from atleak.errors import Message
+from atleak.events import Thresholds, engine_starts
+from atleak.events.event import within
 from atleak.road_test import RoadTest
-from atleak.sentence import Name, Sentence
-from atleak.unit_systems import Quantity
-from atleak.workshop_units import KPA
+from atleak.sentence import Sentence
 
 _FIELDS = {"atf_temperature": "temperature"}  # a log's quantity → the field of a condition, where they differ
 
@@ -66,16 +65,7 @@ class RoadLeakage:
 
     def condition_at(self, instant: Instant) -> OperatingPoint:
         """Return the pressures, temperature, gear and speed of an instant's sample."""
-        logged: dict[str, Any] = {}
-        for quantity in ("main_pressure", "converter_pressure", "atf_temperature", "engine_speed", "gear"):
-            values = self.road_test.values(quantity)
-            if values is not None and np.isfinite(values[instant.sample]):
-                logged[_FIELDS.get(quantity, quantity)] = float(values[instant.sample])
-        label = f"{instant.time:.2f} s of {self.road_test.file}"
-        gear = int(logged.pop("gear", self.assumed.gear))
-        source = f"sample {instant.sample + 1} of the log"
-        name, like = f"sample_{instant.sample}", self.assumed.like
-        return replace(self.assumed, name=name, label=label, gear=gear, source=source, values_of=like, **logged)
+        return condition_of(self.road_test, instant.sample, instant, self.assumed)
 
     @property
     def max_leakage(self) -> Instant:
@@ -91,6 +81,20 @@ class RoadLeakage:
     def max_share(self) -> Instant | None:
         """Return the sample with the largest share, the moments after a start apart; None where no sample has one."""
         return self.extremes.max_share
+
+
+def condition_of(road_test: RoadTest, row: int, instant: Instant, assumed: OperatingPoint) -> OperatingPoint:
+    """Return the pressures, temperature, gear and speed of an instant, whose sample is a row of a road test."""
+    logged: dict[str, Any] = {}
+    for quantity in ("main_pressure", "converter_pressure", "atf_temperature", "engine_speed", "gear"):
+        values = road_test.values(quantity)
+        if values is not None and np.isfinite(values[row]):
+            logged[_FIELDS.get(quantity, quantity)] = float(values[row])
+    label = f"{instant.time:.2f} s of {road_test.file}"
+    gear = int(logged.pop("gear", assumed.gear))
+    source = f"sample {instant.sample + 1} of the log"
+    name = f"sample_{instant.sample}"
+    return replace(assumed, name=name, label=label, gear=gear, source=source, values_of=assumed.like, **logged)
 
 
 def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint) -> RoadLeakage:
@@ -109,114 +113,12 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     RoadTestError
         where the log has no main pressure, no usable column or sample of it, or only negative ones: it says which.
     """
-    main = _main_pressure(road_test)
-    messages: list[Message] = []
-    if (pressure := road_test.channel("main_pressure")) is not None and pressure.source == "constant":
-        text = Sentence(
-            "Main pressure is not logged: {pressure:g} {pressure.unit} are assumed for all of it. No loss of pressure "
-            "shows in it, and leakage and share over the log are estimates.",
-            pressure=Quantity(float(pressure.values[0]) * KPA, "pressure"),
-        )
-        messages.append(Message("warning", "pressure_assumed", text))
-
-    def channel(quantity: str, value: float, text: Sentence) -> np.ndarray:
-        values = road_test.values(quantity)
-        if values is not None:
-            return values
-        messages.append(Message("warning", f"assumed_{quantity}", text))
-        return np.full(len(road_test.time), value)
-
-    converter = channel(
-        "converter_pressure",
-        assumed.converter_pressure,
-        Sentence(
-            "The log has no converter pressure: {pressure:g} {pressure.unit} ({condition}) is assumed for all of it.",
-            pressure=Quantity(assumed.converter_pressure * KPA, "pressure"),
-            condition=assumed,
-        ),
-    )
-    temperature = channel(
-        "atf_temperature",
-        assumed.temperature,
-        Sentence(
-            "The log has no atf temperature: {temperature:g} {temperature.unit} ({condition}) is assumed for all of "
-            "it.",
-            temperature=Quantity(assumed.temperature, "temperature"),
-            condition=assumed,
-        ),
-    )
-    gear = channel(
-        "gear",
-        float(assumed.gear),
-        Sentence(
-            "The log has no gear: gear {gear} ({condition}) is assumed for all of it.",
-            gear=assumed.gear,
-            condition=assumed,
-        ),
-    )
-    series = leakage_series(model, main, converter, temperature, gear, sections=True, assumed=assumed)
-    if not np.isfinite(series.total).any():
-        low, high = model.fluid.span(model.profile.viscosity)
-        raise RoadTestError(
-            Sentence(
-                "no sample of the log has usable values of pressure, temperature and gear together ({other_gear} in a "
-                "gear this valve body does not have, {outside} at a temperature outside the fluid's data)",
-                other_gear=series.other_gear,
-                outside=series.outside_fluid,
-            ),
-            place=Place(file=road_test.file),
-            expected=Sentence(
-                "gears {gears}, temperatures from {low:g} to {high:g} {high.unit}",
-                gears=model.controller.gears,
-                low=Quantity(low, "temperature"),
-                high=Quantity(high, "temperature"),
-            ),
-        )
-    speed = road_test.values("engine_speed")
-    if speed is None:
-        text = Sentence("The log has no engine speed: pump capacity and share over the log are not known.")
-        messages.append(Message("warning", "no_engine_speed", text))
-        capacity = None
-    else:
-        capacity = np.asarray(model.pump_capacity(speed, main, temperature), dtype=float)
-        idle = int(np.count_nonzero((capacity <= 0.0) & (series.total > 0.0)))
-        if idle:
-            without = {"count": idle, "samples": len(road_test.time)}
-            if (share_of(series.total, capacity) >= 0.0).any():
-                text = Sentence(
-                    "In {count} of {samples} samples the pump delivers nothing while pressure stands: no share can be "
-                    "given there, and the largest share is that of the other samples.",
-                    **without,
-                )
-            else:
-                text = Sentence(
-                    "In {count} of {samples} samples the pump delivers nothing while pressure stands: no sample of "
-                    "this log has a share.",
-                    **without,
-                )
-            messages.append(Message("warning", "pump_delivers_nothing", text))
-    messages += _series_messages(series, len(road_test.time), model)
-    hottest = model.fluid.span(model.profile.viscosity)[1]
-    hotter = int(np.count_nonzero((temperature > hottest) & (main > 0.0)))
-    if hotter:
-        text = Sentence(
-            "{count} of the samples left out are hotter than {hottest:g} {hottest.unit}: the largest leakage and share "
-            "of this log are lower bounds.",
-            count=hotter,
-            hottest=Quantity(hottest, "temperature"),
-        )
-        messages.append(Message("warning", "lower_bound", text))
-    for section, above in model.controller.above_main(main).items():
-        if above.any():
-            text = Sentence(
-                "In {count} of {samples} samples {section} would be above main pressure, where its relation does not "
-                "hold: its leakage there is too high.",
-                count=int(np.count_nonzero(above)),
-                samples=len(above),
-                section=section,
-            )
-            messages.append(Message("warning", "pressure_relation", text))
-    known_gears = gear[np.isfinite(series.total)]
+    refuse_without_pressure(road_test, *ends_of(road_test.values("main_pressure")))
+    samples, tally = samples_of(model, road_test, assumed), Tally()
+    tally.add(model, samples)
+    tally.refuse_nothing_known(model, road_test.file)
+    series, capacity = samples.series, samples.pump_capacity
+    messages = [*said_of_assumed(road_test, assumed), *tally.messages(model, with_speed=capacity is not None)]
     extremes, start = _extremes(road_test, series.total, capacity, messages)
     return RoadLeakage(
         road_test=road_test,
@@ -225,54 +127,22 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         leakage=series.total,
         sections=series.sections,
         circuits=series.circuits,
-        circuit_ranges=_circuit_ranges(model.controller, road_test, series, gear, main),
+        circuit_ranges=_circuit_ranges(model.controller, road_test, samples),
         pump_capacity=capacity,
-        gears=tuple(int(number) for number in np.unique(known_gears)),
+        gears=tuple(sorted(tally.gears)),
         section_shares=_section_shares(series.sections, road_test.time),
         extremes=extremes,
         start=start,
-        lower_bound=hotter > 0,
+        lower_bound=tally.hotter > 0,
         messages=tuple(messages),
     )
 
 
-def channels_of(
-    road_test: RoadTest, assumed: OperatingPoint
-) -> tuple[np.ndarray | float, np.ndarray | float, np.ndarray | float, np.ndarray | float]:
-    """Return main and converter pressure [Pa], temperature [°C] and gear of a log, as far as it holds them."""
-    instead = {
-        "main_pressure": np.nan,
-        "converter_pressure": assumed.converter_pressure,
-        "atf_temperature": assumed.temperature,
-        "gear": float(assumed.gear),
-    }
-    main, converter, temperature, gear = (
-        value if (logged := road_test.values(quantity)) is None else logged for quantity, value in instead.items()
-    )
-    return main, converter, temperature, gear
-
-
-def _main_pressure(road_test: RoadTest) -> np.ndarray:
-    main, why = road_test.values("main_pressure"), road_test.refused.get("main_pressure")
-    if main is None:
-        missing = Sentence("the log has no main pressure")
-        if why is not None:
-            missing = Sentence("the log's column of main pressure is not usable: {why}", why=why)
-    elif not np.isfinite(main).any():
-        missing = Sentence("the log has no usable sample of main pressure")
-    elif not (main >= 0.0).any():
-        missing = Sentence(
-            "main pressure is below zero throughout this log ({low:.4g} to {high:.4g} {high.unit})",
-            low=Quantity(float(np.nanmin(main)) * KPA, "pressure"),
-            high=Quantity(float(np.nanmax(main)) * KPA, "pressure"),
-        )
-    else:
-        return main
-    raise RoadTestError(
-        Sentence("{missing}; without it leakage cannot be computed", missing=missing),
-        place=Place(file=road_test.file),
-        expected=Sentence("a column p_g [kPa] (or bar, psi) with the pressure above that of the surrounding air"),
-    )
+def ends_of(values: np.ndarray | None) -> tuple[float, float]:
+    """Return the lowest and highest of some values, NaN left out; NaN where there are none."""
+    if values is None:
+        return np.nan, np.nan
+    return float(np.fmin.reduce(values, initial=np.nan)), float(np.fmax.reduce(values, initial=np.nan))
 
 
 def _extremes(
@@ -282,27 +152,41 @@ def _extremes(
     window = sustained_window(road_test)
 
     def of(counting: np.ndarray) -> Extremes:
-        return Extremes(road_test.time, counting, capacity, road_test.segments, window)
+        return SeriesExtremes(road_test.time, counting, capacity, road_test.segments, window)
 
     starts = engine_starts(road_test)
-    starting = _within(road_test.time, starts) & np.isfinite(leakage)
+    starting = within(road_test.time, starts) & np.isfinite(leakage)
     if not starting.any():
         return of(leakage), None
+    alone = not turning_apart(road_test, leakage, starting).any()
+    messages.append(said_of_starts(len(starts), int(np.count_nonzero(starting)), alone=alone))
+    if alone:
+        return of(leakage), None
+    return of(np.where(starting, np.nan, leakage)), of(np.where(starting, leakage, np.nan))
+
+
+def turning_apart(road_test: RoadTest, leakage: np.ndarray, starting: np.ndarray) -> np.ndarray:
+    """Return at which samples with a leakage the engine turns, its starts apart."""
     turning = np.asarray(road_test.values("engine_speed")) >= Thresholds.engine_standing
-    if not (np.isfinite(leakage) & turning & ~starting).any():
+    apart: np.ndarray = np.isfinite(leakage) & turning & ~starting
+    return apart
+
+
+def said_of_starts(count: int, samples: int, *, alone: bool) -> Message:
+    """Say that the moments after the starts of the engine are given apart, or that there are no others."""
+    if alone:
         text = Sentence(
             "The engine turns only in its start, which ends {seconds:g} s after the engine runs: the extremes are "
             "those of the start.",
             seconds=Thresholds.start_seconds,
         )
-        messages.append(Message("warning", "start_alone", text))
-        return of(leakage), None
-    counts = {"samples": int(np.count_nonzero(starting)), "seconds": Thresholds.start_seconds}
-    if len(starts) > 1:
+        return Message("warning", "start_alone", text)
+    counts = {"samples": samples, "seconds": Thresholds.start_seconds}
+    if count > 1:
         text = Sentence(
             "The engine is started {count} times in this log: the extremes of {samples} samples until {seconds:g} s "
             "after the engine runs are given apart.",
-            count=len(starts),
+            count=count,
             **counts,
         )
     else:
@@ -311,98 +195,58 @@ def _extremes(
             "engine runs are given apart.",
             **counts,
         )
-    messages.append(Message("info", "start_apart", text))
-    return of(np.where(starting, np.nan, leakage)), of(np.where(starting, leakage, np.nan))
+    return Message("info", "start_apart", text)
 
 
-def _circuit_ranges(
-    controller: Controller, road_test: RoadTest, series: LeakageSeries, gear: np.ndarray, main: np.ndarray
-) -> dict[str, CircuitRange]:
+def _circuit_ranges(controller: Controller, road_test: RoadTest, samples: RoadSamples) -> dict[str, CircuitRange]:
     """Return the lowest and mean pressure of every circuit that the log applies, with the engine running."""
-    counting = ~_within(road_test.time, engine_starts(road_test)) if series.circuits else np.array([])
-    speed = road_test.values("engine_speed")
-    if speed is not None and series.circuits:
-        counting &= speed >= Thresholds.engine_standing
     ranges = {}
+    starting = within(road_test.time, engine_starts(road_test)) if controller.circuits else np.empty(0, bool)
     for circuit in controller.circuits:
-        pressure = series.circuits[circuit.id]
-        samples = np.flatnonzero(counting & np.isfinite(pressure) & np.isin(gear, list(circuit.gears)))
-        if samples.size:
-            held = pressure[samples]
-            at = int(samples[np.argmin(held)])
-            lowest, mean = float(pressure[at]), float(held.mean())
-            time, line = float(road_test.time[at]), float(main[at])
-            ranges[circuit.id] = CircuitRange(lowest, mean, at, time, samples.size, circuit, line)
+        found = range_of(circuit, road_test, samples, starting)
+        if found is not None:
+            ranges[circuit.id] = found
     return ranges
 
 
-def _within(time: np.ndarray, events: list[Event]) -> np.ndarray:
-    """Return which stamps lie in one of the events, ends included."""
-    inside = np.zeros(len(time), bool)
-    for event in events:
-        inside[np.searchsorted(time, event.start) : np.searchsorted(time, event.stop, side="right")] = True
-    return inside
+def range_of(circuit: Circuit, road_test: RoadTest, samples: RoadSamples, starting: np.ndarray) -> CircuitRange | None:
+    """Return what a circuit holds while it is applied and the engine runs; None where it never does.
+
+    ``starting`` says which samples lie in a start of the engine.
+    """
+    pressure, counting = samples.series.circuits[circuit.id], ~starting
+    speed = road_test.values("engine_speed")
+    if speed is not None:
+        counting &= speed >= Thresholds.engine_standing
+    here = np.flatnonzero(counting & np.isfinite(pressure) & np.isin(samples.gear, list(circuit.gears)))
+    if not here.size:
+        return None
+    held = pressure[here]
+    at = int(here[first_largest(-held)])
+    lowest, mean = float(pressure[at]), float(held.mean())
+    return CircuitRange(lowest, mean, at, float(road_test.time[at]), here.size, circuit, float(samples.main[at]))
 
 
 def _section_shares(sections: dict[str, np.ndarray], time: np.ndarray) -> dict[str, float | None]:
-    """Return each section's part of the volume leaked.
-
-    A sample stands for the time to the next one; where the log pauses, for the usual step.
-    """
+    """Return each section's part of the volume leaked."""
     steps = np.diff(time, append=np.nan)
     forward = steps[steps > 0.0]
-    usual = float(np.median(forward)) if forward.size else 1.0
+    usual = float(np.median(forward)) if forward.size else np.nan
+    return shares_of({name: volume_of(flow, steps, usual) for name, flow in sections.items()})
+
+
+def volume_of(flow: np.ndarray, steps: np.ndarray, usual: float) -> float:
+    """Return the volume that some samples leak.
+
+    A sample stands for the time to the next one; where the log pauses or ends, for the usual step, or a second where
+    there is none.
+    """
+    usual = usual if usual > 0.0 else 1.0
     steps = np.where((steps > 0.0) & (steps <= 10.0 * usual), steps, usual)
-    volumes = {name: float(np.nansum(flow * steps)) for name, flow in sections.items()}
+    return float(np.nansum(flow * steps))
+
+
+def shares_of(volumes: dict[str, float]) -> dict[str, float | None]:
+    """Return each section's part of the volume; None where there is none."""
     total = sum(volumes.values())
     return {name: volume / total if total > 0.0 else None for name, volume in volumes.items()}
-
-
-def _series_messages(series: LeakageSeries, size: int, model: LeakageModel) -> list[Message]:
-    messages = []
-    for section, count in series.reversed_samples.items():
-        if count:
-            text = Sentence(
-                "In {count} of {size} samples a pressure drop of section {section} is negative and counts as no "
-                "leakage.",
-                count=count,
-                size=size,
-                section=section,
-            )
-            messages.append(Message("warning", "reversed_pressure_drop", text))
-    if series.unbalanced:
-        text = Sentence(
-            "In {count} of {size} samples no pressures were found at which all circuits balance.",
-            count=series.unbalanced,
-            size=size,
-        )
-        messages.append(Message("warning", "circuits_not_balanced", text))
-    if series.other_gear:
-        text = Sentence(
-            "{count} of {size} samples are in no gear of this valve body ({gears}) and are left out.",
-            count=series.other_gear,
-            size=size,
-            gears=model.controller.gears,
-        )
-        messages.append(Message("warning", "other_gear", text))
-    if series.outside_fluid:
-        low, high = model.fluid.span(model.profile.viscosity)
-        text = Sentence(
-            "{count} of {size} samples are at a temperature outside the data of {fluid} ({low:g} to {high:g} "
-            "{high.unit}) and are left out.",
-            count=series.outside_fluid,
-            size=size,
-            fluid=Name(model.fluid.name),
-            low=Quantity(low, "temperature"),
-            high=Quantity(high, "temperature"),
-        )
-        messages.append(Message("warning", "outside_fluid", text))
-    missing = int(np.count_nonzero(~np.isfinite(series.total))) - series.other_gear - series.outside_fluid
-    if missing > 0:
-        text = Sentence(
-            "{count} of {size} samples lack a usable value of pressure, temperature or gear and are left out.",
-            count=missing,
-            size=size,
-        )
-        messages.append(Message("info", "samples_left_out", text))
-    return messages

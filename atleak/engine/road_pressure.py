@@ -103,6 +103,15 @@ def judge_pressure(controller: Controller, road_test: RoadTest) -> RoadPressure 
     RoadPressure | NotJudged
         the comparison, or why there is none: a pressure that was assumed or commanded is never judged.
     """
+    why = why_not_judged(controller, road_test)
+    if why is not None:
+        return why
+    limits = PermittedSamples(controller, road_test, CountedSamples(road_test))
+    return limits.judge() if limits.ever else "never_there"
+
+
+def why_not_judged(controller: Controller, road_test: RoadTest) -> NotJudged | None:
+    """Return what is missing to judge a log's main pressure, its samples apart; None where nothing is."""
     channel = road_test.channel("main_pressure")
     if channel is None:
         return "no_main_pressure"
@@ -114,17 +123,16 @@ def judge_pressure(controller: Controller, road_test: RoadTest) -> RoadPressure 
         return "no_engine_speed"
     if road_test.channel("gear") is None:
         return "no_gear"
-    limits = _Limits(controller, road_test)
-    return limits.judge() if limits.ever else "never_there"
+    return None
 
 
-class _Limits:
+class PermittedSamples:
     """What is permitted at every sample of a log; arrays of shape (samples,), NaN where there is no limit."""
 
-    def __init__(self, controller: Controller, road_test: RoadTest) -> None:
+    def __init__(self, controller: Controller, road_test: RoadTest, counted: CountedSamples) -> None:
         self.controller, self.time = controller, road_test.time
         self.gear = _gear(road_test)
-        self.counted = CountedSamples(road_test)
+        self.counted = counted
         self.pressure = self.counted.smooth(np.asarray(road_test.values("main_pressure")))
         self.low, self.high = (np.full(len(self.time), np.nan) for _ in range(2))
         self.number = np.full(len(self.time), -1)  # of the limits in the valve body's file
@@ -195,16 +203,27 @@ def _states(road_test: RoadTest, gear: np.ndarray) -> dict[State, np.ndarray]:
     return {"idle": idles, "stall": stalls, "driving": np.isfinite(engine) & ~idles & ~stalls}
 
 
-def compare_with_commanded(road_test: RoadTest) -> CommandedPressure | None:
-    """Compare main pressure with what the gearbox computer commanded; None where one of them is not logged."""
+def commanded_is_logged(road_test: RoadTest) -> bool:
+    """Tell whether a log holds main pressure both as measured and as commanded."""
     channel, wanted = road_test.channel("main_pressure"), road_test.channel("commanded_pressure")
     if channel is None or wanted is None or channel.kind == "commanded":
-        return None
-    if {channel.source, wanted.source} != {"logged"}:
-        return None
-    counted = CountedSamples(road_test)
+        return False
+    return {channel.source, wanted.source} == {"logged"}
+
+
+def actual_and_commanded(road_test: RoadTest, counted: CountedSamples) -> tuple[np.ndarray, np.ndarray]:
+    """Return main pressure as measured and as commanded [Pa], as they last for half a second."""
     names = ("main_pressure", "commanded_pressure")
     actual, commanded = (counted.smooth(np.asarray(road_test.values(name))) for name in names)
+    return actual, commanded
+
+
+def compare_with_commanded(road_test: RoadTest) -> CommandedPressure | None:
+    """Compare main pressure with what the gearbox computer commanded; None where one of them is not logged."""
+    if not commanded_is_logged(road_test):
+        return None
+    counted = CountedSamples(road_test)
+    actual, commanded = actual_and_commanded(road_test, counted)
     difference, everywhere = actual - commanded, np.ones(len(road_test.time), bool)
     sides = (Lasting(counted, difference), Lasting(counted, -difference))
     largest = [(lasting, sample) for lasting in sides if (sample := lasting.worst(everywhere)) is not None]

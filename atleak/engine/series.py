@@ -87,6 +87,7 @@ def leakage_series(
     *,
     sections: bool = False,
     assumed: OperatingPoint | None = None,
+    ends: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
 ) -> LeakageSeries:
     """Compute the leakage of every sample of a log.
 
@@ -105,13 +106,16 @@ def leakage_series(
     assumed
         The operating point whose set pressures hold, where they go by point or current; the controller's first unless
         given.
+    ends
+        Lowest and highest main pressure, converter pressure and temperature of the log of which these samples are a
+        part; their own unless given. They decide which gaps are computed with entry loss.
     """
     arrays = [np.asarray(array, dtype=float) for array in (main_pressure, converter_pressure, temperature, gear)]
     size = np.broadcast_shapes(*(array.shape for array in arrays), (1,))[0]
     log = _Log(*(np.broadcast_to(array, (size,)) for array in arrays))
     series = LeakageSeries(np.empty(size), {name: np.empty(size) for name in SECTIONS} if sections else {})
-    ends = log.ends
-    sums = _gear_sums(model, ends)
+    spanned = log.ends if ends is None else _Log(*ends, log.gear)
+    sums = _gear_sums(model, spanned)
     rows = np.ones((8, min(_CHUNK, size)))
     for start in range(0, size, _CHUNK):
         part = slice(start, start + _CHUNK)
@@ -119,8 +123,8 @@ def leakage_series(
     circuits = CircuitLog.of(
         model,
         assumed or model.controller.operating_points[0],
-        float(np.nanmax(ends.sections(model), initial=0.0)),
-        ends.temperature,
+        float(np.nanmax(spanned.sections(model), initial=0.0)),
+        spanned.temperature,
     )
     if circuits is not None:
         _add_circuits(circuits, log, series)

@@ -6,8 +6,9 @@ the gear, else the falls of the engine speed at each shift.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,7 @@ from atleak.road_test import RoadTest
 
 
 @dataclass(frozen=True)
-class _Climb:
+class Climb:
     """An acceleration from rest, by first and last sample of the log; ``carried``: far enough to be a test."""
 
     first: int
@@ -25,6 +26,19 @@ class _Climb:
     gears: tuple[int, ...]  # passed, rising; none where no gear is known
     carried: bool
     begun: bool  # far enough to have been meant as a test
+
+    def most_of(self, time: np.ndarray, driven: float) -> bool:
+        """Tell whether it takes at least half of the time [s] in which the engine of its stretch does not idle."""
+        return bool(time[self.last] - time[self.first] >= 0.5 * driven)
+
+
+class Finder(Protocol):
+    """Finds the accelerations in a part of a log that lies in one stretch."""
+
+    engine: np.ndarray  # speed [1/s] of the log's samples
+
+    def resting(self, part: slice) -> np.ndarray: ...
+    def climbs(self, part: slice) -> Iterator[Climb]: ...
 
 
 def minimum_acceleration(
@@ -43,32 +57,57 @@ def minimum_acceleration(
         those of the valve body; with them a test that does not reach the highest is broken off.
     """
     limits = limits or Thresholds()
-    engine, vehicle = road_test.values("engine_speed"), road_test.values("vehicle_speed")
-    gear = road_test.values("gear")
-    if engine is None:
+    finder = finder_of(road_test, limits)
+    if finder is None:
         return []
-    find: Callable[[slice], Iterator[_Climb]]
-    if vehicle is not None:
-        find = _ByVehicleSpeed(engine, vehicle, gear, limits).climbs
-    elif gear is not None:
-        find = _ByGear(road_test.time, engine, gear, limits).climbs
-    else:
-        find = _ByEngineSpeed(road_test.time, engine, limits).climbs
-    events = []
+    engine, events = finder.engine, []
     for part in segments(road_test):
-        climbs = [climb for climb in find(part) if climb.begun]
-        alone = len(climbs) == 1 and _most_of_the_driving(road_test.time, engine, part, climbs[0], limits)
+        climbs = [climb for climb in finder.climbs(part) if climb.begun]
+        driven = seconds_driven(np.diff(road_test.time[part], append=road_test.time[part][-1]), engine[part], limits)
         for climb in climbs:
-            event = _judged(road_test.time, engine, climb, limits, max(gears, default=0), alone)
-            if event is None:
-                event = _gentle_part(road_test.time, engine, climb, find, limits)
+            alone = len(climbs) == 1 and climb.most_of(road_test.time, driven)
+            event = as_test(road_test.time, climb, finder, limits, max(gears, default=0), alone=alone)
             if event is not None:
                 events.append(event)
     return events
 
 
+def finder_of(road_test: RoadTest, limits: Thresholds) -> Finder | None:
+    """Return what finds the accelerations of a log, by what the log holds; None without an engine speed."""
+    engine, vehicle = road_test.values("engine_speed"), road_test.values("vehicle_speed")
+    gear = road_test.values("gear")
+    if engine is None:
+        return None
+    if vehicle is not None:
+        return ByVehicleSpeed(engine, vehicle, gear, limits)
+    if gear is not None:
+        return ByGear(road_test.time, engine, gear, limits)
+    return ByEngineSpeed(road_test.time, engine, limits)
+
+
+def as_test(
+    time: np.ndarray, climb: Climb, finder: Finder, limits: Thresholds, top: int, *, alone: bool
+) -> Event | None:
+    """Return the test that an acceleration is, or that it was until the engine was revved higher; None where neither.
+
+    Parameters
+    ----------
+    top
+        the highest gear of the valve body; 0 where it is not known.
+    alone
+        whether it is the one acceleration of its stretch and most of what was driven there.
+    """
+    event = _judged(time, finder.engine, climb, limits, top, alone)
+    return _gentle_part(time, climb, finder, limits) if event is None else event
+
+
+def seconds_driven(steps: np.ndarray, engine: np.ndarray, limits: Thresholds) -> float:
+    """Return for how long the engine of a stretch does not idle [s], by the time to each next sample."""
+    return float(np.sum(steps[~(engine < limits.idle_high)]))
+
+
 def _judged(
-    time: np.ndarray, engine: np.ndarray, climb: _Climb, limits: Thresholds, top: int, alone: bool
+    time: np.ndarray, engine: np.ndarray, climb: Climb, limits: Thresholds, top: int, alone: bool
 ) -> Event | None:
     """Return the test that a climb is; None where it is none."""
     speeds = engine[climb.first : climb.last + 1]
@@ -91,39 +130,32 @@ def _judged(
     return Event("minimum_acceleration", start, stop, test=test)
 
 
-def _gentle_part(
-    time: np.ndarray,
-    engine: np.ndarray,
-    climb: _Climb,
-    find: Callable[[slice], Iterator[_Climb]],
-    limits: Thresholds,
-) -> Event | None:
+def _gentle_part(time: np.ndarray, climb: Climb, finder: Finder, limits: Thresholds) -> Event | None:
     """Return the test that a climb was until the engine was revved higher; None where that is none."""
+    engine = finder.engine
     fast = np.flatnonzero(engine[climb.first : climb.last + 1] > limits.gentle_speed)
     if not len(fast):
         return None
-    for part in find(slice(climb.first, climb.first + int(fast[0]))):
+    for part in finder.climbs(slice(climb.first, climb.first + int(fast[0]))):
         if part.carried:
             return _judged(time, engine, part, limits, 0, False)
     return None
 
 
-def _most_of_the_driving(time: np.ndarray, engine: np.ndarray, part: slice, climb: _Climb, limits: Thresholds) -> bool:
-    """Tell whether a climb takes at least half of the time in which the engine of its stretch does not idle."""
-    steps = np.diff(time[part], append=time[part][-1])
-    driven = float(np.sum(steps[~(engine[part] < limits.idle_high)]))
-    return bool(time[climb.last] - time[climb.first] >= 0.5 * driven)
-
-
-class _ByVehicleSpeed:
+class ByVehicleSpeed:
     """Climbs where the vehicle speed is logged: from the last sample at standstill to the highest speed."""
 
     def __init__(self, engine: np.ndarray, vehicle: np.ndarray, gear: np.ndarray | None, limits: Thresholds) -> None:
         self.engine, self.vehicle, self.gear, self.limits = engine, vehicle, gear, limits
 
-    def climbs(self, part: slice) -> Iterator[_Climb]:
+    def resting(self, part: slice) -> np.ndarray:
+        """Return at which samples the car stands."""
+        return self.vehicle[part] < self.limits.standing
+
+    def climbs(self, part: slice) -> Iterator[Climb]:
+        """Return every acceleration from rest, however far it goes."""
         speed, limits = self.vehicle[part], self.limits
-        standing = speed < limits.standing
+        standing = self.resting(part)
         rests = np.flatnonzero(standing)
         for first in np.flatnonzero(standing[:-1] & (speed[1:] >= limits.standing)):
             later = np.searchsorted(rests, first, side="right")
@@ -138,18 +170,24 @@ class _ByVehicleSpeed:
             fastest, shifted = float(np.nanmax(run)), max(passed, default=0) >= 2
             carried = fastest >= limits.gentle_end and (shifted or self.gear is None)
             begun = shifted if self.gear is not None else fastest >= limits.gentle_begun
-            yield _Climb(part.start + int(first), part.start + last, passed, carried, begun)
+            yield Climb(part.start + int(first), part.start + last, passed, carried, begun)
 
 
-class _ByGear:
+class ByGear:
     """Climbs where a gear is logged and no vehicle speed: from idle in first gear up through the gears."""
 
     def __init__(self, time: np.ndarray, engine: np.ndarray, gear: np.ndarray, limits: Thresholds) -> None:
         self.time, self.engine, self.gear, self.limits = time, engine, gear, limits
 
-    def climbs(self, part: slice) -> Iterator[_Climb]:
+    def resting(self, part: slice) -> np.ndarray:
+        """Return at which samples the engine idles in first gear or none."""
+        engine, gear = self.engine[part], self.gear[part]
+        return idling(engine, self.limits) & ((gear == 0) | (gear == 1))
+
+    def climbs(self, part: slice) -> Iterator[Climb]:
+        """Return the accelerations that reach another gear than the first."""
         engine, gear, limits = self.engine[part], self.gear[part], self.limits
-        resting = (engine > limits.idle_low) & (engine < limits.idle_high) & ((gear == 0) | (gear == 1))
+        resting = self.resting(part)
         rests = np.flatnonzero(resting)
         for leaving in np.flatnonzero(resting[:-1] & ~resting[1:]):
             later = np.searchsorted(rests, leaving, side="right")
@@ -159,7 +197,7 @@ class _ByGear:
             if max(passed, default=0) < 2:
                 continue
             first = _leaves_idle(engine, resting, int(leaving), limits)
-            yield _Climb(part.start + first, part.start + last, _passed(gear, first, last), True, True)
+            yield Climb(part.start + first, part.start + last, _passed(gear, first, last), True, True)
 
     def _end(self, engine: np.ndarray, gear: np.ndarray, offset: int, first: int, end: int) -> int:
         """Return the last sample of a climb: before a shift down, and where the engine is fastest in its last gear."""
@@ -171,7 +209,7 @@ class _ByGear:
         return _fastest(self.time[offset + entered : offset + stop], engine[entered:stop], self.limits) + entered
 
 
-class _ByEngineSpeed:
+class ByEngineSpeed:
     """Climbs where neither gear nor vehicle speed is logged: the engine speed falls at every shift and rises again.
 
     Lifting the foot looks the same, so two such falls are asked for, and a sampling that shows them.
@@ -180,13 +218,20 @@ class _ByEngineSpeed:
     def __init__(self, time: np.ndarray, engine: np.ndarray, limits: Thresholds) -> None:
         self.time, self.engine, self.limits = time, engine, limits
 
-    def climbs(self, part: slice) -> Iterator[_Climb]:
-        time, engine, limits = self.time[part], self.engine[part], self.limits
-        steps = np.diff(time)
-        if len(time) < 10 or np.median(steps) > limits.shift_sampling:
-            return
-        smooth = pd.Series(engine).rolling(5, center=True, min_periods=1).median().to_numpy()
-        resting = (smooth > limits.idle_low) & (smooth < limits.idle_high)
+    def resting(self, part: slice) -> np.ndarray:
+        """Return at which samples the engine idles."""
+        return idling(smoothed(self.engine[part]), self.limits)
+
+    def climbs(self, part: slice) -> Iterator[Climb]:
+        """Return the accelerations with two shifts and more; none in a stretch that is too coarse to show them."""
+        time = self.time[part]
+        if shows_shifts(len(time), np.median(np.diff(time)) if len(time) > 1 else np.inf, self.limits):
+            yield from self.climbs_in(part, smoothed(self.engine[part]))
+
+    def climbs_in(self, part: slice, smooth: np.ndarray) -> Iterator[Climb]:
+        """Return the accelerations of a part whose engine speed is smoothed already."""
+        time, limits = self.time[part], self.limits
+        resting = idling(smooth, limits)
         rests = np.flatnonzero(resting)
         for leaving in np.flatnonzero(resting[:-1] & ~resting[1:]):
             later = np.searchsorted(rests, leaving, side="right")
@@ -197,7 +242,7 @@ class _ByEngineSpeed:
             entered = int(leaving) + shifts[-1]
             last = entered + _fastest(time[entered:end], smooth[entered:end], limits)
             first = _leaves_idle(smooth, resting, int(leaving), limits)
-            yield _Climb(part.start + first, part.start + last, (), True, True)
+            yield Climb(part.start + first, part.start + last, (), True, True)
 
     def _shifts(self, time: np.ndarray, speed: np.ndarray) -> list[int]:
         """Return the samples to which the speed falls within a second, not to idle, and from which it rises again."""
@@ -219,6 +264,22 @@ class _ByEngineSpeed:
                 return shifts  # the foot was lifted: the climb ends
             shifts.append(lowest)
             before = lowest
+
+
+def smoothed(engine: np.ndarray) -> np.ndarray:
+    """Return the engine speed of one stretch as the median of each sample and two on either side."""
+    return pd.Series(engine).rolling(5, center=True, min_periods=1).median().to_numpy()
+
+
+def idling(engine: np.ndarray, limits: Thresholds) -> np.ndarray:
+    """Return at which samples the engine idles."""
+    idles: np.ndarray = (engine > limits.idle_low) & (engine < limits.idle_high)
+    return idles
+
+
+def shows_shifts(samples: int, step: float, limits: Thresholds) -> bool:
+    """Tell whether the engine speed of a stretch of so many samples, so far apart in the median [s], shows shifts."""
+    return samples >= 10 and step <= limits.shift_sampling
 
 
 def _last_near(speed: np.ndarray, top: float) -> int:

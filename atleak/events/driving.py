@@ -2,30 +2,40 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pandas as pd
 
 from atleak.events.event import Event, Thresholds, runs, segments, standing_samples
-from atleak.road_test import ChannelSource, RoadTest
+from atleak.road_test import RoadTest
 from atleak.sentence import Sentence
 
 
 def hot_idle(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
     """Return hot idling: the car stands, the engine idles, the fluid is at working temperature."""
     limits = limits or Thresholds()
+    mask = hot_idling_samples(road_test, limits)
+    if mask is None:
+        return []
+    time = road_test.time
+    return [
+        Event("hot_idle", float(time[low]), float(time[high]))
+        for low, high in runs(road_test, mask, limits.idle_seconds)
+    ]
+
+
+def hot_idling_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray | None:
+    """Return at which samples the engine idles hot, the car at rest; None where the log does not show it."""
     engine, standing, atf = (
         road_test.values("engine_speed"),
         standing_samples(road_test, limits),
         road_test.values("atf_temperature"),
     )
     if engine is None or standing is None or atf is None:
-        return []
-    mask = standing & (engine > limits.idle_low) & (engine < limits.idle_high) & (atf >= limits.hot)
-    time = road_test.time
-    return [
-        Event("hot_idle", float(time[low]), float(time[high]))
-        for low, high in runs(road_test, mask, limits.idle_seconds)
-    ]
+        return None
+    idling: np.ndarray = standing & (engine > limits.idle_low) & (engine < limits.idle_high) & (atf >= limits.hot)
+    return idling
 
 
 def stalls(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
@@ -34,17 +44,9 @@ def stalls(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]
     A run longer than `Thresholds.stall_longest` is no stall test but an engine revved in neutral or park.
     """
     limits = limits or Thresholds()
-    engine, standing = road_test.values("engine_speed"), standing_samples(road_test, limits)
-    if engine is None or standing is None:
+    mask = stalling_samples(road_test, limits)
+    if mask is None:
         return []
-    mask = standing & (engine > limits.stall_speed)
-    turbine, gear = road_test.values("turbine_speed"), road_test.values("gear")
-    if turbine is not None:
-        mask &= ~(turbine > 0.15 * engine)
-    elif gear is not None:
-        mask &= ~(gear == 0)
-    else:
-        return []  # revving in neutral looks the same
     time = road_test.time
     return [
         Event("stall", float(time[low]), float(time[high]))
@@ -53,25 +55,51 @@ def stalls(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]
     ]
 
 
+def stalling_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray | None:
+    """Return at which samples the engine pulls against the converter; None where the log does not show it."""
+    engine, standing = road_test.values("engine_speed"), standing_samples(road_test, limits)
+    if engine is None or standing is None:
+        return None
+    mask: np.ndarray = standing & (engine > limits.stall_speed)
+    turbine, gear = road_test.values("turbine_speed"), road_test.values("gear")
+    if turbine is not None:
+        return mask & ~(turbine > 0.15 * engine)
+    if gear is not None:
+        return mask & ~(gear == 0)
+    return None  # revving in neutral looks the same
+
+
 def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
     """Return lock-ups: engine and turbine turn alike; without a turbine speed, the lock-up is commanded."""
     limits = limits or Thresholds()
-    engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
-    source: ChannelSource = "logged"
-    note = Sentence("")
-    if engine is not None and turbine is not None:
-        mask = (np.abs(engine - turbine) < limits.slip) & (engine > limits.idle_high)
-    else:
-        channel = road_test.values("lock_up")
-        if channel is None or not np.isfinite(channel).any() or not np.nanmax(channel) > 0:
-            return []
-        mask = channel >= 0.5 * np.nanmax(channel)
-        note = Sentence("commanded: no turbine speed shows whether it held")
+    locked = locked_samples(road_test, limits, largest(road_test.values("lock_up")))
+    if locked is None:
+        return []
+    mask, note = locked
     time = road_test.time
     return [
-        Event("lock_up", float(time[low]), float(time[high]), source=source, note=note)
+        Event("lock_up", float(time[low]), float(time[high]), note=note)
         for low, high in runs(road_test, mask, limits.lock_up_seconds)
     ]
+
+
+def largest(values: np.ndarray | None) -> float:
+    """Return the largest of some values that are known; NaN of none."""
+    return float("nan") if values is None else float(np.fmax.reduce(values, initial=np.nan))
+
+
+def locked_samples(road_test: RoadTest, limits: Thresholds, commanded: float) -> tuple[np.ndarray, Sentence] | None:
+    """Return at which samples the converter is locked, and what is to be said of that; None where nothing shows it.
+
+    ``commanded`` is the largest value of the log's command to lock up.
+    """
+    engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
+    if engine is not None and turbine is not None:
+        return (np.abs(engine - turbine) < limits.slip) & (engine > limits.idle_high), Sentence("")
+    channel = road_test.values("lock_up")
+    if channel is None or not commanded > 0:
+        return None
+    return channel >= 0.5 * commanded, Sentence("commanded: no turbine speed shows whether it held")
 
 
 def steady_driving(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
@@ -82,24 +110,29 @@ def steady_driving(road_test: RoadTest, limits: Thresholds | None = None) -> lis
         return []
     mask = np.zeros(len(road_test.time), bool)
     for part in segments(road_test):
-        time = road_test.time[part]
-        steps = np.diff(time)
-        steps = steps[steps > 0]
-        if not len(steps):
-            continue
-        count = max(3, int(np.ceil(limits.steady_seconds / np.median(steps))) + 1)
-        if count > len(time):
-            continue
-        calm = (vehicle[part] > limits.steady_speed) & _band(engine[part], count, limits.steady_engine)
-        calm &= _band(vehicle[part], count, limits.steady_vehicle)
-        # every sample of a calm window belongs to it
-        ends = pd.Series(calm[::-1].astype(float)).rolling(count, min_periods=1).max().to_numpy()[::-1] > 0
-        mask[part] = ends
+        steps = np.diff(road_test.time[part])
+        count = steady_count(float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0, limits)
+        if count <= part.stop - part.start:
+            mask[part] = steady_samples(engine[part], vehicle[part], count, limits)
     time = road_test.time
     return [
         Event("steady_driving", float(time[low]), float(time[high]))
         for low, high in runs(road_test, mask, limits.steady_seconds)
     ]
+
+
+def steady_count(step: float, limits: Thresholds) -> float:
+    """Return how many samples make steady driving, by the median step of their stretch [s]; endless at no step."""
+    return max(3, math.ceil(limits.steady_seconds / step) + 1) if step > 0.0 else math.inf
+
+
+def steady_samples(engine: np.ndarray, vehicle: np.ndarray, count: float, limits: Thresholds) -> np.ndarray:
+    """Return which samples of one stretch lie in a window of so many in which the speeds stay in narrow bands."""
+    window = int(count)
+    calm = (vehicle > limits.steady_speed) & _band(engine, window, limits.steady_engine)
+    calm &= _band(vehicle, window, limits.steady_vehicle)
+    # every sample of a calm window belongs to it
+    return pd.Series(calm[::-1].astype(float)).rolling(window, min_periods=1).max().to_numpy()[::-1] > 0
 
 
 def _band(values: np.ndarray, count: int, width: float) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -107,6 +107,14 @@ def runs(road_test: RoadTest, mask: np.ndarray, shortest: float) -> Iterator[tup
             first, last = part.start + int(low), part.start + int(high) - 1
             if road_test.time[last] - road_test.time[first] >= shortest:
                 yield first, last
+
+
+def within(time: np.ndarray, events: Iterable[Event]) -> np.ndarray:
+    """Return which stamps [s], ascending, lie in one of some events, ends included."""
+    inside = np.zeros(len(time), bool)
+    for event in events:
+        inside[np.searchsorted(time, event.start) : np.searchsorted(time, event.stop, side="right")] = True
+    return inside
 
 
 def standing_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray | None:

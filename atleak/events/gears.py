@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from atleak.columns import Stream, median_of
 from atleak.errors import Message
 from atleak.events.event import Event, Thresholds, segments
 from atleak.road_test import Channel, ChannelSource, RoadTest
@@ -22,7 +23,7 @@ def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[E
     """
     limits = limits or Thresholds()
     gear = road_test.values("gear")
-    ratio = _ratio(road_test, ("turbine_speed",))
+    ratio = speed_ratio(road_test, ("turbine_speed",))
     if gear is None and ratio is None:
         return []
     shifts: list[Event] = []
@@ -44,19 +45,31 @@ def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[E
                 "gear_shift", float(road_test.time[part][before]), float(road_test.time[part][after]),
                 int(values[step]), int(values[step + 1]), source,
             )  # fmt: skip
-            shifts.append(_by_ratio(event, road_test, ratio, part, int(before), int(after), limits))
+            if ratio is not None:
+                event = by_ratio(event, road_test.time[part], ratio[part], int(after), limits)
+            shifts.append(event)
     return shifts
 
 
-def _by_ratio(
-    event: Event, road_test: RoadTest, ratio: np.ndarray | None, part: slice, low: int, high: int, limits: Thresholds
-) -> Event:
-    """Correct a shift's beginning and end by the ratio of turbine speed to output speed."""
-    if ratio is None or event.source != "logged":
+RATIO_BEFORE, RATIO_AFTER = 4.0, 2.0  # [s] around a shift in which the ratio of the speeds is looked at
+
+
+def by_ratio(event: Event, time: np.ndarray, values: np.ndarray, high: int, limits: Thresholds) -> Event:
+    """Correct a shift's beginning and end by the ratio of turbine speed to output speed.
+
+    Parameters
+    ----------
+    event
+        the shift as the gear shows it; one that is derived stays.
+    time, values
+        stamps [s] and ratio of its stretch, or of the part of it that is looked at.
+    high
+        the sample with which the new gear begins.
+    """
+    if event.source != "logged":
         return event
-    time, values = road_test.time[part], ratio[part]
-    before = (time > time[high] - 4.0) & (time < time[high] - 2.0)
-    after = (time > time[high]) & (time < time[high] + 2.0)
+    before = (time > time[high] - RATIO_BEFORE) & (time < time[high] - 2.0)
+    after = (time > time[high]) & (time < time[high] + RATIO_AFTER)
     if not np.isfinite(values[before]).any() or not np.isfinite(values[after]).any():
         return event
     old, new = float(np.nanmedian(values[before])), float(np.nanmedian(values[after]))
@@ -75,7 +88,7 @@ def _by_ratio(
     return replace(event, start=float(start), stop=float(stop), note=note)
 
 
-def _ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", "engine_speed")) -> np.ndarray | None:
+def speed_ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", "engine_speed")) -> np.ndarray | None:
     """Return the ratio of speed before the gears to speed behind them; its scale is arbitrary for vehicle speed."""
     above = next((road_test.values(name) for name in drivers if road_test.values(name) is not None), None)
     below = next(
@@ -95,28 +108,58 @@ def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
     >>> [round(level, 2) for level in ratio_levels(r)]
     [2.8, 1.5, 1.0]
     """
-    good = np.log(ratio[np.isfinite(ratio) & (ratio > 0)])
-    if len(good) < 50:
+    logarithms = logarithms_of(ratio)
+    return levels_among(lambda: iter([logarithms]), share)
+
+
+def logarithms_of(ratio: np.ndarray) -> np.ndarray:
+    """Return the logarithms of the ratios that are known and above zero."""
+    return np.log(ratio[np.isfinite(ratio) & (ratio > 0)])
+
+
+_APART, _NEAR = 0.12, 0.03  # of the logarithm: between two levels, and around one
+
+
+def levels_among(logarithms: Stream, share: float = 0.02) -> list[float]:
+    """Return the levels as `ratio_levels`, of ratios whose logarithms come in pieces."""
+
+    def around(middle: float, width: float) -> Stream:
+        return lambda: (part[np.abs(part - middle) < width] for part in logarithms())
+
+    count, least, most = 0, np.inf, -np.inf
+    for part in logarithms():
+        count += len(part)
+        least, most = min(least, part.min(initial=np.inf)), max(most, part.max(initial=-np.inf))
+    if count < 50:
         return []
-    edges = np.arange(good.min() - 0.02, good.max() + 0.04, 0.02)
-    counts, _ = np.histogram(good, edges)
+    edges = np.arange(least - 0.02, most + 0.04, 0.02)
+    counts = np.sum([np.histogram(part, edges)[0] for part in logarithms()], axis=0)
     wide = np.convolve(counts, np.ones(3), "same")
     order = np.argsort(wide)[::-1]
     levels: list[float] = []
     for index in order:
-        if wide[index] < share * len(good):
+        if wide[index] < share * count:
             break
-        middle = 0.5 * (edges[index] + edges[index + 1])
-        near = good[np.abs(good - middle) < 0.03]
-        if not len(near):
+        bin_middle = 0.5 * (edges[index] + edges[index + 1])
+        if any(abs(bin_middle - level) <= _APART - _NEAR for level in levels):
+            continue  # whatever is near it is near that level
+        middle = median_of(around(bin_middle, _NEAR))
+        if not np.isfinite(middle):
             continue
-        middle = float(np.median(near))
-        if all(abs(middle - level) > 0.12 for level in levels):
+        if all(abs(middle - level) > _APART for level in levels):
             # a gear stands out from the ratios that a shift passes through
-            around = good[(np.abs(good - middle) < 0.12)]
-            if np.mean(np.abs(around - middle) < 0.03) > 0.45:
+            wider, near = (sum(map(len, around(middle, width)())) for width in (_APART, _NEAR))
+            if near / wider > 0.45:
                 levels.append(middle)
     return [float(np.exp(level)) for level in sorted(levels, reverse=True)]
+
+
+def gear_by_ratio(ratio: np.ndarray, levels: Sequence[float], tolerance: float = 0.06) -> np.ndarray:
+    """Return the gear of every sample, from the highest of the ratios on; NaN where it is near none of them."""
+    distance = np.abs(ratio[:, None] / np.array(levels)[None, :] - 1)
+    nearest = np.argmin(np.where(np.isnan(distance), np.inf, distance), axis=1)
+    close = distance[np.arange(len(ratio)), nearest] <= tolerance
+    return np.where(close, nearest + 1.0, np.nan)
 
 
 def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None, tolerance: float = 0.06) -> RoadTest:
@@ -132,16 +175,13 @@ def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None
     """
     if road_test.channel("gear") is not None:
         return road_test
-    ratio = _ratio(road_test)
+    ratio = speed_ratio(road_test)
     if ratio is None:
         return road_test
     levels = list(ratios) if ratios else ratio_levels(ratio)
     if not levels:
         return road_test
-    distance = np.abs(ratio[:, None] / np.array(levels)[None, :] - 1)
-    nearest = np.argmin(np.where(np.isnan(distance), np.inf, distance), axis=1)
-    close = distance[np.arange(len(ratio)), nearest] <= tolerance
-    gear = np.where(close, nearest + 1.0, np.nan)
+    gear = gear_by_ratio(ratio, levels, tolerance)
     channel = Channel(
         "gear",
         road_test.time,
@@ -149,7 +189,7 @@ def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None
         np.zeros(len(gear), bool),
         column="",
         source="derived",
-        independent=int(close.sum()),
+        independent=int(np.count_nonzero(gear > 0)),
     )
     if ratios:
         text = Sentence("no gear is logged: it is derived from the speed ratio (given ratios)")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from itertools import combinations
 
 import numpy as np
@@ -18,6 +18,7 @@ from atleak.fleet.label_shuffles import SHUFFLES, MeanDifferences, Pairing, mean
 from atleak.fleet.lands import Lands
 from atleak.fleet.spreading import rate, spread
 from atleak.fleet.summed import (
+    MOST_COMPARED,
     MOST_IN_PAIRS,
     Difference,
     Group,
@@ -44,12 +45,14 @@ class _Compared:
     units: pd.DataFrame
     lands: Lands
     groups: tuple[Group, ...]
+    all_groups: tuple[Group, ...]
     pairings: tuple[Pairing, ...]
 
-    @property
+    @cached_property
     def numbers(self) -> np.ndarray:
-        """Return the number of every unit's group."""
-        return pd.Categorical(self.units["label"], [group.name for group in self.groups]).codes.astype(int)
+        """Return the number of every unit's group; those that are not compared have one together, the last."""
+        numbers = pd.Index([group.name for group in self.groups]).get_indexer(pd.Index(self.units["label"]))
+        return np.where(numbers < 0, len(self.groups), numbers)
 
     def names(self, pairing: Pairing) -> tuple[str, str | None]:
         """Return the names of two groups; None for all others together."""
@@ -83,7 +86,8 @@ def compared(units: pd.DataFrame, lands: Lands, *, shuffles: int = SHUFFLES) -> 
     groups = groups_of(units)
     if len(groups) < 2:
         return None
-    here = _Compared(units[stated], lands.at(stated), groups, _pairings(len(groups)))
+    most = sorted(sorted(groups, key=lambda group: -group.counts.units)[:MOST_COMPARED], key=lambda group: group.name)
+    here = _Compared(units[stated], lands.at(stated), tuple(most), groups, _pairings(len(most)))
     mileages = here.units["mileage_km"].to_numpy(float)
     kinds = 2 + bool(np.isfinite(mileages).any())
     return GroupComparison(
@@ -112,10 +116,10 @@ def _rates(here: _Compared, level: float) -> Iterator[RateDifference]:
 def _both(here: _Compared, pairing: Pairing, verdict: Verdict) -> tuple[Rate, Rate]:
     """Return the rates of both sides."""
     first, second = pairing
-    others = [number for number in range(len(here.groups)) if number != first] if second is None else [second]
-    rates = [here.groups[number].counts.rates[verdict] for number in others]
-    together = rate(sum(each.count for each in rates), sum(each.of for each in rates))
-    return here.groups[first].counts.rates[verdict], together
+    mine = here.groups[first]
+    others = [group for group in here.all_groups if group != mine] if second is None else [here.groups[second]]
+    rates = [group.counts.rates[verdict] for group in others]
+    return mine.counts.rates[verdict], rate(sum(each.count for each in rates), sum(each.of for each in rates))
 
 
 def _enough(*units: int) -> bool:
@@ -177,6 +181,13 @@ def _clearest_first(difference: WearDifference) -> tuple[int, float]:
 
 
 def _messages(here: _Compared, mileages: np.ndarray) -> Iterator[Message]:
+    if len(here.groups) < len(here.all_groups):
+        text = Sentence(
+            "Only the {number} groups of the most units, of {all}, are each compared with all others.",
+            number=len(here.groups),
+            all=len(here.all_groups),
+        )
+        yield Message("info", "many_groups", text)
     few = [group.name for group in here.groups if not _enough(group.counts.judged)]
     if few:
         text = Sentence(

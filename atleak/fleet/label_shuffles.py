@@ -11,6 +11,7 @@ error, which allows for groups of unequal spread (A. Janssen, Stat. Probab. Lett
 from __future__ import annotations
 
 import math
+import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -21,7 +22,6 @@ from numpy.typing import NDArray
 from atleak.spreads import ENOUGH_UNITS
 
 SHUFFLES = 999  # choice of this project: ends of intervals are then met within some 2 % of their reach
-_SEED = 20230419  # the same units give the same intervals
 _AT_ONCE = 4_000_000  # labels that are held at once
 _TURNS = 5  # after which next to nothing is left of either
 
@@ -70,13 +70,21 @@ def mean_differences(
         labels shuffled there. The differences of the classes count by n₁n₂/(n₁ + n₂), as in the least squares of a
         difference and a mean for each class; their standard error is that of H. White (Econometrica 48 (1980)
         817-838), which asks for no equal spread.
+
+    Notes
+    -----
+    The shuffles begin at a number that the values give: the same units have the same intervals, and other units are
+    not shuffled alike.
     """
     labels = np.zeros(len(groups), dtype=int) if classes is None else classes
+    draw = np.random.default_rng(
+        [zlib.crc32(np.ascontiguousarray(each).tobytes()) for each in (values, groups.astype(np.int16))]
+    )
     values, scale = _scaled(values)
     sums = _Sums([values, _apart(values, groups, labels)], groups, labels)
     value, error, enough = (each[0] for each in _differences(sums.as_they_are, 0, pairings))
     own_reach, of_all = np.zeros(value.shape), 0.0
-    for by_chance in sums.by_chance(pairings, shuffles):
+    for by_chance in sums.by_chance(pairings, draw, shuffles):
         own_reach = np.maximum(own_reach, _reached(by_chance, own_level))
         of_all = max(of_all, float(_reached(by_chance.reshape(shuffles, -1).max(axis=1, initial=0.0), level)))
     return MeanDifferences(
@@ -142,23 +150,22 @@ class _Sums:
         self.as_they_are = self._of([each[None, :] for each in labels], [of_units[here] for here in rows])
         self._classes = list(zip(labels, [of_units[here].astype(np.float32) for here in rows], strict=True))
 
-    def by_chance(self, pairings: Sequence[Pairing], shuffles: int) -> list[Numbers]:
+    def by_chance(self, pairings: Sequence[Pairing], draw: np.random.Generator, shuffles: int) -> list[Numbers]:
         """Return, of each kind, differences over their standard errors, of shuffles of the labels within their classes.
 
         What is of too few units for an interval is zero there, as it is left out of what is found.
         """
         found: list[list[Numbers]] = [[] for _ in range(self._kinds)]
         of_units = [each for _, each in self._classes]
-        for labels in self._shuffled(shuffles):
+        for labels in self._shuffled(draw, shuffles):
             sums = self._of(labels, of_units)
             for number, kind in enumerate(found):
                 value, error, enough = _differences(sums, number, pairings)
                 kind.append(np.where(enough, _over(np.abs(value), error), 0.0))
         return [np.concatenate(kind) for kind in found]
 
-    def _shuffled(self, shuffles: int) -> Iterator[list[Labels]]:
+    def _shuffled(self, draw: np.random.Generator, shuffles: int) -> Iterator[list[Labels]]:
         """Yield the labels of every class, shuffled so many times, some at a time."""
-        draw = np.random.default_rng(_SEED)
         units = sum(len(labels) for labels, _ in self._classes)
         at_once = max(1, _AT_ONCE // max(units * self._groups, 1))
         for start in range(0, shuffles, at_once):

@@ -9,8 +9,7 @@ from typing import Any, Protocol
 import pyarrow as pa
 
 from atleak.diagnosis import Diagnosis
-from atleak.engine.projection import model_unworn
-from atleak.engine.road_bands import TemperatureClass, temperature_classes
+from atleak.engine.road_bands import TemperatureClass
 from atleak.fleet.columns import HASH, DataSet, ErrorKind, Rows, columns_of
 from atleak.fleet.parts import folder_of
 from atleak.job.issued import result_sha256
@@ -56,7 +55,6 @@ def rows_of(
     *,
     seconds: float | None = None,
     tries: int = 1,
-    temperatures: Sequence[TemperatureClass] | None = None,
 ) -> Rows:
     """Return the rows of a unit that was diagnosed.
 
@@ -72,9 +70,6 @@ def rows_of(
         that its evaluation took so far [s].
     tries
         how often it was begun.
-    temperatures
-        classes of fluid temperature over a log that was evaluated in pieces; of one that the diagnosis holds they are
-        computed here.
 
     Raises
     ------
@@ -83,16 +78,14 @@ def rows_of(
     """
     folder_of(diagnosis.controller.id)  # here, where an id that names no folder concerns this unit alone
     record = diagnosis_record(diagnosis)
-    road, in_pieces = record["road_test"], temperatures is not None
-    if temperatures is None:
-        temperatures = _temperatures(diagnosis)
+    road, log = record["road_test"], diagnosis.log
     of_unit = {
         **_named(unit, tries),
         "seconds": seconds,
         **_written_down(job, record),
         **_diagnosed_with(record),
         **_judged(record["unit"]),
-        **_road(road, in_pieces=in_pieces),
+        **_road(road, in_pieces=log is not None and log.road_test.in_pieces),
         "result_sha256": result_sha256(record),
     }
     own = {HASH: unit.input_sha256}
@@ -106,7 +99,7 @@ def rows_of(
             for circuit in condition["circuits"]
         ],
         "events": [{**own, **event} for event in (road["events"] if road else ())],
-        "temperatures": [{**own, **_temperature(each)} for each in temperatures],
+        "temperatures": [{**own, **_temperature(each)} for each in diagnosis.temperature_classes],
     }
     return Rows(
         controller=diagnosis.controller.id,
@@ -226,14 +219,6 @@ def _road(road: Mapping[str, Any] | None, *, in_pieces: bool) -> dict[str, Any]:
         "worst_below_kpa": permissible["worst_below_kpa"] if permissible else None,
         "road_verdict": worst(verdicts) if verdicts else None,
     }
-
-
-def _temperatures(diagnosis: Diagnosis) -> Sequence[TemperatureClass]:
-    if diagnosis.road is None:
-        return ()
-    states = [land.state for land in diagnosis.lands]
-    unworn = model_unworn(states, diagnosis.model) if diagnosis.judged else None
-    return temperature_classes(diagnosis.road, diagnosis.limits.total_share, unworn)
 
 
 def _temperature(each: TemperatureClass) -> dict[str, Any]:

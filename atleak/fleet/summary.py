@@ -53,7 +53,7 @@ def summed_up(
     FleetError
         There is neither a result nor an error; a part that is damaged.
     InputError
-        No unit states such a heading, or none is of such a valve body.
+        No unit states such a heading, too many different things stand there, or none is of such a valve body.
     """
     errors = tuple(_errors(results, controller))
     if not errors and not results.controllers():

@@ -106,7 +106,8 @@ def _decided(each: Decider) -> str:
 def _pairs(body: ValveBody) -> Iterator[str | Table]:
     worst = [each for each in body.pairs if each.flagged.count or each.deciding.count][:PAIRS]
     if not worst:
-        yield "No land of any unit has reached a limit."
+        measured = any(each.flagged.of for each in body.pairs)
+        yield "No measured land has reached a limit." if measured else "No land of any unit was measured."
         return
     headings = "measured", "replace or\nworse %", "flagged %", "deciding %"
     table = _table("Lands that give the most trouble (95 % interval)", "land", *headings)
@@ -209,7 +210,11 @@ def _wear_differences(comparison: GroupComparison) -> Iterator[str | Table]:
     called = [each for each in comparison.lands if _is_called(each)]
     if not called:
         compared = any(each.mean_points and each.mean_points.differs is not None for each in comparison.lands)
-        yield "The wear of no land differs between groups." if compared else f"No wear is compared: {_FEW} in a group."
+        yield (
+            "For no land does the wear tell the groups apart."
+            if compared
+            else f"No wear is compared: {_FEW} in a group."
+        )
         return
     headings = "groups", "land", "difference", "at the same mileage"
     table = _table(f"Differences of mean wear {_POINTS}", *headings, words=2)
@@ -237,7 +242,7 @@ def _units(summary: FleetSummary) -> Iterator[str | Table]:
     if not summary.worst:
         return
     headings = "unit", "valve body", "verdict", "decided by", "lands to\nreplace", "km"
-    table = _table("The worst units", *headings, words=4)
+    table = _table("Units, the worst first", *headings, words=4)
     for each in summary.worst[:UNITS]:
         _add(
             table,

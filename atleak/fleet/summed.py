@@ -21,6 +21,8 @@ from atleak.verdicts import Band, Verdict
 GROUP = "group"  # the heading of what sub-folder, or column of this name, a unit comes from
 LISTED = 50  # units that are listed unless more or fewer are asked for
 MOST_IN_PAIRS = 4  # groups, from above which on each is compared with all others together: choice of this project
+MOST_COMPARED = 30  # groups of a valve body, those of the most units; the rest is counted: choice of this project
+MOST_GROUPS = 200  # under one heading; what differs more is no group of units: choice of this project
 
 
 @dataclass(frozen=True)

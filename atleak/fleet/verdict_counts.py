@@ -8,7 +8,7 @@ import pandas as pd
 
 from atleak.fleet.spreading import rate, spread
 from atleak.fleet.summed import Decider, Group, VerdictCounts
-from atleak.uncertainty import DECISIONS
+from atleak.uncertainty import DECISIONS, Decision
 from atleak.verdicts import FLAGGED, VERDICTS, Verdict
 
 _DECIDED_BY = ["decided_by_kind", "decided_by_component", "decided_by_land", "decided_by_circuit"]
@@ -16,17 +16,16 @@ _DECIDED_BY = ["decided_by_kind", "decided_by_component", "decided_by_land", "de
 
 def counts_of(units: pd.DataFrame) -> VerdictCounts:
     """Count some units, a row each."""
-    verdicts = {verdict: int((units["verdict"] == verdict).sum()) for verdict in VERDICTS}
+    said, decided = units["verdict"].value_counts().to_dict(), units["decision"].value_counts().to_dict()
+    verdicts = {verdict: int(said.get(verdict, 0)) for verdict in VERDICTS}
+    decisions: dict[Decision | None, int] = {decision: int(decided.get(decision, 0)) for decision in DECISIONS}
     judged = len(units) - verdicts[Verdict.NOT_MEASURED]
     past = {level: sum(n for each, n in verdicts.items() if each.rank >= level.rank) for level in FLAGGED}
     in_part = (units["verdict"] == Verdict.OK) & (units["lands_measured"] < units["lands_total"])
     return VerdictCounts(
         units=len(units),
         verdicts=verdicts,
-        decisions={
-            **{decision: int((units["decision"] == decision).sum()) for decision in DECISIONS},
-            None: int((~units["decision"].isin(DECISIONS)).sum()),
-        },
+        decisions={**decisions, None: len(units) - sum(decisions.values())},
         provisional=int(units["provisional"].sum()),
         ok_in_part=int(in_part.sum()),
         rates={level: rate(past[level], judged) for level in FLAGGED},

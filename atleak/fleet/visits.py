@@ -10,10 +10,10 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from atleak.errors import unknown
+from atleak.errors import InputError, unknown
 from atleak.fleet.columns import HASH, PARTITION
 from atleak.fleet.results import Results
-from atleak.fleet.summed import GROUP
+from atleak.fleet.summed import GROUP, MOST_GROUPS
 from atleak.jobs.units import key_of_numbers
 from atleak.sentence import Sentence
 
@@ -69,7 +69,7 @@ def read_visits(results: Results, *, by: str | None, controller: str | None) -> 
     Raises
     ------
     InputError
-        No unit states such a heading, or none is of such a valve body.
+        No unit states such a heading, too many different things stand there, or none is of such a valve body.
     """
     if controller is not None and controller not in results.controllers():
         raise unknown(Sentence("no unit of these results has such a valve body"), controller, results.controllers())
@@ -78,7 +78,7 @@ def read_visits(results: Results, *, by: str | None, controller: str | None) -> 
     rows = table.drop_columns(["labels"]).to_pandas()
     headings = _headings(table)
     heading = None if by is None else _heading(by, headings)
-    rows["label"] = None if heading is None else _stated(table, heading)
+    rows["label"] = None if heading is None else _groups(table, heading)
     rows["lands_measured"] = rows["lands_measured"].fillna(0)
     rows["provisional"] = rows["provisional"].eq(True)
     numbers = zip(table["serial"].to_pylist(), table["vin"].to_pylist(), strict=True)
@@ -116,6 +116,16 @@ def _heading(asked: str, headings: tuple[str, ...]) -> str:
     if not found:
         raise unknown(Sentence("no unit of these results states anything under this heading"), asked, headings)
     return found[0]
+
+
+def _groups(table: pa.Table, heading: str) -> pd.Series:
+    """Return what each row states under a heading; not where next to every unit states something else."""
+    stated = _stated(table, heading)
+    if stated.nunique() > MOST_GROUPS:
+        problem = Sentence("{count} different values stand under this heading", count=stated.nunique())
+        expected = Sentence("a heading with at most {number} groups of units", number=MOST_GROUPS)
+        raise InputError(problem, value=heading, expected=expected)
+    return stated
 
 
 def _stated(table: pa.Table, heading: str) -> pd.Series:

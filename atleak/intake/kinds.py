@@ -9,7 +9,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 from atleak.catalogue.controller import Controller
-from atleak.doors import DAMAGE
+from atleak.doors import DAMAGE, is_own_fault
 from atleak.errors import ReadingsError
 from atleak.intake import gauge_table
 from atleak.intake.controller_workbook import describes_controller
@@ -21,6 +21,7 @@ from atleak.intake.sheets.sheet_file import read_sheets
 
 _WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 _LOG_OF_BUS = (b"MDF     ", b"UnFinMF ")  # ASAM MDF, finished and unfinished
+_REFUSED: tuple[type[Exception], ...] = (ReadingsError, *DAMAGE)
 _START = 60_000  # bytes of a text that are looked at
 
 
@@ -60,10 +61,10 @@ def table_kind(data: bytes, controller: Controller) -> Table:
 
     try:
         sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)), is_word, only_look=True)
-    except ReadingsError:
-        return Table.READINGS if is_workbook else Table.ROAD_TEST
-    except DAMAGE:  # whoever reads it says what is wrong with it
-        return Table.READINGS if is_workbook else Table.ROAD_TEST
+    except _REFUSED as error:
+        if is_own_fault(error):
+            raise
+        return Table.READINGS if is_workbook else Table.ROAD_TEST  # whoever reads it says what is wrong with it
     if describes_controller(sheets):
         return Table.CONTROLLER
     if any(map(diameters, sheets)):

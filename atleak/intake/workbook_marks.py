@@ -50,10 +50,8 @@ def marks(data: bytes) -> dict[str, Marks]:
 
     Raises
     ------
-    ValueError
-        where a part unpacks to more than `PART_LIMIT` bytes.
     zipfile.BadZipFile, xml.etree.ElementTree.ParseError, KeyError
-        for a damaged file.
+        for a damaged file, or a part that unpacks to more than `PART_LIMIT` bytes.
     """
     if not data.startswith(b"PK"):
         return {}
@@ -78,19 +76,33 @@ def column_index(letters: str) -> int:
     return index - 1
 
 
+def whole_number(text: str | bytes) -> int:
+    """Return the number that an attribute of a workbook's XML states.
+
+    Raises
+    ------
+    xml.etree.ElementTree.ParseError
+        where it is none.
+    """
+    try:
+        return int(text)
+    except ValueError as error:
+        raise ElementTree.ParseError(f"{text[:20]!r} is no whole number") from error
+
+
 def unpacked_part(archive: zipfile.ZipFile, name: str, limit: int | None = None) -> bytes:
     """Return the content of a part of a workbook.
 
     Raises
     ------
-    ValueError
+    zipfile.BadZipFile
         where it unpacks to more bytes than the limit, `PART_LIMIT` unless given.
     """
     limit = PART_LIMIT if limit is None else limit
     with archive.open(name) as part:
         content = part.read(limit + 1)
     if len(content) > limit:
-        raise ValueError(f"{name} unpacks to more than {limit // 1_000_000} MB")
+        raise zipfile.BadZipFile(f"{name} unpacks to more than {limit // 1_000_000} MB")
     return content
 
 
@@ -167,7 +179,7 @@ def _struck_styles(xml: bytes) -> frozenset[int]:
     return frozenset(
         number
         for number, style in styles
-        if int(_attributes(style.split(b">")[0].rstrip(b"/")).get(b"fontId", b"0")) in fonts
+        if whole_number(_attributes(style.split(b">")[0].rstrip(b"/")).get(b"fontId", b"0")) in fonts
     )
 
 
@@ -212,7 +224,7 @@ def _hidden_rows(xml: bytes, filters: list[tuple[int, int]]) -> dict[int, Hiding
     row = -1
     for tag in _ROW.findall(xml):
         attributes = _attributes(tag.rstrip(b"/"))
-        row = int(attributes.get(b"r", b"0")) - 1 if b"r" in attributes else row + 1
+        row = whole_number(attributes[b"r"]) - 1 if b"r" in attributes else row + 1
         if attributes.get(b"hidden") not in _YES:
             continue
         if any(first <= row <= last for first, last in filters):
@@ -228,7 +240,7 @@ def _hidden_columns(xml: bytes) -> Iterator[int]:
     for tag in _COLUMN.findall(_inside(xml, b"cols"))[:_COLUMNS]:
         attributes = _attributes(tag.rstrip(b"/"))
         if attributes.get(b"hidden") in _YES:
-            first, last = (int(attributes.get(name, b"0")) for name in (b"min", b"max"))
+            first, last = (whole_number(attributes.get(name, b"0")) for name in (b"min", b"max"))
             first, last = max(first - 1, 0), min(last, _COLUMNS)
             if first < last:
                 begins[first] += 1
@@ -297,4 +309,4 @@ def _ods_sheet(table: ElementTree.Element, struck: set[str | None]) -> Marks:
 
 
 def _repeated(element: ElementTree.Element, what: str) -> int:
-    return max(int(element.get(f"{_TABLE}number-{what}-repeated", "1")), 1)
+    return max(whole_number(element.get(f"{_TABLE}number-{what}-repeated", "1")), 1)

@@ -12,7 +12,8 @@ from pathlib import Path
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import shipped_files
-from atleak.doors import DAMAGE
+from atleak.doors import DAMAGE, is_own_fault, own_errors_only
+from atleak.errors import InputError
 from atleak.intake.kinds import Table, table_kind
 from atleak.job.case import SLOTS, SourceFile
 from atleak.job.record import Job
@@ -47,6 +48,7 @@ _FOLDERS = {
 _TABLES = {Table.CONTROLLER: Kind.CONTROLLER_WORKBOOK}
 
 
+@own_errors_only(InputError, "file")
 def kind_of(file: SourceFile, controller: Controller) -> Kind:
     """Return what a file is: a job file, a job record, a picture, readings, a log, or an entry of the catalogue.
 
@@ -56,6 +58,11 @@ def kind_of(file: SourceFile, controller: Controller) -> Kind:
         as it was handed over. Nothing of it is checked here.
     controller
         of the job: a measuring sheet may use the names of its components.
+
+    Raises
+    ------
+    InputError
+        where atleak itself fails on it: a damaged file is what its beginning looks like.
     """
     content = file.content
     if content.startswith(_PICTURES) or (content[:4] == b"RIFF" and content[8:12] == b"WEBP"):
@@ -83,7 +90,9 @@ def _holds_job(content: bytes) -> bool:
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as bundle:
             return "job.json" in bundle.namelist()
-    except DAMAGE:
+    except DAMAGE as error:
+        if is_own_fault(error):
+            raise
         return False
 
 
@@ -93,7 +102,7 @@ def _written_kind(file: SourceFile) -> Kind | None:
     if text.lstrip().startswith("{"):
         try:
             tables = set(json.loads(file.content))
-        except DAMAGE:
+        except (ValueError, RecursionError):  # no JSON, or none that ends
             tables = set()
     elif Path(file.name).suffix.lower() == ".toml" or _TOML.match(text):
         tables = {"".join(match) for match in _TOP.findall(text)}

@@ -10,12 +10,14 @@ import csv
 import io
 import itertools
 import json
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
-from typing import Any
+
+from pydantic import BaseModel, Field
 
 from atleak.catalogue.controller import Controller
-from atleak.doors import DAMAGE
+from atleak.doors import own_errors_only
+from atleak.errors import InputError
 from atleak.intake.units import unit, unit_names
 from atleak.measuring.plan import MOST_DIRECTIONS, MOST_REPEATS, PARTS, Cell, Order, Plan
 from atleak.measuring.typed import Entry, Typed, cell_of, in_mm
@@ -102,6 +104,7 @@ def _of_lands(sheet: Readings | None) -> Iterator[list[str]]:
         yield [fitted.component, "", "", "", fitted.repair]
 
 
+@own_errors_only(InputError)
 def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed | None:
     """Return the entries of a file that `written` gave; None for any other file, and for another valve body's.
 
@@ -113,38 +116,56 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
         what `read_readings` reads of that same file.
     controller
         whose lands it names.
+
+    Raises
+    ------
+    InputError
+        where atleak itself fails on it.
     """
     try:
         text = content.decode().removeprefix(_SEPARATED)
         rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=";"))
-        if not rows or rows[0][:1] != [TYPED_MARK]:
-            return None
-        plan = _plan(json.loads(rows[0][1]))
-        units = {tuple(_headings(name)): name for name in unit_names("length")}
-        head = next(number for number, row in enumerate(rows) if tuple(row) in units)
-        entries = dict(_entries(rows[head + 1 :]))
-    except StopIteration:  # there are no headings
+    except (UnicodeDecodeError, csv.Error):
         return None
-    except DAMAGE:  # somebody has edited it
+    if not rows or rows[0][:1] != [TYPED_MARK]:
+        return None
+    units = {tuple(_headings(name)): name for name in unit_names("length")}
+    head = next((number for number, row in enumerate(rows) if tuple(row) in units), None)
+    if head is None:
+        return None
+    try:
+        plan = _plan(rows[0])
+        entries = dict(_entries(rows[head + 1 :]))
+    except ValueError:  # somebody has edited it
         return None
     if any(controller.land_of_plane(cell.component, cell.plane) is None for cell in entries):
         return None
     return Typed(entries, plan, units[tuple(rows[head])], sheet=replace(sheet, readings=()))
 
 
-def _plan(record: dict[str, Any]) -> Plan:
+class _WrittenPlan(BaseModel):
+    """A plan as it stands in a file."""
+
+    order: Order
+    directions: int = Field(ge=1, le=MOST_DIRECTIONS)
+    repeats: int = Field(ge=1, le=MOST_REPEATS)
+    planes: int | None
+    lands: tuple[tuple[str, int], ...]
+
+
+def _plan(first_row: Sequence[str]) -> Plan:
     """Return the plan of a file's first row.
 
     Raises
     ------
-    ValueError, KeyError, TypeError
+    ValueError
         where it is none.
     """
-    planes, lands = record["planes"], tuple((str(component), int(land)) for component, land in record["lands"])
-    directions, repeats = int(record["directions"]), int(record["repeats"])
-    if not (1 <= directions <= MOST_DIRECTIONS and 1 <= repeats <= MOST_REPEATS):
-        raise ValueError("no such plan")
-    return Plan(Order(record["order"]), directions, repeats, None if planes is None else max(int(planes), 1), lands)
+    if len(first_row) < 2:
+        raise ValueError("no plan")
+    plan = _WrittenPlan.model_validate_json(first_row[1])
+    planes = None if plan.planes is None else max(plan.planes, 1)
+    return Plan(plan.order, plan.directions, plan.repeats, planes, plan.lands)
 
 
 def _entries(rows: Iterable[list[str]]) -> Iterator[tuple[Cell, Entry]]:

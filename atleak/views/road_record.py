@@ -6,7 +6,8 @@ from typing import Any
 
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.section_pressures import SECTIONS
-from atleak.diagnosis import NO_LEAKAGE, Diagnosis
+from atleak.diagnosis import Diagnosis
+from atleak.driven import NO_LEAKAGE
 from atleak.engine.extremes import Extremes
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.engine.road_pressure import Departure

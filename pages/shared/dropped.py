@@ -25,7 +25,12 @@ def take(files: Sequence[SourceFile]) -> None:
     now, say = session(), reader.say()
     now.notices, now.not_taken = (), ()
     now.refused.pop("job", None)
-    kinds = [(kind_of(file, controller_of(now.good)), file) for file in files]
+    kinds = []
+    for file in files:
+        try:
+            kinds.append((kind_of(file, controller_of(now.good)), file))
+        except AtleakError as error:
+            now.not_taken += (Refusal(file.name, error),)
     kinds.sort(key=lambda each: _ORDER.index(each[0]))
     if any(kind is not Kind.JOB for kind, _ in kinds):  # a job that is opened is remembered there
         remember(say("done.taken_in", name=", ".join(file.name for _, file in kinds)))

@@ -193,9 +193,11 @@ def _opened(case: PageCase, file: SourceFile | None) -> Typed:
         sheet = readings_of(case, file)
     except AtleakError:
         return fresh
-    return typed_in(file.content, sheet, controller_of(case)) or Typed.going_on_from(
-        sheet, decimal=reader.say().texts["decimal"]
-    )
+    try:
+        typed = typed_in(file.content, sheet, controller_of(case))
+    except AtleakError:
+        typed = None
+    return typed or Typed.going_on_from(sheet, decimal=reader.say().texts["decimal"])
 
 
 def _put(typed: Typed, answer: dict[str, Any] | None = None) -> None:

@@ -16,7 +16,8 @@ import plotly.io as pio
 import streamlit as st
 from plotly.basedatatypes import BaseFigure
 
-from atleak.diagnosis import NO_LEAKAGE, Diagnosis
+from atleak.diagnosis import Diagnosis
+from atleak.driven import NO_LEAKAGE
 from atleak.errors import AtleakError, Message
 from atleak.figures.figure import Figure
 from atleak.gauges.check import PressureCheck

@@ -13,11 +13,12 @@ from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instrument
 from atleak.catalogue.limits import load_limits
-from atleak.doors import damaged, own_line
+from atleak.doors import OWN_FAULT, damaged, own_line
 from atleak.errors import AtleakError, InputError
 from atleak.intake.controller_workbook import read_controller_workbook
 from atleak.intake.gauge_study import read_study
 from atleak.intake.gauge_table import read_pressure_table
+from atleak.intake.native.process import FaultOfChild
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import log_columns, remember, understand
 from atleak.intake.road_test.names.memory import recall_all
@@ -91,8 +92,6 @@ OF: dict[str, Callable[[str, bytes], object]] = {
 }
 GUARD = damaged(ValueError()).problem.template
 """The wording of a refusal by a door's guard, where nobody thought of what is wrong with a file."""
-OWN = "atleak could not make sense of it: {reason}: please send the file"
-"""The wording where atleak itself failed on it."""
 NO_JOB = "this job cannot be computed ({reason})"
 """The wording of `Case.diagnose` where whatever came out of computing a job."""
 KNOWN = {
@@ -136,7 +135,11 @@ def passes(door: str, name: str, content: bytes) -> InputError | None:
 def fault_behind(refused: BaseException | None) -> str | None:
     """Return which line of atleak failed on a file that was refused for that; None where the file was at fault."""
     while isinstance(refused, InputError):
-        said, refused = refused.problem.template, refused.__cause__ or refused.__context__
-        if said in (OWN, NO_JOB) and refused is not None and not isinstance(refused, KNOWN.get(said, ())):
+        problem, refused = refused.problem, refused.__cause__ or refused.__context__
+        if isinstance(refused, FaultOfChild):
+            return problem
+        if problem.template not in (OWN_FAULT, NO_JOB) or refused is None:
+            continue
+        if not isinstance(refused, KNOWN.get(problem.template, ())):
             return f"{type(refused).__name__} at {at}" if (at := own_line(refused)) else None
     return None

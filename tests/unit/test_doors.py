@@ -18,13 +18,15 @@ from atleak.intake.readings import read_readings
 from atleak.intake.road_test import log_columns, understand
 from atleak.job.case import Case
 from atleak.job.file import load_job, parse_job, read_job_file
+from atleak.job.kinds import kind_of
 from atleak.job.parts import JobFile, json_of
+from atleak.measuring.typed_file import typed_in
 from atleak.report.pictures import printable_picture
 from atleak.sentence import Sentence
 
 DOORS = (
     *(read_readings, read_pressure_table, read_study, understand, log_columns, read_controller_workbook),
-    *(load_job, parse_job, read_job_file, JobFile.of, printable_picture),
+    *(load_job, parse_job, read_job_file, JobFile.of, printable_picture, kind_of, typed_in),
     *(load_controller, checked_controller, read_tables, read_entry, Shelf.load, Shelf.checked),
 )
 ZIP = b"PK\5\6" + bytes(18)  # one without files

@@ -80,6 +80,13 @@ def test_the_decision_follows_the_uncertainty_of_the_gauge(
     assert decided.standard_uncertainty == pytest.approx(DEFAULTS.main_pressure * kpa / 412.0, rel=1e-12, abs=0.0)
 
 
+def test_a_gauge_below_zero_is_judged_as_any_other(at_pressure: Callable[..., RoadFindings]) -> None:
+    decided = at_pressure(-20.0).decided(RuleKind.PERMISSIBLE_PRESSURE)
+    assert decided is not None
+    assert decided.rule.verdict == Verdict.CRITICAL
+    assert decided.standard_uncertainty > 0.0
+
+
 def test_a_gauge_without_doubt_decides(four_speed: Controller, limits: Limits, log_of: LogOf) -> None:
     log = log_of(np.arange(100) * 0.05, engine_speed=30.0, gear=2.0, main_pressure=411e3)
     sure = road_findings(four_speed, log, limits, replace(DEFAULTS, main_pressure=0.0))

@@ -18,6 +18,7 @@ import signal
 import struct
 import sys
 import threading
+import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
@@ -29,6 +30,7 @@ LENGTH = struct.Struct(">Q")
 ADDRESSES = 1 << 30
 """Bytes of address space beyond the memory limit: libraries, stacks, what is reserved and never used."""
 _ERROR_SHOWN = 200  # characters of a reader's own message
+_TRACE_SHOWN = 5000
 
 
 class Refused(Exception):
@@ -44,6 +46,21 @@ class Refused(Exception):
     ) -> None:
         super().__init__(problem)
         self.words = {"problem": problem, "expected": expected, "sheet": sheet, "value": value}
+
+
+class Damaged(Exception):
+    """Raised by a reading function: a library cannot make sense of the file, for the reason that it gives."""
+
+
+@contextlib.contextmanager
+def of_library() -> Iterator[None]:
+    """Take whatever a compiled library raises here for what it says of the file: panics and plain errors alike."""
+    try:
+        yield
+    except (Refused, MemoryError, GeneratorExit):
+        raise
+    except BaseException as error:
+        raise Damaged(_said(error)) from error
 
 
 @dataclass(frozen=True)
@@ -126,10 +143,24 @@ def _answers(request: Request, data: bytes) -> Iterator[tuple[str, Any]]:
     except MemoryError:
         yield "memory", None
     except BaseException as error:  # noqa: BLE001 - readers raise errors without a common base, panics among them
-        words = " ".join(str(error).split()) or type(error).__name__
-        yield "damaged", words[:_ERROR_SHOWN]
+        yield _damage_or_fault(error)
     else:
         yield "end", None
+
+
+def _said(error: BaseException) -> str:
+    return " ".join(str(error).split())[:_ERROR_SHOWN] or type(error).__name__
+
+
+def _damage_or_fault(error: BaseException) -> tuple[str, Any]:
+    """Return what ends the answer: why a library calls the file damaged, or which line of atleak failed on it."""
+    from atleak.doors import own_line, reason_in_short  # here, because a sound file does without
+
+    at = own_line(error) if type(error).__module__ == "builtins" else None  # a library's own kind is the library's
+    if at is None:
+        return "damaged", _said(error)
+    shown = "".join(traceback.format_exception(error))[-_TRACE_SHOWN:]
+    return "fault", {"said": reason_in_short(error), "at": at, "trace": shown}
 
 
 def _no_dumps() -> None:

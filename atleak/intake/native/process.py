@@ -27,6 +27,7 @@ from typing import Any, BinaryIO, Literal, TypeVar, cast
 
 import psutil
 
+from atleak.doors import own_fault
 from atleak.errors import InputError, Place
 from atleak.intake.native.child import Request, receive, send
 from atleak.sentence import Sentence
@@ -119,8 +120,8 @@ def read_apart(
     Raises
     ------
     InputError
-        of type ``error``: where the function refuses the file or fails on it, where reading it takes more than its
-        budget or ends the child, and where no child can be started.
+        of type ``error``: where the function refuses the file, a library fails on it or atleak itself does, where
+        reading it takes more than its budget or ends the child, and where no child can be started.
     """
     memory, seconds = budget.limits(len(data))
     place = Place(file)
@@ -148,7 +149,7 @@ def read_apart(
                 ),
             }[gone.reason]
             raise error(problem, place=place, expected=budget.expected) from None
-        ending = "refused"
+        ending, answer = answer
     except OSError as fault:
         raise error(
             Sentence(
@@ -163,6 +164,8 @@ def read_apart(
         raise error(
             answer["problem"], place=Place(file, answer["sheet"]), value=answer["value"], expected=answer["expected"]
         )
+    if ending == "fault":
+        raise error(own_fault(answer["said"], answer["at"]), place=place) from FaultOfChild(answer["trace"])
     if ending == "damaged":
         problem = Sentence(
             "this {kind} is damaged or of a kind that cannot be read ({reason})", kind=budget.kind, reason=answer
@@ -176,11 +179,15 @@ def _request(function: Callable[[bytes], Iterator[Any]], memory: int, seconds: f
 
 
 def _explained_refusal(explain: Callable[[bytes], Iterator[Any]], data: bytes, memory: int) -> Any:
-    """Return the reason for which ``explain`` refuses the file; None where it gives none."""
+    """Return how ``explain`` ended and the reason for which it refuses the file; None where it gives none."""
     with contextlib.suppress(_ChildGone, OSError):
         _, ending, answer = _pool.read(_request(explain, memory, EXPLAIN), data)
-        return answer if ending == "refused" else None
+        return (ending, answer) if ending in ("refused", "fault") else None
     return None
+
+
+class FaultOfChild(Exception):
+    """A fault of atleak's own in the child process, with its traceback there."""
 
 
 class _ChildGone(Exception):

@@ -13,11 +13,11 @@ from typing import IO, Any, TypedDict
 from xml.etree import ElementTree
 from xml.parsers import expat
 
-from atleak.intake.native.child import Refused
+from atleak.intake.native.child import Refused, of_library
 from atleak.intake.native.sheet_slices import Slices
 from atleak.intake.sheets.extent import COLUMNS as WIDTH
 from atleak.intake.sheets.extent import EXPECTED, SHEETS, excess, trimmed
-from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths, unpacked_part
+from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths, unpacked_part, whole_number
 from atleak.sentence import Sentence
 
 NativeCell = Any  # str, float, int, bool, date or time; "" where empty
@@ -68,7 +68,9 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
         rows, columns = _size(sheet)
         _refuse_vast(rows, columns, name, columns * rows > CELLS)
         ranges = sheet.merged_cell_ranges
-        cells = trimmed(sheet.to_python(skip_empty_area=False))
+        with of_library():
+            rows_of_cells = sheet.to_python(skip_empty_area=False)
+        cells = trimmed(rows_of_cells)
         if (too_much := excess(cells)) is not None:
             raise Refused(too_much, sheet=name, expected=EXPECTED)
         yield {
@@ -95,7 +97,7 @@ def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
         rows: Iterable[list[NativeCell]] = ()
         if sheet.start is not None:
             _Extent(data, name).add(sheet.start, sheet.end)
-            rows = ([""] * sheet.start[1] + row for row in sheet.iter_rows())  # which begin at the first filled column
+            rows = _from_column_a(sheet)
         cells = trimmed([row[:WIDTH] for row in itertools.islice(rows, LOOK)])
         ranges = [] if sheet.merged_cell_ranges is None else sheet.merged_cell_ranges
         merged = _within(ranges, cells, name)
@@ -165,7 +167,7 @@ def _rows(sheets: Iterable[Any], extent: _Extent) -> Iterator[list[NativeCell]]:
     for sheet in sheets:
         if sheet.start is None:
             continue
-        (top, left), (bottom, _) = sheet.start, sheet.end
+        top, bottom = sheet.start[0], sheet.end[0]
         extent.add(sheet.start, sheet.end)
         if next_row is not None and top < next_row:
             raise Refused(
@@ -174,10 +176,22 @@ def _rows(sheets: Iterable[Any], extent: _Extent) -> Iterator[list[NativeCell]]:
                 expected=Sentence("a workbook as a spreadsheet program saves it: open it there and save it anew"),
             )
         yield from ([] for _ in range(top - (top if next_row is None else next_row)))
-        # calamine's rows begin at the first column that is filled; of a later part those above it are many
-        filled = sheet.to_python(skip_empty_area=True) if next_row else itertools.islice(sheet.iter_rows(), top, None)
-        yield from ([""] * left + row for row in filled)
+        # of a later part the blank rows above it are many
+        yield from _filled_area(sheet) if next_row else itertools.islice(_from_column_a(sheet), top, None)
         next_row = bottom + 1
+
+
+def _from_column_a(sheet: Any) -> Iterator[list[NativeCell]]:
+    """Yield all rows of a sheet; calamine's own begin at the first column that is filled."""
+    with of_library():
+        yield from ([""] * sheet.start[1] + row for row in sheet.iter_rows())
+
+
+def _filled_area(sheet: Any) -> Iterator[list[NativeCell]]:
+    """Yield the rows of a sheet from the first one that is filled on."""
+    with of_library():
+        filled = sheet.to_python(skip_empty_area=True)
+    yield from ([""] * sheet.start[1] + row for row in filled)
 
 
 def _packed(column: tuple[NativeCell, ...]) -> bytes | list[NativeCell | None]:
@@ -252,7 +266,7 @@ def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
     """Yield every worksheet's name, whether it is hidden, and its cells."""
     workbook = _opened(data)
     for name, hidden in _listed(workbook):
-        yield name, hidden, workbook.get_sheet_by_name(name)
+        yield name, hidden, _sheet(workbook, name)
 
 
 def _worksheets_of_a_log(data: bytes) -> Iterator[tuple[str, bool, Iterator[Any]]]:
@@ -265,27 +279,33 @@ def _worksheets_of_a_log(data: bytes) -> Iterator[tuple[str, bool, Iterator[Any]
     workbook = _opened(slices.rest())
     for name, hidden in _listed(workbook):
         cut = name in slices.names
-        yield name, hidden, _parts(slices, name) if cut else iter([workbook.get_sheet_by_name(name)])
+        yield name, hidden, _parts(slices, name) if cut else iter([_sheet(workbook, name)])
 
 
 def _parts(slices: Slices, name: str) -> Iterator[Any]:
     for part in slices.of(name):
-        yield _opened(part).get_sheet_by_name(name)
+        yield _sheet(_opened(part), name)
 
 
 def _opened(data: bytes) -> Any:
     from python_calamine import CalamineWorkbook, PasswordError
 
-    try:
-        workbook = CalamineWorkbook.from_filelike(io.BytesIO(data))
-    except PasswordError:
-        raise _protected() from None
+    with of_library():
+        try:
+            workbook = CalamineWorkbook.from_filelike(io.BytesIO(data))
+        except PasswordError:
+            raise _protected() from None
     if len(workbook.sheets_metadata) > SHEETS:
         raise Refused(
             Sentence("this workbook has {count} sheets", count=len(workbook.sheets_metadata)),
             expected=Sentence("at most {count}", count=SHEETS),
         )
     return workbook
+
+
+def _sheet(workbook: Any, name: str) -> Any:
+    with of_library():
+        return workbook.get_sheet_by_name(name)
 
 
 def _listed(workbook: Any) -> Iterator[tuple[str, bool]]:
@@ -377,10 +397,10 @@ def _ods_merges(xml: bytes) -> dict[str, list[Range]]:
         for line in table.iter(f"{_ODS}table-row"):
             column = 0
             for cell in line:
-                down = int(cell.get(f"{_ODS}number-rows-spanned", "1"))
-                across = int(cell.get(f"{_ODS}number-columns-spanned", "1"))
+                down = whole_number(cell.get(f"{_ODS}number-rows-spanned", "1"))
+                across = whole_number(cell.get(f"{_ODS}number-columns-spanned", "1"))
                 if down * across > 1:
                     ranges.append(((row, column), (row + down - 1, column + across - 1)))
-                column += int(cell.get(f"{_ODS}number-columns-repeated", "1"))
-            row += int(line.get(f"{_ODS}number-rows-repeated", "1"))
+                column += whole_number(cell.get(f"{_ODS}number-columns-repeated", "1"))
+            row += whole_number(line.get(f"{_ODS}number-rows-repeated", "1"))
     return merges

@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from atleak.look import PAPER, Look, look_of
+from atleak.look import PAPER, look_of
 from atleak.report.printed_charts import plotting
-from atleak.report.printed_charts.plotting import BELOW, WIDTH, interval, name_row, sign, widest, words
+from atleak.report.printed_charts.plotting import bar_of, interval, places, rows_of, sign, widest, words
 from atleak.verdicts import Band, Verdict
 from atleak.views.pressures import HeldPressure, PressuresAt
 from atleak.wording import Wording
 from atleak.workshop_units import KPA
-
-_TOP = 4.0
-_NAMES = 220.0  # [pt] most that the names of rows take
 
 
 @dataclass(frozen=True)
@@ -46,48 +40,16 @@ class TwoBars:
     levels: tuple[tuple[Band, float], ...]  # where each band begins
 
 
-@contextmanager
-def _rows(
-    names: Sequence[str], row: float, right: float, room: float, title: str, say: Wording
-) -> Iterator[tuple[Figure, Axes]]:
-    """Set up a field of rows, the last at 0, each with its name, over an axis that ends at ``right``.
-
-    A row is so many points high; so many points of ``room`` are kept for words right of the axis.
-    """
-    height = row * max(len(names), 1)
-    with plotting.drawing():
-        figure = plotting.figure_of(_TOP + height + BELOW)
-        axes = plotting.field(figure, min(widest(names), _NAMES) + 7.0, WIDTH - room, _TOP, height)
-        axes.set_xlim(0.0, right if math.isfinite(right) and right > 0.0 else 1.0)
-        axes.set_ylim(-0.5, max(len(names), 1) - 0.5)
-        axes.set_yticks([])
-        axes.set_xlabel(title)
-        plotting.number_axes(axes, say, "x")
-        for place, name in zip(_places(names), names, strict=True):
-            name_row(axes, name, place, _NAMES)
-        yield figure, axes
-
-
-def _places(rows: Sequence[Any]) -> range:
-    """Return where rows stand, the first on top."""
-    return range(len(rows))[::-1]
-
-
 def _largest(ends: Sequence[float]) -> float:
     return max((end for end in ends if math.isfinite(end)), default=1.0)
-
-
-def _bar(axes: Axes, end: float, place: float, thick: float, look: Look) -> None:
-    """Draw a bar in the shade of a verdict."""
-    axes.barh(place, end, height=thick, color=look.fill, edgecolor=look.line, lw=0.8, hatch=look.hatch)
 
 
 def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
     """Draw the lands that leak most, the largest on top, each in the shade of its verdict."""
     right = _largest([end for bar in bars for end in (bar.share, bar.high or 0.0)])
-    with _rows([bar.label for bar in bars], 15.0, right, 34.0, label, say) as (figure, axes):
-        for place, bar in zip(_places(bars), bars, strict=True):
-            _bar(axes, bar.share, place, 0.68, look_of(bar.verdict))
+    with rows_of([bar.label for bar in bars], 15.0, right, 34.0, label, say) as (figure, axes):
+        for place, bar in zip(places(bars), bars, strict=True):
+            bar_of(axes, bar.share, place, 0.68, look_of(bar.verdict))
             end = bar.share
             if bar.low is not None and bar.high is not None and math.isfinite(bar.low):
                 high = min(bar.high, right)  # the interval of a pump that may deliver nothing has no end
@@ -106,13 +68,13 @@ def two_visits_chart(visits: Sequence[TwoBars], label: str, say: Wording) -> str
         [end for row in visits for end in (*row.shares, row.new, *(e for span in row.intervals for e in span or ()))]
     )
     said = [say(f"comparison.{when}").lower() for when in ("before", "after")]
-    with _rows([row.label for row in visits], 36.0, right, widest(said) + 40.0, label, say) as (figure, axes):
-        for place, row in zip(_places(visits), visits, strict=True):
+    with rows_of([row.label for row in visits], 36.0, right, widest(said) + 40.0, label, say) as (figure, axes):
+        for place, row in zip(places(visits), visits, strict=True):
             for offset, share, verdict, span, when in zip(
                 (0.19, -0.19), row.shares, row.verdicts, row.intervals, said, strict=True
             ):
                 at, end = place + offset, min(share, right)
-                _bar(axes, end, at, 0.34, look_of(verdict))
+                bar_of(axes, end, at, 0.34, look_of(verdict))
                 if span is not None and math.isfinite(span[0]):
                     interval(axes, span[0], min(span[1], right), at)
                     end = max(end, min(span[1], right))
@@ -136,8 +98,8 @@ def pressures_chart(at: PressuresAt, say: Wording) -> str:
     said = [_held_words(each, say) for each in held]
     row = 36.0 if any(each.repaired is not None for each in held) else 28.0
     room, title = widest(said) + 14.0, say("charts.pressure")
-    with _rows(names, row, _largest(ends), room, title, say) as (figure, axes):
-        for place, each, end, told in zip(_places(held), held, ends, said, strict=True):
+    with rows_of(names, row, _largest(ends), room, title, say) as (figure, axes):
+        for place, each, end, told in zip(places(held), held, ends, said, strict=True):
             _held_bars(axes, each, place, scale)
             words(axes, (end, place), told, (10.0, 0.0))
         return plotting.svg(figure)
@@ -158,7 +120,7 @@ def _held_bars(axes: Axes, held: HeldPressure, place: float, scale: float) -> No
     if held.verdict is None:
         plain(held.now, place, PAPER.metal)
     else:
-        _bar(axes, held.now * scale, place, 0.24, look_of(held.verdict))
+        bar_of(axes, held.now * scale, place, 0.24, look_of(held.verdict))
     if held.repaired is not None:
         plain(held.repaired, place - 0.26, PAPER.rule)
     if held.interval is not None:

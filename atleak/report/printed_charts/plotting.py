@@ -6,9 +6,10 @@ No layout is solved for: what stands beside a field is measured beforehand, whic
 from __future__ import annotations
 
 import io
+import math
 import threading
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 WIDTH = 504.0  # [pt] of every chart
 SIZE = 9.0  # [pt] of words
 BELOW = 34.0  # [pt] of a field, for the axis and its title
+_TOP = 4.0  # [pt] over a field of rows
+_NAMES = 220.0  # [pt] most that the names of rows take
 _LOCK = threading.Lock()  # matplotlib's settings belong to the whole process
 _SETTINGS: dict[RcKeyType, Any] = {
     "svg.hashsalt": "atleak",
@@ -115,6 +118,40 @@ def sign(axes: Axes, look: Look, x: float, y: float) -> None:
     """Draw the sign of a level in its shade."""
     outline = Outline([(x, -y) for x, y in (*look.shape.points, look.shape.points[0])], closed=True)
     axes.plot([x], [y], marker=outline, ms=7, mfc=look.fill, mec=look.line, zorder=5, clip_on=False)
+
+
+@contextmanager
+def rows_of(
+    names: Sequence[str], row: float, right: float, room: float, title: str, say: Wording
+) -> Iterator[tuple[Figure, Axes]]:
+    """Set up a field of rows, the last at 0, each with its name, over an axis that ends at ``right``.
+
+    A row is so many points high; so many points of ``room`` are kept for words right of the axis.
+    """
+    height = row * max(len(names), 1)
+    with drawing():
+        figure = figure_of(_TOP + height + BELOW)
+        axes = field(figure, min(widest(names), _NAMES) + 7.0, WIDTH - room, _TOP, height)
+        axes.set_xlim(0.0, right if math.isfinite(right) and right > 0.0 else 1.0)
+        axes.set_ylim(-0.5, max(len(names), 1) - 0.5)
+        axes.set_yticks([])
+        axes.set_xlabel(title)
+        number_axes(axes, say, "x")
+        for place, name in zip(places(names), names, strict=True):
+            name_row(axes, name, place, _NAMES)
+        yield figure, axes
+
+
+def places(rows: Sequence[Any]) -> range:
+    """Return where rows stand, the first on top."""
+    return range(len(rows))[::-1]
+
+
+def bar_of(axes: Axes, end: float, place: float, thick: float, look: Look, begin: float = 0.0) -> None:
+    """Draw a bar in the shade of a verdict."""
+    axes.barh(
+        place, end - begin, left=begin, height=thick, color=look.fill, edgecolor=look.line, lw=0.8, hatch=look.hatch
+    )
 
 
 def svg(figure: Figure) -> str:

@@ -37,10 +37,15 @@ from atleak.version import __version__
 from atleak.views.diagnosis_record import FORMAT, head_record
 from atleak.wording import wording
 
-__all__ = ["write_workbook"]
+__all__ = ["WORKBOOK_OPTIONS", "write_workbook"]
 
 _UNDATED = dt.datetime(2000, 1, 1)  # of a job without a date: the same job gives the same bytes
-_OPTIONS = {"in_memory": True, "strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
+WORKBOOK_OPTIONS = {
+    "in_memory": True,
+    "strings_to_formulas": False,
+    "strings_to_urls": False,
+    "strings_to_numbers": False,
+}
 
 
 def write_workbook(
@@ -74,7 +79,7 @@ def write_workbook(
     """
     job, size, say = job or Job(), find_paper(paper), wording(language, units)
     target = io.BytesIO()
-    with xlsxwriter.Workbook(target, _OPTIONS) as workbook:
+    with xlsxwriter.Workbook(target, WORKBOOK_OPTIONS) as workbook:
         created = dt.datetime.combine(job.date, dt.time()) if job.date else _UNDATED
         workbook.set_properties(
             {

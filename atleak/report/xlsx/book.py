@@ -90,10 +90,16 @@ class Book:
     def wrapped(self) -> Format:
         return self.form(text_wrap=True)
 
-    def sheet(self, name: str, *, frozen: tuple[int, int] = (0, 0), landscape: bool = True) -> Worksheet:
-        """Add a sheet, protected without a password, ready to print: one page wide, headings repeated, numbered."""
+    def sheet(
+        self, name: str, *, frozen: tuple[int, int] = (0, 0), landscape: bool = True, protected: bool = True
+    ) -> Worksheet:
+        """Add a sheet, ready to print: one page wide, headings repeated, numbered.
+
+        One that is ``protected``, without a password, takes no change but in its unlocked cells.
+        """
         sheet = self.workbook.add_worksheet(self.words(name), _Sheet)
-        sheet.protect("", _ALLOWED)
+        if protected:
+            sheet.protect("", _ALLOWED)
         sheet.set_paper(self.paper.excel)
         if landscape:
             sheet.set_landscape()

@@ -6,10 +6,13 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import pypdfium2
 import pytest
+from python_calamine import CalamineWorkbook
 
 from atleak.fleet.results import Results
 from atleak.verdicts import Verdict
+from atleak.wording import wording
 
 from ..fleet.few_units import Measured, Unit, condition, results_of, temperature_class
 from ..fleet.made_up import CONTROLLERS, made_up_results
@@ -62,9 +65,17 @@ def test_it_is_printed_for_people(run: Run, folder: Path) -> None:
         "at the same",
         "fewer than 10 units",
         "1 without a result (refused):",
-        "The worst units",
+        "Units, the worst first",
     ):
         assert text in out
+
+
+def test_units_without_any_measurement_are_not_said_to_be_within_limits(run: Run, tmp_path: Path) -> None:
+    results_of(tmp_path, [Unit("log alone", {("8", 1): Measured(None, Verdict.NOT_MEASURED, "not_measured")})])
+    status, out, _ = run("fleet", "summary", tmp_path)
+    assert status == 0
+    assert "No land of any unit was measured." in out
+    assert "reached a limit" not in out
 
 
 def test_names_from_files_are_printed_as_they_are(run: Run, tmp_path: Path) -> None:
@@ -107,3 +118,28 @@ def test_what_cannot_be_summed_up_is_said_in_one_sentence(run: Run, folder: Path
         assert (status, out) == (2, "")
         assert text in err
         assert err.count("\n") == 1
+
+
+def test_the_summary_goes_to_a_pdf_and_a_workbook_in_the_reader_s_language(run: Run, tmp_path: Path) -> None:
+    units = [Unit(f"unit {number}", {("8", 1): Measured(30.0, Verdict.WATCH)}) for number in range(12)]
+    results_of(tmp_path / "results", units)
+    pdf, xlsx = tmp_path / "fleet.pdf", tmp_path / "fleet.xlsx"
+    status, out, err = run("fleet", "summary", tmp_path / "results", "--pdf", pdf, "--xlsx", xlsx, "--language", "de")
+    assert (status, err) == (0, "")
+    assert f"written: {pdf}" in out
+    with pypdfium2.PdfDocument(pdf) as document:
+        assert wording("de")("fleet_summary.title") in document[0].get_textpage().get_text_range()
+    pairs = CalamineWorkbook.from_path(xlsx).get_sheet_by_name(wording("de")("fleet_sheets.pairs")).to_python()
+    assert [row[1] for row in pairs[1:]] == ["8/1"]
+    pdf.write_bytes(b"somebody's own")
+    status, _, err = run("fleet", "summary", tmp_path / "results", "--pdf", pdf)
+    assert status == 2
+    assert "fleet.pdf" in err
+    assert pdf.read_bytes() == b"somebody's own"
+
+
+def test_a_language_without_a_paper_is_doubted(run: Run, tmp_path: Path) -> None:
+    results_of(tmp_path, [Unit("plain", {("8", 1): Measured()})])
+    status, _, err = run("fleet", "summary", tmp_path, "--language", "de")
+    assert status == 0
+    assert "--language does nothing without --pdf or --xlsx" in err

@@ -242,3 +242,7 @@ def test_nothing_is_compared_with_a_pressure_that_is_not_there(drive: Drive) -> 
     assert compare_with_commanded(with_channel(both, "main_pressure", kind="commanded")) is None
     assert compare_with_commanded(with_channel(both, "main_pressure", source="constant")) is None
     assert compare_with_commanded(both).difference * KPA == pytest.approx(-80.0, abs=1e-6)
+
+
+def test_nothing_is_compared_while_the_engine_stands(drive: Drive) -> None:
+    assert compare_with_commanded(drive((10.0, 0.0, 1.0, 500.0), commanded_pressure=600e3)) is None

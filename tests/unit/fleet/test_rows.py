@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime as dt
 import pickle
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,12 +14,13 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.engine.road_bands import TemperatureClass
 from atleak.errors import InputError
 from atleak.fleet.columns import DATA_SETS, ERROR_KINDS, HASH, Rows, columns_of
 from atleak.fleet.rows import error_rows, rows_of
+from atleak.intake.road_test import read_road_test
 from atleak.job.issued import issued_record
 from atleak.job.record import Job, Transmission, Vehicle
+from atleak.large_log import LargeLog
 from atleak.verdicts import BANDS, Verdict
 from atleak.version import __version__
 
@@ -176,13 +178,20 @@ def test_the_classes_of_temperature_stand_in_the_units_of_their_names(rows: Rows
     )
 
 
-def test_the_classes_of_a_log_in_pieces_are_those_given(sample: Diagnosis) -> None:
-    given = TemperatureClass(60.0, 65.0, 7.0, dict.fromkeys(BANDS, 1.0), None, None, None, None, 1e-4)
-    rows = rows_of(Named(), sample, temperatures=[given])
-    (told,) = rows.tables["temperatures"].to_pylist()
-    assert (told["seconds"], told["critical_s"], told["share_mean_percent"]) == (7.0, 1.0, None)
-    assert told["leakage_mean_dm3_min"] == pytest.approx(6.0, rel=1e-12, abs=0.0)
-    assert rows.tables["units"]["road_in_pieces"].to_pylist() == [True]
+def test_a_log_in_pieces_is_named_so_and_has_its_classes(
+    four_speed: Controller, hipol: Fluid, limits: Limits, sample_log: Path
+) -> None:
+    road_test = read_road_test(sample_log)
+    whole, pieces = (
+        rows_of(Named(), diagnose(four_speed, hipol, limits, road_test=each))
+        for each in (road_test, LargeLog.of(road_test, 50))
+    )
+    assert [each.tables["units"]["road_in_pieces"].to_pylist() for each in (whole, pieces)] == [[False], [True]]
+    for one, other in zip(
+        *(each.tables["temperatures"].drop(HASH).to_pylist() for each in (pieces, whole)), strict=True
+    ):
+        assert one == pytest.approx(other, rel=1e-12, abs=0.0)
+    assert whole.tables["events"].equals(pieces.tables["events"])
 
 
 def test_a_unit_of_which_nothing_is_known_has_a_row_too(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:

@@ -493,6 +493,30 @@ def test_components_stand_in_the_order_of_their_numbers(tmp_path: Path) -> None:
     assert [land.key for land in body.wear] == [("valve", 1), ("2", 1), ("2", 2), ("10", 1), ("12'", 1)]
 
 
+def test_of_very_many_groups_the_largest_are_compared_with_all_others(tmp_path: Path) -> None:
+    random = np.random.default_rng(6)
+    sizes = {f"g{n:02}": 12 if n < 2 else 1 for n in range(40)}
+    units = [
+        Unit(
+            f"{name} {n}",
+            {("8", 1): Measured(float(random.normal(40.0 if name == "g01" else 20.0, 3.0)))},
+            own={"group": name},
+        )
+        for name, size in sizes.items()
+        for n in range(size)
+    ]
+    (body,) = summed_up(results_of(tmp_path, units), by="group").bodies
+    comparison = body.comparison
+    assert comparison is not None
+    assert len(comparison.groups) == 40
+    assert len({each.first for each in comparison.lands}) == 30
+    assert [each.first for each in comparison.lands if each.mean_points and each.mean_points.differs] == ["g01"]
+    second = comparison.lands[0].second_percent
+    assert (comparison.lands[0].second, second and second.units) == (None, len(units) - 12)
+    assert {each.second_units for each in comparison.verdicts if each.first == "g01"} == {len(units) - 12}
+    assert "many_groups" in {message.code for message in comparison.messages}
+
+
 # --- what cannot be summed up ---
 
 
@@ -501,6 +525,12 @@ def test_what_nobody_states_is_refused_with_what_there_is(folder: Path) -> None:
         summed_up(Results.open(folder), by="supplyer")
     with pytest.raises(InputError, match=r"four_speed.*four_speed_2023"):
         summed_up(Results.open(folder), controller="four_speed")
+
+
+def test_what_differs_from_unit_to_unit_makes_no_groups(tmp_path: Path) -> None:
+    units = [Unit(str(n), own={"group": f"g{n}"}) for n in range(201)]
+    with pytest.raises(InputError, match="201 different values"):
+        summed_up(results_of(tmp_path, units), by="group")
 
 
 def test_results_without_any_unit_are_refused(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import KINDS, catalogue_files
+from atleak.errors import InputError
 from atleak.job.case import Case, SourceFile
 from atleak.job.file import write_job_file
 from atleak.job.kinds import Kind, kind_of, slots_of
@@ -78,3 +79,19 @@ def test_an_instrument_is_chosen_for_what_it_measures() -> None:
 
     assert slots_of(Kind.INSTRUMENT, Gauge()) == ("sleeve_instrument",)
     assert slots_of(Kind.FLUID, object()) == ("fluid",)
+
+
+@pytest.mark.parametrize(
+    ("content", "broken"),
+    [
+        (b"a;b\n1;2\n", "atleak.intake.kinds.read_sheets"),
+        (b"PK\x03\x04 and no more", "atleak.job.kinds.zipfile"),
+        (b'{"number": "1"}', "atleak.job.kinds.json"),
+    ],
+)
+def test_a_fault_of_atleak_is_not_taken_for_what_a_file_is(
+    minimal: Controller, monkeypatch: pytest.MonkeyPatch, content: bytes, broken: str
+) -> None:
+    monkeypatch.setattr(broken, None)
+    with pytest.raises(InputError, match=r"^own\.txt: atleak could not make sense of it: TypeError|AttributeError"):
+        kind_of(SourceFile("own.txt", content), minimal)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.pump import PumpClearances
-from atleak.errors import ReadingsError
+from atleak.errors import InputError, ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.job.case import SourceFile
 from atleak.job.kinds import Kind, kind_of
@@ -151,6 +151,10 @@ def test_it_is_told_from_other_files_by_its_content(careful_entries: Typed, mini
         lambda content: content.replace(b";Counts;", b";Counted;"),
         lambda content: content.replace(b";spool;", b";rod;", 1),
         lambda content: content.replace(b"accumulator;", b"other;", 1),
+        lambda content: content.replace(b'""lands"": []', b'""lands"": [7]'),
+        lambda content: content.replace(b'""repeats"": 2', b'""repeats"": Infinity'),
+        lambda content: content.replace(b";0;1;", b";0;one;", 1),
+        lambda content: content.split(b"\r\n")[0].partition(b";{")[0] + b"\r\n" + content.partition(b"}\r\n")[2],
         lambda content: b"\xff\xfe" + content,
         lambda content: b"",
     ],
@@ -163,3 +167,13 @@ def test_a_file_that_somebody_has_edited_is_a_sheet_as_any_other(
     sheet = Readings("a", "", None, "mm", False, "tidy", ())
     assert typed_in(content, sheet, minimal) is not None
     assert typed_in(changed(content), sheet, minimal) is None
+
+
+def test_a_fault_of_atleak_is_not_taken_for_an_edited_file(
+    careful_entries: Typed, minimal: Controller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    content = written(careful_entries, judge(careful_entries, minimal).counting, minimal)
+    assert content is not None
+    monkeypatch.setattr("atleak.measuring.typed_file.Cell", None)
+    with pytest.raises(InputError, match=r"atleak could not make sense of it: TypeError"):
+        typed_in(content, Readings("a", "", None, "mm", False, "tidy", ()), minimal)

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from atleak.intake.native.child import Refused
+from atleak.intake.native.child import Refused, of_library
 
 PLAIN: list[Any] = [
     [[1, 2.5, True, None, "µm", ""], (float("inf"), -(1 << 70))],
@@ -58,6 +58,12 @@ def aborts(data: bytes) -> Iterator[str]:
 
 def panics(data: bytes) -> Iterator[None]:
     raise BaseException("slice index\nstarts at 9")  # as a panic of a native reader comes: no Exception
+    yield
+
+
+def plain_error_of_a_library(data: bytes) -> Iterator[None]:
+    with of_library():
+        raise ValueError("year 0 is out of range")
     yield
 
 

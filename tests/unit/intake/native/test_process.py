@@ -16,7 +16,9 @@ import psutil
 import pytest
 
 from atleak.cli import main
+from atleak.doors import is_own_fault
 from atleak.errors import InputError, ReadingsError, RoadTestError
+from atleak.intake import workbook_marks
 from atleak.intake.native import process
 from atleak.intake.native.process import MDF, WORKBOOK, Budget, read_apart
 from atleak.intake.road_test import read_road_test
@@ -106,6 +108,25 @@ def test_a_file_that_ends_its_reader_is_refused_and_the_next_is_read(readers, re
 
 def test_a_panic_is_refused_in_one_line(readers, refused):
     assert "damaged or of a kind that cannot be read (slice index starts at 9)" in refused(readers.panics).problem
+
+
+def test_a_plain_error_of_a_compiled_library_is_damage_too(readers, refused):
+    problem = refused(readers.plain_error_of_a_library).problem
+    assert "damaged or of a kind that cannot be read (year 0 is out of range)" in problem
+
+
+def test_a_fault_of_atleak_in_the_child_is_called_so(readers, refused):
+    with pytest.raises(ReadingsError, match=r"^some\.file: atleak could not make sense of it: TypeError: .*") as caught:
+        read_apart(workbook_marks.column_index, b"AB", "some.file", ReadingsError, SMALL)
+    assert "intake/workbook_marks.py:" in caught.value.problem
+    assert is_own_fault(caught.value)
+    assert "in column_index" in str(caught.value.__cause__), "the child's traceback, for the log"
+    assert number(readers) > 0
+
+
+def test_a_fault_in_looking_for_a_better_reason_is_no_reason_of_the_file(readers):
+    with pytest.raises(ReadingsError, match=r"atleak could not make sense of it"):
+        read_apart(readers.aborts, b"AB", "some.file", ReadingsError, SMALL, workbook_marks.column_index)
 
 
 def test_a_refusal_keeps_its_words(readers, refused):

@@ -1,0 +1,108 @@
+"""Evaluate a unit's road test: what the log says by itself, and leakage over it; a large log is taken in pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.limits import Limits
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.projection import model_unworn
+from atleak.engine.road_bands import TemperatureClass, temperature_classes
+from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
+from atleak.engine.road_pieces import RoadLeakageInPieces, evaluate_in_pieces
+from atleak.errors import Message, RoadTestError
+from atleak.keeping import kept_with
+from atleak.large_log import LargeLog
+from atleak.readings import LandClearance
+from atleak.road_findings import RoadFindings, findings_in_pieces, road_findings
+from atleak.road_test import RoadTest
+from atleak.sentence import Sentence
+from atleak.uncertainty import Assumptions
+
+NO_LEAKAGE = "no_leakage_over_log"  # code of the message why none is computed over a log
+_LOGGED = ("main_pressure", "converter_pressure", "atf_temperature", "gear")  # channels from which leakage follows
+
+
+@dataclass(frozen=True)
+class Driven:
+    """What is known of a unit's road test."""
+
+    log: RoadFindings  # what it says by itself
+    road: RoadLeakage | None  # None where no leakage can be computed over it
+    without: Message | None  # why
+
+
+def driven(
+    road_test: RoadTest | LargeLog,
+    model: LeakageModel,
+    states: Sequence[LandClearance],
+    condition: OperatingPoint,
+    limits: Limits,
+    assumptions: Assumptions,
+    guard_factor: float,
+) -> Driven:
+    """Evaluate a road test.
+
+    Parameters
+    ----------
+    model, states
+        the engine with the unit's clearances, and the clearance of every land.
+    condition
+        which stands for what the log does not hold.
+    limits, assumptions, guard_factor
+        by which the log is judged, and what is uncertain.
+    """
+    judged = limits, assumptions, guard_factor
+    try:
+        if isinstance(road_test, LargeLog):
+            log = findings_in_pieces(model.controller, road_test, *judged)
+            unworn = _unworn(states, model)
+            events, shares = log.events, limits.total_share
+            return Driven(log, evaluate_in_pieces(model, road_test, condition, events, shares, unworn), None)
+        log = road_findings(model.controller, road_test, *judged)
+        return Driven(log, evaluated(model, road_test, condition), None)
+    except RoadTestError as error:
+        text = Sentence(
+            "No leakage is computed over {file}: {problem}.", file=log.road_test.file, problem=error.problem
+        )
+        return Driven(log, None, Message("warning", NO_LEAKAGE, text))
+
+
+def evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoint) -> RoadLeakage:
+    """Compute the leakage over a log, or take it from the last time, where nothing has changed on which it rests.
+
+    The condition counts only where it stands for what the log does not hold, or sets the pressure of circuits.
+
+    Raises
+    ------
+    RoadTestError
+        a road test without usable main pressure.
+    """
+    logged = all(name in road_test.channels for name in _LOGGED) and not model.controller.circuits
+    rests_on = (model, None if logged else condition)
+    kept: dict[str, tuple[Any, dict[str, Any]]] = kept_with(road_test, "leakage", "", dict)
+    last = kept.get("last")
+    if last is None or last[0] != rests_on:
+        road = evaluate_road_test(model, road_test, condition)
+        last = rests_on, {name: value for name, value in vars(road).items() if name not in ("road_test", "assumed")}
+        kept["last"] = last
+    return RoadLeakage(road_test=road_test, assumed=condition, **last[1])
+
+
+def classes_over(
+    road: RoadLeakage | None, model: LeakageModel, states: Sequence[LandClearance], limits: Limits
+) -> tuple[TemperatureClass, ...]:
+    """Return the classes of fluid temperature that a log passes through; none without leakage over it."""
+    if road is None:
+        return ()
+    if isinstance(road, RoadLeakageInPieces):
+        return road.classes
+    return temperature_classes(road, limits.total_share, _unworn(states, model))
+
+
+def _unworn(states: Sequence[LandClearance], model: LeakageModel) -> LeakageModel | None:
+    """Return the unit over which growth is judged; None where nothing was measured."""
+    return model_unworn(states, model) if any(state.judged for state in states) else None

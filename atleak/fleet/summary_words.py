@@ -1,0 +1,253 @@
+"""Say what a fleet's summary shows, in a reader's words: names of the trade, and every rate with what it is of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.entries import catalogue_files
+from atleak.errors import CatalogueError, Message
+from atleak.fleet.summed import (
+    GROUP,
+    ConditionSpread,
+    Decider,
+    ErrorKind,
+    FleetSummary,
+    PairTrouble,
+    RateDifference,
+    SummedUnit,
+    ValveBody,
+    WearDifference,
+)
+from atleak.rules import LandKey
+from atleak.spreads import Rate
+from atleak.verdicts import VERDICTS, Verdict
+from atleak.views.land_names import land_number, land_words
+from atleak.wording import Wording
+from atleak.workshop_units import RPM
+
+NAME = 36  # letters of a group's name, where it is one of several in a line
+
+TERMS = (  # that are explained
+    "unit", "verdict", "rate", "few", "pair", "wear", "mileage", "temperature", "condition", "compared", "error",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A condition of the results, as `Wording.condition` takes it."""
+
+    name: str
+    label: str
+    temperature: float
+    engine_speed: float  # [1/s]
+    gear: int
+    is_stated: bool = False
+
+
+class FleetWords:
+    """The words of one summary, for one reader.
+
+    Valve bodies, lands and circuits are named as the catalogue of this computer names them; those of a valve body that
+    it does not have, by their ids and numbers.
+    """
+
+    def __init__(self, summary: FleetSummary, say: Wording) -> None:
+        self.summary, self.say = summary, say
+        self._known = {body.controller: _described(body.controller) for body in summary.bodies}
+
+    def body(self, controller: str) -> str:
+        """Name a valve body."""
+        known = self._known.get(controller)
+        return controller if known is None else self.say.name(known.name)
+
+    def land_number(self, controller: str, key: LandKey) -> str:
+        """Name a land in short: ``25/1``."""
+        known = self._known.get(controller)
+        return _plain(key) if known is None else land_number(known, key, self.say)
+
+    def land(self, controller: str, key: LandKey) -> str:
+        """Name a land, its number first: ``25/1 main pressure valve``."""
+        known = self._known.get(controller)
+        return _plain(key) if known is None else land_words(known, key, self.say)
+
+    def condition(self, at: ConditionSpread) -> str:
+        """Name a stated condition."""
+        return self.say.condition(_Point(at.name, at.label, at.temperature_c, at.engine_rpm / RPM, at.gear))
+
+    def decider(self, controller: str, decider: Decider) -> str:
+        """Name what decided verdicts: a land, a circuit, or the kind of rule."""
+        if decider.component is not None and decider.land is not None:
+            return self.land(controller, (decider.component, decider.land))
+        kind = self.say.get("fleet_deciding", decider.kind)
+        if decider.circuit is None:
+            return kind
+        return f"{kind}: {self._circuit(controller, decider.circuit)}"
+
+    def _circuit(self, controller: str, circuit: str) -> str:
+        known = self._known.get(controller)
+        names = {each.id: each.name for each in known.circuits} if known else {}
+        return self.say.name(names.get(circuit, circuit))
+
+    def decided_by(self, unit: SummedUnit) -> str:
+        """Name what decided a unit's verdict; nothing where nothing did."""
+        if unit.decided_by is None:
+            return ""
+        if isinstance(unit.decided_by, str):
+            return self.say.get("fleet_deciding", unit.decided_by)
+        return self.land(unit.controller, unit.decided_by)
+
+    def kind_of_error(self, kind: ErrorKind) -> str:
+        """Say why files have no result."""
+        return self.say.get("fleet_errors", kind.kind)
+
+    def heading(self) -> str:
+        """Return the heading by which the summary tells groups; nothing where it tells none."""
+        by = self.summary.by
+        return "" if by is None else self.say("fleet_summary.group") if by == GROUP else by
+
+    def second(self, name: str | None) -> str:
+        """Name the second side of a difference."""
+        return self.say("fleet_summary.all_others") if name is None else name
+
+    def differs(self, found: bool | None) -> str:
+        """Say whether something differs; that there are too few units, where nothing can be said."""
+        return self.say("fleet_summary.too_few" if found is None else "estimate.yes" if found else "estimate.no")
+
+    def interval(self, low: float | None, high: float | None, digits: int = 1) -> str:
+        """Write an interval; nothing where there is none."""
+        if low is None or high is None:
+            return ""
+        to = "\u00a0…\u00a0" if min(low, high) < 0.0 else "–"
+        return f"{self.say.number(low, digits)}{to}{self.say.number(high, digits)}"
+
+    def percent(self, rate: Rate) -> str:
+        """Write a rate with its interval, ``38.0 % (31.5–44.9)``; the count alone of too few units, ``3 of 6``."""
+        within = self.interval(rate.low_percent, rate.high_percent)
+        return f"{self.say.number(rate.percent, 1)}\u00a0% ({within})" if within else self.counted(rate)
+
+    def counted(self, rate: Rate) -> str:
+        """Write how many of how many: ``76 of 200``."""
+        count, of = (self.say.number(number, 0) for number in (rate.count, rate.of))
+        return self.say("fleet_summary.chart_rate", count=count, of=of)
+
+    def rate(self, rate: Rate) -> str:
+        """Say a rate in a sentence: ``76 of 200: 38.0 %, 95 % interval 31.5–44.9``; of too few units, the count."""
+        if not rate.enough:
+            return self.counted(rate)
+        return self.say(
+            "fleet_summary.rate",
+            counted=self.counted(rate),
+            percent=self.say.number(rate.percent, 1),
+            interval=self.interval(rate.low_percent, rate.high_percent),
+        )
+
+    # --- sentences
+
+    def headline(self) -> str:
+        """Say how many units call for a repair."""
+        counts = self.summary.counts
+        if not counts.units:
+            return self.say("fleet_summary.headline_none")
+        if not counts.judged:
+            return self.say("fleet_summary.headline_unmeasured", units=self.say.number(counts.units, 0))
+        return self.say("fleet_summary.headline", rate=self.rate(counts.rates[Verdict.REPLACE]))
+
+    def findings(self) -> Iterator[str]:
+        """Say what else leads: how many more are to be watched, what was not measured, the pair and the group ahead."""
+        say, summary = self.say, self.summary
+        counts = summary.counts
+        if counts.judged:
+            for verdict in (Verdict.CRITICAL, Verdict.WATCH):
+                count = say.number(counts.verdicts[verdict], 0)
+                yield say(f"fleet_summary.of_them_{verdict}", count=count)
+        if counts.verdicts[Verdict.NOT_MEASURED]:
+            count = say.number(counts.verdicts[Verdict.NOT_MEASURED], 0)
+            yield say("fleet_summary.unmeasured", count=count)
+        if counts.ok_in_part:
+            yield say("fleet_summary.ok_in_part", count=say.number(counts.ok_in_part, 0))
+        if counts.provisional:
+            yield say("fleet_summary.provisional", count=say.number(counts.provisional, 0))
+        failed = sum(each.count for each in summary.errors)
+        if failed:
+            yield say("fleet_summary.failed", count=say.number(failed, 0))
+
+    def leading_pair(self, body: ValveBody) -> str:
+        """Say which pair is most often past *replace*, and in how many units."""
+        first = next((pair for pair in body.pairs if pair.replace.count), None)
+        if first is None:
+            return self.say("fleet_summary.no_pair")
+        land = self.land(body.controller, first.key)
+        return self.say("fleet_summary.leading_pair", pair=land, rate=self.rate(first.replace))
+
+    def difference_of_rates(self, found: RateDifference) -> str:
+        """Say by how much the rates of two groups differ."""
+        assert found.points is not None
+        return self.say(
+            "fleet_summary.difference_of_rates",
+            first=within(found.first, NAME),
+            second=within(self.second(found.second), NAME),
+            level=self.or_worse(found.verdict),
+            points=self.points(found.points.value),
+            interval=self.interval(found.points.low_of_all, found.points.high_of_all),
+        )
+
+    def or_worse(self, verdict: Verdict) -> str:
+        """Name a verdict and those that are worse."""
+        level = self.say.level(verdict)
+        return level if verdict is VERDICTS[-1] else self.say("fleet_summary.or_worse", level=level)
+
+    def points(self, value: float | None) -> str:
+        """Write a difference with its sign."""
+        return ("+" if value is not None and round(value, 1) > 0.0 else "") + self.say.number(value, 1)
+
+    def messages(self, messages: tuple[Message, ...]) -> list[str]:
+        """Say what to know besides the numbers."""
+        return [self.say.sentence(message.text) for message in messages]
+
+
+def within(text: str, most: int) -> str:
+    """Return a text of at most so many letters; an ellipsis stands for its middle, since names differ at their ends.
+
+    >>> within("a/folder/unit_17.zip", 12)
+    'a/fol…17.zip'
+    """
+    if len(text) <= most:
+        return text
+    kept = most - 1
+    return f"{text[: kept // 2].rstrip()}…{text[len(text) - (kept - kept // 2) :].lstrip()}"
+
+
+def cumulated(pairs: tuple[PairTrouble, ...]) -> list[float | None]:
+    """Return which part of all findings at *replace* or past it each pair and those before it have [%].
+
+    >>> cumulated(())
+    []
+    """
+    whole, until, parts = sum(pair.replace.count for pair in pairs), 0, []
+    for pair in pairs:
+        until += pair.replace.count
+        parts.append(100.0 * until / whole if whole else None)
+    return parts
+
+
+def called(found: WearDifference) -> bool | None:
+    """Return whether the wear of two groups differs, at the same mileage or at any; None of too few units."""
+    said = [each.differs for each in (found.mean_points, found.same_mileage_points) if each is not None]
+    return True if True in said else False if False in said else None
+
+
+def _plain(key: LandKey) -> str:
+    return f"{key[0]}/{key[1]}"
+
+
+def _described(controller: str) -> Controller | None:
+    """Return the description of a valve body; None of one that the catalogue does not have, or not in order."""
+    if controller not in catalogue_files("controllers"):
+        return None
+    try:
+        return load_controller(controller)
+    except CatalogueError:
+        return None
