@@ -117,8 +117,8 @@ def _run(options: argparse.Namespace) -> int:
     found = _found(options)
     limit = TIME_LIMIT if options.time_limit is None else options.time_limit or None
     with (
-        Results.open(options.out, for_writing=True, replace=options.replace) as results,
         connected(options.scheduler, options.workers, tell=_say) as client,
+        Results.open(options.out, for_writing=True, replace=options.replace) as results,
     ):
         with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
             note(options.out)
