@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atleak.cli.fleet_summary import add_summary
+from atleak.cli.fleet_summary import add_summary, named_error
 from atleak.cli.job_options import add_choices, chosen_case
 from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import number
@@ -27,7 +25,7 @@ if TYPE_CHECKING:
     from atleak.fleet.sources import FoundUnits
 
 _TWICE = 5  # names that are printed of units that are there twice
-_ERRORS = 3  # messages that are printed of each kind of error
+_ERRORS = 30  # messages that are printed of each kind of error
 
 
 def add_parser(commands: Any) -> None:
@@ -76,7 +74,8 @@ def _add_run(group: Any) -> None:
     parser.add_argument(
         "--fail-on",
         choices=[level.value for level in FLAGGED],
-        help="end with status 1 where a unit of the results is at or past this level",
+        help="end with status 1 where a unit of the results, those of earlier runs too, is at or past this level; "
+        "with status 2 all the same where a unit given has no result",
     )
     add_choices(parser)
 
@@ -117,9 +116,10 @@ def _run(options: argparse.Namespace) -> int:
     found = _found(options)
     limit = TIME_LIMIT if options.time_limit is None else options.time_limit or None
     with (
+        Results.reserved(options.out, replace=options.replace) as results,
         connected(options.scheduler, options.workers, tell=_say) as client,
-        Results.open(options.out, for_writing=True, replace=options.replace) as results,
     ):
+        results.begin(replace=options.replace)
         with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
             note(options.out)
         try:
@@ -196,7 +196,7 @@ def _rate(progress: Progress) -> str:
         hours, minutes = divmod(minutes, 60)
         told.append(f"{hours}:{minutes:02}:{seconds:02} left")
     if progress.errors:
-        told.append(f"{progress.errors} errors")
+        told.append(f"{progress.errors} error{'' if progress.errors == 1 else 's'}")
     return " · ".join(told)
 
 
@@ -204,15 +204,23 @@ def _said(results: Results, found: FoundUnits, finished: Finished, options: argp
     """Print what the results hold now, and return the exit status."""
     from atleak.wording import signed
 
-    counts = _counts(results.table("units", columns=["verdict"]), "verdict")
+    units = results.table("units", columns=["input_sha256", "verdict"])
+    counts = _counts(units, "verdict")
     new = sum(finished.errors.values()) + finished.evaluated
-    print(f"{new} units in {finished.seconds:.0f} s; {sum(counts.values())} with a result in {options.out}:")
+    print(f"{_units(new)} in {finished.seconds:.0f} s; {sum(counts.values())} with a result in {options.out}:")
     for level in sorted(map(Verdict, counts), key=lambda each: each.rank, reverse=True):
         print(f"  {counts[level.value]:6}  {signed(level)}")
+    others = sum(sha256 not in found.seen for sha256 in units["input_sha256"].to_pylist())
+    if others:
+        print(f"{_units(others)} of these {'was' if others == 1 else 'were'} not given this time")
     if _say_errors(results, found):
         return 2
     past = options.fail_on and any(Verdict(each).rank >= Verdict(options.fail_on).rank for each in counts)
     return 1 if past else 0
+
+
+def _units(count: int) -> str:
+    return f"{count} unit" if count == 1 else f"{count} units"
 
 
 def _counts(table: pa.Table, column: str) -> dict[str, int]:
@@ -227,22 +235,15 @@ def _say_errors(results: Results, found: FoundUnits) -> bool:
     for kind, count in sorted(Counter(row["kind"] for row in of_these).items()):
         print(f"atleak: {count} without a result ({kind}):", file=sys.stderr)
         for row in [row for row in of_these if row["kind"] == kind][:_ERRORS]:
-            print(f"  {_named(row)}", file=sys.stderr)
+            print(f"  {named_error(row)}", file=sys.stderr)
         if count > _ERRORS:
-            print(f"  … and {count - _ERRORS} more", file=sys.stderr)
+            print(
+                f"  … and {count - _ERRORS} more: `atleak fleet summary --errors {results.folder}` lists all",
+                file=sys.stderr,
+            )
     if rows:
         others = len(rows) - len(of_these)
-        more = f", {others} of units that are not among these" if others else ""
+        more = f", {others} of units that were not given this time" if others else ""
         folder = results.folder / "errors"
         print(f"atleak: every error stands in {folder}{more}; --retry-errors tries them again", file=sys.stderr)
     return bool(of_these)
-
-
-def _named(row: Mapping[str, str]) -> str:
-    """Return the message of an error with the unit's name before it, unless it names the unit itself."""
-    name, message = row["name"], row["message"]
-    if message.startswith(name):
-        return message
-    path = Path(name)
-    named = message.startswith(f"{path.name}: ") and path.name != name
-    return f"{path.parent}{os.sep}{message}" if named else f"{name}: {message}"

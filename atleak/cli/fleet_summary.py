@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
+from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.cli.parser import add_command
@@ -19,6 +22,7 @@ from atleak.cli.shared import (
 )
 
 if TYPE_CHECKING:
+    from atleak.fleet.results import Results
     from atleak.fleet.summed import FleetSummary
     from atleak.report.own_font import OwnFont
     from atleak.system.marks import Kind
@@ -44,6 +48,7 @@ def add_summary(group: Any) -> None:
     )
     parser.add_argument("--controller", metavar="ID", help="the units of this valve body alone")
     parser.add_argument("--list", metavar="N", type=_count, help="list so many of the worst units")
+    parser.add_argument("--errors", action="store_true", help="list instead every unit without a result, and why")
     parser.add_argument("--pdf", metavar="FILE.pdf", help="the summary on a few pages, with charts")
     parser.add_argument("--xlsx", metavar="FILE.xlsx", help="everything of the summary as a workbook, with charts")
     add_print(parser)
@@ -70,13 +75,36 @@ def run(options: argparse.Namespace) -> int:
     formats = [name for name in ("pdf", "xlsx") if getattr(options, name) is not None]
     printed, font = print_options(options, formats), print_font(options, formats)
     results = Results.open(options.results)
+    if options.errors and options.json is None and not formats:
+        _list_errors(results)
+        return 0
     listed = LISTED if options.list is None else options.list
     summary = summed_up(results, by=options.by, controller=options.controller, listed=listed)
+    written = _write_papers(summary, options, printed, font)
+    if options.json is not None:  # written last: standard output stays empty when another file fails
+        written += write_json(options.json, summary_record(summary))
     if options.json != "-":
-        print_summary(summary)
-    written = [] if options.json is None else write_json(options.json, summary_record(summary))
-    say_written([*written, *_write_papers(summary, options, printed, font)])
+        if options.errors:
+            _list_errors(results)
+        else:
+            print_summary(summary)
+        say_written(written)
     return 0
+
+
+def _list_errors(results: Results) -> None:
+    for row in results.table("errors", columns=["name", "kind", "message"]).to_pylist():
+        print(f"{named_error(row)} ({row['kind']})")
+
+
+def named_error(row: Mapping[str, str]) -> str:
+    """Return the message of an error with the unit's name before it, unless it names the unit itself."""
+    name, message = row["name"], row["message"]
+    if message.startswith(name):
+        return message
+    path = Path(name)
+    named = message.startswith(f"{path.name}: ") and path.name != name
+    return f"{path.parent}{os.sep}{message}" if named else f"{name}: {message}"
 
 
 def _write_papers(

@@ -27,7 +27,7 @@ def wilson_interval(count: ArrayLike, of: ArrayLike, coverage: float = 0.95) -> 
     Returns
     -------
     tuple of float or ndarray
-        Both ends of the interval, 0 … 1.
+        Both ends of the interval [-], 0 … 1.
 
     Raises
     ------
@@ -61,17 +61,15 @@ def newcombe_interval(
 
     Parameters
     ----------
-    first, second : float or array
-        x₁, x₂, how many of each it is true of [-], 0 … n.
-    of_first, of_second : float or array
-        n₁, n₂ [-], one or more.
+    first, of_first, second, of_second : float or array
+        x₁, n₁, x₂, n₂ [-]: of how many of each it is true, 0 … n, and how many there are, one or more.
     coverage : float
         Probability that such intervals hold the true difference, above 0 and below 1.
 
     Returns
     -------
     tuple of float or ndarray
-        Both ends of the interval, −1 … 1.
+        Both ends of the interval [-], −1 … 1.
 
     Raises
     ------

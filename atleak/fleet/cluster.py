@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import signal
@@ -18,8 +19,11 @@ if TYPE_CHECKING:
     from distributed import Client
 
 HERE = "127.0.0.1"
-_ANSWER = 20.0  # [s] within which a scheduler has to answer
+_ANSWER = 15.0  # [s] within which a scheduler has to answer
 _MEMORY = 0.9  # part of this machine's memory that all workers together may take
+_CLOSING = 2.0  # [s] for a client to end that could not be made
+_SCHEMES = ("tcp", "tls", "ws", "wss")
+_ADDRESS = Sentence("the address that the scheduler said when it was started, as tcp://10.0.0.5:8786")
 _COMPARED = ("python", "numpy", "pandas", "dask", "distributed")
 SETTINGS: Mapping[str, Any] = {
     # a unit whose worker ended is tried again by the run itself, which knows when it is alone
@@ -152,18 +156,52 @@ def _undisturbed() -> Iterator[None]:
 def _reached(address: str, tell: Callable[[Message], object]) -> Iterator[Client]:
     from distributed import Client
 
+    class Closing(Client):
+        """One that is closed where it cannot be made; else it goes on trying until the program ends."""
+
+        def start(self, **options: Any) -> None:
+            try:
+                super().start(**options)
+            except BaseException:
+                self.close(timeout=_CLOSING)
+                raise
+
+    _check_address(address)
     try:
+        asyncio.run(_answering(address))  # a client waits longer for its own end than for an answer
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a table of other versions: it is said below
-            client = Client(address, timeout=_ANSWER, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
-        problem = Sentence("no dask scheduler answers there: {reason}", reason=str(error))
-        expected = Sentence("the address that the scheduler said when it was started, as tcp://10.0.0.5:8786")
-        raise FleetError(problem, value=address, expected=expected) from error
+            client = Closing(address, timeout=_ANSWER, set_as_default=False)
+    except (OSError, ValueError, TypeError, RuntimeError, ImportError) as error:  # some of TLS without certificates
+        problem = Sentence("no dask scheduler answers there: {reason}", reason=str(error) or type(error).__name__)
+        raise FleetError(problem, value=address, expected=_ADDRESS) from error
     with client:
         for message in _other_versions(cast(Mapping[str, Any], client.get_versions())):
             tell(message)
         yield client
+
+
+def _check_address(address: str) -> None:
+    """Refuse what is no address of a scheduler before anything tries to reach it."""
+    scheme, found, rest = address.rpartition("://")
+    host, _, port = rest.rpartition(":")
+    sound = host and port.isdecimal() and port.isascii() and 0 < int(port) < 1 << 16
+    if not sound or (found and scheme not in _SCHEMES):
+        raise FleetError(Sentence("is no address of a scheduler"), value=address, expected=_ADDRESS)
+
+
+async def _answering(address: str) -> None:
+    """See whether a scheduler answers, within the time it has for it."""
+    from distributed.comm import connect
+    from distributed.security import Security
+
+    arguments = Security().get_connection_args("client")
+    try:
+        async with asyncio.timeout(_ANSWER):
+            comm = await connect(address, timeout=_ANSWER, **arguments)
+            await comm.close()
+    except TimeoutError as error:
+        raise OSError(Sentence("no answer within {seconds:g} s", seconds=_ANSWER)) from error
 
 
 def _other_versions(versions: Mapping[str, Any]) -> Iterator[Message]:

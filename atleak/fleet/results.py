@@ -21,7 +21,7 @@ import pyarrow.compute as pc
 from filelock import FileLock
 
 from atleak.doors import DAMAGE, damaged
-from atleak.errors import FleetError, Place
+from atleak.errors import FleetError, OutputError, Place
 from atleak.fleet.columns import DATA_SETS, HASH, PARTITION, DataSet, Rows, columns_of
 from atleak.fleet.parts import (
     BESIDE,
@@ -36,12 +36,15 @@ from atleak.fleet.parts import (
     write_columns,
     write_part,
 )
-from atleak.fleet.results_folder import check_free, check_readable, check_version, locked, write_run
+from atleak.fleet.results_folder import check_free, check_readable, check_version, locked, remove_empty, write_run
 from atleak.sentence import Sentence
+from atleak.system.reasons import reason_of
 
 _SMALL = 1000  # units: a part with fewer is merged with others
 _TRIES = 20  # at reading while a run puts other parts in place of those that were there
 
+Standing = tuple[str, str | None]
+"""The reference and the group under which a unit stands in the results."""
 Counts = Sequence[bool]  # of the rows of a part of `units` or `errors`
 
 
@@ -51,15 +54,17 @@ class _Units:
 
     hashes: tuple[str, ...]
     references: tuple[str, ...]
+    groups: tuple[str | None, ...]
     beside: tuple[DataSet, ...]  # of which a part was written with it; none of an error
 
 
 class Results:
     """The results of a fleet in a folder; for writing they are open to one program at a time."""
 
-    def __init__(self, folder: Path, lock: FileLock | None = None) -> None:
+    def __init__(self, folder: Path, lock: FileLock | None = None, *, made: bool = False) -> None:
         self.folder = folder
         self._lock = lock
+        self._made = made  # the folder was not there, and nothing is written to it yet
         self._known: dict[Part, _Units] = {}  # a part never changes
 
     @classmethod
@@ -80,16 +85,41 @@ class Results:
         FleetError
             the folder holds something else, or results of another version; another run is writing there.
         OutputError
-            the folder cannot be made or written to.
+            the folder cannot be made or written to, or what is to be replaced cannot be removed.
         """
         folder = Path(folder)
         if not for_writing:
             check_readable(folder)
             return cls(folder)
-        check_free(folder)
-        results = cls(folder, locked(folder))
+        results = cls.reserved(folder, replace=replace)
         try:
-            results._begin(replace=replace)
+            results.begin(replace=replace)
+        except BaseException:
+            results.close()
+            raise
+        return results
+
+    @classmethod
+    def reserved(cls, folder: str | Path, *, replace: bool = False) -> Self:
+        """Check a folder as `open` for writing does and keep others from it, but change nothing in it before `begin`.
+
+        Parameters
+        ----------
+        folder, replace
+            as of `open`. A folder that is made here goes again where nothing is begun.
+
+        Raises
+        ------
+        FleetError, OutputError
+            as of `open`.
+        """
+        folder = Path(folder)
+        made = not folder.exists()
+        check_free(folder)
+        results = cls(folder, locked(folder), made=made)
+        try:
+            if not replace:
+                check_version(folder)
         except BaseException:
             results.close()
             raise
@@ -108,10 +138,21 @@ class Results:
         if self._lock is not None:
             self._lock.release()
             self._lock = None
+            if self._made:
+                remove_empty(self.folder)
 
     def done(self) -> set[str]:
         """Return the hashes of all units that have a result or an error."""
         return {sha256 for part, counts in self._counting() for sha256 in compress(self._known[part].hashes, counts)}
+
+    def standing(self) -> dict[str, Standing]:
+        """Return, by the hash of every unit that has a result or an error, as what it stands there."""
+        found: dict[str, Standing] = {}
+        for part, counts in self._counting():
+            units = self._known[part]
+            all_rows = zip(units.hashes, zip(units.references, units.groups, strict=True), strict=True)
+            found.update(compress(all_rows, counts))
+        return found
 
     def failed(self) -> set[str]:
         """Return the hashes of all units that have an error."""
@@ -185,11 +226,19 @@ class Results:
                 with contextlib.suppress(OSError):
                     path.unlink()
 
-    def _begin(self, *, replace: bool) -> None:
+    def begin(self, *, replace: bool) -> None:
+        """Have a folder that is reserved hold results of this version, and nothing else where they are to be replaced.
+
+        Raises
+        ------
+        OutputError
+            it cannot be written to, or what is to be replaced cannot be removed.
+        """
+        self._made = False
         if replace:
-            self._remove([part for data_set in (*COMMITTING, *BESIDE) for part in parts_of(self.folder, data_set)])
-        else:
-            check_version(self.folder)
+            for part in [part for data_set in COMMITTING for part in parts_of(self.folder, data_set)]:
+                _remove_counting(part.under(self.folder))
+            self._remove([part for data_set in BESIDE for part in parts_of(self.folder, data_set)])
         write_run(self.folder)
         for data_set in DATA_SETS:
             write_columns(self.folder, data_set, anew=replace)
@@ -210,8 +259,9 @@ class Results:
         return [(part, [next(counts) for _ in units.hashes]) for part, units in self._known.items()]
 
     def _units_of(self, part: Part) -> _Units:
-        table, beside = self._read(part, [HASH, "reference"])
-        return _Units(tuple(table[HASH].to_pylist()), tuple(table["reference"].to_pylist()), beside)
+        table, beside = self._read(part, [HASH, "reference", "group"])
+        hashes, references, groups = (tuple(column.to_pylist()) for column in table.columns)
+        return _Units(hashes, references, groups, beside)
 
     def _table(self, data_set: DataSet, columns: Sequence[str] | None, controllers: Collection[str] | None) -> pa.Table:
         schema = columns_of(data_set).append(pa.field(PARTITION, pa.string()))
@@ -293,6 +343,16 @@ class Results:
         for part in parts:
             with contextlib.suppress(OSError):
                 part.under(self.folder).unlink()
+
+
+def _remove_counting(path: Path) -> None:
+    """Remove a part that counts as long as it is there: beside results of another version, that is never to be."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        problem = Sentence("cannot be removed: {reason}", reason=reason_of(error))
+        expected = Sentence("a file that no other program has open")
+        raise OutputError(problem, place=Place(file=str(path)), expected=expected) from error
 
 
 def _last_of_each(rows: Sequence[Rows]) -> list[Rows]:

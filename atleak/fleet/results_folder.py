@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -71,6 +72,8 @@ def check_free(folder: Path) -> None:
     """
     if _run_of(folder) is not None:
         return
+    if folder.is_symlink() and not folder.exists():
+        raise FleetError(Sentence("is a link to something that is not there"), place=Place(str(folder)), expected=_FREE)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         names = sorted(path.name for path in folder.iterdir())
@@ -104,6 +107,13 @@ def locked(folder: Path) -> FileLock:
     return lock
 
 
+def remove_empty(folder: Path) -> None:
+    """Remove a folder in which nothing but its lock stands, as far as that is possible."""
+    with contextlib.suppress(OSError):
+        (folder / _LOCK).unlink(missing_ok=True)
+        folder.rmdir()
+
+
 def write_run(folder: Path) -> None:
     """Write down that a folder holds results of this version.
 
@@ -119,6 +129,8 @@ def write_run(folder: Path) -> None:
 def _run_of(folder: Path) -> dict[str, Any] | None:
     """Return what the folder says of the run whose results it holds; None where it holds none."""
     path = folder / _RUN
+    if folder.exists() and not folder.is_dir():
+        raise FleetError(Sentence("is a file"), place=Place(file=str(folder)), expected=_FREE)
     try:
         said = json.loads(path.read_bytes())
     except FileNotFoundError:

@@ -103,7 +103,9 @@ def run_fleet(
 
     begun = time.monotonic()
     results.tidy()
-    known = results.done() - (results.failed() if retry_errors else set())
+    known = results.standing()
+    for sha256 in results.failed() if retry_errors else ():
+        del known[sha256]
 
     said = begun
 
@@ -120,7 +122,7 @@ def run_fleet(
     results.tidy()
     verdicts, errors, before = run.verdicts, run.errors, run.before
     if run.met - results.done():  # of files that were renamed: another content took the place of an earlier result
-        run = Run(units, results.done(), results, client, time_limit, say)
+        run = Run(units, results.standing(), results, client, time_limit, say)
         run.go()
         results.tidy()
         verdicts, errors, before = verdicts + run.verdicts, errors + run.errors, before - run.done

@@ -13,7 +13,7 @@ import queue
 import secrets
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import CancelledError
 from concurrent.futures import Future as Awaited
 from dataclasses import dataclass, replace
@@ -26,9 +26,9 @@ from tornado.platform.asyncio import BaseAsyncIOLoop
 from atleak.doors import unexpected
 from atleak.errors import FleetError, InputError, Place
 from atleak.fleet.columns import ErrorKind
-from atleak.fleet.results import Results
+from atleak.fleet.results import Results, Standing
 from atleak.fleet.rows import Rows, error_rows
-from atleak.fleet.task import OVERDUE, OtherVersionError, Packed, on_worker, packed_unit
+from atleak.fleet.task import BEGUN, OVERDUE, OtherVersionError, Packed, on_worker, packed_unit
 from atleak.fleet.units import FleetUnit
 from atleak.sentence import Sentence
 from atleak.version import __version__
@@ -57,7 +57,6 @@ class _Try:
     tries: int = 1  # this one with it
     alone: int = 0  # how many of them alone
     name: str = ""  # of this try
-    begun: float = 0.0  # when it was handed out, by the clock that never goes back
 
 
 class Run:
@@ -68,7 +67,8 @@ class Run:
     units
         each is asked for when its turn comes.
     known
-        hashes of units that have a result, or an error, already.
+        by its hash, each unit that has a result, or an error, already, and as what it stands there: one that was moved
+        is evaluated anew, and takes the place of what stands there.
     results
         open for writing.
     client
@@ -82,7 +82,7 @@ class Run:
     def __init__(
         self,
         units: Iterable[FleetUnit],
-        known: Collection[str],
+        known: Mapping[str, Standing],
         results: Results,
         client: Client,
         time_limit: float | None,
@@ -103,6 +103,7 @@ class Run:
         self._under_way: dict[Future, _Try] = {}
         self._happened: queue.SimpleQueue[tuple[Future, Fetched | None]] = queue.SimpleQueue()
         self._overdue: queue.SimpleQueue[dict[str, str]] = queue.SimpleQueue()
+        self._begun: dict[str, float] = {}  # name of a try alone → when its worker said that it begins
         self._left: set[str] = set()  # addresses of workers that left because a unit took too long
         self._finished: list[Rows] = []  # not yet written
         self._written = time.monotonic()
@@ -126,6 +127,7 @@ class Run:
             no worker is left, the scheduler is lost, or the workers cannot run this version of atleak.
         """
         self._client.subscribe_topic(OVERDUE, lambda event: self._overdue.put(event[1]))
+        self._client.subscribe_topic(BEGUN, lambda event: self._begun.update({event[1]["name"]: time.monotonic()}))
         try:
             while not self._all_seen or self._waiting or self._alone or self._under_way:
                 self._draw()
@@ -167,8 +169,7 @@ class Run:
             handed = [self._alone.popleft()]
         if not handed:
             return
-        now = time.monotonic()
-        named = [replace(each, name=next(self._names), begun=now) for each in handed]
+        named = [replace(each, name=next(self._names)) for each in handed]
         futures = self._client.map(
             on_worker,
             [packed_unit(each.unit) for each in named],
@@ -177,6 +178,7 @@ class Run:
             key=[("unit", each.name) for each in named],
             time_limit=self._time_limit,
             version=__version__,
+            tell_begun=any(each.alone for each in named),
             pure=False,
         )
         for future, each in zip(futures, named, strict=True):
@@ -197,7 +199,7 @@ class Run:
                 self._all_seen = True
             elif unit.input_sha256 not in self.met:  # else it is the same as another one
                 self.met.add(unit.input_sha256)
-                if unit.input_sha256 in self._known:
+                if self._known.get(unit.input_sha256) == (unit.reference, unit.group):
                     self.before += 1
                 else:
                     self._waiting.append(_Try(unit))
@@ -259,7 +261,8 @@ class Run:
 
     def _killed(self, future: Future, error: KilledWorker) -> None:
         each, worker = self._under_way[future], error.last_worker.address
-        took = (time.monotonic() - each.begun) / (1 + error.allowed_failures)
+        begun = self._begun.get(each.name)  # not said: the worker ended before, be it that it was only starting
+        took = 0.0 if begun is None else time.monotonic() - begun
         if worker in self._left:  # it was at a worker that left because of another unit
             self._waiting.append(self._under_way.pop(future))
         elif each.alone and self._time_limit is not None and took >= self._time_limit:
@@ -353,6 +356,7 @@ class Run:
         if self._client.status == "running":
             with contextlib.suppress(OSError):  # of a scheduler that is gone at last
                 self._client.unsubscribe_topic(OVERDUE)
+                self._client.unsubscribe_topic(BEGUN)
                 self._client.cancel(list(self._under_way), force=True)
         self._under_way.clear()
 

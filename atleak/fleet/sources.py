@@ -245,10 +245,11 @@ class _Finder:
     def _add_table(self, path: Path) -> None:
         units = TableUnits(path, self._defaults)
         self.sources.append(units)
-        labels = units.table.labels
+        labels = units.labels
         if labels:
             text = Sentence("columns that are kept as labels of their units: {names}", names=labels)
             self.messages.append(Message("info", "labels", text, Place(path.name, units.table.sheet)))
+        self.messages += units.doubts()
 
     def _add_folder(self, folder: Path, group: str | None) -> None:
         """Add the job files of a folder; the name of a sub-folder is the group of those in it."""

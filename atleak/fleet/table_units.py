@@ -14,13 +14,13 @@ from typing import Any, get_args
 
 from atleak.catalogue.entries import NO_ENTRY, catalogue_files, own_files, shipped_files
 from atleak.catalogue.fluid import FluidState
-from atleak.errors import AtleakError, InputError, unknown
+from atleak.errors import AtleakError, InputError, Message, Place, unknown
 from atleak.faults import together
 from atleak.fleet.table_cells import DATES, RowCells, day_order, file_at, placed, text_of
 from atleak.fleet.units import TABLE, FleetUnit, travelling
 from atleak.intake.dates import Order
 from atleak.intake.road_test import default_path, understand
-from atleak.intake.unit_table import MEASURED, TableRow, UnitTable, read_unit_table
+from atleak.intake.unit_table import MEASURED, TableColumn, TableRow, UnitTable, nearest_heading, read_unit_table
 from atleak.job.case import SLOTS, Case, Choice, SourceFile, with_log_choices
 from atleak.job.of_record import with_record
 from atleak.job.record import Job
@@ -32,8 +32,10 @@ from atleak.written_numbers import (
 )
 
 _IDENTIFIED_BY = (*MEASURED, "where", "number")  # a row stays the same unit while these stay
+_NO_LABELS = ("job_file", "group", "customer", "plate", "technician")  # what leads to a person is kept nowhere
 _KEY = 16  # hexadecimal digits
 _START = 64 << 10  # bytes of a log in which its header stands
+_LOOKED_AT = 20  # rows by which it is seen what a column holds
 _GEAR = AskedNumber(Sentence("gear"), "", 3.0, (-9.0, 20.0))
 _MEASURED = Sentence("a measuring sheet, a log, gauge readings or a job file")
 
@@ -74,6 +76,38 @@ class TableUnits:
         """Return the unit whose reference ends with a key; None where no row is that unit any more."""
         rows = zip(self.table.rows, self._keys, strict=True)
         return next((self._unit(row, own) for row, own in rows if own == key), None)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Return the headings of all columns that are kept as labels, be it of rows alone that name a job file."""
+        table = self.table
+        if not any(text_of(table.cell(row, "job_file")) for row in table.rows):
+            return table.labels
+        return tuple(column.heading for column in table.columns if _is_label(column, every=True))
+
+    def doubts(self) -> Iterator[Message]:
+        """Yield what speaks against a column being one of the table's own, though nothing is known by its heading."""
+        entries = {entry for slot in SLOTS.values() for entry in catalogue_files(slot.folder)}
+        for at, column in enumerate(self.table.columns):
+            if column.meaning is not None or not column.heading:
+                continue
+            cells = [text_of(row.cells[at]) for row in self.table.rows[:_LOOKED_AT] if at < len(row.cells)]
+            said = next((cell for cell in cells if cell in entries or (cell and file_at(self.path.parent, cell))), None)
+            nearest = nearest_heading(column.heading)
+            if said is None and nearest is None:
+                continue
+            place = Place(self.table.file, self.table.sheet, column=column.heading)
+            if said is None:
+                text = Sentence("is a mere label of its units; did you mean '{nearest}'?", nearest=nearest)
+            elif nearest is not None:
+                text = Sentence(
+                    "is a mere label of its units, though it says '{value}'; did you mean '{nearest}'?",
+                    value=said,
+                    nearest=nearest,
+                )
+            else:
+                text = Sentence("is a mere label of its units, though it says '{value}'", value=said)
+            yield Message("warning", "doubtful_label", text, place)
 
     @cached_property
     def _keys(self) -> list[str]:
@@ -212,9 +246,12 @@ def _recorded(case: Case, job: Job) -> Case:
 def _labels(table: UnitTable, row: TableRow, *, every: bool) -> Iterator[tuple[str, str]]:
     """Yield what stands in the table's own columns; beside a job file also what its record would have said."""
     for column, cell in zip(table.columns, row.cells, strict=False):
-        own = column.meaning is None or (every and column.meaning not in ("job_file", "group"))
-        if own and column.heading and (text := text_of(cell)):
+        if _is_label(column, every=every) and (text := text_of(cell)):
             yield column.heading, text
+
+
+def _is_label(column: TableColumn, *, every: bool) -> bool:
+    return bool(column.heading) and (column.meaning is None or (every and column.meaning not in _NO_LABELS))
 
 
 def _with_remembered(case: Case, remembered: Path) -> Case:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import cast
@@ -19,6 +20,8 @@ from atleak.verdicts import Verdict
 from atleak.version import __version__
 
 OVERDUE = "atleak-fleet-overdue"  # topic of the scheduler's event log: whose time limit was exceeded
+BEGUN = "atleak-fleet-begun"  # likewise: which unit is begun now, of those that are tried alone
+_OUT = 0.5  # [s] for what is told to get out: a unit may hold the interpreter at once
 
 
 class OtherVersionError(Exception):
@@ -56,7 +59,9 @@ def packed_unit(unit: FleetUnit) -> bytes:
     return pickle.dumps(unit, protocol=pickle.HIGHEST_PROTOCOL)
 
 
-def on_worker(unit: bytes, name: str, tries: int, time_limit: float | None, version: str) -> Packed:
+def on_worker(
+    unit: bytes, name: str, tries: int, time_limit: float | None, version: str, *, tell_begun: bool = False
+) -> Packed:
     """Evaluate a unit within its time.
 
     Parameters
@@ -71,6 +76,8 @@ def on_worker(unit: bytes, name: str, tries: int, time_limit: float | None, vers
         [s] after which this process ends; None: never.
     version
         of the atleak that sends the unit.
+    tell_begun
+        whether the scheduler's event log is told when the unit's time begins.
 
     Raises
     ------
@@ -80,6 +87,9 @@ def on_worker(unit: bytes, name: str, tries: int, time_limit: float | None, vers
     if version != __version__:
         raise OtherVersionError(__version__)
     worker = get_worker()
+    if tell_begun:
+        worker.log_event(BEGUN, {"name": name})
+        time.sleep(_OUT)
     with ended_after(time_limit, lambda: worker.log_event(OVERDUE, {"name": name, "worker": worker.address})):
         return Packed.of(evaluate(pickle.loads(unit), tries=tries))
 

@@ -6,6 +6,7 @@ table does not hold is refused, never guessed.
 
 from __future__ import annotations
 
+import math
 import re
 import unicodedata
 from collections.abc import Mapping
@@ -202,14 +203,31 @@ _TABLE: dict[str, dict[str, Unit]] = {
 
 
 def find_unit(name: str, kind: str) -> Unit | None:
-    """Return the unit of that kind with that name, or None.
+    """Return the unit of that kind with that name, or None; of lengths also a decimal fraction of one.
 
     >>> find_unit("℃", "temperature").name
     '°C'
     >>> find_unit("%", "pressure") is None
     True
+    >>> find_unit("1/100 mm", "length"), find_unit("1/1000mm", "length").name
+    (Unit(name='1/100 mm', factor=1e-05, offset=0.0), 'µm')
     """
-    return _TABLE[kind].get(_spelling(name))
+    known = _TABLE[kind].get(_spelling(name))
+    return _fraction(_spelling(name)) if known is None and kind == "length" else known
+
+
+_FRACTION = re.compile(r"1\s*[/\u2044]\s*(10{1,4})\s*(\D+)")
+
+
+def _fraction(spelling: str) -> Unit | None:
+    """Return a tenth to a ten-thousandth of a unit of length: a unit of its own, or one that is as large."""
+    match = _FRACTION.fullmatch(spelling)
+    whole = _TABLE["length"].get(match[2]) if match else None
+    if match is None or whole is None:
+        return None
+    factor = whole.factor / int(match[1])
+    alike = (each for each in _KINDS["length"] if math.isclose(each.factor, factor, rel_tol=1e-9))
+    return next(alike, Unit(f"1/{match[1]} {whole.name}", factor))
 
 
 def unit(name: str, kind: str) -> Unit:

@@ -12,7 +12,7 @@ from atleak.intake.readings.sizes import MM
 from atleak.intake.units import find_unit, unit, unit_names
 from atleak.phrases import PART_WORDS, angle, named
 from atleak.readings import NOMINAL_TOLERANCE, REPEAT_TOLERANCE, LandClearance, Reading, Readings, clearances
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, all_of
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import MM as TO_MM
 from atleak.workshop_units import UM
@@ -261,7 +261,7 @@ def _repeats(
 def _exchanged(
     gaps: Sequence[LandClearance], by_land: Mapping[LandKey, list[Reading]], all_readings: Readings
 ) -> Iterator[tuple[Land, ReadingsError]]:
-    """Yield each of two lands that measure like the other one: their readings stand in each other's place."""
+    """Yield the lands that measure like each other in a circle: their readings stand in each other's place."""
     far = [
         gap.land
         for gap in gaps
@@ -270,20 +270,44 @@ def _exchanged(
             abs(each.diameter - gap.land.nominal_of(each.part)) > NOMINAL_TOLERANCE for each in by_land[gap.land.key]
         )
     ]
+    lands = {land.key: land for land in far}
+    like = {land.key: [other.key for other in far if _is_like(by_land[land.key], other)] for land in far}
     for land in far:
-        readings = by_land[land.key]
-        for other in far:
-            if _is_like(readings, other) and _is_like(by_land[other.key], land):
-                problem = Sentence(
-                    "{land} measures like {other}, and the other way round: the two exchanged?",
-                    land=named(land),
-                    other=named(other),
-                )
-                first = readings[0]
-                written = _written(all_readings, first.diameter)
-                about = _about(all_readings, land, first)
-                yield land, ReadingsError(problem, place=first.place, value=written, expected=about)
-                break
+        circle = [lands[key] for key in _circle(land.key, like)]
+        if not circle:
+            continue
+        problem = Sentence(
+            "{land} measures like {other}, and the other way round: the two exchanged?",
+            land=named(land),
+            other=named(circle[-1]),
+        )
+        if len(circle) > 2:
+            problem = Sentence(
+                "{land} measures like {other}: the readings of {lands} exchanged in a circle?",
+                land=named(land),
+                other=named(circle[1]),
+                lands=all_of(map(named, sorted(circle, key=far.index))),
+            )
+        first = by_land[land.key][0]
+        written, about = _written(all_readings, first.diameter), _about(all_readings, land, first)
+        yield land, ReadingsError(problem, place=first.place, value=written, expected=about)
+
+
+def _circle(start: LandKey, like: Mapping[LandKey, Sequence[LandKey]]) -> list[LandKey]:
+    """Return the shortest way from a land to the one that it measures like, and so on, back to it; none without one."""
+    ways = [[start]]
+    reached = {start}
+    while ways:
+        longer = []
+        for way in ways:
+            for other in like[way[-1]]:
+                if other == start:
+                    return way
+                if other not in reached:
+                    reached.add(other)
+                    longer.append([*way, other])
+        ways = longer
+    return []
 
 
 def _is_like(readings: Sequence[Reading], land: Land) -> bool:

@@ -231,8 +231,8 @@ def _incomplete(sheet: Sheet, header: Header, names: ControllerNames) -> Reading
     deviations = [text for text in map(header.text, range(sheet.width)) if set(letters(text)) & _DEVIATION]
     if others and (beside := [text for text in deviations if text not in others]):
         problem = Sentence(
-            "{problem}. No deviations of diameters were understood under {headings}: one such column beside a nominal "
-            "one of its own is",
+            "{problem}. No deviations of diameters were understood under {headings}: beside a nominal one those are "
+            "that say no more than part, direction or repeat",
             problem=problem,
             headings=_quoted(beside),
         )

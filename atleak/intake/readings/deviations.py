@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 from atleak.errors import Message, ReadingsError
 from atleak.intake.readings.headings import Header
-from atleak.intake.readings.one_heading import Column, split_unit
+from atleak.intake.readings.one_heading import Column, read_heading, split_unit
 from atleak.intake.readings.sizes import MM as MILLIMETRE
 from atleak.intake.readings.words import is_blank, letters, number, part_in, part_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
@@ -15,6 +16,9 @@ from atleak.sentence import Sentence
 _DEVIATION = vocabulary("deviation")
 _BESIDE = vocabulary("beside_deviation", "diameter", "actual", "reading")  # no standard and no permitted deviation
 _PERMITTED = vocabulary("permitted")
+_STATION = vocabulary("direction", "repeat")
+_IN_BRACKETS = re.compile(r"\[[^\[\]]*\]|\([^()]*\)")
+_WORD = re.compile(r"[^\W\d_]+")
 _DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
 
 
@@ -31,15 +35,11 @@ def with_deviations(sheet: Sheet, header: Header) -> tuple[Sheet, Header, frozen
         if deviation.role == "quantity" and _is_deviation(deviation)
         for nominal in _nominal_of(deviation, header)
     ]
-    if not pairs or len({nominal.index for nominal, _ in pairs}) < len(pairs):
+    if not pairs:
         return sheet, header, frozenset(), ()
     first = max(sheet.width, len(header.texts))
     columns = [
-        Column(
-            *(first + at, deviation.heading, "diameter", MILLIMETRE),
-            part=part_in(nominal.heading),
-            unsure=_says_no_unit(sheet, header, deviation),
-        )
+        replace(_as_diameter(deviation, nominal), index=first + at, unsure=_says_no_unit(sheet, header, deviation))
         for at, (nominal, deviation) in enumerate(pairs)
     ]
     rows = [
@@ -63,9 +63,27 @@ def with_deviations(sheet: Sheet, header: Header) -> tuple[Sheet, Header, frozen
 
 
 def _is_deviation(column: Column) -> bool:
-    words = letters(split_unit(column.heading)[0])
+    words = letters(_said(column))
     beside = [word for word in words if word not in _DEVIATION]
-    return len(beside) < len(words) and all(word in _BESIDE or part_of(word) for word in beside)
+    return len(beside) < len(words) and all(word in _BESIDE or word in _STATION or part_of(word) for word in beside)
+
+
+def _said(column: Column) -> str:
+    """Return a heading without its unit, and without what brackets hold of which nothing is known: "[0.01 mm]"."""
+    said, unit = split_unit(column.heading)
+    if unit is not None:
+        return said
+    return _IN_BRACKETS.sub(lambda held: held[0] if any(map(part_of, letters(held[0]))) else " ", said)
+
+
+def _as_diameter(deviation: Column, nominal: Column) -> Column:
+    """Return the column of the diameters that deviations make: what their heading says besides is theirs."""
+    said = _WORD.sub(lambda word: "diameter" if letters(word[0])[0] in _DEVIATION else word[0], _said(deviation))
+    read = read_heading(said)
+    if read is None or read.role != "diameter":
+        read = Column(0, "", "diameter")
+    part = read.part or part_in(nominal.heading)
+    return replace(read, heading=deviation.heading, unit=MILLIMETRE, part=part, tentative=False, otherwise=None)
 
 
 def _is_permitted(column: Column) -> bool:
@@ -76,9 +94,9 @@ def _is_permitted(column: Column) -> bool:
 def _nominal_of(deviation: Column, header: Header) -> list[Column]:
     """Return the nominal diameters that a deviation may be from: those of its part, where headings say one."""
     nominal = [column for column in header.of("specification") if not _is_permitted(column)]
-    if len(nominal) < 2:
-        return nominal
     part = part_in(deviation.heading)
+    if len(nominal) < 2:
+        return [column for column in nominal if None in (part, of := part_in(column.heading)) or of == part]
     return [column for column in nominal if part is not None and part_in(column.heading) == part]
 
 

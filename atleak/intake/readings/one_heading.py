@@ -79,6 +79,11 @@ _TRAILING_UNITS = {
     *("mm", "um", "µm", "μm", "micron", "microns", "micrometre", "micrometer", "inch", "inches", "in", "mil", "mils"),
     *("thou", "cm", "мм", "мкм"),
 }
+_UNITS = "|".join(sorted(_TRAILING_UNITS, key=len, reverse=True))
+# "1/100 mm" is a unit; "0.01 mm" is one, or what the gauge shows: no unit is stated then
+_TRAILING_FRACTION = re.compile(
+    rf"[\s_,:;]+(1\s*[/\u2044]\s*10{{1,4}}\s*(?:{_UNITS})|0[.,]0*1\s*(?:{_UNITS}))\s*$", re.IGNORECASE
+)
 LETTERED = re.compile(r"(?<![^\W_])([dD])(?:[xyi]|\d{1,2})?(?![^\W_])")  # d of the spool, D of its bore
 
 
@@ -324,6 +329,9 @@ def split_unit(text: str) -> tuple[str, Unit | None]:
         unit = find_unit(inner, "length") if inner.strip() else None
         if unit is not None:
             return f"{text[: bracketed.start()]} {text[bracketed.end() :]}", unit
+    fraction = _TRAILING_FRACTION.search(text.replace("_", " "))
+    if fraction:
+        return text[: fraction.start()], find_unit(fraction[1], "length")
     trailing = re.search(r"[\s_,/:;]+(\S+?)\s*$", text.replace("_", " "))
     if trailing and trailing[1].lower() in _TRAILING_UNITS:
         return text[: trailing.start()], find_unit(trailing[1], "length")

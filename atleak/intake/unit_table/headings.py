@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
 from functools import cache
 from importlib import resources
 
 from atleak.intake.plain_words import words
 from atleak.intake.readings.head_identity import identity_field
 
+_NEAR = 0.8  # of the letters of two headings that are taken for the same
+_SHORT = 4  # letters: shorter ones are near to anything
 UNCLEAR = "unclear"
 """The meaning of a heading that can be understood in two ways: its column is not taken, and nothing is guessed."""
 
@@ -34,6 +37,18 @@ def spellings() -> Iterator[tuple[str, str]]:
     """Yield every column with a heading that it may have, the English ones first."""
     for column, by_language in _listed().items():
         yield from ((column, name) for names in by_language.values() for name in names)
+
+
+def nearest_heading(heading: str) -> str | None:
+    """Return the known heading that one which is none may be a misspelling of; None where none is near.
+
+    >>> nearest_heading("Schieberkastn"), nearest_heading("Straßenfahrt"), nearest_heading("Batch")
+    ('Schieberkasten', None, None)
+    """
+    written = {words(name): name for _, name in spellings()}
+    said = words(heading)
+    near = get_close_matches(said, [name for name in written if len(name) >= _SHORT], n=1, cutoff=_NEAR)
+    return written[near[0]] if near and len(said) >= _SHORT else None
 
 
 def column_meant(heading: str) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -25,8 +26,11 @@ from atleak.job.parts import job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import open_book
 from atleak.sentence import Sentence
+from atleak.version import __version__
 
 from .conftest import Run
+
+_FREE = "a folder that is new or empty, or one with results of a fleet"
 
 
 @pytest.fixture
@@ -99,7 +103,7 @@ def test_a_bad_file_stops_no_other_and_ends_with_status_2(
     (jobs / "bad.zip").unlink()
     status, _, told = run("fleet", "run", jobs, "--out", out)
     assert status == 0
-    assert "1 of units that are not among these" in told
+    assert "1 of units that were not given this time" in told
     run("fleet", "run", jobs, "--out", out, "--retry-errors")
     assert asked["retry_errors"] is True
 
@@ -210,6 +214,99 @@ def test_without_its_workers_one_sentence_says_what_to_install(
     assert (status, printed) == (2, "")
     assert told.startswith("atleak: a fleet run needs dask.distributed, which is not installed")
     assert not (tmp_path / "results").exists()
+
+
+def test_units_of_earlier_runs_are_counted_and_an_error_comes_before_a_level(
+    run: Run, asked: dict[str, Any], jobs: Path, small_sheet: Callable[..., Path], tmp_path: Path
+) -> None:
+    out, given = tmp_path / "results", jobs / "north" / "1.zip"
+    _, printed, _ = run("fleet", "run", given, "--out", out)
+    assert printed.splitlines() == [f"1 unit in 2 s; 1 with a result in {out}:", "       1  ○ not measured"]
+    _, printed, _ = run("fleet", "run", jobs / "south", "--out", out)
+    assert printed.splitlines()[-1] == "1 unit of these was not given this time"
+    (jobs / "bad.zip").write_bytes(b"no job at all")
+    small_sheet(sleeve=11.2)
+    table = tmp_path / "fleet.csv"
+    table.write_text("sheet,controller\nsmall.csv,minimal_example\n", encoding="utf-8")
+    for more, expected in (((), 1), ((jobs / "bad.zip",), 2)):
+        assert run("fleet", "run", table, *more, "--out", out, "--fail-on", "critical")[0] == expected
+
+
+def test_where_not_all_errors_are_printed_a_command_lists_them(
+    run: Run, asked: dict[str, Any], jobs: Path, tmp_path: Path
+) -> None:
+    for number in range(33):
+        (jobs / f"bad {number}.zip").write_bytes(b"no job at all %d" % number)
+    status, _, told = run("fleet", "run", jobs, "--out", tmp_path / "results")
+    assert status == 2
+    assert "atleak: 33 without a result (refused):" in told
+    assert told.count("is no sound zip") == 30
+    (line,) = [line for line in told.splitlines() if "… and 3 more: `atleak " in line]
+    status, listed, _ = run(*line.partition("`atleak ")[2].partition("` lists all")[0].split(" ", 3))
+    assert (status, len(listed.splitlines())) == (0, 33)
+    assert all(": is no sound zip" in each and each.endswith(" (refused)") for each in listed.splitlines())
+
+
+@pytest.fixture
+def unreached(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Lets no scheduler answer, and keeps which one was asked for."""
+    asked_for: list[str] = []
+
+    @contextmanager
+    def connected(scheduler: str | None = None, workers: int | None = None) -> Iterator[None]:
+        asked_for.append(str(scheduler))
+        raise FleetError(Sentence("no dask scheduler answers there: {reason}", reason="none"))
+        yield
+
+    monkeypatch.setattr(cluster, "connected", connected)
+    return asked_for
+
+
+def test_the_folder_is_checked_before_any_worker_is_reached(
+    run: Run, unreached: list[str], jobs: Path, tmp_path: Path
+) -> None:
+    taken, held, other = tmp_path / "taken", tmp_path / "held", tmp_path / "other"
+    for folder in (taken, held, other):
+        Results.open(folder, for_writing=True).close()
+    (taken / "run.json").rename(taken / "letter.txt")
+    text = (other / "run.json").read_text(encoding="utf-8")
+    (other / "run.json").write_text(text.replace(__version__, "0.0.1"), encoding="utf-8")
+    with Results.open(held, for_writing=True):
+        for folder, said in (
+            (taken, "holds something else"), (held, "another run is writing"), (other, "holds results of atleak 0.0.1")
+        ):  # fmt: skip
+            status, _, told = run("fleet", "run", jobs, "--out", folder)
+            assert (status, unreached) == (2, [])
+            assert said in told
+
+
+def test_where_no_worker_is_reached_nothing_is_replaced(
+    run: Run, asked: dict[str, Any], jobs: Path, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    out = tmp_path / "results"
+    run("fleet", "run", jobs, "--out", out)
+    request.getfixturevalue("unreached")
+    assert run("fleet", "run", jobs, "--out", out, "--replace", "--scheduler", "tcp://x:1")[0] == 2
+    assert pq.read_table(out / "units").num_rows == 2
+    Results.open(out, for_writing=True).close()  # nobody holds it
+
+
+def test_a_folder_for_results_that_is_none_is_named_in_plain_words(
+    run: Run, asked: dict[str, Any], jobs: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "file").write_bytes(b"")
+    status, _, told = run("fleet", "run", jobs, "--out", tmp_path / "file")
+    assert (status, told) == (2, f"atleak: {tmp_path / 'file'}: is a file; expected {_FREE}\n")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a link takes a privilege there")
+def test_a_link_that_leads_nowhere_is_named_in_plain_words(
+    run: Run, asked: dict[str, Any], jobs: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "link").symlink_to(tmp_path / "gone")
+    status, _, told = run("fleet", "run", jobs, "--out", tmp_path / "link")
+    assert status == 2
+    assert told == f"atleak: {tmp_path / 'link'}: is a link to something that is not there; expected {_FREE}\n"
 
 
 def test_an_interrupted_run_says_that_it_goes_on(

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import atleak.equations
-from atleak.equations import clearance, fluid, gap, orifice, pressure, pump, referees, small_samples
+from atleak.equations import clearance, fluid, gap, orifice, pressure, proportions, pump, referees, small_samples
 
 GAP = (8e5, 0.010, 30e-6, 10.93e-6, 783.0, 0.008)
 FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)
@@ -81,12 +81,14 @@ OTHERS = {
     referees.axial_cube,
     gap.obliteration,
     small_samples.one_sided_squares_tail,
+    proportions.wilson_interval,
+    proportions.newcombe_interval,
     gap.entry_loss_terms,
     gap.restricted_flow_and_slope,
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
 }
-ROOMS = [clearance, fluid, gap, orifice, pressure, pump, referees, small_samples]
+ROOMS = [clearance, fluid, gap, orifice, pressure, proportions, pump, referees, small_samples]
 every_equation = pytest.mark.parametrize(("equation", "arguments"), EQUATIONS, ids=[e.__name__ for e, _ in EQUATIONS])
 
 

@@ -195,6 +195,30 @@ def test_results_of_another_version_are_refused_unless_they_are_replaced(folder:
         Results.open(folder)
 
 
+@pytest.mark.parametrize("data_set", ["units", "errors"])
+def test_what_cannot_be_removed_stops_before_another_version_takes_the_folder(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, data_set: str
+) -> None:
+    with Results.open(folder, for_writing=True) as writing:
+        writing.add([failed("C", "c")])
+    before, held, unlink = (folder / "run.json").read_bytes(), written(folder, data_set)[-1], Path.unlink
+    before = before.replace(__version__.encode(), b"0.0.1")
+    (folder / "run.json").write_bytes(before)
+
+    def refusing(self: Path, missing_ok: bool = False) -> None:
+        if self == held:  # as Windows does where another program has it open
+            raise PermissionError(errno.EACCES, "The process cannot access the file", str(self))
+        unlink(self, missing_ok)
+
+    monkeypatch.setattr(Path, "unlink", refusing)
+    with pytest.raises(OutputError, match=r"cannot be removed: .*; expected a file that no other") as raised:
+        Results.open(folder, for_writing=True, replace=True)
+    assert raised.value.place.file == str(held)
+    assert (folder / "run.json").read_bytes() == before
+    monkeypatch.undo()
+    Results.open(folder, for_writing=True, replace=True).close()  # and the folder is free again
+
+
 @pytest.mark.parametrize("replace", [False, True])
 def test_a_folder_that_holds_something_else_is_refused(tmp_path: Path, replace: bool) -> None:
     (tmp_path / "letter.txt").write_text("Dear all", encoding="utf-8")

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import pickle
+import socket
 import sys
 import time
 from collections import Counter
@@ -26,7 +27,7 @@ from atleak.fleet.cluster import HERE, SETTINGS, connected
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress, run_fleet
 from atleak.fleet.running import Run
-from atleak.fleet.task import OVERDUE, on_worker
+from atleak.fleet.task import BEGUN, OVERDUE, on_worker
 from atleak.fleet.units import FleetUnit
 
 from .small_units import Short, bad_unit, small_unit
@@ -111,6 +112,27 @@ def test_a_file_that_took_the_name_of_another_loses_neither(client: Client, resu
     assert (finished.before, finished.evaluated, finished.twice) == (0, 2, 0)
 
 
+@pytest.mark.parametrize(("suffix", "group"), [(" moved", "north"), ("", "south")])
+def test_a_unit_that_was_moved_stands_once_and_where_it_is_now(
+    client: Client, results: Results, suffix: str, group: str
+) -> None:
+    first, bad, other = replace(small_unit(1), group="north"), replace(bad_unit(2), group="north"), small_unit(3)
+    run_fleet([first, bad, other], results, client)
+    moved = [
+        replace(each, name=f"{each.name}, moved", reference=f"{each.reference}{suffix}", group=group)
+        for each in (first, bad)
+    ]
+    copies = [replace(each, reference=f"{each.reference} copied") for each in moved]
+    for before, evaluated in ((1, 1), (3, 0)):
+        finished = run_fleet([*moved, other, *copies], results, client)
+        assert (finished.before, finished.evaluated, finished.twice) == (before, evaluated, 2)
+        rows = [row for name in ("units", "errors") for row in results.table(name).to_pylist()]
+        told = {(row["name"], row["reference"], row["group"]) for row in rows}
+        assert told == {(each.name, each.reference, each.group) for each in (*moved, other)}
+        assert len(rows) == 3
+        assert len(set(results.table("lands")["input_sha256"].to_pylist())) == 2
+
+
 def test_errors_are_tried_again_where_that_is_asked_for(
     client: Client, results: Results, failing: Failing, tmp_path: Path
 ) -> None:
@@ -182,6 +204,31 @@ def test_a_unit_that_takes_too_long_has_one_more_try(client: Client, results: Re
     assert row["message"] == "unit 0: takes longer than the 30 s that one unit may take"
 
 
+@pytest.mark.parametrize(("after", "kind"), [("handed out", "ended"), ("begun", "time limit")])
+def test_the_time_of_a_unit_alone_counts_from_where_its_worker_begins_it(
+    client: Client, results: Results, monkeypatch: pytest.MonkeyPatch, after: str, kind: str
+) -> None:
+    """A worker that ends long after it was handed the unit may have been starting all the time."""
+
+    def ending(unit: bytes, name: str, tries: int, **options: Any) -> Any:
+        if options["tell_begun"]:
+            if after == "begun":
+                get_worker().log_event(BEGUN, {"name": name})
+            time.sleep(0.4)
+        raise _killed()
+
+    monkeypatch.setattr(running, "on_worker", ending)
+    monkeypatch.setattr(running, "_TOLD_WITHIN", 0.0)
+    assert run_fleet([small_unit(1)], results, client, time_limit=0.2).errors == {kind: 1}
+
+
+def test_a_worker_says_when_it_begins_a_unit_alone(client: Client, results: Results, failing: Failing) -> None:
+    failing(lambda unit, tries: _killed() if tries == 1 else None)
+    run = Run([small_unit(1)], {}, results, client, 30.0, lambda run: None)
+    run.go()
+    assert len(run._begun) == 1
+
+
 def test_a_unit_that_waited_at_a_worker_that_left_is_not_to_blame(
     client: Client, results: Results, failing: Failing, tmp_path: Path
 ) -> None:
@@ -194,7 +241,7 @@ def test_a_unit_that_waited_at_a_worker_that_left_is_not_to_blame(
         return _killed("tcp://gone:4")
 
     failing(left)
-    run = Run([small_unit(1)], (), results, client, 30.0, lambda run: None)
+    run = Run([small_unit(1)], {}, results, client, 30.0, lambda run: None)
     run._left.add("tcp://gone:4")
     run.go()
     assert results.table("units").column("tries").to_pylist() == [1]
@@ -223,7 +270,7 @@ def test_what_is_finished_is_kept_when_the_run_is_interrupted(client: Client, re
 
     units = [*map(small_unit, range(12))]
     with pytest.raises(KeyboardInterrupt):
-        Run(units, (), results, client, None, interrupted).go()
+        Run(units, {}, results, client, None, interrupted).go()
     kept = _rows(results)
     assert 3 <= len(kept) < 12
     finished = run_fleet(units, results, client)
@@ -252,7 +299,7 @@ def test_a_scheduler_that_ends_is_named_and_what_was_finished_is_kept(results: R
         ) as other,
         pytest.raises(FleetError, match="the scheduler does not answer any more"),
     ):
-        Run(units, (), results, other, None, ended).go()
+        Run(units, {}, results, other, None, ended).go()
     assert 2 <= len(_rows(results)) < 12
 
 
@@ -262,6 +309,44 @@ def test_nobody_at_an_address_is_said_in_words(monkeypatch: pytest.MonkeyPatch) 
     with pytest.raises(FleetError, match="no dask scheduler answers there") as error:
         connected(address).__enter__()
     assert address in str(error.value)
+
+
+@pytest.mark.parametrize("address", ["nonsense", "http://x:80", "tcp://:8786", "tcp://x:0", "tcp://x:65536", "x:²"])
+def test_what_is_no_address_is_refused_before_anything_tries_to_reach_it(
+    address: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "_answering", None)
+    with pytest.raises(FleetError, match=r"is no address of a scheduler \(found .*; expected the address that"):
+        connected(address).__enter__()
+
+
+def test_what_listens_and_says_nothing_is_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "_ANSWER", 0.5)
+    with (
+        socket.create_server((HERE, 0)) as silent,
+        pytest.raises(FleetError, match=r"no dask scheduler answers there: no answer within 0\.5 s"),
+    ):
+        connected(f"tcp://{HERE}:{silent.getsockname()[1]}").__enter__()
+
+
+def test_a_client_that_cannot_be_made_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else it goes on trying, and holds up the program's end."""
+    made: list[Client] = []
+    start = Client.start
+
+    async def answering(address: str) -> None:
+        """The scheduler ends in the moment after its answer."""
+
+    def starting(self: Client, **options: Any) -> None:
+        made.append(self)
+        start(self, **options)
+
+    monkeypatch.setattr(cluster, "_answering", answering)
+    monkeypatch.setattr(cluster, "_ANSWER", 0.5)
+    monkeypatch.setattr(Client, "start", starting)
+    with pytest.raises(FleetError, match="no dask scheduler answers there"):
+        connected(f"tcp://{HERE}:9").__enter__()
+    assert [each.status for each in made] == ["closed"]
 
 
 def test_without_dask_the_run_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

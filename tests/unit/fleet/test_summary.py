@@ -10,9 +10,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from atleak.diagnosis import Diagnosis
 from atleak.equations.proportions import newcombe_interval, wilson_interval
 from atleak.errors import FleetError, InputError
 from atleak.fleet.results import Results
+from atleak.fleet.rows import rows_of
 from atleak.fleet.summary import summed_up
 from atleak.fleet.summed import FleetSummary, ValveBody
 from atleak.spreads import PARTS, Rate, Spread
@@ -20,6 +22,7 @@ from atleak.verdicts import Verdict
 
 from .few_units import Measured, Unit, condition, results_of, temperature_class
 from .made_up import CONTROLLERS, ERRORS, GROUPS, WORSE, WORSE_BY, made_up_results
+from .test_rows import JOB, Named
 from .writing import failed
 
 BODY = CONTROLLERS[0]
@@ -104,7 +107,7 @@ def test_the_worst_pairs_are_counted(folder: Path, body: ValveBody) -> None:
 
 def test_wear_is_spread_by_classes_of_mileage(folder: Path, body: ValveBody) -> None:
     lands = read(folder, "lands").merge(read(folder, "units")[["input_sha256", "mileage_km"]], on="input_sha256")
-    for each in body.wear:
+    for each in body.wear[::7]:
         component, land = each.key
         mine = lands[(lands["component"] == component) & (lands["land"] == land) & lands["wear_percent"].notna()]
         assert_spread(each.latest_percent, mine["wear_percent"])
@@ -200,27 +203,12 @@ def test_the_worse_group_is_found_and_others_are_not(summary: FleetSummary) -> N
 
 
 def test_suppliers_that_do_not_differ_are_not_called_different(folder: Path) -> None:
-    for body in summed_up(Results.open(folder), by=" Supplier ").bodies:
+    for body in summed_up(Results.open(folder), by=" Supplier ", controller=BODY).bodies:
         assert body.comparison is not None
         called = [each.points for each in body.comparison.verdicts]
         called += [each.mean_points for each in body.comparison.lands]
         called += [each.same_mileage_points for each in body.comparison.lands]
         assert not any(points.differs for points in called if points is not None)
-
-
-def test_many_groups_are_each_compared_with_all_others_together(folder: Path) -> None:
-    comparison = summed_up(Results.open(folder), by="batch", controller=BODY).bodies[0].comparison
-    assert comparison is not None
-    assert not comparison.in_pairs
-    assert len(comparison.groups) == 7
-    assert {(each.first, each.second) for each in comparison.verdicts} == {(f"B{n}", None) for n in range(7)}
-    each = next(each for each in comparison.lands if each.first == "B3")
-    lands, units = read(folder, "lands"), read(folder, "units")
-    batch = pd.Series(["B3" in dict(labels).values() for labels in units["labels"]], index=units["input_sha256"])
-    mine = lands[(lands["component"] == each.key[0]) & (lands["land"] == each.key[1])].set_index("input_sha256")
-    wear = mine["wear_percent"].groupby(batch).mean()
-    assert each.mean_points is not None
-    assert each.mean_points.value == pytest.approx(wear[True] - wear[False], abs=_NEAR)
 
 
 def test_the_worst_units_come_first_and_lead_to_their_files(folder: Path, summary: FleetSummary) -> None:
@@ -262,6 +250,35 @@ def test_what_was_written_first_changes_nothing(tmp_path: Path) -> None:
         summed_up(results_of(tmp_path / name, order), by="group") for name, order in (("a", units), ("b", units[::-1]))
     )
     assert (first.bodies, first.worst) == (turned.bodies, turned.worst)
+
+
+def test_a_unit_that_was_diagnosed_is_summed_up_to_its_own_result(
+    tmp_path: Path, sample_diagnoses: dict[str, Diagnosis]
+) -> None:
+    diagnosis = sample_diagnoses["workshop"]
+    with Results.open(tmp_path, for_writing=True) as results:
+        results.add([rows_of(Named(), diagnosis, JOB)])
+    summary = summed_up(Results.open(tmp_path), by="supplier")
+    (body,), (unit,) = summary.bodies, summary.worst
+    assert (body.controller, summary.headings) == (diagnosis.controller.id, ("group", "batch", "supplier"))
+    assert (unit.verdict, unit.decision, unit.label) == (diagnosis.verdict, diagnosis.decision, "Almar")
+    assert (unit.serial, unit.date, unit.mileage_km) == ("S 7", JOB.date, diagnosis.mileage or 90e3)
+    lands = {land.key: land for land in diagnosis.lands}
+    assert {each.key for each in body.pairs} == set(lands)
+    for each in body.pairs:
+        assert each.flagged.count + each.flagged_by_one_part == lands[each.key].verdict.flagged
+    for land in body.wear:
+        of_unit = lands[land.key]
+        whole = of_unit.state.status == "measured" and of_unit.state.land.seal is None
+        assert (land.latest_percent is not None) == whole
+        if land.latest_percent is not None and of_unit.wear is not None:
+            assert land.latest_percent.mean == pytest.approx(100.0 * of_unit.wear, abs=_NEAR)
+    for found, projection in zip(body.conditions, diagnosis.projections, strict=True):
+        assert found.label == projection.condition.label
+        assert found.share_percent is not None
+        assert found.share_percent.mean == pytest.approx(100.0 * projection.share, abs=_NEAR)
+    assert body.temperatures
+    assert sum(each.seconds for each in body.temperatures) > 0.0
 
 
 # --- what counts ---
@@ -509,10 +526,18 @@ def test_of_very_many_groups_the_largest_are_compared_with_all_others(tmp_path: 
     comparison = body.comparison
     assert comparison is not None
     assert len(comparison.groups) == 40
+    assert not comparison.in_pairs
+    assert {each.second for each in comparison.verdicts} == {None}
     assert len({each.first for each in comparison.lands}) == 30
     assert [each.first for each in comparison.lands if each.mean_points and each.mean_points.differs] == ["g01"]
     second = comparison.lands[0].second_percent
     assert (comparison.lands[0].second, second and second.units) == (None, len(units) - 12)
+    means = [
+        [unit.lands["8", 1].wear for unit in units if (unit.own["group"] == "g01") is mine] for mine in (True, False)
+    ]
+    points = comparison.lands[0].mean_points
+    assert points is not None
+    assert points.value == pytest.approx(np.mean(means[0]) - np.mean(means[1]), abs=_NEAR)
     assert {each.second_units for each in comparison.verdicts if each.first == "g01"} == {len(units) - 12}
     assert "many_groups" in {message.code for message in comparison.messages}
 

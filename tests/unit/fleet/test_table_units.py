@@ -224,6 +224,41 @@ def test_job_files_get_their_labels_from_a_table(fleet: Fleet, unmeasured: Diagn
     assert one.input_sha256 != other.input_sha256
 
 
+def test_what_leads_to_a_person_is_no_label_beside_a_job_file(
+    fleet: Fleet, unmeasured: Diagnosis, tmp_path: Path
+) -> None:
+    (tmp_path / "7.zip").write_bytes(write_job_file(unmeasured, Job(number="7")))
+    heading = "Auftragsdatei;Kunde;Kennzeichen;Techniker;Serial;Batch"
+    (unit,) = fleet(heading.replace("Auftragsdatei", "job file"), "7.zip;Kowalski;WA 12345;Nowak;0815;B7")
+    assert unit.labels == (("Serial", "0815"), ("Batch", "B7"))
+    (message,) = find_units([tmp_path / "fleet.csv"]).messages
+    assert str(message.text) == "columns that are kept as labels of their units: Serial, Batch"
+
+
+@pytest.mark.parametrize(
+    ("heading", "cell", "said"),
+    [
+        ("Schieberkastn", "mine", "is a mere label of its units; did you mean 'Schieberkasten'?"),
+        (
+            "Schieberkastn",
+            "five_speed_2005",
+            "is a mere label of its units, though it says 'five_speed_2005'; did you mean 'Schieberkasten'?",
+        ),
+        ("Straßenfahrt", "logs/a.csv", "is a mere label of its units, though it says 'logs/a.csv'"),
+        ("Supplier", "Almar", None),
+        ("Batch", "7", None),
+        ("Test stand", ".", None),
+    ],
+)
+def test_a_label_that_may_be_a_misspelt_column_is_doubted(
+    fleet: Fleet, tmp_path: Path, heading: str, cell: str, said: str | None
+) -> None:
+    fleet(f"sheet;{heading}", "b.csv;", f"a.csv;{cell}")
+    messages = find_units([tmp_path / "fleet.csv"]).messages
+    doubts = [(str(each.text), str(each.place)) for each in messages if each.level == "warning"]
+    assert doubts == ([] if said is None else [(said, f"fleet.csv, column {heading}")])
+
+
 def test_rows_are_known_by_their_files_and_number_wherever_they_stand(fleet: Fleet) -> None:
     lines = ["sheet,number,batch", "a.csv,1,x", "b.csv,2,x", "a.csv,3,x"]
     references = {unit.opened()[1].number: unit.reference for unit in fleet(*lines)}

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -150,6 +151,17 @@ def map_columns(
     return candidates
 
 
+class Again(NamedTuple):
+    """A column's unit where its header, or a row of units, stands again among the rows; None where none stands there.
+
+    ``row`` counts from 0 and is the line's own; ``text`` is what it says.
+    """
+
+    unit: str | None
+    row: int
+    text: str
+
+
 class Assigner:
     """Collects the decisions about one file: chosen signals, open questions, messages."""
 
@@ -164,6 +176,7 @@ class Assigner:
         self.unreadable: set[str] = set()  # columns whose cells are no numbers, which has been said
         self.messages: list[Message] = []
         self.base: np.ndarray | None = None  # stamps of signals that have none of their own
+        self.again: dict[int, Again] = {}  # by place of a column, where a header says more or less of its unit later
         self.ends: dict[int, Ends] = {}  # by place of a column whose cells are all finite numbers
 
     def say(self, code: str, text: Sentence, level: MessageLevel = "info", column: str | None = None) -> None:

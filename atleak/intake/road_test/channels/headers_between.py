@@ -1,17 +1,25 @@
-"""Refuses a log in the middle of which another header, or another row of units, begins: its columns change meaning."""
+"""Refuses a log in the middle of which another header, or another row of units, begins: its columns change meaning.
+
+A unit that only one of two headers states is asked about, unless the numbers of the other part are in it, too.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
 import pandas as pd
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.channels.assign import Assigner, Candidate, plain_name
-from atleak.intake.road_test.files.cells import MISSING
+from atleak.intake.road_test.channels.assign import Again, Assigner, Candidate, plain_name
+from atleak.intake.road_test.clock.clocks import Clock, numeric_clock
+from atleak.intake.road_test.files.cells import MISSING, Decimal
+from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.names.matching import is_unit, match_name, split_unit
-from atleak.intake.road_test.names.unit_choice import same_unit
+from atleak.intake.road_test.names.unit_choice import fit, same_unit
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
@@ -62,10 +70,13 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
                 value=others[0].text,
                 expected=Sentence("one header; split the file at data row {row}", row=int(row) + 1),
             )
+        is_header = sum(cell.repeats for cell in cells) >= 2
         for cell in cells:
             unit = split_unit(cell.text).unit
             if unit is not None and cell.repeats and cell.text != cell.column.label:
                 _refuse_another_unit(cell, unit, int(row), assigner)
+            elif unit is None and is_header and cell.repeats and cell.column.unit is not None:
+                assigner.again.setdefault(cell.column.heading.index, Again(None, int(row), cell.text))
 
 
 def _others(cells: list[_Cell], alone: bool) -> list[_Cell]:
@@ -82,7 +93,10 @@ def _others(cells: list[_Cell], alone: bool) -> list[_Cell]:
 
 
 def _refuse_another_unit(cell: _Cell, unit: str, row: int, assigner: Assigner) -> None:
-    stated, kind = cell.column.unit, QUANTITIES[cell.column.quantity].unit_kind
+    quantity = cell.column.quantity
+    stated, kind = cell.column.unit or assigner.units.get(quantity), QUANTITIES[quantity].unit_kind
+    if kind is not None and stated is None:
+        assigner.again.setdefault(cell.column.heading.index, Again(unit, row, cell.text))
     if kind is None or stated is None or same_unit(stated, unit, kind):
         return
     raise RoadTestError(
@@ -90,4 +104,77 @@ def _refuse_another_unit(cell: _Cell, unit: str, row: int, assigner: Assigner) -
         place=Place(file=assigner.file, column=cell.column.label),
         value=cell.text,
         expected=Sentence("one unit in every column; split the file at data row {row}", row=row + 1),
+    )
+
+
+def with_units_stated_again(
+    channels: list[Candidate], columns: Mapping[int, np.ndarray], rows: pd.Index, assigner: Assigner
+) -> list[Candidate]:
+    """Return the channels, with its unit each that a header in the middle of the log states for the first time.
+
+    Raises
+    ------
+    RoadTestError
+        where the numbers of the part of the log that states no unit may be in another one.
+    """
+    result = []
+    for channel in channels:
+        again, kind = assigner.again.get(channel.heading.index), QUANTITIES[channel.quantity].unit_kind
+        if again is None or kind is None or channel.quantity in assigner.units:
+            result.append(channel)
+            continue
+        at = int(rows.searchsorted(again.row))
+        values = columns[channel.heading.index]
+        silent, telling = (values[:at], values[at:]) if again.unit is not None else (values[at:], values[:at])
+        unit = again.unit or channel.unit or ""
+        guess = fit(channel.quantity, None, silent, assigner.neighbours)
+        known = guess.unit is not None and guess.doubt is None and same_unit(guess.unit.name, unit, kind)
+        if np.isfinite(silent).any() and (not known or fit(channel.quantity, unit, telling).problem):
+            raise _asked(channel, again, unit, assigner)
+        if again.unit is not None:
+            assigner.say("unit_stated_later", Sentence(
+                "{column!r} states its unit from data row {row} on only; the numbers before are in {unit}, too",
+                column=channel.label, row=again.row + 1, unit=unit,
+            ), "info", channel.label)  # fmt: skip
+        result.append(replace(channel, unit=unit))
+    return result
+
+
+def check_clock_stated_again(
+    times: list[Candidate], frame: pd.DataFrame, clock: tuple[str, Clock], decimal: Decimal, assigner: Assigner
+) -> None:
+    """Refuse a clock for which a header in the middle of the log states, for the first time, another unit.
+
+    Raises
+    ------
+    RoadTestError
+        asking for its unit.
+    """
+    label, chosen = clock
+    if chosen.form != "number" or "time" in assigner.units:
+        return
+    for column in times:
+        again = assigner.again.get(column.heading.index)
+        if again is None or again.unit is None or column.label != label:
+            continue
+        before, *_ = numbers(frame.loc[: again.row], column.heading.index, decimal)
+        if not same_unit(numeric_clock(before, None).unit, again.unit, "time"):
+            raise _asked(column, again, again.unit, assigner)
+
+
+def _asked(channel: Candidate, again: Again, unit: str, assigner: Assigner) -> RoadTestError:
+    """Return the error that asks for the unit of the rows for which none is stated."""
+    problem = Sentence("its unit is stated from data row {row} on only ({unit})", row=again.row + 1, unit=unit)
+    if again.unit is None:
+        problem = Sentence("its unit ({unit}) is not stated again from data row {row} on", row=again.row + 1, unit=unit)
+    return RoadTestError(
+        problem,
+        place=Place(file=assigner.file, column=channel.label),
+        value=again.text,
+        expected=Sentence(
+            "the unit of all rows, such as {quantity} = {unit!r}; or the file split at data row {row}",
+            quantity=channel.quantity,
+            unit=unit,
+            row=again.row + 1,
+        ),
     )

@@ -15,6 +15,7 @@ from atleak.intake.road_test.channels.assign import (
     map_columns,
 )
 from atleak.intake.road_test.channels.column_values import Rows, columns_of_numbers, rows_of
+from atleak.intake.road_test.channels.headers_between import check_clock_stated_again, with_units_stated_again
 from atleak.intake.road_test.channels.long import long_shape, read_long
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult, reach
 from atleak.intake.road_test.channels.timing import (
@@ -85,11 +86,13 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     frame = rows.frame
     channels, unit_columns = with_units_beside(channels, table, frame.index, assigner)
     columns = columns_of_numbers(channels, frame, table.decimal, assigner)
+    channels = with_units_stated_again(channels, columns, frame.index, assigner)
     motions = motions_beside(channels, columns)
     own_times = _own_times(table.headings, times, channels)
     if own_times is not None:
         return _read_own_times(own_times, rows, columns, channels, table, assigner, motions)
     label, clock = best_clock(times, frame, table, assigner, motions, rows.number)
+    check_clock_stated_again(times, frame, (label, clock), table.decimal, assigner)
     timeline = build_timeline(clock.seconds)
     if not len(timeline.time):
         raise no_time(table, assigner)

@@ -135,6 +135,29 @@ def test_two_lands_exchanged_are_refused_naming_both(controller):
     assert "component pressure_regulator land 2 measures like component pressure_regulator land 1" in text
 
 
+SIZES = {("pressure_regulator", "1"): (14.997, 15.034), ("pressure_regulator", "2"): (12.498, 12.535),
+         ("tcc_regulator", "1"): (10.998, 11.032)}  # fmt: skip
+
+
+@pytest.mark.parametrize("onward", [1, 2])
+def test_three_lands_exchanged_in_a_circle_are_refused_naming_all(controller, onward):
+    lands = list(SIZES)
+    rows = [
+        f"{component};{land};{SIZES[lands[(number + onward) % 3]][0]};{SIZES[lands[(number + onward) % 3]][1]}"
+        for number, (component, land) in enumerate(lands)
+    ]
+    text = refusal(controller, "Valve;Land;Spool [mm];Bore [mm]", *rows)
+    like = " land ".join(lands[onward])
+    assert f"component pressure_regulator land 1 measures like component {like}: the readings of component " in text
+    assert text.count("exchanged in a circle?") == 3
+    assert "pressure_regulator land 2 and component tcc_regulator land 1 exchanged in a circle?" in text
+
+
+def test_lands_that_measure_like_others_without_a_circle_are_not_called_exchanged(controller):
+    rows = ("pressure_regulator;1;12.498;12.535", "pressure_regulator;2;10.998;11.032", "tcc_regulator;1;10.998;11.032")
+    assert len(read(controller, "Valve;Land;Spool [mm];Bore [mm]", *rows).readings) == 6
+
+
 def test_a_column_of_temperatures_is_named_unless_the_head_states_one(controller):
     table = ("Valve;Land;Spool [mm];Bore [mm];Temp [°C]", *(";".join((*pair, "38")) for pair in LANDS))
     (text,) = said(read(controller, *table), "temperature_not_read")
@@ -173,9 +196,9 @@ def test_upper_and_lower_deviations_beside_the_measured_one(controller):
         ("Valve;Land;Spool Anna;Spool Ben", "tcc_regulator;1;10.998;10.999", "under 'Spool Anna', 'Spool Ben'"),
         ("Valve;Land;Part;Shift 1 [mm];Shift 2 [mm]", "tcc_regulator;1;spool;10.998;11.010", "'Shift 1 [mm]'"),
         (
-            "Valve;Land;Nominal [mm];Spool dev [µm];Bore dev [µm]",
-            "tcc_regulator;1;11.0;-2;32",
-            "under 'Spool dev [µm]'",
+            "Valve;Land;Nominal [mm];Spool dev Anna [µm];Spool dev Ben [µm]",
+            "tcc_regulator;1;11.0;-2;-3",
+            "under 'Spool dev Anna [µm]'",
         ),
     ],
 )
@@ -190,3 +213,59 @@ def test_remarks_that_return_at_every_land_are_refused_with_the_word_that_strike
     headings = "Valve;Land;Part;Diameter [mm];Remark"
     assert "the remark 'rejected'" in refusal(controller, headings, *rows)
     assert len(read(controller, headings, *(row.replace("dirty", "rejected") for row in rows)).readings) == 2
+
+
+DEVIATIONS = "Valve;Land;Part;Nominal [mm];"
+
+
+@pytest.mark.parametrize(
+    ("headings", "spool", "bore", "read_as"),
+    [
+        ("Deviation 1 [µm];Deviation 2 [µm]", "-2;-3", "32;33", [10.998, 10.997, 11.032, 11.033]),
+        ("Deviation 0° [µm];Deviation 90° [µm]", "-2;-3", "32;33", [10.998, 10.997, 11.032, 11.033]),
+        ("Abw. (0°) [1/100 mm];Abw. (90°) [1/100 mm]", "-0,2;-0,3", "3,2;3,3", [10.998, 10.997, 11.032, 11.033]),
+        ("Deviation [1/100 mm]", "-0.2", "3.2", [10.998, 11.032]),
+        ("Deviation in 1/1000 mm", "-2", "32", [10.998, 11.032]),
+    ],
+)
+def test_deviations_told_apart_by_their_headings_and_in_parts_of_a_unit(controller, headings, spool, bore, read_as):
+    lines = (DEVIATIONS + headings, f"tcc_regulator;1;spool;11.0;{spool}", f"tcc_regulator;1;bore;11.0;{bore}")
+    assert [round(each.diameter * 1e3, 6) for each in read(controller, *lines).readings] == read_as
+
+
+def test_deviations_of_both_parts_from_one_nominal_diameter(controller):
+    readings = read(controller, "Valve;Land;Nominal [mm];Spool dev [µm];Bore dev [µm]", "tcc_regulator;1;11.0;-2;32")
+    assert [(each.part, round(each.diameter * 1e3, 6)) for each in readings.readings] == [
+        ("spool", 10.998), ("sleeve", 11.032),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("headings", "asks"),
+    [
+        ("Deviation [µm];Deviation [µm]", "two columns are read as the same diameter"),
+        ("Deviation [µm];Deviation measured [µm]", "two columns are read as the same diameter"),
+        ("Deviation before [µm];Deviation after [µm]", "those are that say no more than part, direction or repeat"),
+        ("Deviation [0.01 mm];Remark", "nothing says in which unit the deviations are"),
+        ("Deviation 0.01 mm;Remark", "nothing says in which unit the deviations are"),
+        ("Deviation [hundredths];Remark", "nothing says in which unit the deviations are"),
+    ],
+)
+def test_deviations_that_can_be_read_in_two_ways_are_asked_about(controller, headings, asks):
+    rows = ("tcc_regulator;1;spool;11.0;-2;-3", "tcc_regulator;1;bore;11.0;32;33")
+    assert asks in refusal(controller, DEVIATIONS + headings, *rows)
+
+
+def test_deviations_of_a_bore_are_none_from_a_spool_s_nominal_diameter(controller):
+    text = refusal(controller, "Valve;Land;Spool nominal [mm];Bore deviation [µm]", "tcc_regulator;1;11.0;32")
+    assert "No deviations of diameters were understood under 'Bore deviation [µm]'" in text
+
+
+@pytest.mark.parametrize("heading", ["Diameter [1/100 mm]", "Diameter (1/100 mm)", "Diameter in 1/100 mm"])
+def test_hundredths_of_a_millimetre_are_a_unit(controller, heading):
+    pair = ("tcc_regulator;1;spool;1099.8", "tcc_regulator;1;bore;1103.2")
+    readings = read(controller, f"Valve;Land;Part;{heading}", *pair)
+    assert [round(each.diameter * 1e3, 6) for each in readings.readings] == [10.998, 11.032]
+    assert readings.unit == "1/100 mm"
+    lines = ("tcc_regulator;1;spool;1099.8;1/100 mm", "tcc_regulator;1;bore;11032;1/1000 mm")
+    assert read(controller, "Valve;Land;Part;Diameter;Unit", *lines).unit == "1/100 mm, µm"
