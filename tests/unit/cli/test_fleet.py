@@ -253,7 +253,7 @@ def unreached(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     asked_for: list[str] = []
 
     @contextmanager
-    def connected(scheduler: str | None = None, workers: int | None = None) -> Iterator[None]:
+    def connected(scheduler: str | None, *_: object, **__: object) -> Iterator[None]:
         asked_for.append(str(scheduler))
         raise FleetError(Sentence("no dask scheduler answers there: {reason}", reason="none"))
         yield
