@@ -127,6 +127,7 @@ PAPER = Inks(ink="#1B2733", soft="#5A6670", rule="#B8C2CB", leakage="#A3211B", p
 SCREEN = Inks(ink="#16222b", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00")
 DARK = Inks(ink="#E8EEF2", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00",
             card="#1B262E")  # fmt: skip
+SHEET_OF_PAPER = "#FFFFFF"  # what lies under a drawing in black and white
 SUSPECT = LOOKS[Verdict.REPLACE].screen  # samples of a log that no result uses
 SPREADS = ("#E3EAF1", "#9DB7D5")  # on paper: where nine of ten units are, and where half of them are
 SPREADS_ON_SCREEN = ("rgba(42, 134, 209, 0.18)", "rgba(42, 134, 209, 0.38)")  # the same, seen on white and on black

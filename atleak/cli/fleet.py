@@ -117,7 +117,7 @@ def _run(options: argparse.Namespace) -> int:
     limit = TIME_LIMIT if options.time_limit is None else options.time_limit or None
     with (
         Results.reserved(options.out, replace=options.replace) as results,
-        connected(options.scheduler, options.workers) as client,
+        connected(options.scheduler, options.workers, tell=_say) as client,
     ):
         results.begin(replace=options.replace)
         with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them

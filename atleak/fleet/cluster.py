@@ -5,9 +5,11 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import signal
+import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
 from atleak.errors import FleetError, Message
@@ -104,24 +106,50 @@ def _started_here(workers: int | None, memory_limit: int | None) -> Iterator[Cli
     from distributed.system import MEMORY_LIMIT
 
     count = workers or CPU_COUNT
+    started = ExitStack()
     try:
-        cluster = LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            processes=True,
-            host=HERE,
-            dashboard_address=f"{HERE}:0",
-            protocol="tls://",
-            security=Security.temporary(),  # nobody else on this machine can hand it anything to do
-            memory_limit=memory_limit or int(_MEMORY * MEMORY_LIMIT / count),
-            preload=["atleak.fleet.prepared"],
-            silence_logs=logging.CRITICAL,
-        )
-    except (OSError, RuntimeError, TimeoutError) as error:
-        problem = Sentence("the worker processes cannot be started: {reason}", reason=str(error))
-        raise FleetError(problem) from error
-    with cluster, Client(cluster, set_as_default=False, direct_to_workers=True) as client:
+        with _undisturbed():
+            try:
+                cluster = LocalCluster(
+                    n_workers=count,
+                    threads_per_worker=1,
+                    processes=True,
+                    host=HERE,
+                    dashboard_address=f"{HERE}:0",
+                    protocol="tls://",
+                    security=Security.temporary(),  # nobody else on this machine can hand it anything to do
+                    memory_limit=memory_limit or int(_MEMORY * MEMORY_LIMIT / count),
+                    preload=["atleak.fleet.prepared"],
+                    silence_logs=logging.CRITICAL,
+                )
+            except (OSError, RuntimeError, TimeoutError) as error:
+                problem = Sentence("the worker processes cannot be started: {reason}", reason=str(error))
+                raise FleetError(problem) from error
+            started.enter_context(cluster)
+            client = started.enter_context(Client(cluster, set_as_default=False, direct_to_workers=True))
         yield client
+    finally:
+        with _undisturbed():
+            started.close()
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Hold Ctrl-C back until all is started or ended; processes that are started meanwhile never get it.
+
+    On Windows nothing holds it back: there a worker may complain that is interrupted while it starts.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # else it is started with the first process, and lets Ctrl-C through from then on
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
