@@ -104,8 +104,8 @@ def _stacked(
         yield say.signed(Verdict.NOT_MEASURED), unmeasured, _shade(Verdict.NOT_MEASURED)
 
 
-def _shade(verdict: Verdict) -> dict[str, Any]:
-    look = look_of(verdict)
+def _shade(level: Verdict | Band) -> dict[str, Any]:
+    look = look_of(level)
     return {"color": look.screen, "pattern": {**_HATCH, "shape": look.pattern}}
 
 
@@ -383,23 +383,36 @@ def _bands(
     """Draw which part of the time the share was in each band, one above the other."""
     here = [each for each in zip(classes, edges, strict=True) if each[0].bands_percent]
     base = [0.0] * len(here)
-    for band in BANDS:
-        parts = [(each.bands_percent or {})[band] for each, _ in here]
-        look = look_of(band)
+    for name, parts, marker in _parts_of_time([each for each, _ in here], say):
         figure.add_bar(
             row=row,
             x=[_middle(edge) for _, edge in here],
             y=parts,
             base=list(base),
             width=[(edge[1] - edge[0]) * _WIDTH for _, edge in here],
-            name=say.signed(band),
+            name=name,
             showlegend=any(parts),
-            marker={"color": look.screen, "pattern": {**_HATCH, "shape": look.pattern}, "line": {"width": 0}},
+            marker={**marker, "line": {"width": 0}},
             customdata=[say("fleet.hours", hours=say.number(each.seconds / _HOUR, 1)) for each, _ in here],
-            hovertemplate=f"{say.signed(band)}: %{{y:.1f}} %<br>%{{customdata}}<extra></extra>",
+            hovertemplate=f"{name}: %{{y:.1f}} %<br>%{{customdata}}<extra></extra>",
         )
         base = [below + part for below, part in zip(base, parts, strict=True)]
     figure.update_yaxes(row=row, range=[0.0, PERCENT])
+
+
+def _parts_of_time(
+    classes: Sequence[TemperatureClass], say: Wording
+) -> Iterator[tuple[str, list[float], dict[str, Any]]]:
+    """Yield the parts of the time from below: green, green as far as it was measured, the other bands; with looks."""
+    for band in BANDS:
+        parts = [(each.bands_percent or {})[band] for each in classes]
+        if band is Band.GREEN:
+            in_part = [each.green_in_part_percent for each in classes]
+            parts = [whole - part for whole, part in zip(parts, in_part, strict=True)]
+            yield say.signed(band), parts, _shade(band)
+            yield say("fleet.green_in_part"), in_part, {"color": OK_IN_PART}
+        else:
+            yield say.signed(band), parts, _shade(band)
 
 
 # --- groups

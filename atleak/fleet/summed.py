@@ -117,6 +117,7 @@ class TemperatureClass:
     pressure_kpa: Spread | None
     pressure_min_kpa: float | None  # the lowest of any unit
     bands_percent: Mapping[Band, float] | None  # time in each band, of that with the share in any; None without
+    green_in_part_percent: float = 0.0  # of the same time: in green, with lands that were not measured and count as new
 
 
 @dataclass(frozen=True)

@@ -169,10 +169,19 @@ def test_temperatures_have_shares_pressures_and_the_time_in_bands() -> None:
     assert (list(share["mean of all the time"].y), list(share["largest of any unit"].y)) == ([21.0], [33.0, 33.0])
     assert list(pressure["lowest of any unit"].y) == [380.0, 380.0]
     assert list(pressure["nine of ten units"].base) == [496.0, 496.0]
-    assert [trace.y[0] for trace in bands.values()] == [70.0, 20.0, 10.0, 0.0]
-    assert [trace.base[0] for trace in bands.values()] == [0.0, 70.0, 90.0, 100.0]
+    assert [trace.y[0] for trace in bands.values()] == [70.0, 0.0, 20.0, 10.0, 0.0]
+    assert [trace.base[0] for trace in bands.values()] == [0.0, 70.0, 70.0, 90.0, 100.0]
     assert bands[SAY.signed(Band.RED)].customdata[0] == "2.0 h of logs"
     assert not bands[SAY.signed(Band.CRITICAL)].showlegend
+
+
+def test_time_of_units_that_were_measured_in_part_is_not_green() -> None:
+    figure = figures.over_temperature([heat(80.0, green_in_part_percent=70.0)], SAY).checked()
+    bands = by_name(figure, "y3")
+    assert (bands["● green"].y[0], bands["● green"].showlegend) == (0.0, False)
+    in_part = bands["● green as far as measured"]
+    assert (in_part.y[0], in_part.base[0], in_part.marker.color) == (70.0, 0.0, OK_IN_PART)
+    assert {trace.marker.color for trace in bands.values() if trace.y[0]}.isdisjoint({GREEN})
 
 
 def test_what_no_log_tells_takes_no_room() -> None:
