@@ -6,6 +6,8 @@ from atleak.errors import AtleakError
 from pages.shared import fleet, fleet_body, fleet_units, panel, reader, show
 
 panel.shown()
+if fleet_units.opened():
+    st.switch_page(panel.PAGES / "4_Diagnosis.py")
 say = reader.say()
 st.title(say("pages.Fleet"))
 try:
@@ -18,8 +20,8 @@ try:
         show.jumps(fleet.SECTIONS)
         st.subheader(say("fleet.units_of_all"), anchor="fleet-units")
         unit = fleet_units.choose(words)
-        if unit is not None and fleet_units.draw(folder, unit, words):
-            st.switch_page(panel.PAGES / "4_Diagnosis.py")
+        if unit is not None:
+            fleet_units.draw(folder, unit, words)
         st.subheader(say("fleet.one_body"), anchor="fleet-body")
         body = fleet.choose_body(words)
         fleet_body.draw_about(words, body)

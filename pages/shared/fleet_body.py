@@ -195,7 +195,7 @@ def _rates(words: FleetWords, comparison: GroupComparison) -> None:
     groups = sorted(comparison.groups, key=lambda group: -group.counts.units)
     show.chart(figures.rates_of_groups(groups[:DRAWN], say), "fleet-groups")
     with st.expander(say("fleet.every_group", count=len(groups))):
-        counts_table(words.heading(), [(group.name, group.counts) for group in comparison.groups], words)
+        counts_table(say("fleet.group"), [(group.name, group.counts) for group in comparison.groups], words)
 
 
 def _wear_compared(words: FleetWords, body: ValveBody, comparison: GroupComparison) -> None:
@@ -218,7 +218,7 @@ def _wear_compared(words: FleetWords, body: ValveBody, comparison: GroupComparis
     with st.expander(say("fleet.every_difference", count=len(told))):
         columns = [
             Column("pair", width=150),
-            Column("groups", words=words.heading()),
+            Column("groups", words=say("fleet.group")),
             Column("means", words=say("fleet.means")),
             Column("mean", words=say("fleet.in_the_mean_points")),
             Column("same_mileage", words=say("fleet.at_same_mileage_points")),

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import streamlit as st
 
 from atleak.errors import AtleakError
+from atleak.figures.fleet_figures import or_worse
 from atleak.fleet.kept_unit import KeptUnit, kept_unit
 from atleak.fleet.known import KnownFolder
 from atleak.fleet.results import Results
@@ -31,6 +32,7 @@ from pages.shared.state import InBook, remember, show_job
 
 PAGE = 50  # rows
 _OPENED = "fleet-opened"  # set where the last click opened a job
+_NONE = "\0"  # stands among groups for the units that state none
 _FAULT = "fleet-unit-fault"  # reference of the unit that could not be opened, and why
 _LANDS = (
     Column("verdict", "verdict", width=92),
@@ -125,63 +127,59 @@ def _label(unit: SummedUnit) -> str | None:
 
 
 def _asked(words: FleetWords, label: Callable[[SummedUnit], str | None]) -> _Asked:
-    say, units = words.say, words.summary.worst
+    say, summary = words.say, words.summary
     text = st.text_input(say("job_book.look_up"), **fields.kept("fleet-text", ""), placeholder=say("fleet.look_up_by"))
-    places = st.columns(3)
-    verdicts = [verdict for verdict in reversed(Verdict) if words.summary.counts.verdicts[verdict]]
-    with places[0]:
-        verdict = _narrowed(
-            say("columns.verdict"), [str(each) for each in verdicts], "verdict", lambda each: say.signed(Verdict(each))
-        )
-    with places[1]:
-        bodies = [body.controller for body in words.summary.bodies]
-        controller = _narrowed(say("columns.controller"), bodies, "body", words.body)
-    groups = {label(unit) or "" for unit in units}
-    named = sorted(each for each in groups if each)
-    with places[2]:
-        by = heading_words(words.summary.by or GROUP, say)
-        group = _narrowed(by, [*named, *([_NONE] if "" in groups and named else [])], "group", _of_group(say))
+    verdicts = [str(verdict) for verdict in reversed(Verdict) if summary.counts.verdicts[verdict]]
+    groups = {label(unit) or _NONE for unit in summary.worst}
+    named = sorted(groups - {_NONE})
+    narrowed = []
+    for place, (what, options, shown) in zip(
+        st.columns(3),
+        (
+            (say("columns.verdict"), verdicts, lambda each: say.signed(Verdict(each))),
+            (say("columns.controller"), [body.controller for body in summary.bodies], words.body),
+            (
+                heading_words(summary.by or GROUP, say),
+                [*named, *(groups & {_NONE})] if named else [],
+                lambda each: say("fleet.states_none") if each == _NONE else each,
+            ),
+        ),
+        strict=True,
+    ):
+        with place:
+            narrowed.append(_narrowed(what, ["", *options], (summary.folder, what), shown))
+    verdict, controller, group = narrowed
     return _Asked(text, verdict, controller, None if not group else "" if group == _NONE else group)
 
 
-_NONE = "\0"  # stands among groups for the units that state none
-
-
-def _of_group(say: Wording) -> Callable[[str], str]:
-    return lambda each: say("fleet.states_none") if each == _NONE else each
-
-
-def _narrowed(label: str, options: Sequence[str], name: str, words: Callable[[str], str]) -> str:
-    """Let one of some options be asked for, or any; what was asked for stays over another page."""
+def _narrowed(label: str, options: Sequence[str], name: Hashable, words: Callable[[str], str]) -> str:
+    """Let one of some options be asked for, or any, which comes first; what was asked for stays over another page."""
     say, kept = reader.say(), st.session_state.setdefault("fleet-asked", {})
-    all_of_them = ["", *options]
-    key = f"fleet-asked-{name}-{label}"
+    key = f"fleet-asked-{name}-{say.language}-{hash(tuple(options))}"
 
     def asked() -> None:
-        kept[key] = st.session_state[key]
+        kept[name] = st.session_state[key]
 
-    start = all_of_them.index(kept[key]) if kept.get(key) in all_of_them else 0
     return st.selectbox(
         label,
-        all_of_them,
-        start,
+        options,
+        options.index(kept[name]) if kept.get(name) in options else 0,
         lambda each: words(each) if each else say("job_book.any"),
         key=key,
         on_change=asked,
-        disabled=not options,
+        disabled=len(options) < 2,
     )
 
 
 def _columns(words: FleetWords) -> list[Column]:
     say, units = words.say, words.summary.worst
-    group = heading_words(words.summary.by or GROUP, say)
     columns = [
         Column("verdict", "verdict", width=92),
         Column("name", words=say("fleet.unit"), width=150),
-        Column("group", words=group),
+        Column("group", words=heading_words(words.summary.by or GROUP, say)),
         Column("mileage", "distance"),
-        Column("decided_by", width=150),
-        Column("lands_past", digits=0, words=say("fleet.lands_past", level=say.signed(Verdict.REPLACE))),
+        Column("decided_by", width=190),
+        Column("lands_past", digits=0, words=say("fleet.lands_past", level=or_worse(Verdict.REPLACE, say))),
         Column("measured"),
         Column("max_share", "percent", words=say("fleet.max_share")),
         Column("number"),
@@ -195,7 +193,14 @@ def _columns(words: FleetWords) -> list[Column]:
     told = {name: any(getattr(unit, name) for unit in units) for name in ("number", "serial", "vin", "date")}
     told |= {"visits": several, "controller": len(words.summary.bodies) > 1}
     told["group"] = any(unit.label or unit.group for unit in units)
-    return [column for column in columns if told.get(column.key, True)]
+    shown = [column for column in columns if told.get(column.key, True)]
+    headings = [column.heading(say) for column in shown]
+    return [  # a table of units may have any heading
+        replace(column, words=f"{say('fleet.group')}: {heading}")
+        if headings.count(heading) > 1 and column.key == "group"
+        else column
+        for column, heading in zip(shown, headings, strict=True)
+    ]
 
 
 def _row(unit: SummedUnit, label: str | None, words: FleetWords, cut: int) -> dict[str, Any]:
@@ -227,8 +232,13 @@ def _measured(unit: SummedUnit, say: Wording) -> str | None:
 # --- one unit
 
 
-def draw(folder: KnownFolder, unit: SummedUnit, words: FleetWords) -> bool:
-    """Show what the results hold of a unit, and offer its own job; return whether that was opened by the last click."""
+def opened() -> bool:
+    """Tell whether the last click opened the own job of a unit."""
+    return bool(st.session_state.pop(_OPENED, False))
+
+
+def draw(folder: KnownFolder, unit: SummedUnit, words: FleetWords) -> None:
+    """Show what the results hold of a unit, and offer its own job."""
     say = words.say
     kept = _kept(str(folder.path), reads(folder), unit.controller, unit.reference)
     with st.container(border=True):
@@ -250,7 +260,6 @@ def draw(folder: KnownFolder, unit: SummedUnit, words: FleetWords) -> bool:
             show.rows_table([_land(row, unit, words) for row in kept.lands], _LANDS)
         if kept.conditions:
             show.rows_table([_condition(row, say) for row in kept.conditions], _CONDITIONS)
-    return bool(st.session_state.pop(_OPENED, False))
 
 
 @st.cache_resource(max_entries=8, show_spinner=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +82,7 @@ def test_without_a_fleet_the_page_says_how_to_make_one(app: AppTest) -> None:
 def test_a_folder_that_is_gone_is_said_and_can_be_forgotten(app: AppTest, tmp_path: Path) -> None:
     note(tmp_path / "gone")
     go(app, PAGE)
-    assert "gone** holds no results of a fleet any more" in texts(app)
+    assert "gone** holds no results of a fleet that can be read" in texts(app)
     assert fleet.COMMAND in [each.value for each in app.code]
     next(each for each in app.button if each.label == "Forget").click().run()
     assert not app.exception
@@ -196,3 +197,15 @@ def test_results_that_cannot_be_read_are_said_by_their_file(app: AppTest, evalua
     shown(app, evaluated)
     assert not app.exception
     assert part.name in "".join(each.value for each in app.error).replace("\\", "")
+
+
+def test_a_label_of_the_same_heading_as_a_column_of_the_list_hides_none(app: AppTest, tmp_path: Path) -> None:
+    found = [replace(small_unit(number), labels=(("Unit", f"U{number}"),)) for number in range(2)]
+    with Results.open(tmp_path / "fleet", for_writing=True) as results:
+        results.add([evaluate(unit) for unit in found])
+    shown(app, tmp_path / "fleet", by="unit")
+    assert not app.exception
+    assert list(units(app).value["Unit"]) == ["unit 0", "unit 1"]
+    assert list(units(app).value["Group: Unit"]) == ["U0", "U1"]
+    choice(app, "Unit").select("U1").run()
+    assert list(units(app).value["Unit"]) == ["unit 1"]
