@@ -98,7 +98,7 @@ def _stacked(
         yield say.signed(Verdict.OK), whole, _shade(Verdict.OK)
     in_part = [counts.ok_in_part for _, counts in rows]
     if any(in_part):
-        yield say("fleet.ok_in_part"), in_part, {"color": OK_IN_PART}
+        yield say("fleet.ok_in_part"), in_part, {"color": OK_IN_PART.screen}
     unmeasured = [counts.verdicts[Verdict.NOT_MEASURED] for _, counts in rows]
     if any(unmeasured):
         yield say.signed(Verdict.NOT_MEASURED), unmeasured, _shade(Verdict.NOT_MEASURED)

@@ -79,9 +79,9 @@ def test_nothing_unmeasured_is_green() -> None:
         "○ not measured": [25.0],
     }
     assert GREEN not in {trace.marker.color for trace in figure.data}
-    assert figure.data[0].marker.color == OK_IN_PART
+    assert figure.data[0].marker.color == OK_IN_PART.screen
     partly = figures.verdicts([("all", counts(30, 0, 0, 0, in_part=12))], SAY).checked()
-    assert {trace.marker.color: trace.x[0] for trace in partly.data} == {GREEN: 60.0, OK_IN_PART: 40.0}
+    assert {trace.marker.color: trace.x[0] for trace in partly.data} == {GREEN: 60.0, OK_IN_PART.screen: 40.0}
 
 
 def test_no_unit_is_no_bar() -> None:
