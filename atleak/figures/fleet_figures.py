@@ -410,7 +410,7 @@ def _parts_of_time(
             in_part = [each.green_in_part_percent for each in classes]
             parts = [whole - part for whole, part in zip(parts, in_part, strict=True)]
             yield say.signed(band), parts, _shade(band)
-            yield say("fleet.green_in_part"), in_part, {"color": OK_IN_PART}
+            yield say("fleet.green_in_part"), in_part, {"color": OK_IN_PART.screen}
         else:
             yield say.signed(band), parts, _shade(band)
 

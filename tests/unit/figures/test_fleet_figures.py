@@ -180,7 +180,7 @@ def test_time_of_units_that_were_measured_in_part_is_not_green() -> None:
     bands = by_name(figure, "y3")
     assert (bands["● green"].y[0], bands["● green"].showlegend) == (0.0, False)
     in_part = bands["● green as far as measured"]
-    assert (in_part.y[0], in_part.base[0], in_part.marker.color) == (70.0, 0.0, OK_IN_PART)
+    assert (in_part.y[0], in_part.base[0], in_part.marker.color) == (70.0, 0.0, OK_IN_PART.screen)
     assert {trace.marker.color for trace in bands.values() if trace.y[0]}.isdisjoint({GREEN})
 
 
