@@ -9,6 +9,7 @@ from pathlib import Path
 
 import streamlit as st
 
+from atleak.system.printable import printable_log
 from pages.shared.entrance import may_send_files
 from pages.shared.left_sessions import let_go_in_time
 from pages.shared.requests_let_in import bracketed, guards
@@ -17,6 +18,7 @@ from pages.shared.requests_let_in import bracketed, guards
 @asynccontextmanager
 async def served(_: st.App) -> AsyncIterator[None]:
     """Show the dashboard in a browser, where this machine has a screen, and let sessions go that were left."""
+    printable_log()
     if not st.get_option("server.headless"):
         address = f"http://{bracketed(st.get_option('server.address'))}:{st.get_option('server.port')}"
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()

@@ -11,6 +11,7 @@ from functools import cache
 import typst
 from PIL import Image, ImageColor
 
+from atleak.look import SHEET_OF_PAPER
 from atleak.report.printed_fonts import FONTS
 
 DOTS = 150  # of an inch: on paper, where a sheet is shrunk, about 200
@@ -29,7 +30,7 @@ class Drawing:
     svg: str
     width: float
     height: float
-    ground: str = "#FFFFFF"
+    ground: str = SHEET_OF_PAPER
 
 
 @cache

@@ -13,7 +13,7 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.own_lands import OwnLands
-from atleak.report.paging import Paging, row_height, width_for
+from atleak.report.paging import HEADER, Tab, Table, width_for
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.wording import Wording
@@ -21,8 +21,6 @@ from atleak.workshop_units import MM
 
 LANDS = Sentence("Lands")
 _LENGTH_REPRESENTATIVE = Sentence("stated length representative")
-HEADER = 5  # row of the headings, from 0
-_BOLD_BESIDE = 2  # characters beside the longest word of a heading
 _LIST = 255  # characters that a spreadsheet program takes as the choices of a cell
 _HOW_TO = (
     Sentence(
@@ -62,24 +60,9 @@ _OPTIONS = _Column(Sentence("Note on repairs"), 30, "origin", unbroken=True)
 _Cells = Mapping[_Column, str | float | None]
 
 
-def write_lands(
-    sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, own: OwnLands, say: Wording
-) -> None:
-    """Write the tab, empty or with what is known of one unit.
-
-    Parameters
-    ----------
-    sheet
-        of a workbook that is being written.
-    formats
-        of the measuring sheet.
-    controller
-        whose lands the rows name, with what its file states beside them.
-    own
-        what to fill in.
-    say
-        the reader's words and units.
-    """
+def write_lands(tab: Tab, controller: Controller, own: OwnLands) -> None:
+    """Write the tab, empty or with what is known of one unit, beside what its controller's file states of its lands."""
+    sheet, formats, say = tab.sheet, tab.formats, tab.say
     rows = list(_rows(controller, own, say))
     columns = [_NUMBER, _NAME, _LAND, _CONTACT, _STATED, _POSITION, _STATED_POSITION, _NOTE]
     columns += [_FITTED, _OPTIONS] if controller.repairs else []
@@ -87,27 +70,17 @@ def write_lands(
         say.sentence(column.heading) + (f" [{say.unit('length')}]" if column.of_length else "") for column in columns
     ]
     widths = []
-    for column, said in zip(columns, headings, strict=True):
+    for column in columns:
         texts = [str(cells.get(column) or "") for _, cells in rows] if column.unbroken else []
-        widths.append(width_for(texts, width_for([said], column.width, beside=_BOLD_BESIDE)))
-    paging = Paging(tuple(widths))
-    paging.set_up(sheet)
+        widths.append(width_for(texts, column.width))
+    table = Table(tab, headings, widths)
     title = Sentence("Lands of this unit: {name}", name=Name(controller.name))
     how_to = (*_HOW_TO, _HOW_TO_REPAIR) if controller.repairs else _HOW_TO
-    paging.write_top(sheet, [say.sentence(each) for each in (title, *how_to)], formats)
-    for number, said in enumerate(headings):
-        sheet.write_string(HEADER, number, said, formats["heading"])
-    sheet.set_row(HEADER, row_height(zip(headings, widths, strict=True), bold=True))
+    table.write((title, *how_to), HEADER + len(rows), columns.index(_CONTACT))
     for row, (_, cells) in enumerate(rows, start=HEADER + 1):
-        texts = [str(cells.get(column) or "") for column in columns]
-        sheet.set_row(row, max(paging.row_height, row_height(zip(texts, widths, strict=True))))
+        table.fit(row, {at: str(cells.get(column) or "") for at, column in enumerate(columns)})
         _write_row(sheet, row, [(cells.get(column), formats[column.form]) for column in columns])
     _check_entries(sheet, controller, columns, [land for land, _ in rows], say)
-    last = HEADER + len(rows)
-    sheet.freeze_panes(HEADER + 1, columns.index(_CONTACT))
-    sheet.print_area(0, 0, last, len(columns) - 1)
-    sheet.repeat_rows(HEADER)
-    sheet.ignore_errors({"number_stored_as_text": f"A{HEADER + 2}:A{last + 1}"})
 
 
 def _write_row(sheet: Worksheet, row: int, cells: Iterable[tuple[str | float | None, Format]]) -> None:

@@ -13,6 +13,9 @@ from dataclasses import dataclass
 from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.sentence import Sentence
+from atleak.wording import Wording
+
 _PIXEL = 0.75  # [pt] to which workbooks round a row's height
 ROW = 7.0  # [mm] least height of a row on paper, to write in by hand: choice of this project
 _PAGE = 297.0, 210.0  # [mm] A4, landscape
@@ -23,6 +26,10 @@ _SPARE = 0.82  # of the width that is used: without the sheet's font a program t
 _LINE = 13.5  # [pt] height of a line of text
 LINE_OF_A_BOOK = 15.0  # [pt] the same of the larger letters of a workbook to be read on a screen
 _FULL, _FULL_BOLD = 0.9, 0.75  # of a column's characters: without the sheet's font a program takes a wider one
+
+HEADER = 5
+"""Row of the headings of a table on a tab, from 0."""
+_BOLD_BESIDE = 2  # characters beside the longest word of a heading
 
 Block = Sequence["Block"] | int  # blocks within a block; at the end a number of rows
 
@@ -61,15 +68,6 @@ class Paging:
         sheet.set_paper(9)  # A4
         sheet.set_print_scale(self.scale)
         sheet.set_margins(left=_LEFT, right=_RIGHT, top=_TOP, bottom=_BOTTOM)
-
-    def write_top(self, sheet: Worksheet, texts: Sequence[str], formats: Mapping[str, Format]) -> None:
-        """Write a title and what to do above a table, as wide as the table: no page cuts it off."""
-        for row, text in enumerate(texts):
-            form = formats["wrap" if row else "title"]
-            sheet.merge_range(row, 0, row, len(self.widths) - 1, "", form)
-            sheet.write_string(row, 0, text, form)
-            if row:
-                sheet.set_row(row, row_height([(text, sum(self.widths))]))
 
     def breaks(self, blocks: Sequence[Block]) -> list[int]:
         """Return the rows before which a page begins, counted from the first row to fill in.
@@ -113,6 +111,69 @@ class Paging:
     def _room(self) -> float:
         """Return the height of a page between its margins [mm]."""
         return _PAGE[1] - (_TOP + _BOTTOM) * _INCH
+
+
+@dataclass(frozen=True)
+class Tab:
+    """A tab of a measuring sheet that is being written, with the workbook's formats and the reader's words."""
+
+    sheet: Worksheet
+    formats: Mapping[str, Format]
+    say: Wording
+
+
+class Table:
+    """A table on a tab, below a title and what to do; its headings stand in row `HEADER`.
+
+    Parameters
+    ----------
+    tab
+        on which nothing is written yet.
+    headings
+        as the reader has them.
+    widths
+        of the columns at least, in characters; no word of a heading is broken.
+    """
+
+    def __init__(self, tab: Tab, headings: Sequence[str], widths: Iterable[int]) -> None:
+        self._tab, self._headings = tab, headings
+        self.widths = tuple(
+            width_for([said], width, beside=_BOLD_BESIDE) for said, width in zip(headings, widths, strict=True)
+        )
+        self.row_height = Paging(self.widths).row_height
+
+    def write(self, above: Iterable[Sentence], last: int, frozen: int) -> None:
+        """Write title and what to do as wide as the table, where no page cuts them off, and the headings.
+
+        Parameters
+        ----------
+        above
+            the title, and what to do.
+        last
+            row of the table.
+        frozen
+            columns that stay on the screen.
+        """
+        sheet, formats = self._tab.sheet, self._tab.formats
+        Paging(self.widths).set_up(sheet)
+        for row, text in enumerate(map(self._tab.say.sentence, above)):
+            form = formats["wrap" if row else "title"]
+            sheet.merge_range(row, 0, row, len(self.widths) - 1, "", form)
+            sheet.write_string(row, 0, text, form)
+            if row:
+                sheet.set_row(row, row_height([(text, sum(self.widths))]))
+        for column, said in enumerate(self._headings):
+            sheet.write_string(HEADER, column, said, formats["heading"])
+        sheet.set_row(HEADER, row_height(zip(self._headings, self.widths, strict=True), bold=True))
+        sheet.freeze_panes(HEADER + 1, frozen)
+        sheet.print_area(0, 0, last, len(self.widths) - 1)
+        sheet.repeat_rows(HEADER)
+        sheet.ignore_errors({"number_stored_as_text": f"A{HEADER + 2}:A{last + 1}"})
+
+    def fit(self, row: int, texts: Mapping[int, str]) -> None:
+        """Make a row as high as its texts need, by column, and as a pencil does."""
+        needed = row_height((text, self.widths[column]) for column, text in texts.items())
+        self._tab.sheet.set_row(row, max(self.row_height, needed))
 
 
 def _rows_of(block: Block) -> int:

@@ -5,10 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-
-from xlsxwriter.format import Format
-from xlsxwriter.worksheet import Worksheet
+from collections.abc import Iterator
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.controller import Controller
@@ -21,7 +18,7 @@ from atleak.pressure_table import (
     ranges_of,
     taps_of,
 )
-from atleak.report.paging import Paging, row_height, width_for
+from atleak.report.paging import HEADER, Tab, Table
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.views.gauge_rows import permissible_text, tap_text
@@ -34,13 +31,11 @@ _ENGINES = {
     Engine.FAST_IDLE: Sentence("fast idle"),
     Engine.STALL: Sentence("stall"),
 }
-HEADER = 5  # row of the headings, from 0
 _TEMPERATURE = (3, 2)  # row and column of the field
 _HIGHEST = 6000  # [kPa] that the cells take
 _RANGE, _TAP, _READ = range(3)  # columns, from 0; the last with one for every state of the engine
 _PERMISSIBLE = _READ + len(Engine)  # and again as many
 _WIDTHS = (8, 30, 14, 14, 14, 20, 20, 20)
-_BOLD_BESIDE = 2  # characters beside the longest word of a heading
 _HOW_TO = (
     Sentence(
         "What gauges show while the vehicle stands, the fluid warm. Yellow cells are to be filled in; leave empty what "
@@ -50,59 +45,38 @@ _HOW_TO = (
 )
 
 
-def write_pressures(
-    sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, table: PressureTable | None, say: Wording
-) -> None:
-    """Write the tab, empty or with the first reading of each cell.
+def write_pressures(tab: Tab, controller: Controller, readings: PressureTable | None) -> None:
+    """Write the tab, empty or with the first reading of each cell; a reading that no row takes is left out.
 
-    Parameters
-    ----------
-    sheet
-        of a workbook that is being written.
-    formats
-        of the measuring sheet.
-    controller
-        whose ranges and circuits the rows name, with what its file permits beside them.
-    table
-        readings to fill in; of a cell that no row has none is written.
-    say
-        the reader's words and units.
+    The rows name the controller's ranges and circuits, with what its file permits beside them.
     """
-    headings = _headings(say)
-    widths = [width_for([said], width, beside=_BOLD_BESIDE) for said, width in zip(headings, _WIDTHS, strict=True)]
-    paging = Paging(tuple(widths))
-    paging.set_up(sheet)
+    sheet, formats, say = tab.sheet, tab.formats, tab.say
+    rows = list(_rows(controller))
+    last = HEADER + len(rows)
+    table = Table(tab, _headings(say), _WIDTHS)
     title = Sentence("Pressures of a standing vehicle: {name}", name=Name(controller.name))
-    paging.write_top(sheet, [say.sentence(each) for each in (title, *_HOW_TO)], formats)
+    table.write((title, *_HOW_TO), last, _READ)
     label = f"{say.sentence(Sentence('ATF temperature'))} [{say.unit('temperature')}]"
-    sheet.set_row(_TEMPERATURE[0], paging.row_height)
+    sheet.set_row(_TEMPERATURE[0], table.row_height)
     sheet.write_string(_TEMPERATURE[0], 0, label, formats["field label"])
     sheet.write_blank(*_TEMPERATURE, None, formats["field"])
-    for column, said in enumerate(headings):
-        sheet.write_string(HEADER, column, said, formats["heading"])
-    sheet.set_row(HEADER, row_height(zip(headings, widths, strict=True), bold=True))
-    last = HEADER
-    for last, (selected, tap) in enumerate(_rows(controller), start=HEADER + 1):
+    for row, (selected, tap) in enumerate(rows, start=HEADER + 1):
         permissible = [
             permissible_text(permitted(controller, Cell(selected, engine, tap)), say) or "" for engine in Engine
         ]
         texts = {_TAP: tap_text(controller, tap, say), **dict(enumerate(permissible, start=_PERMISSIBLE))}
-        sheet.set_row(last, max(paging.row_height, row_height((text, widths[at]) for at, text in texts.items())))
-        sheet.write_string(last, _RANGE, selected, formats["text"])
+        table.fit(row, texts)
+        sheet.write_string(row, _RANGE, selected, formats["text"])
         for column, text in texts.items():
-            sheet.write_string(last, column, text, formats["text" if column == _TAP else "origin"])
+            sheet.write_string(row, column, text, formats["text" if column == _TAP else "origin"])
         for column, engine in enumerate(Engine, start=_READ):
-            given = table.at(Cell(selected, engine, tap)) if table is not None else ()
+            given = readings.at(Cell(selected, engine, tap)) if readings is not None else ()
             if given:
                 shown = round(float(say.convert(given[0].pressure * KPA, "pressure")), 9)
-                sheet.write_number(last, column, shown, formats["pressure"])
+                sheet.write_number(row, column, shown, formats["pressure"])
             else:
-                sheet.write_blank(last, column, None, formats["pressure"])
-    sheet.freeze_panes(HEADER + 1, _READ)
+                sheet.write_blank(row, column, None, formats["pressure"])
     sheet.data_validation(HEADER + 1, _READ, last, _PERMISSIBLE - 1, _pressures(say))
-    sheet.print_area(0, 0, last, len(widths) - 1)
-    sheet.repeat_rows(HEADER)
-    sheet.ignore_errors({"number_stored_as_text": f"A{HEADER + 2}:A{last + 1}"})
 
 
 def _headings(say: Wording) -> list[str]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any, TextIO
+from typing import Any, TextIO, cast
 
 _KEPT = "\n\t"
 _CONTROLS = {code: None for code in (*range(0x20), *range(0x7F, 0xA0)) if chr(code) not in _KEPT}
@@ -60,6 +61,22 @@ def only_what_is_asked_for() -> Iterator[None]:
             yield
         finally:
             sys.stdout = printed
+
+
+def printable_log() -> None:
+    """Let no control character through to standard error from now on, where a server logs tracebacks.
+
+    Handlers of loggers keep the stream that stood there when they were made: those get the guarded one too.
+    """
+    if sys.stderr is None:  # of a program without a console
+        return
+    plain = unguarded(sys.stderr)
+    guarded = cast(TextIO, PrintableStream(plain))
+    sys.stderr = guarded
+    loggers = (logging.getLogger(name) for name in list(logging.root.manager.loggerDict))
+    for handler in (handler for logger in (logging.root, *loggers) for handler in logger.handlers):
+        if isinstance(handler, logging.StreamHandler) and handler.stream in (plain, sys.__stderr__):
+            handler.setStream(guarded)
 
 
 @contextmanager

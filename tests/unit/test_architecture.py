@@ -25,6 +25,12 @@ def _imports(path: Path) -> set[str]:
     return names
 
 
+def test_colours_stand_in_one_place() -> None:
+    modules = {*CORE, *(ROOT / "pages").rglob("*.py"), ROOT / "app.py", ROOT / "serve.py"}
+    with_colours = {path for path in modules if re.search(r"#[0-9A-Fa-f]{6}\b", path.read_text(encoding="utf-8"))}
+    assert with_colours == {ROOT / "atleak" / "look.py"}
+
+
 @pytest.mark.parametrize("path", CORE, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_core_never_imports_streamlit(path: Path) -> None:
     assert not {name for name in _imports(path) if name.split(".")[0] == "streamlit"}

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from atleak.intake.readings.words import UNITS_BEHIND, direction_of, part_of, plain, vocabulary
+from atleak.intake.readings.words import SIZES, UNITS_BEHIND, direction_of, part_of, plain, vocabulary
 
 _COUNTED = vocabulary("repeat", "reading", "actual")
-_SIZE = vocabulary("diameter", "coordinate")
 _DIAMETER = vocabulary("diameter")
 _NUMBER = vocabulary("number")
 _PART_OR_OTHER = vocabulary("part_or_other")
@@ -145,7 +144,7 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
     angles += [
         token
         for before, (token, after) in zip(("", *tokens), _followed(tokens), strict=False)
-        if token in _PLAIN_ANGLES and (before in _SIZE or part_of(before)) and after not in UNITS_BEHIND
+        if token in _PLAIN_ANGLES and (before in SIZES or part_of(before)) and after not in UNITS_BEHIND
     ]
     angles += [token for token in tokens if "-" in token or (token.isalpha() and len(token) > 3)]
     direction = next((angle for each in angles if (angle := direction_of(each)) is not None), None)
@@ -164,7 +163,7 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
             continue
         if word in _COUNTED or word in {"#", "r"}:
             repeat = number if repeat is None else repeat
-        elif word in _SIZE or _may_be_numbered(word, after):
+        elif word in SIZES or _may_be_numbered(word, after):
             beside.append(number)
     if role == "coordinate":
         ends = {axis[1] for axis in axes}

@@ -26,6 +26,9 @@ from atleak.intake.readings.one_heading import (
     split_unit,
 )
 from atleak.intake.readings.words import (
+    COUNTED,
+    READINGS,
+    SIZES,
     is_blank,
     number_of,
     part_of,
@@ -43,9 +46,6 @@ EXPECTED = Sentence(
 
 _DEPTH = 4  # rows that headings may be spread over
 
-_COUNTED = vocabulary("repeat", "reading")
-_READING = vocabulary("reading", "actual")
-_SIZE = vocabulary("diameter", "coordinate")
 _UNDER_ANOTHER = vocabulary(
     "mean", "sum", "mean_in_heading", "specification", "specification_title", "actual", "reading"
 )
@@ -123,7 +123,7 @@ def _is_named_size(column: Column) -> bool:
     if not column.holds_value:
         return True
     words = set(tokens_of(column.heading))
-    named = words & _SIZE or words & _READING or both_ends(words) or column.role == "coordinate"
+    named = words & SIZES or words & READINGS or both_ends(words) or column.role == "coordinate"
     return bool(named or column.unit is not None or column.standing)
 
 
@@ -275,7 +275,7 @@ def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
 
 
 def _is_counted(column: Column) -> bool:
-    return bool(set(tokens_of(column.heading)) & _COUNTED)
+    return bool(set(tokens_of(column.heading)) & COUNTED)
 
 
 def read_together(columns: list[Column]) -> tuple[Column, ...]:

@@ -11,13 +11,12 @@ from atleak.errors import ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.heading_numbers import Spot, is_angle, spot_of_heading, tokens_of
 from atleak.intake.readings.one_heading import split_unit
-from atleak.intake.readings.words import direction_of, part_of, part_said, plain, text_of, vocabulary
+from atleak.intake.readings.words import COUNTED, direction_of, part_of, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell
 
 _NUMBER = vocabulary("number")
 _LABELS = vocabulary("number", "component", "generic")
 _DIAMETER = vocabulary("diameter")
-_REPEAT = vocabulary("repeat", "reading")
 _SIDES = vocabulary("outer", "inner")
 _LEADING_NUMBER = re.compile(r"(\d+'?)(?=[\s,;:./_()\-–—#]|$)")
 _AXES = {"x": "0°", "y": "90°"}
@@ -112,7 +111,7 @@ def _read_rest(text: str, label: Label) -> Label | None:
     before = ""
     for token in others:
         if token.isdigit():
-            if before in _REPEAT and label.repeat is None:
+            if before in COUNTED and label.repeat is None:
                 label = replace(label, repeat=token)
             elif label.number is None and label.land is None and label.plane is None:
                 label = replace(label, number=token)
@@ -124,7 +123,7 @@ def _read_rest(text: str, label: Label) -> Label | None:
             label = replace(label, part=said)
         elif token.isalpha() and len(token) > 3 and label.direction is None and direction_of(token) is not None:
             label = replace(label, direction=token)
-        elif token not in _NUMBER and token not in _DIAMETER and token not in _REPEAT:
+        elif token not in _NUMBER and token not in _DIAMETER and token not in COUNTED:
             return None
         before = token
     return label

@@ -18,6 +18,10 @@ from atleak.intake.readings.heading_numbers import (
     tokens_of,
 )
 from atleak.intake.readings.words import (
+    COUNTED,
+    QUANTITIES,
+    READINGS,
+    SIZES,
     SPECIFICATIONS,
     STATES,
     part_of,
@@ -45,18 +49,14 @@ _CORRECTED = vocabulary("corrected")
 _RAW = vocabulary("raw")
 _STANDING = vocabulary("corrected", "raw")
 _OUTCOME = vocabulary("actual", "corrected", "raw")
-_QUANTITY = vocabulary("quantity", "clearance", "error", "spread")
 _REMARK = vocabulary("remark")
 _DIRECTION = vocabulary("direction")
 _PLANE = vocabulary("plane")
 _LAND = vocabulary("land")
 _REPEAT = vocabulary("repeat")
-_COUNTED = vocabulary("repeat", "reading")
-_READING = vocabulary("reading", "actual")
 _SAYS_NOW = vocabulary("reading", "actual", "now", "when")
 _COORDINATE = vocabulary("coordinate")
 _DIAMETER = vocabulary("diameter")
-_SIZE = vocabulary("diameter", "coordinate")
 _PART = vocabulary("part")
 _COMPONENT = vocabulary("component")
 _NUMBER = vocabulary("number")
@@ -184,13 +184,13 @@ def _read_heading(text: str) -> Column | None:
         "corrected" if words & _CORRECTED else "raw" if words & _RAW else None
     )
     outcome = bool(words & _NOW) or (unit is None and bool(words & _OUTCOME))
-    by_place = role != named and unit is None and not words & _SIZE
+    by_place = role != named and unit is None and not words & SIZES
     return Column(
         *(0, text, role, unit, coordinate, part or side, spot.direction if direction is None else direction),
         *(repeat, spot.land, spot.plane),
         otherwise=named if by_place else None,
         standing=standing,
-        tentative=(outcome and not words & _SIZE and repeat is None) or by_place or _is_bare_letter(rest, unit),
+        tentative=(outcome and not words & SIZES and repeat is None) or by_place or _is_bare_letter(rest, unit),
         besides=besides_numbers(others),
     )
 
@@ -253,11 +253,11 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
     key = any(words & each for each in (_DIRECTION, _PLANE, _LAND, _REPEAT, _COMPONENT, _PART, _NUMBER))
     numbered_letter = text.strip()[1:].isdigit()  # "d1": of a diameter if its cells are
     simple: list[tuple[bool, Role]] = [
-        (_is_earlier(words, sized or (bool(parts) and not key)) and not words & _QUANTITY, "specification"),
-        (bool(words & _STANDING) and (sized or bool(words & _READING) or len(words) == 1), "diameter"),
+        (_is_earlier(words, sized or (bool(parts) and not key)) and not words & QUANTITIES, "specification"),
+        (bool(words & _STANDING) and (sized or bool(words & READINGS) or len(words) == 1), "diameter"),
         (bool(words & _MEAN) or "x\u0304" in text or "x\u0305" in text, "mean"),
-        (bool(words & _QUANTITY) and not words & SPECIFICATIONS, "quantity"),
-        (bool(words & SPECIFICATIONS) and (sized or not key or bool(words & _QUANTITY)), "specification"),
+        (bool(words & QUANTITIES) and not words & SPECIFICATIONS, "quantity"),
+        (bool(words & SPECIFICATIONS) and (sized or not key or bool(words & QUANTITIES)), "specification"),
         (bool(words & _SUM), "mean"),
         (bool(words & _REMARK) and not (words & _GAUGE and unit is not None), "remark"),
         (bool(words & _DIRECTION), "direction"),
@@ -265,8 +265,8 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         (bool(words & _LAND) and (numbered or not diameter), "land"),
         (bool(words & _COORDINATE) or (len(axes) >= 1 and not both_ends(axes) and not diameter), "coordinate"),
         (diameter or both_ends(axes), "diameter"),
-        (bool(words & _COUNTED or words & _ACTUAL or words & _NOW) and unit is not None, "diameter"),
-        (bool(words & _COUNTED) and numbered and len(words) <= 3, "diameter"),
+        (bool(words & COUNTED or words & _ACTUAL or words & _NOW) and unit is not None, "diameter"),
+        (bool(words & COUNTED) and numbered and len(words) <= 3, "diameter"),
         (bool(words & _REPEAT), "repeat"),
         (bool(words & {"value", "reading"}), "diameter"),
         (bool(words & _UNIT) and not sized, "unit"),
@@ -290,14 +290,14 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
 
 def _is_earlier(words: set[str], sized: bool) -> bool:
     """Return whether a heading says what a diameter was, or was when new; a "standard" by itself is a gauge."""
-    earlier = words & _EARLIER or (words & _NEW and (not words & _READING or words & _WHEN))
+    earlier = words & _EARLIER or (words & _NEW and (not words & READINGS or words & _WHEN))
     if not earlier or all(word in _GAUGE for word in words):
         return False
     return sized or all(word in _EARLIER or word in _NEW or word in _WHEN for word in words)
 
 
 def _component_rank(words: set[str]) -> tuple[Role | None, int]:
-    if words & _READING or words & STATES:
+    if words & READINGS or words & STATES:
         return None, 0  # a measurement, vehicle or inspection by its number
     if words & _NAME:
         return "component", 1

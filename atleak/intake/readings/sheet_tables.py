@@ -20,6 +20,7 @@ from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
 from atleak.intake.readings.split_labels import with_split_labels
 from atleak.intake.readings.words import (
     ERRORS,
+    READINGS,
     is_blank,
     is_page_title,
     number_of,
@@ -35,7 +36,6 @@ from atleak.intake.sheets.sheet import Sheet
 from atleak.sentence import Sentence, all_of
 
 _ASIDE = vocabulary("specification_title", "calibration")
-_READ = vocabulary("reading", "actual")
 _DIAMETER = vocabulary("diameter")
 _WORD = re.compile(r"[^\W\d_]+")
 _TITLE_ROWS = 4
@@ -329,7 +329,7 @@ def _why_aside(table: Table, titles: Sequence[str]) -> Sentence | None:
     for title in titles:
         words = set(_WORD.findall(plain(title)))
         counted = summary_of(title.partition(" ")[0]) in ("count", "spread") and bool(words & _DIAMETER)
-        if counted or (words & _ASIDE and not words & _READ and not words & ERRORS):
+        if counted or (words & _ASIDE and not words & READINGS and not words & ERRORS):
             return Sentence("by its title {title!r} no readings", title=title)
     if not header.of("component") and header.of("gauge"):
         return Sentence("a check of the instrument")

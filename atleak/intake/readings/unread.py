@@ -17,7 +17,7 @@ from atleak.intake.readings.one_heading import Role, split_unit
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, numbers_of
-from atleak.intake.readings.words import is_blank, letters, number_of, part_said, plain, text_of, vocabulary
+from atleak.intake.readings.words import QUANTITIES, is_blank, letters, number_of, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import REPEAT_TOLERANCE
@@ -37,7 +37,6 @@ _SAYS_SIZE = vocabulary(
 _MEASURED = vocabulary("diameter", "coordinate", "actual", "now", "reading")
 _STANDARD = vocabulary("earlier")
 _DIMENSION = vocabulary("dimension")
-_QUANTITY = vocabulary("quantity", "clearance", "error", "spread")
 _SHOWN = 2
 _ROUNDED = 1e-9  # [m]
 
@@ -317,7 +316,7 @@ class Account:
         words = set(plain(label).replace(":", " ").split())
         if words & _SAYS_SIZE or self.names.is_named(label) or part_said(label):
             return False
-        return bool(words & _QUANTITY) or is_whole(sheet.cell(row, column))
+        return bool(words & QUANTITIES) or is_whole(sheet.cell(row, column))
 
     def _looks_read(self, sheet: Sheet, row: int) -> bool:
         """Return whether a row outside of every table says what a diameter is of."""

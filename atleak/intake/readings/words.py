@@ -85,6 +85,10 @@ def _listed(meaning: str) -> list[str]:
 
 
 SPECIFICATIONS = vocabulary("specification", "specification_title")
+READINGS = vocabulary("reading", "actual")
+COUNTED = vocabulary("repeat", "reading")
+SIZES = vocabulary("diameter", "coordinate")
+QUANTITIES = vocabulary("quantity", "clearance", "error", "spread")
 
 
 @lru_cache(maxsize=4096)

@@ -56,7 +56,7 @@ from atleak.report.measuring_sheet.words import (
     SHEET,
     UNWORN_END,
 )
-from atleak.report.paging import Paging
+from atleak.report.paging import Paging, Tab
 from atleak.report.pressure_sheet import PRESSURES, write_pressures
 from atleak.sentence import Name, Sentence
 from atleak.system.marks import PROPERTY, sealed, unsealed
@@ -162,9 +162,12 @@ def write_readings(
         sheet.lay_out(rows)
         sheet.body(rows, drawn=blank_rows)
         sheet.set_up(len(rows), (fields or {}).get(JOB, ""))
-        write_lands(book.add_worksheet(say.sentence(LANDS)), formats, controller, own_lands, say)
-        write_pressures(book.add_worksheet(say.sentence(PRESSURES)), formats, controller, pressures, say)
-        write_instructions(book.add_worksheet(say.sentence(INSTRUCTIONS)), formats, controller, _FAR, say)
+        lands, gauges, instructions = (
+            Tab(book.add_worksheet(say.sentence(name)), formats, say) for name in (LANDS, PRESSURES, INSTRUCTIONS)
+        )
+        write_lands(lands, controller, own_lands)
+        write_pressures(gauges, controller, pressures)
+        write_instructions(instructions, controller, _FAR)
     return sealed(buffer.getvalue()) if empty else buffer.getvalue()
 
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-
-from xlsxwriter.format import Format
-from xlsxwriter.worksheet import Worksheet
+from collections.abc import Iterator
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
 from atleak.report.lands_sheet import LANDS
 from atleak.report.measuring_sheet.words import UNWORN_END
-from atleak.report.paging import Paging, row_height
+from atleak.report.paging import Paging, Tab, row_height
 from atleak.report.pressure_sheet import PRESSURES
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
@@ -152,24 +149,19 @@ _REFUSED: _Topic = (
 )
 
 
-def write_instructions(
-    sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, far: float, say: Wording
-) -> None:
+def write_instructions(tab: Tab, controller: Controller, far: float) -> None:
     """Write a row for every topic, as high as its text is long.
 
     Parameters
     ----------
-    sheet
-        of a workbook that is being written.
-    formats
-        of the measuring sheet.
+    tab
+        on which nothing is written yet.
     controller
         whose representative values are named as such.
     far
         how far from the nominal diameter a cell is coloured [µm].
-    say
-        the reader's words and units.
     """
+    sheet, formats, say = tab.sheet, tab.formats, tab.say
     Paging(_WIDTHS).set_up(sheet)
     sheet.write_string(0, 0, say.sentence(INSTRUCTIONS), formats["title"])
     for number, (topic, text) in enumerate(_topics(controller, far, say)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from atleak.fleet.summed import MileageClass, TemperatureClass
-from atleak.look import LOOKS, PAPER, SPREADS, Look, look_of
+from atleak.look import LOOKS, OK_IN_PART, PAPER, SPREADS, Look, look_of
 from atleak.report.printed_charts import plotting
 from atleak.report.printed_charts.plotting import (
     BELOW,
@@ -47,6 +47,7 @@ class VerdictRow:
 
     name: str
     verdicts: Mapping[Verdict, int]
+    ok_in_part: int = 0  # of those that are ok: as far as they were measured, not at every land
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,7 @@ def verdicts_chart(rows: Sequence[VerdictRow], title: str, say: Wording) -> str:
         point = _points_of(axes) / 100.0  # [pt] of a per cent
         for place, row, told in zip(places(rows), rows, said, strict=True):
             units, begin = sum(row.verdicts.values()) or 1, 0.0
-            for verdict in STACKED:
-                count, look = row.verdicts[verdict], LOOKS[verdict]
+            for count, look in _parts_of(row):
                 end = begin + 100.0 * count / units
                 if count:
                     bar_of(axes, end, place, 0.72, look, begin)
@@ -92,6 +92,16 @@ def verdicts_chart(rows: Sequence[VerdictRow], title: str, say: Wording) -> str:
                 begin = end
             words(axes, (100.0, place), told, (5.0, 0.0))
         return plotting.svg(figure)
+
+
+def _parts_of(row: VerdictRow) -> Iterator[tuple[int, Look]]:
+    """Yield how many units each part of a bar stands for, and its looks: what is ok in part is not green."""
+    for verdict in STACKED:
+        if verdict is Verdict.OK:
+            yield row.verdicts[verdict] - row.ok_in_part, LOOKS[verdict]
+            yield row.ok_in_part, OK_IN_PART
+        else:
+            yield row.verdicts[verdict], LOOKS[verdict]
 
 
 def _points_of(axes: Axes) -> float:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import io
+import logging
 import sys
+import tomllib
+import traceback
+from pathlib import Path
 
 import pytest
 
-from atleak.system.printable import PrintableStream, printable, printable_streams, unguarded
+from atleak.system.printable import PrintableStream, printable, printable_log, printable_streams, unguarded
 
 
 def test_every_control_character_but_line_ends_and_tabs_is_left_out() -> None:
@@ -44,3 +48,25 @@ def test_standard_streams_are_given_back(monkeypatch: pytest.MonkeyPatch) -> Non
     assert sys.stdout is stream
     assert sys.stderr is None
     assert stream.getvalue() == "here\n"
+
+
+def test_what_a_server_logs_holds_no_control_character(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal, elsewhere = io.StringIO(), io.StringIO()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    logger = logging.getLogger("atleak.test_printable")
+    monkeypatch.setattr(logger, "handlers", [logging.StreamHandler(), logging.StreamHandler(elsewhere)])
+    printable_log()
+    printable_log()
+    try:
+        raise ValueError("log \x1b]0;renamed\x07 \x9b2J.csv: is damaged")
+    except ValueError as error:
+        logger.exception("Uncaught app execution")
+        traceback.print_exception(error)
+    assert terminal.getvalue().count("ValueError: log ]0;renamed 2J.csv: is damaged") == 2
+    assert not set(terminal.getvalue()) & set("\x1b\x07\x9b")
+    assert "\x1b" in elsewhere.getvalue(), "a file is no terminal"
+
+
+def test_the_server_logs_tracebacks_without_colours_of_its_own() -> None:
+    config = Path(__file__).resolve().parents[3] / ".streamlit" / "config.toml"
+    assert tomllib.loads(config.read_text(encoding="utf-8"))["logger"] == {"enableRich": False}

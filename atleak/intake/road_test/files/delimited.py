@@ -17,7 +17,7 @@ from atleak.intake.road_test.blocks import Ends, ends_of
 from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, kind_of, without_unit
 from atleak.intake.road_test.files.decoding import LogText, to_text
 from atleak.intake.road_test.files.headings import Heading, Row
-from atleak.intake.road_test.files.layout import WHITESPACE, Layout, find_dialect, find_table, split_line
+from atleak.intake.road_test.files.layout import WHITESPACE, Layout, OfLayout, find_dialect, find_table, split_line
 from atleak.intake.road_test.files.log_file import HEAD, LARGE, PIECE, LogFile, Look, beside
 from atleak.intake.road_test.files.rows import QUOTE, Tallying, mended, one_line_end, signs_per_line
 from atleak.sentence import Sentence
@@ -30,7 +30,7 @@ LOOK = 150
 
 
 @dataclass(frozen=True)
-class Delimited:
+class Delimited(OfLayout):
     """Delimited text whose table is located but not read yet.
 
     ``text`` is the whole text, or None where the fast reader may take the file at ``source.path`` as it is.
@@ -61,21 +61,6 @@ class Delimited:
     def has_header(self) -> bool:
         """Return whether any row names the columns."""
         return self.layout.has_header
-
-    @property
-    def width(self) -> int:
-        """Return the number of cells in a data row."""
-        return self.layout.width
-
-    @property
-    def preamble(self) -> tuple[Row, ...]:
-        """Return the rows above the header."""
-        return self.layout.preamble
-
-    @property
-    def above(self) -> int:
-        """Return the number of rows of another table above this one."""
-        return self.layout.above
 
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
         """Read these columns from the first data row on: numbers as floats, anything else as text.

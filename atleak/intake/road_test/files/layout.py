@@ -33,6 +33,27 @@ class Layout:
     above: int = 0
 
 
+class OfLayout:
+    """What a table has of its layout."""
+
+    layout: Layout
+
+    @property
+    def width(self) -> int:
+        """Return the number of cells in a data row."""
+        return self.layout.width
+
+    @property
+    def preamble(self) -> tuple[Row, ...]:
+        """Return the rows above the header."""
+        return self.layout.preamble
+
+    @property
+    def above(self) -> int:
+        """Return the number of rows of another table above this one."""
+        return self.layout.above
+
+
 def split_line(line: str, delimiter: str) -> Row:
     """Return the cells of one line without the blanks and quotes around them."""
     if delimiter == WHITESPACE:

@@ -16,7 +16,7 @@ from atleak.intake.native.workbooks import log_blocks, stray_cells
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, without_unit
 from atleak.intake.road_test.files.headings import Heading, Row, nameless
-from atleak.intake.road_test.files.layout import Layout, find_table
+from atleak.intake.road_test.files.layout import Layout, OfLayout, find_table
 from atleak.intake.road_test.files.log_file import LogFile
 from atleak.intake.road_test.files.sheet_cells import SheetCells
 from atleak.intake.road_test.names.matching import match_name, split_unit
@@ -24,7 +24,7 @@ from atleak.intake.sheets.extent import cut
 
 
 @dataclass(frozen=True)
-class LogSheet:
+class LogSheet(OfLayout):
     """One sheet whose table is located; a `protocol.LogTable`."""
 
     name: str
@@ -64,21 +64,6 @@ class LogSheet:
         """Return the first data rows as text."""
         body = self.cells.head[self.layout.start : self.layout.start + 400]
         return tuple([_text(cell, self.decimal) for cell in row] for row in body)
-
-    @property
-    def width(self) -> int:
-        """Return the number of cells in a data row."""
-        return self.layout.width
-
-    @property
-    def preamble(self) -> tuple[Row, ...]:
-        """Return the rows above the header."""
-        return self.layout.preamble
-
-    @property
-    def above(self) -> int:
-        """Return the number of rows of another table above this one."""
-        return self.layout.above
 
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
         """Read these columns from the first data row on, as `delimited.Delimited.read` does."""
