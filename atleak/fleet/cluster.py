@@ -24,6 +24,7 @@ _MEMORY = 0.9  # part of this machine's memory that all workers together may tak
 _CLOSING = 2.0  # [s] for a client to end that could not be made
 _SCHEMES = ("tcp", "tls", "ws", "wss")
 _ADDRESS = Sentence("the address that the scheduler said when it was started, as tcp://10.0.0.5:8786")
+_LEAST = 500_000_000  # bytes for a worker: what one holds with a unit of 47 lands, twice
 _COMPARED = ("python", "numpy", "pandas", "dask", "distributed")
 SETTINGS: Mapping[str, Any] = {
     # a unit whose worker ended is tried again by the run itself, which knows when it is alone
@@ -72,7 +73,7 @@ def connected(
         address of a scheduler that runs already, as ``tcp://10.0.0.5:8786``; unless given, workers are started on this
         machine, reached from this machine alone.
     workers
-        how many of them to start; as many as there are processors unless given.
+        how many of them to start; unless given as many as there are processors, or fewer where memory is short.
     memory_limit
         of each worker started here, in bytes; unless given, its part of the machine's memory. A worker that takes more
         is ended and started anew.
@@ -105,7 +106,8 @@ def _started_here(workers: int | None, memory_limit: int | None) -> Iterator[Cli
     from distributed import Client, LocalCluster, Security
     from distributed.system import MEMORY_LIMIT
 
-    count = workers or CPU_COUNT
+    memory = int(_MEMORY * MEMORY_LIMIT)
+    count = workers or max(min(CPU_COUNT, memory // _LEAST), 1)
     started = ExitStack()
     try:
         with _undisturbed():
@@ -118,7 +120,7 @@ def _started_here(workers: int | None, memory_limit: int | None) -> Iterator[Cli
                     dashboard_address=f"{HERE}:0",
                     protocol="tls://",
                     security=Security.temporary(),  # nobody else on this machine can hand it anything to do
-                    memory_limit=memory_limit or int(_MEMORY * MEMORY_LIMIT / count),
+                    memory_limit=memory_limit or memory // count,
                     preload=["atleak.fleet.prepared"],
                     silence_logs=logging.CRITICAL,
                 )
