@@ -27,7 +27,7 @@ from atleak.report.printed_charts.plotting import (
 )
 from atleak.report.printed_fonts import fitting, width_of
 from atleak.spreads import Rate, Spread
-from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
 from atleak.wording import Wording
 
 STACKED = (*(verdict for verdict in VERDICTS if verdict is not Verdict.NOT_MEASURED), Verdict.NOT_MEASURED)
@@ -297,9 +297,7 @@ def _over_temperature(axes: Axes, kind: str, classes: Sequence[TemperatureClass]
         axes.set_ylim(0.0, 100.0)
         for (begin, end), each in zip(ends, classes, strict=True):
             bottom = 0.0
-            for band in BANDS:
-                part = (each.bands_percent or {}).get(band, 0.0)
-                look = look_of(band)
+            for part, look in _bands_of(each):
                 if part:
                     axes.bar(
                         0.5 * (begin + end), part, bottom=bottom, width=0.8 * (end - begin), color=look.fill,
@@ -312,6 +310,17 @@ def _over_temperature(axes: Axes, kind: str, classes: Sequence[TemperatureClass]
             axes.bar(
                 0.5 * (begin + end), units, width=0.8 * (end - begin), color=PAPER.metal, edgecolor=PAPER.ink, lw=0.5
             )
+
+
+def _bands_of(each: TemperatureClass) -> Iterator[tuple[float, Look]]:
+    """Yield the parts of the time in each band, and their looks: of units measured in part none is green."""
+    for band in BANDS:
+        part = (each.bands_percent or {}).get(band, 0.0)
+        if band is Band.GREEN:
+            yield part - each.green_in_part_percent, look_of(band)
+            yield each.green_in_part_percent, OK_IN_PART
+        else:
+            yield part, look_of(band)
 
 
 def groups_chart(rows: Sequence[GroupRow], title: str, say: Wording) -> str:

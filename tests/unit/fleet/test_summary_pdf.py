@@ -18,7 +18,7 @@ from atleak.fleet.summary_words import TERMS, FleetWords, within
 from atleak.fleet.summary_workbook import write_summary_workbook
 from atleak.fleet.summed import FleetSummary, VerdictCounts
 from atleak.look import OK_IN_PART
-from atleak.report.printed_charts.fleet import STACKED, VerdictRow, verdicts_chart
+from atleak.report.printed_charts.fleet import STACKED, VerdictRow, temperatures_chart, verdicts_chart
 from atleak.verdicts import FLAGGED, Verdict
 from atleak.wording import Wording, languages, wording
 
@@ -239,3 +239,11 @@ def test_units_that_are_ok_in_part_are_not_green_on_paper() -> None:
     assert OK_IN_PART.fill.lower() in part.lower()
     assert ">6</text>" in part
     assert ">4</text>" in part
+
+
+def test_time_in_green_of_units_measured_in_part_is_not_green_on_paper() -> None:
+    classes = summary().bodies[0].temperatures
+    partly = [replace(each, green_in_part_percent=10.0) for each in classes]
+    whole, part = (temperatures_chart(given, wording("en")) for given in (classes, partly))
+    assert OK_IN_PART.fill.lower() not in whole.lower()
+    assert part.lower().count(OK_IN_PART.fill.lower()) == len(classes)
