@@ -7,7 +7,7 @@ colour-blind reader loses nothing. Their words in each language stand in `atleak
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from atleak.verdicts import Band, Verdict
@@ -130,6 +130,10 @@ DARK = Inks(ink="#E8EEF2", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pu
 SHEET_OF_PAPER = "#FFFFFF"  # what lies under a drawing in black and white
 SUSPECT = LOOKS[Verdict.REPLACE].screen  # samples of a log that no result uses
 SPREADS = ("#E3EAF1", "#9DB7D5")  # on paper: where nine of ten units are, and where half of them are
+SPREADS_ON_SCREEN = ("rgba(42, 134, 209, 0.18)", "rgba(42, 134, 209, 0.38)")  # the same, seen on white and on black
+OK_IN_PART = replace(  # units that are ok as far as they were measured, which is not green
+    LOOKS[Verdict.OK], screen="#b9c2ca", fill="#E4E8EC", line="#7A858F", on_fill="#4A545E"
+)
 EDGE = "#C5CDD5"  # of a drawing's card without a flagged land
 CLEAR = "rgba(0,0,0,0)"  # a figure's ground on the screen: the page's own
 HATCHING = "rgba(255,255,255,0.7)"  # strokes of a pattern on the screen

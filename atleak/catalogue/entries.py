@@ -14,6 +14,7 @@ import unicodedata
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import date
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Generic, TypeVar
 
@@ -155,6 +156,12 @@ class Shelf(Generic[EntryModel, Loaded]):
 
 def shipped_files(kind: str) -> dict[str, Path]:
     """Return ids and files of one kind (one of `KINDS`) that ship with atleak, sorted by id."""
+    return dict(_shipped_files(kind))
+
+
+@cache
+def _shipped_files(kind: str) -> dict[str, Path]:
+    """Look for them once: they stay the same as long as a process, and a fleet asks for them with every unit."""
     return {path.stem: path for path in sorted((_HERE / kind).glob("*.toml"))}
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
-from atleak.cli.fleet_summary import add_summary, named_error
+from atleak.cli.fleet_summary import add_summary
 from atleak.cli.job_options import add_choices, chosen_case
 from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import number
@@ -117,7 +117,7 @@ def _run(options: argparse.Namespace) -> int:
     limit = TIME_LIMIT if options.time_limit is None else options.time_limit or None
     with (
         Results.reserved(options.out, replace=options.replace) as results,
-        connected(options.scheduler, options.workers) as client,
+        connected(options.scheduler, options.workers, tell=_say) as client,
     ):
         results.begin(replace=options.replace)
         with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
@@ -229,13 +229,15 @@ def _counts(table: pa.Table, column: str) -> dict[str, int]:
 
 def _say_errors(results: Results, found: FoundUnits) -> bool:
     """Print which of the units have no result, by kind, with the first messages; return whether there are any."""
+    from atleak.fleet.summed import named_message
+
     errors = results.table("errors", columns=["input_sha256", "kind", "name", "message"])
     rows = errors.to_pylist()
     of_these = [row for row in rows if row["input_sha256"] in found.seen]
     for kind, count in sorted(Counter(row["kind"] for row in of_these).items()):
         print(f"atleak: {count} without a result ({kind}):", file=sys.stderr)
         for row in [row for row in of_these if row["kind"] == kind][:_ERRORS]:
-            print(f"  {named_error(row)}", file=sys.stderr)
+            print(f"  {named_message(row['name'], row['message'])}", file=sys.stderr)
         if count > _ERRORS:
             print(
                 f"  … and {count - _ERRORS} more: `atleak fleet summary --errors {results.folder}` lists all",

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import os
-from collections.abc import Mapping
-from pathlib import Path
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from atleak.cli.parser import add_command
@@ -20,6 +18,7 @@ from atleak.cli.shared import (
     write,
     write_json,
 )
+from atleak.errors import OutputError
 
 if TYPE_CHECKING:
     from atleak.fleet.results import Results
@@ -64,6 +63,7 @@ def _count(text: str) -> int:
 
 def run(options: argparse.Namespace) -> int:
     """Sum up, write what was asked for, and show the summary."""
+    from atleak.fleet.known import note
     from atleak.fleet.results import Results
     from atleak.fleet.summary import summed_up
     from atleak.fleet.summary_record import summary_record
@@ -80,6 +80,8 @@ def run(options: argparse.Namespace) -> int:
         return 0
     listed = LISTED if options.list is None else options.list
     summary = summed_up(results, by=options.by, controller=options.controller, listed=listed)
+    with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
+        note(options.results)
     written = _write_papers(summary, options, printed, font)
     if options.json is not None:  # written last: standard output stays empty when another file fails
         written += write_json(options.json, summary_record(summary))
@@ -93,18 +95,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _list_errors(results: Results) -> None:
+    from atleak.fleet.summed import named_message
+
     for row in results.table("errors", columns=["name", "kind", "message"]).to_pylist():
-        print(f"{named_error(row)} ({row['kind']})")
-
-
-def named_error(row: Mapping[str, str]) -> str:
-    """Return the message of an error with the unit's name before it, unless it names the unit itself."""
-    name, message = row["name"], row["message"]
-    if message.startswith(name):
-        return message
-    path = Path(name)
-    named = message.startswith(f"{path.name}: ") and path.name != name
-    return f"{path.parent}{os.sep}{message}" if named else f"{name}: {message}"
+        print(f"{named_message(row['name'], row['message'])} ({row['kind']})")
 
 
 def _write_papers(

@@ -5,9 +5,11 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import signal
+import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
 from atleak.errors import FleetError, Message
@@ -22,6 +24,7 @@ _MEMORY = 0.9  # part of this machine's memory that all workers together may tak
 _CLOSING = 2.0  # [s] for a client to end that could not be made
 _SCHEMES = ("tcp", "tls", "ws", "wss")
 _ADDRESS = Sentence("the address that the scheduler said when it was started, as tcp://10.0.0.5:8786")
+_LEAST = 500_000_000  # bytes for a worker: what one holds with a unit of 47 lands, twice
 _COMPARED = ("python", "numpy", "pandas", "dask", "distributed")
 SETTINGS: Mapping[str, Any] = {
     # a unit whose worker ended is tried again by the run itself, which knows when it is alone
@@ -70,7 +73,7 @@ def connected(
         address of a scheduler that runs already, as ``tcp://10.0.0.5:8786``; unless given, workers are started on this
         machine, reached from this machine alone.
     workers
-        how many of them to start; as many as there are processors unless given.
+        how many of them to start; unless given as many as there are processors, or fewer where memory is short.
     memory_limit
         of each worker started here, in bytes; unless given, its part of the machine's memory. A worker that takes more
         is ended and started anew.
@@ -103,25 +106,52 @@ def _started_here(workers: int | None, memory_limit: int | None) -> Iterator[Cli
     from distributed import Client, LocalCluster, Security
     from distributed.system import MEMORY_LIMIT
 
-    count = workers or CPU_COUNT
+    memory = int(_MEMORY * MEMORY_LIMIT)
+    count = workers or max(min(CPU_COUNT, memory // _LEAST), 1)
+    started = ExitStack()
     try:
-        cluster = LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            processes=True,
-            host=HERE,
-            dashboard_address=f"{HERE}:0",
-            protocol="tls://",
-            security=Security.temporary(),  # nobody else on this machine can hand it anything to do
-            memory_limit=memory_limit or int(_MEMORY * MEMORY_LIMIT / count),
-            preload=["atleak.fleet.prepared"],
-            silence_logs=logging.CRITICAL,
-        )
-    except (OSError, RuntimeError, TimeoutError) as error:
-        problem = Sentence("the worker processes cannot be started: {reason}", reason=str(error))
-        raise FleetError(problem) from error
-    with cluster, Client(cluster, set_as_default=False, direct_to_workers=True) as client:
+        with _undisturbed():
+            try:
+                cluster = LocalCluster(
+                    n_workers=count,
+                    threads_per_worker=1,
+                    processes=True,
+                    host=HERE,
+                    dashboard_address=f"{HERE}:0",
+                    protocol="tls://",
+                    security=Security.temporary(),  # nobody else on this machine can hand it anything to do
+                    memory_limit=memory_limit or memory // count,
+                    preload=["atleak.fleet.prepared"],
+                    silence_logs=logging.CRITICAL,
+                )
+            except (OSError, RuntimeError, TimeoutError) as error:
+                problem = Sentence("the worker processes cannot be started: {reason}", reason=str(error))
+                raise FleetError(problem) from error
+            started.enter_context(cluster)
+            client = started.enter_context(Client(cluster, set_as_default=False, direct_to_workers=True))
         yield client
+    finally:
+        with _undisturbed():
+            started.close()
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Hold Ctrl-C back until all is started or ended; processes that are started meanwhile never get it.
+
+    On Windows nothing holds it back: there a worker may complain that is interrupted while it starts.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # else it is started with the first process, and lets Ctrl-C through from then on
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -9,6 +9,7 @@ that counts but whole results, and the result of a corrected job takes the place
 from __future__ import annotations
 
 import contextlib
+import hashlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import compress
@@ -164,8 +165,17 @@ class Results:
         bodies = {part.controller for part, counts in self._counting() if part.data_set == "units" and any(counts)}
         return tuple(sorted(filter(None, bodies)))
 
+    def state(self) -> str:
+        """Return what changes whenever the results do; nothing of them is read for it."""
+        parts = sorted(part for data_set in COMMITTING for part in parts_of(self.folder, data_set))
+        return hashlib.sha256(repr(parts).encode("utf-8", "surrogatepass")).hexdigest()
+
     def table(
-        self, data_set: DataSet, columns: Sequence[str] | None = None, controllers: Collection[str] | None = None
+        self,
+        data_set: DataSet,
+        columns: Sequence[str] | None = None,
+        controllers: Collection[str] | None = None,
+        hashes: Collection[str] | None = None,
     ) -> pa.Table:
         """Return the rows of a data set that count; a column that an earlier version did not write is null.
 
@@ -177,6 +187,8 @@ class Results:
             those that are read; unless given all, and at the end ``controller``, the valve body's id.
         controllers
             ids of the valve bodies whose rows are read; unless given all.
+        hashes
+            of the units whose rows are read; unless given all.
 
         Raises
         ------
@@ -185,7 +197,7 @@ class Results:
         """
         for tries_left in reversed(range(_TRIES)):
             try:
-                return self._table(data_set, columns, controllers)
+                return self._table(data_set, columns, controllers, hashes)
             except FileNotFoundError as error:  # a run put a merged part in its place
                 if not tries_left:
                     raise self._damaged(Path(error.filename), error) from error
@@ -263,17 +275,30 @@ class Results:
         hashes, references, groups = (tuple(column.to_pylist()) for column in table.columns)
         return _Units(hashes, references, groups, beside)
 
-    def _table(self, data_set: DataSet, columns: Sequence[str] | None, controllers: Collection[str] | None) -> pa.Table:
+    def _table(
+        self,
+        data_set: DataSet,
+        columns: Sequence[str] | None,
+        controllers: Collection[str] | None,
+        hashes: Collection[str] | None,
+    ) -> pa.Table:
         schema = columns_of(data_set).append(pa.field(PARTITION, pa.string()))
         wanted = pa.schema([schema.field(name) for name in (schema.names if columns is None else columns)])
         stored = [name for name in wanted.names if name != PARTITION]
         tables = [wanted.empty_table()]
-        for part, counts in self._having(data_set, self._counting()):
+        for part, counts in self._having(data_set, self._of(hashes, self._counting())):
             if controllers is None or part.controller in controllers:
                 table = self._rows(part, counts, data_set, stored)
                 of_all = pa.repeat(pa.scalar(part.controller, pa.string()), table.num_rows)
                 tables.append(table.append_column(schema.field(PARTITION), of_all).select(wanted.names))
         return pa.concat_tables(tables)
+
+    def _of(self, hashes: Collection[str] | None, counting: list[tuple[Part, Counts]]) -> list[tuple[Part, Counts]]:
+        """Return the parts with, of what counts in them, the rows of some units alone; unless given, of all."""
+        if hashes is None:
+            return counting
+        known = ((part, zip(counts, self._known[part].hashes, strict=True)) for part, counts in counting)
+        return [(part, [yes and sha256 in hashes for yes, sha256 in rows]) for part, rows in known]
 
     def _having(self, data_set: DataSet, counting: Iterable[tuple[Part, Counts]]) -> Iterator[tuple[Part, Counts]]:
         """Yield the parts of `units` or `errors` with which rows of a data set were written that count."""

@@ -7,7 +7,6 @@ along. One that took too long was named before its worker left, and is tried aga
 from __future__ import annotations
 
 import asyncio
-import concurrent.futures
 import contextlib
 import itertools
 import queue
@@ -15,6 +14,8 @@ import secrets
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import CancelledError
+from concurrent.futures import Future as Awaited
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -45,7 +46,7 @@ _AT_ONCE = 64  # units that are taken back before others are handed out
 _MEMORY = "worker-restart-memory"  # dask's topic of workers that took more memory than they may
 _TOLD_WITHIN = 1.0  # [s] after such a worker has ended
 
-Fetched = concurrent.futures.Future[list[Packed]]
+Fetched = Awaited[list[Packed]]
 
 
 @dataclass(frozen=True)
@@ -134,8 +135,12 @@ class Run:
                     self._look()
                     self._hand_out()
                     self._take_back()
-                except OSError as error:  # of the connection to the scheduler
-                    self._wait_for_scheduler(error)
+                except FleetError:
+                    raise
+                except Exception as error:
+                    if self._client.status == "running" and not isinstance(error, OSError | CancelledError):
+                        raise
+                    self._wait_for_scheduler(error)  # in whatever way the connection's end was noticed
                 self._write()
                 self._say(self)
         finally:
@@ -269,6 +274,8 @@ class Run:
 
     def _take_out_overdue(self) -> None:
         """Take out units that took too long: a scheduler may have them tried by one worker after another."""
+        if self._overdue.empty():
+            return
         by_name = {each.name: future for future, each in self._under_way.items()}
         with contextlib.suppress(queue.Empty):
             while True:
@@ -329,7 +336,7 @@ class Run:
             self._results.add(self._finished)
             self._finished, self._written = [], now
 
-    def _wait_for_scheduler(self, error: OSError) -> None:
+    def _wait_for_scheduler(self, error: Exception) -> None:
         """Wait while the client tries to reach the scheduler again; what was under way is handed out anew."""
         for future in list(self._under_way):
             each = self._under_way.pop(future)
@@ -339,7 +346,7 @@ class Run:
             time.sleep(_TICK)
             self._say(self)
             if self._client.status == "closed" or time.monotonic() - self._answered > _NO_ANSWER:
-                problem = Sentence("the scheduler does not answer any more ({reason})", reason=str(error))
+                problem = Sentence("the scheduler does not answer any more ({reason})", reason=_said(error))
                 raise FleetError(problem, expected=_AGAIN) from error
             if self._client.status == "running":
                 return

@@ -139,6 +139,8 @@ def _listed(row: Mapping[Hashable, Any], visits: int) -> SummedUnit:
         lands_past=int(row["past"]),
         max_share_percent=_or_none(row["max_share_percent"]),
         visits=visits,
+        lands_measured=int(row["lands_measured"]),
+        lands_total=None if pd.isna(row["lands_total"]) else int(row["lands_total"]),
     )
 
 

@@ -146,7 +146,9 @@ class _Printed:
         bodies = summary.bodies[:ROWS] if len(summary.bodies) > 1 else ()
         rows += [(self.words.body(body.controller), body.counts) for body in bodies]
         self.charts["verdicts"] = verdicts_chart(
-            [VerdictRow(name, counts.verdicts) for name, counts in rows], say("fleet_summary.chart_verdicts"), say
+            [VerdictRow(name, counts.verdicts, counts.ok_in_part) for name, counts in rows],
+            say("fleet_summary.chart_verdicts"),
+            say,
         )
         counted = joined(
             f"{say.level(verdict)} {say.number(summary.counts.verdicts[verdict], 0)}" for verdict in STACKED

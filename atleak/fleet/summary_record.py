@@ -138,6 +138,7 @@ def _temperature(each: TemperatureClass) -> dict[str, Any]:
         "share_percent": _spread(each.share_percent),
         "pressure_kpa": _spread(each.pressure_kpa),
         "bands_percent": None if each.bands_percent is None else dict(each.bands_percent),
+        "green_in_part_percent": each.green_in_part_percent,
     }
 
 

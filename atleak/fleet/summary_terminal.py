@@ -234,8 +234,8 @@ def _errors(errors: Sequence[ErrorKind]) -> Iterator[str]:
     for each in errors:
         yield ""
         yield f"{each.count} without a result ({each.kind}):"
-        for name, message in each.first:
-            yield f"  {name}: {message}"
+        for told in each.told:
+            yield f"  {told}"
 
 
 def _units(summary: FleetSummary) -> Iterator[str | Table]:

@@ -117,6 +117,7 @@ class TemperatureClass:
     pressure_kpa: Spread | None
     pressure_min_kpa: float | None  # the lowest of any unit
     bands_percent: Mapping[Band, float] | None  # time in each band, of that with the share in any; None without
+    green_in_part_percent: float = 0.0  # of the same time: in green, with lands that were not measured and count as new
 
 
 @dataclass(frozen=True)
@@ -236,6 +237,8 @@ class SummedUnit:
     lands_past: int  # of its lands at *replace* or past it
     max_share_percent: float | None  # of its log
     visits: int  # rows of this unit
+    lands_measured: int | None = None
+    lands_total: int | None = None
 
 
 @dataclass(frozen=True)
@@ -245,6 +248,24 @@ class ErrorKind:
     kind: str  # refused, time limit, ended, fault
     count: int
     first: tuple[tuple[str, str], ...]  # name and message, a few, each message once
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Return the first messages, each with the name of its file."""
+        return tuple(named_message(name, message) for name, message in self.first)
+
+
+def named_message(name: str, message: str) -> str:
+    """Return the message of an error with the unit's name before it, unless it names the unit itself.
+
+    >>> named_message("north/017.zip", "017.zip: is no sound zip"), named_message("table.csv, row 7", "no sheet")
+    ('north/017.zip: is no sound zip', 'table.csv, row 7: no sheet')
+    """
+    if message.startswith(name):
+        return message
+    end = max(name.rfind("/"), name.rfind("\\")) + 1
+    named = 0 < end < len(name) and message.startswith(f"{name[end:]}: ")
+    return f"{name[:end]}{message}" if named else f"{name}: {message}"
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,7 @@ def _class(units: pd.DataFrame) -> TemperatureClass:
     in_bands = units[list(_BAND_SECONDS)].sum()
     in_any = float(in_bands.sum())
     shares = {band: float(in_bands[f"{band}_s"] / in_any * PERCENT) for band in BANDS} if in_any else None
+    in_part = float(units.loc[units["lands_measured"] < units["lands_total"], f"{Band.GREEN}_s"].sum())
     return TemperatureClass(
         low_c=float(units["temperature_low_c"].iloc[0]),
         high_c=float(units["temperature_high_c"].iloc[0]),
@@ -47,6 +48,7 @@ def _class(units: pd.DataFrame) -> TemperatureClass:
         pressure_kpa=spread(units["pressure_mean_kpa"]),
         pressure_min_kpa=_or_none(units["pressure_min_kpa"].min()),
         bands_percent=shares,
+        green_in_part_percent=in_part / in_any * PERCENT if in_any else 0.0,
     )
 
 

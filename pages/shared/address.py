@@ -1,4 +1,7 @@
-"""Keep small choices of the job that is shown in the session and in the page's address, so that a reload keeps them."""
+"""Keep small choices in the session and in the page's address, so that a reload keeps them.
+
+A choice belongs to the job that is shown, and another job begins without it; a few belong to a page whatever the job.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,13 @@ import streamlit as st
 from pages.shared.state import session
 
 
-def kept(name: str) -> str:
-    """Return what was kept under a name for the job that is shown; after a reload what the address has; else ""."""
+def kept(name: str, *, of_job: bool = True) -> str:
+    """Return what was kept under a name for the job that is shown; after a reload what the address has; else "".
+
+    What is not ``of_job`` is kept for whatever job is shown.
+    """
     choices = _choices()
-    key = name, _job()
+    key = name, _job() if of_job else None
     if key not in choices:
         first = not any(other == name for other, _ in choices)
         choices[key] = st.query_params.get(name, "") if first else ""
@@ -18,9 +24,9 @@ def kept(name: str) -> str:
     return choices[key]
 
 
-def keep(name: str, value: str) -> None:
-    """Keep a value under a name for the job that is shown; an empty one is forgotten."""
-    _choices()[name, _job()] = value
+def keep(name: str, value: str, *, of_job: bool = True) -> None:
+    """Keep a value under a name for the job that is shown, or for any; an empty one is forgotten."""
+    _choices()[name, _job() if of_job else None] = value
     _write(name, value)
 
 
@@ -31,8 +37,8 @@ def _write(name: str, value: str) -> None:
         del st.query_params[name]
 
 
-def _choices() -> dict[tuple[str, tuple[str, int]], str]:
-    choices: dict[tuple[str, tuple[str, int]], str] = st.session_state.setdefault("in-address", {})
+def _choices() -> dict[tuple[str, tuple[str, int] | None], str]:
+    choices: dict[tuple[str, tuple[str, int] | None], str] = st.session_state.setdefault("in-address", {})
     return choices
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from atleak.fleet.summed import MileageClass, TemperatureClass
-from atleak.look import LOOKS, PAPER, SPREADS, Look, look_of
+from atleak.look import LOOKS, OK_IN_PART, PAPER, SPREADS, Look, look_of
 from atleak.report.printed_charts import plotting
 from atleak.report.printed_charts.plotting import (
     BELOW,
@@ -27,7 +27,7 @@ from atleak.report.printed_charts.plotting import (
 )
 from atleak.report.printed_fonts import fitting, width_of
 from atleak.spreads import Rate, Spread
-from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
 from atleak.wording import Wording
 
 STACKED = (*(verdict for verdict in VERDICTS if verdict is not Verdict.NOT_MEASURED), Verdict.NOT_MEASURED)
@@ -47,6 +47,7 @@ class VerdictRow:
 
     name: str
     verdicts: Mapping[Verdict, int]
+    ok_in_part: int = 0  # of those that are ok: as far as they were measured, not at every land
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,7 @@ def verdicts_chart(rows: Sequence[VerdictRow], title: str, say: Wording) -> str:
         point = _points_of(axes) / 100.0  # [pt] of a per cent
         for place, row, told in zip(places(rows), rows, said, strict=True):
             units, begin = sum(row.verdicts.values()) or 1, 0.0
-            for verdict in STACKED:
-                count, look = row.verdicts[verdict], LOOKS[verdict]
+            for count, look in _parts_of(row):
                 end = begin + 100.0 * count / units
                 if count:
                     bar_of(axes, end, place, 0.72, look, begin)
@@ -92,6 +92,16 @@ def verdicts_chart(rows: Sequence[VerdictRow], title: str, say: Wording) -> str:
                 begin = end
             words(axes, (100.0, place), told, (5.0, 0.0))
         return plotting.svg(figure)
+
+
+def _parts_of(row: VerdictRow) -> Iterator[tuple[int, Look]]:
+    """Yield how many units each part of a bar stands for, and its looks: what is ok in part is not green."""
+    for verdict in STACKED:
+        if verdict is Verdict.OK:
+            yield row.verdicts[verdict] - row.ok_in_part, LOOKS[verdict]
+            yield row.ok_in_part, OK_IN_PART
+        else:
+            yield row.verdicts[verdict], LOOKS[verdict]
 
 
 def _points_of(axes: Axes) -> float:
@@ -287,9 +297,7 @@ def _over_temperature(axes: Axes, kind: str, classes: Sequence[TemperatureClass]
         axes.set_ylim(0.0, 100.0)
         for (begin, end), each in zip(ends, classes, strict=True):
             bottom = 0.0
-            for band in BANDS:
-                part = (each.bands_percent or {}).get(band, 0.0)
-                look = look_of(band)
+            for part, look in _bands_of(each):
                 if part:
                     axes.bar(
                         0.5 * (begin + end), part, bottom=bottom, width=0.8 * (end - begin), color=look.fill,
@@ -302,6 +310,17 @@ def _over_temperature(axes: Axes, kind: str, classes: Sequence[TemperatureClass]
             axes.bar(
                 0.5 * (begin + end), units, width=0.8 * (end - begin), color=PAPER.metal, edgecolor=PAPER.ink, lw=0.5
             )
+
+
+def _bands_of(each: TemperatureClass) -> Iterator[tuple[float, Look]]:
+    """Yield the parts of the time in each band, and their looks: of units measured in part none is green."""
+    for band in BANDS:
+        part = (each.bands_percent or {}).get(band, 0.0)
+        if band is Band.GREEN:
+            yield part - each.green_in_part_percent, look_of(band)
+            yield each.green_in_part_percent, OK_IN_PART
+        else:
+            yield part, look_of(band)
 
 
 def groups_chart(rows: Sequence[GroupRow], title: str, say: Wording) -> str:

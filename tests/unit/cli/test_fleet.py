@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from atleak.diagnosis import Diagnosis
-from atleak.errors import FleetError
+from atleak.errors import FleetError, Message
 from atleak.fleet import cluster
 from atleak.fleet import run as fleet_run
 from atleak.fleet.known import known_folders
@@ -39,8 +39,10 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     asked: dict[str, Any] = {}
 
     @contextmanager
-    def connected(scheduler: str | None = None, workers: int | None = None) -> Iterator[None]:
+    def connected(scheduler: str | None, workers: int | None, *, tell: Callable[[Message], None]) -> Iterator[None]:
         asked.update(scheduler=scheduler, workers=workers)
+        if scheduler is not None:
+            tell(Message("warning", "other_versions", Sentence("workers have other versions")))
         yield None
 
     def run_fleet(
@@ -191,11 +193,19 @@ def test_what_cannot_be_run_ends_with_status_2(
     assert not (tmp_path / "results").exists()
 
 
+def test_what_is_to_know_of_workers_elsewhere_is_told(
+    run: Run, asked: dict[str, Any], jobs: Path, tmp_path: Path
+) -> None:
+    status, _, told = run("fleet", "run", jobs, "--out", tmp_path / "results", "--scheduler", "tcp://10.0.0.5:8786")
+    assert (status, asked["scheduler"]) == (0, "tcp://10.0.0.5:8786")
+    assert "atleak: workers have other versions" in told
+
+
 def test_without_its_workers_one_sentence_says_what_to_install(
     run: Run, jobs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     @contextmanager
-    def connected(scheduler: str | None = None, workers: int | None = None) -> Iterator[None]:
+    def connected(*_: object, **__: object) -> Iterator[None]:
         raise FleetError(Sentence("a fleet run needs dask.distributed, which is not installed"))
         yield
 
@@ -243,7 +253,7 @@ def unreached(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     asked_for: list[str] = []
 
     @contextmanager
-    def connected(scheduler: str | None = None, workers: int | None = None) -> Iterator[None]:
+    def connected(scheduler: str | None, *_: object, **__: object) -> Iterator[None]:
         asked_for.append(str(scheduler))
         raise FleetError(Sentence("no dask scheduler answers there: {reason}", reason="none"))
         yield

@@ -10,6 +10,7 @@ import pypdfium2
 import pytest
 from python_calamine import CalamineWorkbook
 
+from atleak.fleet.known import known_folders
 from atleak.fleet.results import Results
 from atleak.verdicts import Verdict
 from atleak.wording import wording
@@ -158,3 +159,14 @@ def test_a_language_without_a_paper_is_doubted(run: Run, tmp_path: Path) -> None
     status, _, err = run("fleet", "summary", tmp_path, "--language", "de")
     assert status == 0
     assert "--language does nothing without --pdf or --xlsx" in err
+
+
+def test_the_folder_is_offered_on_the_pages_and_a_home_that_cannot_be_written_stops_nothing(
+    run: Run, folder: Path, own_home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run("fleet", "summary", folder, "--json", "-")[0] == 0
+    assert [each.path for each in known_folders()] == [folder.resolve()]
+    (tmp_path / "file").write_bytes(b"no folder")
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "file"))
+    status, out, _ = run("fleet", "summary", folder, "--json", "-")
+    assert (status, json.loads(out)["counts"]["units"]) == (0, 60)

@@ -265,6 +265,16 @@ def test_ctrl_c_ends_in_order_and_keeps_what_is_finished(out: Path, written_ofte
     assert (finished.before, finished.evaluated) == (len(kept), UNITS - len(kept))
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there nothing holds Ctrl-C back from workers that start")
+def test_ctrl_c_while_the_workers_start_ends_in_order(out: Path) -> None:
+    with _ending(_client(out)) as client:
+        while not any("spawn_main" in " ".join(each.cmdline()) for each in psutil.Process(client.pid).children()):
+            time.sleep(0.01)
+        os.killpg(client.pid, signal.SIGINT)
+        said, errors = client.communicate()
+    assert (said, errors.splitlines()[-1], errors.count("Traceback")) == ("", "KeyboardInterrupt", 1)
+
+
 def test_a_second_client_on_the_same_results_is_refused(out: Path) -> None:
     with _ending(_client(out)) as first:
         assert first.stdout is not None

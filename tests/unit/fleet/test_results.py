@@ -308,3 +308,26 @@ def test_what_an_earlier_version_did_not_write_is_null(folder: Path) -> None:
     assert [each if each is None else len(each) for each in rules] == [1, None, 0] * 2
     assert (rules[0][0]["value"], rules[0][0]["decision"]) == (0.5, None)
     assert Results.open(folder).table("lands", ["verdict"])["verdict"].null_count == 2 * LANDS
+
+
+def test_rows_of_some_units_alone_are_read(folder: Path) -> None:
+    with Results.open(folder, for_writing=True) as writing:
+        writing.add([unit("C", "c"), unit("A", "a2", 2)])  # A was corrected
+    results = Results.open(folder)
+    assert sorted(results.table("units", ["reference"], hashes=["a2", "b"])["reference"].to_pylist()) == ["A", "B"]
+    lands = results.table("lands", ["spool_readings"], hashes=["a2"])["spool_readings"].to_pylist()
+    assert lands == [2] * LANDS
+    assert results.table("units", hashes=["a"]).num_rows == 0  # its result counts no more
+    assert results.table("lands", hashes=[]).num_rows == 0
+
+
+def test_the_state_changes_with_the_results_and_with_nothing_else(folder: Path) -> None:
+    state = Results.open(folder).state()
+    assert Results.open(folder).state() == state
+    with Results.open(folder, for_writing=True) as writing:
+        assert writing.state() == state
+        writing.add([failed("D", "d")])
+        with_error = writing.state()
+        assert with_error != state
+        writing.add([unit("E", "e")])
+        assert writing.state() not in (state, with_error)

@@ -11,6 +11,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -371,3 +372,24 @@ def test_other_versions_at_the_workers_are_told() -> None:
     assert message.text.endswith("differ: numpy 2.3.0 (2.4.6)")
     del versions["workers"]["b"]
     assert not [*cluster._other_versions(versions)]
+
+
+@pytest.mark.parametrize(("memory", "workers"), [(64e9, 16), (4e9, 7), (0.2e9, 1)])
+def test_as_many_workers_are_started_as_the_memory_allows(
+    monkeypatch: pytest.MonkeyPatch, memory: float, workers: int
+) -> None:
+    started: dict[str, Any] = {}
+
+    def local_cluster(**options: Any) -> nullcontext[None]:
+        started.update(options)
+        return nullcontext()
+
+    monkeypatch.setattr("dask.system.CPU_COUNT", 16)
+    monkeypatch.setattr("distributed.system.MEMORY_LIMIT", int(memory))
+    monkeypatch.setattr("distributed.LocalCluster", local_cluster)
+    monkeypatch.setattr("distributed.Client", lambda *_, **__: nullcontext())
+    with connected():
+        pass
+    assert started["n_workers"] == workers
+    assert started["n_workers"] * started["memory_limit"] <= 0.9 * memory
+    assert (started["host"], started["threads_per_worker"]) == (HERE, 1)

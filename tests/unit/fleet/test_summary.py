@@ -484,6 +484,19 @@ def test_of_logs_the_last_of_each_unit_counts_and_what_it_lacks_is_none(tmp_path
     assert (found.pressure_mean_kpa, found.pressure_kpa, found.bands_percent) == (None, None, None)
 
 
+def test_time_in_green_of_units_that_were_measured_in_part_is_told_apart(tmp_path: Path) -> None:
+    times = {"green_s": 30.0, "amber_s": 10.0, "red_s": 0.0, "critical_s": 0.0}
+    whole, part = ({"lands_measured": count, "lands_total": 1} for count in (1, 0))
+    units = [
+        Unit("whole", {("8", 1): Measured()}, temperatures=[temperature_class(**times)], own=whole),
+        Unit("part", {("8", 1): Measured()}, temperatures=[temperature_class(**times)], own=part),
+        Unit("part too", temperatures=[temperature_class(**(times | {"green_s": 10.0}))], own=part),
+    ]
+    (found,) = summed_up(results_of(tmp_path, units)).bodies[0].temperatures
+    assert found.bands_percent is not None
+    assert (found.bands_percent["green"], found.green_in_part_percent) == pytest.approx((70.0, 40.0), abs=_NEAR)
+
+
 def test_units_that_were_judged_otherwise_are_said_to_be(tmp_path: Path) -> None:
     columns = ("controller_sha256", "limits_sha256", "fluid_sha256", "profile")
     units = [Unit(f"u{n}", {("8", 1): Measured()}, own=dict.fromkeys(columns, str(n))) for n in range(2)]

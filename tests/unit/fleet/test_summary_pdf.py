@@ -17,6 +17,8 @@ from atleak.fleet.summary_printed import DETAILED
 from atleak.fleet.summary_words import TERMS, FleetWords, within
 from atleak.fleet.summary_workbook import write_summary_workbook
 from atleak.fleet.summed import FleetSummary, VerdictCounts
+from atleak.look import OK_IN_PART
+from atleak.report.printed_charts.fleet import STACKED, VerdictRow, temperatures_chart, verdicts_chart
 from atleak.verdicts import FLAGGED, Verdict
 from atleak.wording import Wording, languages, wording
 
@@ -226,3 +228,22 @@ def test_names_keep_their_ends_where_they_are_shortened() -> None:
     assert [len(name) <= 36 for name in names] == [True] * 3
     assert len(set(names)) == 3
     assert within("short", 36) == "short"
+
+
+def test_units_that_are_ok_in_part_are_not_green_on_paper() -> None:
+    counts = dict.fromkeys(STACKED, 0) | {Verdict.OK: 10}
+    whole, part = (
+        verdicts_chart([VerdictRow("all units", counts, in_part)], "Verdicts", wording("en")) for in_part in (0, 4)
+    )
+    assert OK_IN_PART.fill.lower() not in whole.lower()
+    assert OK_IN_PART.fill.lower() in part.lower()
+    assert ">6</text>" in part
+    assert ">4</text>" in part
+
+
+def test_time_in_green_of_units_measured_in_part_is_not_green_on_paper() -> None:
+    classes = summary().bodies[0].temperatures
+    partly = [replace(each, green_in_part_percent=10.0) for each in classes]
+    whole, part = (temperatures_chart(given, wording("en")) for given in (classes, partly))
+    assert OK_IN_PART.fill.lower() not in whole.lower()
+    assert part.lower().count(OK_IN_PART.fill.lower()) == len(classes)

@@ -26,6 +26,7 @@ PAGES = (
     "0_Start", "1_Job", "22_Settings",
     "4_Diagnosis", "2_Readings", "21_Uncertainty", "3_Road_test", "6_Report", "28_Source_study", "26_Catalogue",
     "20_Pressures", "5_What_if", "27_Transmission", "10_Job_book", "11_Unit", "12_Compare", "13_Estimate",
+    "14_Fleet",
     "23_Gauge_study", "24_Workshop_data",
 )  # fmt: skip
 WATCH = "watch = { percent = 10.0, at_least_um = 4.0 }"  # of the default limits

@@ -1,0 +1,92 @@
+"""Read what the results of a fleet hold of one unit, whatever became of its files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pyarrow.compute as pc
+
+from atleak.errors import FleetError, Place
+from atleak.fleet.columns import HASH, DataSet
+from atleak.fleet.results import Results
+from atleak.fleet.sources import reopened
+from atleak.job.case import Case
+from atleak.job.record import Job
+from atleak.sentence import Sentence
+from atleak.verdicts import Verdict
+
+_OF_LANDS = (
+    *("component", "land", "measured", "verdict", "decision"),
+    *("radial_clearance_um", "uncertainty_um", "wear_percent", "leakage_dm3_min", "share_percent"),
+)
+_OF_CONDITIONS = (
+    *("name", "label", "temperature_c", "engine_rpm", "gear", "band", "decision"),
+    *("leakage_dm3_min", "share_percent", "p_g_kpa", "p_g_held_kpa", "reserve"),
+)
+Row = Mapping[str, Any]  # a value, or None, by the name of its column
+
+
+@dataclass(frozen=True)
+class KeptUnit:
+    """The row of a unit, and of its lands, the worst first, and its conditions what people ask for first."""
+
+    unit: Row
+    lands: tuple[Row, ...]
+    conditions: tuple[Row, ...]
+
+    @property
+    def result(self) -> Row:
+        """Return what the rows say as `atleak.job.judged_anew.differs` takes it; of circuits nothing."""
+        unit = {"decision": self.unit["decision"]}
+        return {
+            "verdict": self.unit["verdict"],
+            "unit": unit,
+            "lands": list(self.lands),
+            "conditions": list(self.conditions),
+        }
+
+    def opened(self) -> tuple[Case, Job]:
+        """Return the case and the record of the job that the rows are the result of.
+
+        Raises
+        ------
+        AtleakError
+            its files are not there any more, cannot be read, or are others than the result rests on; a log so large
+            that it was evaluated in pieces.
+        """
+        if self.unit["road_in_pieces"]:
+            problem = Sentence("{unit} has a log that is too large to be held at once", unit=self.unit["name"])
+            raise FleetError(problem, expected=Sentence("a unit whose log was not evaluated in pieces"))
+        return reopened(self.unit["reference"], choices=self.unit["choices"] or "", input_sha256=self.unit[HASH])
+
+
+def kept_unit(results: Results, controller: str, reference: str) -> KeptUnit:
+    """Read the rows of a unit.
+
+    Parameters
+    ----------
+    results
+        open for reading.
+    controller
+        id of its valve body.
+    reference
+        by which it is opened again.
+
+    Raises
+    ------
+    FleetError
+        the results hold no such unit; a part of them that is damaged.
+    """
+    known = results.table("units", [HASH, "reference"], [controller])
+    found = known.filter(pc.equal(known["reference"], reference))[HASH].to_pylist()
+    if not found:
+        raise FleetError(Sentence("holds no result of this unit any more"), place=Place(file=str(results.folder)))
+
+    def rows(data_set: DataSet, columns: Sequence[str] | None = None) -> tuple[Row, ...]:
+        return tuple(results.table(data_set, columns, [controller], found).to_pylist())
+
+    ranks = {str(verdict): verdict.rank for verdict in Verdict}
+    lands = sorted(rows("lands", _OF_LANDS), key=lambda land: -ranks.get(land["verdict"], 0))
+    return KeptUnit(rows("units")[0], tuple(lands), rows("conditions", _OF_CONDITIONS))

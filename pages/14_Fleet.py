@@ -1,0 +1,41 @@
+"""Show the results of a fleet: verdicts, pairs, wear, temperatures, groups, and every unit down to its own job."""
+
+import streamlit as st
+
+from atleak.errors import AtleakError
+from pages.shared import fleet, fleet_body, fleet_units, panel, reader, show
+
+panel.shown()
+if fleet_units.opened():
+    st.switch_page(panel.PAGES / "4_Diagnosis.py")
+say = reader.say()
+st.title(say("pages.Fleet"))
+try:
+    folder = fleet.choose()
+    if folder is None:
+        st.stop()
+    words = fleet.summed(folder)
+    fleet.draw_whole(words)
+    if words.summary.bodies:
+        show.jumps(fleet.SECTIONS)
+        st.subheader(say("fleet.units_of_all"), anchor="fleet-units")
+        unit = fleet_units.choose(words)
+        if unit is not None:
+            fleet_units.draw(folder, unit, words)
+        st.subheader(say("fleet.one_body"), anchor="fleet-body")
+        body = fleet.choose_body(words)
+        fleet_body.draw_about(words, body)
+        st.subheader(say("fleet_summary.section_pairs"), anchor="fleet-pairs")
+        fleet_body.draw_pairs(words, body)
+        st.subheader(say("fleet_summary.section_wear"), anchor="fleet-wear")
+        fleet_body.draw_wear(words, body)
+        st.subheader(say("fleet_summary.section_temperatures"), anchor="fleet-temperatures")
+        fleet_body.draw_temperatures(words, body)
+        st.subheader(say("fleet_summary.section_comparison"), anchor="fleet-groups")
+        fleet_body.draw_groups(words, body)
+    st.subheader(say("fleet_summary.section_errors"), anchor="fleet-errors")
+    fleet.draw_errors(words)
+    st.subheader(say("take_along.title"), anchor="fleet-files")
+    fleet.draw_files(words)
+except AtleakError as error:
+    st.error(show.plain(error))

@@ -1,0 +1,240 @@
+"""Choose the results of a fleet among those that this computer knows, and show what they sum up to for all units.
+
+Which results, which valve body and by what its groups are told stays in the address, whatever job is shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import streamlit as st
+
+from atleak.errors import AtleakError, InputError
+from atleak.figures import fleet_figures as figures
+from atleak.fleet.known import KnownFolder, forget, known_folders
+from atleak.fleet.results import Results
+from atleak.fleet.summary import summed_up
+from atleak.fleet.summary_pdf import write_summary_pdf
+from atleak.fleet.summary_words import FleetWords
+from atleak.fleet.summary_workbook import write_summary_workbook
+from atleak.fleet.summed import GROUP, FleetSummary, ValveBody, VerdictCounts
+from atleak.paper import PAPERS
+from atleak.verdicts import FLAGGED
+from atleak.views.columns import Column
+from atleak.wording import Wording
+from pages.shared import address, files, font_form, reader, show
+
+FOLDER, BODY, BY = "fleet", "body", "by"  # parameters of the address
+COMMAND = "atleak fleet run jobs/ --out results/"
+SECTIONS = {
+    "fleet-units": "fleet.units_of_all",
+    "fleet-body": "fleet.one_body",
+    "fleet-pairs": "fleet_summary.section_pairs",
+    "fleet-wear": "fleet_summary.section_wear",
+    "fleet-temperatures": "fleet_summary.section_temperatures",
+    "fleet-groups": "fleet_summary.section_comparison",
+    "fleet-errors": "fleet_summary.section_errors",
+    "fleet-files": "take_along.title",
+}
+_SEEN = "fleet-seen"  # the state of every folder as this session read it last
+_FAULT = "fleet-fault"
+_LISTED = 1_000_000  # units: all of them
+
+
+# --- which results
+
+
+def choose() -> KnownFolder | None:
+    """Let one of the folders be chosen that this computer knows; say which are gone, and how to begin without any."""
+    say, known = reader.say(), known_folders()
+    there = {each.id: each for each in known if each.is_there}
+    if not there:
+        st.info(say("fleet.none_yet"))
+        st.code(COMMAND, language="shell")
+    asked = address.kept(FOLDER, of_job=False)
+    chosen = None
+    if there:
+        if asked and asked not in there:
+            st.warning(say("fleet.not_here"))
+        id = _pick(say("fleet.which"), list(there), asked, FOLDER, lambda each: _name(there[each], say))
+        chosen = there[id]
+    _draw_gone([each for each in known if each.id not in there], say)
+    return chosen
+
+
+def _name(folder: KnownFolder, say: Wording) -> str:
+    return f"{folder.path.name} · {folder.path.parent}"
+
+
+def _draw_gone(gone: Sequence[KnownFolder], say: Wording) -> None:
+    """Say which folders hold no results any more, and offer to forget them."""
+    with st.container():
+        if fault := st.session_state.pop(_FAULT, None):
+            st.error(show.plain(fault))
+        for each in gone:
+            text, button = st.columns([5, 1], vertical_alignment="center")
+            text.warning(say("fleet.gone", folder=show.plain(each.path)))
+            button.button(say("remembered.forget"), key=f"fleet-forget-{each.id}", on_click=_forget, args=(each,))
+
+
+def _forget(folder: KnownFolder) -> None:
+    try:
+        forget(folder)
+    except AtleakError as error:
+        st.session_state[_FAULT] = error
+
+
+def _pick(label: str, options: list[str], asked: str, name: str, words: Callable[[str], str]) -> str:
+    """Let one of some options be picked: the one that the address names, else the first; the address keeps it."""
+    start = asked if asked in options else options[0]
+    key = f"fleet-{name}-{start}-{reader.say().language}"
+
+    def picked() -> None:
+        address.keep(name, str(st.session_state[key]), of_job=False)
+
+    return st.selectbox(label, options, options.index(start), words, key=key, on_change=picked)
+
+
+# --- what they are summed up to
+
+
+def summed(folder: KnownFolder) -> FleetWords:
+    """Return the summary of a folder's results, by the heading that is chosen, and its words.
+
+    It stays as this session read it first until somebody asks for what a run has added since.
+
+    Raises
+    ------
+    AtleakError
+        results that cannot be read.
+    """
+    say, now = reader.say(), Results.open(folder.path).state()
+    seen = st.session_state.setdefault(_SEEN, {})
+    state = seen.setdefault(folder.id, now)
+    with st.container():
+        if state != now:
+            text, button = st.columns([5, 1], vertical_alignment="center")
+            text.info(say("fleet.more_since"))
+            button.button(say("fleet.read_anew"), key="fleet-anew", on_click=partial(seen.pop, folder.id, None))
+    with st.spinner(say("fleet.summing")):
+        return FleetWords(_by_heading(str(folder.path), state, address.kept(BY, of_job=False)), say)
+
+
+def _by_heading(folder: str, state: str, by: str) -> FleetSummary:
+    if by:
+        try:
+            return _summed(folder, state, by)
+        except InputError:  # no unit states this heading, which was chosen for other results
+            address.keep(BY, "", of_job=False)
+    return _summed(folder, state, None)
+
+
+@st.cache_resource(max_entries=4, show_spinner=False)
+def _summed(folder: str, state: str, by: str | None) -> FleetSummary:
+    return summed_up(Results.open(folder), by=by, listed=_LISTED)
+
+
+def reads(folder: KnownFolder) -> str:
+    """Return the state of a folder's results that this session shows."""
+    return str(st.session_state[_SEEN][folder.id])
+
+
+# --- the whole
+
+
+def draw_whole(words: FleetWords) -> None:
+    """Show how many units have which verdict, over all valve bodies and of each."""
+    say, summary = words.say, words.summary
+    st.markdown(f"**{show.plain(words.headline())}** {show.plain(' '.join(words.findings()))}")
+    rows = [(say("fleet_summary.all_units"), summary.counts)]
+    if len(summary.bodies) > 1:
+        rows += [(words.body(body.controller), body.counts) for body in summary.bodies]
+    if summary.counts.units:
+        show.chart(figures.verdicts(rows, say), "fleet-verdicts")
+        with st.expander(say("fleet.rates")):
+            counts_table(say("columns.controller"), rows, words)
+    show.messages(summary.messages, say("about.fleet"), opened=True)
+    st.caption(show.plain(say("fleet.made_by", visits=say.number(summary.visits, 0), version=summary.atleak)))
+
+
+def counts_table(heading: str, rows: Sequence[tuple[str, VerdictCounts]], words: FleetWords) -> None:
+    """Show how many units there are in each row, and their rates of verdicts with intervals."""
+    say = words.say
+    columns = [
+        Column("name", words=heading, width=150),
+        Column("units", digits=0),
+        Column("judged", digits=0, words=say("fleet.judged")),
+        *(Column(level, words=figures.or_worse(level, say)) for level in FLAGGED),
+    ]
+    shown = [
+        {
+            "name": name,
+            "units": counts.units,
+            "judged": counts.judged,
+            **{level: words.percent(counts.rates[level]) for level in FLAGGED},
+        }
+        for name, counts in rows
+    ]
+    show.rows_table(shown, columns)
+    st.caption(say("fleet_summary.note_rates"))
+
+
+def choose_body(words: FleetWords) -> ValveBody:
+    """Let one of the valve bodies be chosen, and a heading by which its units are compared."""
+    say, summary = words.say, words.summary
+    bodies = {body.controller: body for body in summary.bodies}
+    first, second = st.columns(2)
+    with first:
+        asked = address.kept(BODY, of_job=False)
+        chosen = _pick(say("columns.controller"), list(bodies), asked, BODY, lambda each: _of_body(bodies[each], words))
+    with second:
+        headings = ["", *summary.headings]
+        if len(headings) > 1:
+            _pick(say("fleet.by"), headings, summary.by or "", BY, lambda each: heading_words(each, say))
+    return bodies[chosen]
+
+
+def _of_body(body: ValveBody, words: FleetWords) -> str:
+    units = words.say("fleet.units", count=words.say.number(body.counts.units, 0))
+    return f"{words.body(body.controller)} · {units}"
+
+
+def heading_words(heading: str, say: Wording) -> str:
+    """Name a heading by which groups are told."""
+    return say("fleet.by_nothing") if not heading else say("fleet.group") if heading == GROUP else heading
+
+
+# --- errors and files
+
+
+def draw_errors(words: FleetWords) -> None:
+    """Show of which files there is no result, by kind of error, with the first messages."""
+    say, kinds = words.say, words.summary.errors
+    if not kinds:
+        st.write(say("fleet_summary.no_errors"))
+        return
+    for kind in kinds:
+        head = f"**{show.plain(words.kind_of_error(kind))}: {say.number(kind.count, 0)}**"
+        st.markdown("\n".join([head, "", *(f"- {show.plain(each)}" for each in kind.told)]))
+        if kind.count > len(kind.first):
+            st.caption(say("fleet.more_errors"))
+
+
+def draw_files(words: FleetWords) -> None:
+    """Offer the summary as PDF and workbook, each written when it is asked for."""
+    say, columns = words.say, st.columns(2)
+    language = reader.pick_language(columns[0], "fleet-language")
+    paper = columns[1].selectbox(
+        say("take_along.paper"), list(PAPERS), format_func=lambda name: PAPERS[name].label, key="fleet-paper"
+    )
+    name = files.named("fleet", words.summary.folder.replace("\\", "/").rpartition("/")[2])
+    of_pdf = partial(write_summary_pdf, words.summary, language=language, paper=paper, units=say.units)
+    workbook = partial(write_summary_workbook, words.summary, language=language, units=say.units)
+    with st.container(horizontal=True):
+        st.download_button(
+            say("take_along.pdf"), font_form.printing(of_pdf), f"{name}.pdf", key="fleet-pdf", on_click="ignore"
+        )
+        st.download_button(
+            say("take_along.workbook"), workbook, f"{name}.xlsx", key="fleet-workbook", on_click="ignore"
+        )

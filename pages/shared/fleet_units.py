@@ -1,0 +1,347 @@
+"""List the units of a fleet, the worst first, and go down to one: its own job, or what the results hold of it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import streamlit as st
+
+from atleak.errors import AtleakError
+from atleak.figures.fleet_figures import or_worse
+from atleak.fleet.kept_unit import KeptUnit, kept_unit
+from atleak.fleet.known import KnownFolder
+from atleak.fleet.results import Results
+from atleak.fleet.summary_words import FleetWords
+from atleak.fleet.summed import GROUP, SummedUnit
+from atleak.fleet.units import BOOK
+from atleak.job.judged_anew import differs
+from atleak.job.of_sheet import with_sheet
+from atleak.uncertainty import DECISIONS
+from atleak.verdicts import BANDS, Verdict, level_named
+from atleak.views.columns import Column
+from atleak.views.diagnosis_record import diagnosis_record
+from atleak.wording import Wording
+from pages.shared import fields, reader, show
+from pages.shared.book import open_from_book
+from pages.shared.cases import diagnosis_of, opened_case
+from pages.shared.fleet import heading_words, reads
+from pages.shared.state import InBook, remember, show_job
+
+PAGE = 50  # rows
+_OPENED = "fleet-opened"  # set where the last click opened a job
+_NONE = "\0"  # stands among groups for the units that state none
+_FAULT = "fleet-unit-fault"  # reference of the unit that could not be opened, and why
+_LANDS = (
+    Column("verdict", "verdict", width=92),
+    Column("pair", width=150),
+    Column("clearance", "clearance"),
+    Column("uncertainty", "clearance"),
+    Column("wear", "percent"),
+    Column("share", "percent"),
+    Column("leakage", "flow"),
+    Column("decision"),
+)
+_CONDITIONS = (
+    Column("verdict", "verdict", width=92),
+    Column("condition", width=190),
+    Column("share", "percent"),
+    Column("leakage", "flow"),
+    Column("held", "pressure"),
+    Column("required", "pressure"),
+    Column("reserve", digits=2),
+    Column("decision"),
+)
+
+
+# --- the list
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What units are looked for."""
+
+    text: str = ""
+    verdict: str = ""
+    controller: str = ""
+    group: str | None = None  # None: of any; "" states none
+
+    def fits(self, unit: SummedUnit, label: str | None) -> bool:
+        said = (unit.name, unit.number, unit.vin, unit.serial, unit.label, unit.group)
+        within = " ".join(filter(None, said)).casefold()
+        return (
+            all(word in within for word in self.text.casefold().split())
+            and self.verdict in ("", unit.verdict)
+            and self.controller in ("", unit.controller)
+            and self.group in (None, label or "")
+        )
+
+
+def choose(words: FleetWords) -> SummedUnit | None:
+    """Show the units that are asked for, the worst first, page by page; return the one that is picked."""
+    say, units = words.say, words.summary.worst
+    label: Callable[[SummedUnit], str | None] = _group if words.summary.by is None else _label
+    asked = _asked(words, label)
+    found = [unit for unit in units if asked.fits(unit, label(unit))]
+    if not found:
+        st.info(say("fleet.no_unit_fits"))
+        return None
+    folder = _folder(units)
+    pages = -(-len(found) // PAGE)
+    page = 1
+    if pages > 1:
+        page = st.selectbox(say("job_book.page", pages=pages), range(1, pages + 1), key=f"fleet-page-{pages}-{asked}")
+    shown = found[PAGE * (page - 1) : PAGE * page]
+    event = show.rows_table(
+        [_row(unit, label(unit), words, len(folder)) for unit in shown],
+        _columns(words),
+        key=f"fleet-units-{words.summary.folder}-{words.summary.by}-{asked}-{page}",
+        on_select="rerun",
+        selection_mode="single-row",
+    )
+    said = [say("fleet.listed", count=say.number(len(found), 0), all=say.number(len(units), 0))]
+    said += [say("fleet.folder", folder=show.plain(folder))] if folder else []
+    st.caption(" ".join(said))
+    return next((shown[number] for number in event.selection.rows if number < len(shown)), None)
+
+
+def _folder(units: Sequence[SummedUnit]) -> str:
+    """Return the folder with which the names of all units begin; nothing where they have none in common."""
+    names = [unit.name for unit in units]
+    common = os.path.commonprefix([min(names), max(names)])  # noqa: RUF071  a row of a table has no path
+    return _folder_of(common)
+
+
+def _folder_of(name: str) -> str:
+    return name[: max(name.rfind("/"), name.rfind("\\")) + 1]
+
+
+def _group(unit: SummedUnit) -> str | None:
+    return unit.group
+
+
+def _label(unit: SummedUnit) -> str | None:
+    return unit.label
+
+
+def _asked(words: FleetWords, label: Callable[[SummedUnit], str | None]) -> _Asked:
+    say, summary = words.say, words.summary
+    text = st.text_input(say("job_book.look_up"), **fields.kept("fleet-text", ""), placeholder=say("fleet.look_up_by"))
+    verdicts = [str(verdict) for verdict in reversed(Verdict) if summary.counts.verdicts[verdict]]
+    groups = {label(unit) or _NONE for unit in summary.worst}
+    named = sorted(groups - {_NONE})
+    narrowed = []
+    for place, (what, options, shown) in zip(
+        st.columns(3),
+        (
+            (say("columns.verdict"), verdicts, lambda each: say.signed(Verdict(each))),
+            (say("columns.controller"), [body.controller for body in summary.bodies], words.body),
+            (
+                heading_words(summary.by or GROUP, say),
+                [*named, *(groups & {_NONE})] if named else [],
+                lambda each: say("fleet.states_none") if each == _NONE else each,
+            ),
+        ),
+        strict=True,
+    ):
+        with place:
+            narrowed.append(_narrowed(what, ["", *options], (summary.folder, what), shown))
+    verdict, controller, group = narrowed
+    return _Asked(text, verdict, controller, None if not group else "" if group == _NONE else group)
+
+
+def _narrowed(label: str, options: Sequence[str], name: Hashable, words: Callable[[str], str]) -> str:
+    """Let one of some options be asked for, or any, which comes first; what was asked for stays over another page."""
+    say, kept = reader.say(), st.session_state.setdefault("fleet-asked", {})
+    key = f"fleet-asked-{name}-{say.language}-{hash(tuple(options))}"
+
+    def asked() -> None:
+        kept[name] = st.session_state[key]
+
+    return st.selectbox(
+        label,
+        options,
+        options.index(kept[name]) if kept.get(name) in options else 0,
+        lambda each: words(each) if each else say("job_book.any"),
+        key=key,
+        on_change=asked,
+        disabled=len(options) < 2,
+    )
+
+
+def _columns(words: FleetWords) -> list[Column]:
+    say, units = words.say, words.summary.worst
+    columns = [
+        Column("verdict", "verdict", width=92),
+        Column("name", words=say("fleet.unit"), width=150),
+        Column("group", words=heading_words(words.summary.by or GROUP, say)),
+        Column("mileage", "distance"),
+        Column("decided_by", width=190),
+        Column("lands_past", digits=0, words=say("fleet.lands_past", level=or_worse(Verdict.REPLACE, say))),
+        Column("measured"),
+        Column("max_share", "percent", words=say("fleet.max_share")),
+        Column("number"),
+        Column("serial"),
+        Column("vin"),
+        Column("date"),
+        Column("controller"),
+        Column("visits", digits=0),
+    ]
+    several = any(unit.visits > 1 for unit in units)
+    told = {name: any(getattr(unit, name) for unit in units) for name in ("number", "serial", "vin", "date")}
+    told |= {"visits": several, "controller": len(words.summary.bodies) > 1}
+    told["group"] = any(unit.label or unit.group for unit in units)
+    shown = [column for column in columns if told.get(column.key, True)]
+    headings = [column.heading(say) for column in shown]
+    return [  # a table of units may have any heading
+        replace(column, words=f"{say('fleet.group')}: {heading}")
+        if headings.count(heading) > 1 and column.key == "group"
+        else column
+        for column, heading in zip(shown, headings, strict=True)
+    ]
+
+
+def _row(unit: SummedUnit, label: str | None, words: FleetWords, cut: int) -> dict[str, Any]:
+    return {
+        "verdict": unit.verdict,
+        "name": unit.name[cut:],
+        "number": unit.number,
+        "serial": unit.serial,
+        "vin": unit.vin,
+        "group": label,
+        "controller": words.body(unit.controller),
+        "mileage": unit.mileage_km,
+        "date": unit.date.isoformat() if unit.date else None,
+        "decided_by": words.decided_by(unit) or None,
+        "lands_past": unit.lands_past,
+        "max_share": unit.max_share_percent,
+        "measured": _measured(unit, words.say),
+        "visits": unit.visits,
+    }
+
+
+def _measured(unit: SummedUnit, say: Wording) -> str | None:
+    if unit.lands_measured is None or unit.lands_total is None:
+        return None
+    counts = (say.number(count, 0) for count in (unit.lands_measured, unit.lands_total))
+    return say("fleet_summary.chart_rate", count=next(counts), of=next(counts))
+
+
+# --- one unit
+
+
+def opened() -> bool:
+    """Tell whether the last click opened the own job of a unit."""
+    return bool(st.session_state.pop(_OPENED, False))
+
+
+def draw(folder: KnownFolder, unit: SummedUnit, words: FleetWords) -> None:
+    """Show what the results hold of a unit, and offer its own job."""
+    say = words.say
+    kept = _kept(str(folder.path), reads(folder), unit.controller, unit.reference)
+    with st.container(border=True):
+        st.markdown(f"**{show.plain(unit.name)}** · {show.plain(say.signed(unit.verdict))}{_state(kept, say)}")
+        st.button(
+            say("fleet.open"),
+            on_click=_open,
+            args=(kept,),
+            type="primary",
+            key="fleet-open",
+            help=say("fleet.open_help"),
+        )
+        reference, fault = st.session_state.get(_FAULT, ("", None))
+        if fault is not None and reference == unit.reference:
+            st.error(f"**{say('fleet.not_opened')}** {show.plain(fault)}\n\n{say('fleet.still_held')}")
+        st.markdown(_facts(kept, unit, words))
+        st.caption(say("fleet.as_evaluated", when=f"{kept.unit['evaluated_at']:%Y-%m-%d %H:%M}"))
+        if kept.lands:
+            show.rows_table([_land(row, unit, words) for row in kept.lands], _LANDS)
+        if kept.conditions:
+            show.rows_table([_condition(row, say) for row in kept.conditions], _CONDITIONS)
+
+
+@st.cache_resource(max_entries=8, show_spinner=False)
+def _kept(folder: str, state: str, controller: str, reference: str) -> KeptUnit:
+    return kept_unit(Results.open(folder), controller, reference)
+
+
+def _state(kept: KeptUnit, say: Wording) -> str:
+    decision = kept.unit["decision"]
+    said = [say.get("decisions", decision)] if decision in DECISIONS else []
+    if kept.unit["provisional"]:
+        said.append(say("fleet.provisional"))
+    return "".join(f" · {show.plain(each)}" for each in said)
+
+
+def _facts(kept: KeptUnit, unit: SummedUnit, words: FleetWords) -> str:
+    say, row = words.say, kept.unit
+    measured = say("panel.lands_measured", measured=row["lands_measured"] or 0, lands=row["lands_total"] or 0)
+    facts = {
+        say("columns.controller"): words.body(unit.controller),
+        say("columns.number"): unit.number,
+        say("columns.serial"): unit.serial,
+        say("columns.vin"): unit.vin,
+        say("columns.mileage"): None if unit.mileage_km is None else say.quantity(unit.mileage_km, "distance"),
+        say("columns.date"): say.date(unit.date) if unit.date else None,
+        say("fleet.group"): unit.group,
+        **dict(row["labels"] or ()),
+        say("columns.decided_by"): words.decided_by(unit),
+    }
+    lines = [f"{show.plain(name)}: **{show.plain(value)}**" for name, value in facts.items() if value]
+    return " · ".join([*lines, measured])
+
+
+def _land(row: Any, unit: SummedUnit, words: FleetWords) -> dict[str, Any]:
+    return {
+        "verdict": level_named(row["verdict"]) if row["verdict"] else None,
+        "pair": words.land(unit.controller, (row["component"], row["land"])),
+        "clearance": row["radial_clearance_um"],
+        "uncertainty": row["uncertainty_um"],
+        "wear": row["wear_percent"],
+        "share": row["share_percent"],
+        "leakage": row["leakage_dm3_min"],
+        "decision": words.say.get("decisions", row["decision"]) if row["decision"] else None,
+    }
+
+
+def _condition(row: Any, say: Wording) -> dict[str, Any]:
+    band = row["band"]
+    return {
+        "verdict": level_named(band) if band in BANDS else None,
+        "condition": say.name(row["label"] or row["name"]),
+        "share": row["share_percent"],
+        "leakage": row["leakage_dm3_min"],
+        "held": row["p_g_held_kpa"],
+        "required": row["p_g_kpa"],
+        "reserve": row["reserve"],
+        "decision": say.get("decisions", row["decision"]) if row["decision"] else None,
+    }
+
+
+def _open(kept: KeptUnit) -> None:
+    """Open a unit's own job in this session, or keep why that is not possible; for a callback."""
+    row = kept.unit
+    st.session_state.pop(_FAULT, None)
+    try:
+        given, record = kept.opened()
+        case = opened_case(given)
+        diagnosis = diagnosis_of(case)
+    except AtleakError as error:
+        st.session_state[_FAULT] = row["reference"], error
+        return
+    remember(reader.say()("done.opened", name=row["number"] or row["name"][len(_folder_of(row["name"])) :]))
+    if row["reference"].startswith(BOOK):
+        st.session_state[_OPENED] = open_from_book(row["reference"].removeprefix(BOOK))
+        return
+    otherwise = differs(kept.result, _without_circuits(diagnosis_record(diagnosis)))
+    in_book = InBook(result_by=row["atleak"], judged_otherwise=otherwise)  # kept in the book once it is changed
+    show_job(case, with_sheet(record, diagnosis.readings) or record, in_book)
+    st.session_state[_OPENED] = True
+
+
+def _without_circuits(record: dict[str, Any]) -> dict[str, Any]:
+    """Return a record without what the rows of a unit do not hold."""
+    conditions = [{**each, "circuits": []} for each in record["conditions"]]
+    return {**record, "conditions": conditions}
