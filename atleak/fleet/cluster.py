@@ -9,6 +9,7 @@ import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
@@ -170,7 +171,9 @@ def _reached(address: str, tell: Callable[[Message], object]) -> Iterator[Client
 
     _check_address(address)
     try:
-        asyncio.run(_answering(address))  # a client waits longer for its own end than for an answer
+        with ThreadPoolExecutor(1) as elsewhere:  # a notebook has a loop of its own running here
+            # a client waits longer for its own end than for an answer
+            elsewhere.submit(asyncio.run, _answering(address)).result()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a table of other versions: it is said below
             client = Closing(address, timeout=_ANSWER, set_as_default=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from atleak import diagnosis as module
+from atleak import driven as module
 from atleak.catalogue.controller_reading import load_controller
 from atleak.diagnosis import diagnose
 from atleak.engine.projection import stated_condition

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import pickle
 import socket
 import sys
@@ -327,7 +328,12 @@ def test_what_listens_and_says_nothing_is_no_scheduler(monkeypatch: pytest.Monke
         socket.create_server((HERE, 0)) as silent,
         pytest.raises(FleetError, match=r"no dask scheduler answers there: no answer within 0\.5 s"),
     ):
-        connected(f"tcp://{HERE}:{silent.getsockname()[1]}").__enter__()
+        asyncio.run(_inside_a_loop(f"tcp://{HERE}:{silent.getsockname()[1]}"))
+
+
+async def _inside_a_loop(address: str) -> None:
+    """A notebook has a loop running wherever it computes."""
+    connected(address).__enter__()
 
 
 def test_a_client_that_cannot_be_made_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
