@@ -68,6 +68,12 @@ class DiskColumn:
 Column = np.ndarray | DiskColumn
 
 
+def held(column: Column) -> np.ndarray:
+    """Return all numbers of a column, in memory."""
+    whole: np.ndarray = column[:] if isinstance(column, DiskColumn) else column
+    return whole
+
+
 def spans(size: int, length: int = PIECE) -> Iterator[tuple[int, int]]:
     """Yield first and end of pieces that together are a column.
 

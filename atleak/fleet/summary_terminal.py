@@ -210,7 +210,11 @@ def _wear_differences(comparison: GroupComparison) -> Iterator[str | Table]:
     called = [each for each in comparison.lands if _is_called(each)]
     if not called:
         compared = any(each.mean_points and each.mean_points.differs is not None for each in comparison.lands)
-        yield "For no land does the wear tell the groups apart." if compared else f"No wear is compared: {_FEW} in a group."
+        yield (
+            "For no land does the wear tell the groups apart."
+            if compared
+            else f"No wear is compared: {_FEW} in a group."
+        )
         return
     headings = "groups", "land", "difference", "at the same mileage"
     table = _table(f"Differences of mean wear {_POINTS}", *headings, words=2)

@@ -8,7 +8,7 @@ import pandas as pd
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.channels.assign import Assigner, Candidate, plain_name
+from atleak.intake.road_test.channels.assign import Candidate, plain_name
 from atleak.intake.road_test.files.cells import MISSING
 from atleak.intake.road_test.names.matching import is_unit, match_name, split_unit
 from atleak.intake.road_test.names.unit_choice import same_unit
@@ -34,8 +34,13 @@ class _Cell(NamedTuple):
         return match_name(split_unit(self.text).text) is not None
 
 
-def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner) -> None:
+def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], file: str, first: int = 0) -> None:
     """Refuse a log with a header among its rows that names other columns, or the same ones in other units.
+
+    Parameters
+    ----------
+    lines
+        of which each bears its number as label, from ``first`` on.
 
     Raises
     ------
@@ -52,20 +57,20 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
         ]
         if cells and all(is_unit(cell.text) for cell in cells):
             for cell in cells:  # a column may be called rpm
-                _refuse_another_unit(cell, cell.text, int(row), assigner)
+                _refuse_another_unit(cell, cell.text, first + int(row), file)
             continue
         others = _others(cells, alone=len(indices) == 1)
         if others:
             raise RoadTestError(
                 Sentence("another header with other columns begins in the middle of the log"),
-                place=Place(file=assigner.file, row=None, column=others[0].column.label),
+                place=Place(file=file, row=None, column=others[0].column.label),
                 value=others[0].text,
-                expected=Sentence("one header; split the file at data row {row}", row=int(row) + 1),
+                expected=Sentence("one header; split the file at data row {row}", row=first + int(row) + 1),
             )
         for cell in cells:
             unit = split_unit(cell.text).unit
             if unit is not None and cell.repeats and cell.text != cell.column.label:
-                _refuse_another_unit(cell, unit, int(row), assigner)
+                _refuse_another_unit(cell, unit, first + int(row), file)
 
 
 def _others(cells: list[_Cell], alone: bool) -> list[_Cell]:
@@ -81,13 +86,13 @@ def _others(cells: list[_Cell], alone: bool) -> list[_Cell]:
     return odd if repeated >= 2 and repeated > len(odd) else []
 
 
-def _refuse_another_unit(cell: _Cell, unit: str, row: int, assigner: Assigner) -> None:
+def _refuse_another_unit(cell: _Cell, unit: str, row: int, file: str) -> None:
     stated, kind = cell.column.unit, QUANTITIES[cell.column.quantity].unit_kind
     if kind is None or stated is None or same_unit(stated, unit, kind):
         return
     raise RoadTestError(
         Sentence("the unit changes from {first} to {other} in the middle of the log", first=stated, other=unit),
-        place=Place(file=assigner.file, column=cell.column.label),
+        place=Place(file=file, column=cell.column.label),
         value=cell.text,
         expected=Sentence("one unit in every column; split the file at data row {row}", row=row + 1),
     )

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from atleak.columns import held
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import (
@@ -89,8 +90,14 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     own_times = _own_times(table.headings, times, channels)
     if own_times is not None:
         return _read_own_times(own_times, rows, columns, channels, table, assigner, motions)
-    label, clock = best_clock(times, frame, table, assigner, motions, rows.number)
-    timeline = build_timeline(clock.seconds)
+    label, clock = best_clock(
+        times,
+        table,
+        assigner,
+        lambda candidate: clock_of(candidate, frame, table, assigner, motions),
+        lambda interval: np.arange(rows.number) * interval,
+    )
+    timeline = build_timeline(held(clock.seconds))
     if not len(timeline.time):
         raise no_time(table, assigner)
     for quantity in QUANTITIES:
@@ -197,7 +204,7 @@ def _read_own_times(
     if not clocks_by_column:
         raise no_time(table, assigner)
     first = min(clocks_by_column)
-    base = build_timeline(clocks_by_column[first].seconds)
+    base = build_timeline(held(clocks_by_column[first].seconds))
     assigner.base = base.time if base.order is None else None
     for quantity in QUANTITIES:
         offered = []
@@ -213,7 +220,7 @@ def _read_own_times(
             if time_column.heading.index == first:
                 offered.append((candidate, values, None))
                 continue
-            timeline = build_timeline(clocks_by_column[time_column.heading.index].seconds)
+            timeline = build_timeline(held(clocks_by_column[time_column.heading.index].seconds))
             values = values if timeline.order is None else values[timeline.order]
             good = np.isfinite(values)
             offered.append((candidate, values[good], timeline.time[good]))
