@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import pickle
 import socket
 import sys
@@ -31,6 +30,7 @@ from atleak.fleet.run import Finished, Progress, run_fleet
 from atleak.fleet.running import Run
 from atleak.fleet.task import BEGUN, OVERDUE, on_worker
 from atleak.fleet.units import FleetUnit
+from tests.unit.own_loop import awaited
 
 from .small_units import Short, bad_unit, small_unit
 
@@ -328,7 +328,7 @@ def test_what_listens_and_says_nothing_is_no_scheduler(monkeypatch: pytest.Monke
         socket.create_server((HERE, 0)) as silent,
         pytest.raises(FleetError, match=r"no dask scheduler answers there: no answer within 0\.5 s"),
     ):
-        asyncio.run(_inside_a_loop(f"tcp://{HERE}:{silent.getsockname()[1]}"))
+        awaited(_inside_a_loop(f"tcp://{HERE}:{silent.getsockname()[1]}"))
 
 
 async def _inside_a_loop(address: str) -> None:

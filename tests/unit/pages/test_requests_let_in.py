@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import Any
 
 import pytest
@@ -10,6 +9,7 @@ from starlette.middleware import Middleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from pages.shared.requests_let_in import guards
+from tests.unit.own_loop import awaited
 
 LET_IN = 200
 
@@ -40,7 +40,7 @@ def answers(path: str = "/", **headers: str) -> set[int]:
     served = behind(guards(["localhost", "127.0.0.1", "::1"], "inside".__eq__))
     for kind in ("http", "websocket"):
         scope: dict[str, Any] = {"type": kind, "path": path, "method": "GET", "headers": raw, "query_string": b""}
-        asyncio.run(served(scope, nothing, send))
+        awaited(served(scope, nothing, send))
     return {message["status"] for message in said if "status" in message}
 
 
