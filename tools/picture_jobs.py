@@ -23,7 +23,7 @@ from atleak.fleet.work import evaluate
 from atleak.intake.readings import read_readings
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
-from atleak.job.record import Job, Transmission, Vehicle
+from atleak.job.record import Job, RepairDecision, Transmission, Vehicle
 from atleak.jobs.book import open_book
 from atleak.jobs.tables import jobs, results
 from atleak.readings import Reading, clearances
@@ -96,7 +96,12 @@ def visits() -> Iterator[tuple[Case, Diagnosis, Job]]:
     yield first, first.diagnose(), record(FIRST, DAY, MILEAGE)
     repaired = sheet_with(MILEAGE + 40.0, lambda key, measured, new: new if key in REPAIRED else measured)
     second = sample_case(repaired, "after_the_repair.xlsx")
-    yield second, second.diagnose(), record(SECOND, DAY + dt.timedelta(days=5), MILEAGE + 40.0)
+    done = tuple(
+        RepairDecision(component=component, land=land, work="sleeve fitted", decision="done")
+        for component, land in sorted(REPAIRED)
+    )
+    after = record(SECOND, DAY + dt.timedelta(days=5), MILEAGE + 40.0).model_copy(update={"repair_decisions": done})
+    yield second, second.diagnose(), after
 
 
 def fill_book() -> Mapping[str, str]:

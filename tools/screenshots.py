@@ -5,10 +5,10 @@
     python tools/screenshots.py --check             # into a temporary folder, and compared with docs/pictures
 
 It starts the dashboard on 127.0.0.1 for a user's folder of its own, drives it in Chromium, and ends the server that it
-started. ``--check`` ends with status 1 and names every picture that cannot be made any more or that differs clearly from
-the one that is kept; dates are fixed and machine paths taken out, so that two runs give the same pictures. Two pictures
-differ clearly where one is over `SIZE_APART` wider or higher than the other, or where, both reduced to `SEEN_AT` pixels of
-width and to shades of grey, they differ by more than `MEAN_APART` of 255 shades on average.
+started. ``--check`` ends with status 1 and names every picture that cannot be made any more, or that differs
+clearly from the one that is kept; dates are fixed and machine paths taken out, so that two runs give the same pictures.
+Two pictures differ clearly where one is over `SIZE_APART` wider or higher than the other, or where, both reduced to
+`SEEN_AT` pixels of width and to shades of grey, they differ by more than `MEAN_APART` of 255 shades on average.
 
 It wants the extras ``test`` and ``fleet`` and Chromium.
 """
@@ -29,7 +29,7 @@ import time
 import urllib.request
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import picture_jobs as made
@@ -47,9 +47,10 @@ from atleak.report.pdf.comparison import write_comparison_pdf
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 CHROMIUM = ("/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome")
 WIDTH, PHONE = 1200, 390  # [px] of the window
-TALL = 3200  # [px] of the window, so that whatever is shown is drawn
-EDGE = 14  # [px] around what is shown
+TALL = 4400  # [px] of the window, so that whatever is shown is drawn
+EDGE, ABOVE = 14, 4  # [px] around what is shown, and above it
 PAGE_WIDTH = 900  # [px] of a report's page
+WORN = 1.5  # times as measured, of what is tried
 COLOURS = 128  # of a picture
 LARGEST = 150_000  # bytes
 START = 180.0  # [s] until the server must answer
@@ -62,6 +63,7 @@ BUSY = "[data-testid=stSkeleton], [data-testid=stSpinner], [data-testid=stToast]
 WITHOUT_FOLDER = """folder => {
     const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT)
     while (walk.nextNode()) walk.currentNode.data = walk.currentNode.data.split(" · " + folder).join("")
+    for (const field of document.querySelectorAll("input")) field.value = field.value.split(" · " + folder).join("")
 }"""
 
 Frame = tuple[float, float, float, float]  # left, top, right, bottom [px]
@@ -81,7 +83,7 @@ class Part:
             return 0.0, 0.0, float(page.evaluate("window.innerWidth")), bottom
         column = page.get_by_test_id("stMainBlockContainer").locator("[data-testid=stVerticalBlock]").first
         left, _, right, _ = box(column)
-        return left - EDGE, box(self.first)[1] - EDGE, right + EDGE, bottom
+        return left - EDGE, box(self.first)[1] - ABOVE, right + EDGE, bottom
 
 
 @dataclass(frozen=True)
@@ -145,25 +147,29 @@ def job(page: Page) -> Part:
 
 def readings(page: Page) -> Part:
     page.get_by_role("tab", name="Clearances and wear").click()
+    page.get_by_text("flagged", exact=True).click()
     idle(page)
-    return Part(table(page, "Readings"), title(page))
+    return Part(chart(page, "Readings"), title(page))
 
 
 def typed_readings(page: Page) -> Part:
     page.get_by_role("button", name="Begin an empty job").click()
     expect(page.locator(".measuring .state")).to_contain_text("0/")
     idle(page)
-    page.locator(".measuring input").first.click()
-    for value in ("13.999", "13.998", "13.999", "139.99", "14.069", "14.068"):
-        page.keyboard.type(value)
-        page.keyboard.press("Enter")
-    expect(page.locator(".measuring .state")).to_contain_text("6/")
+    cells = page.locator(".measuring input")
+    for first, values in ((4, ("14.069", "14.068", "14.071", "1407.0")), (0, ("13.999", "13.998", "13.999", "13.999"))):
+        cells.nth(first).click()
+        for value in values:
+            page.keyboard.type(value)
+            page.keyboard.press("Enter")
+        page.locator(".measuring button").first.click()  # back to the first component
+    expect(page.locator(".measuring .state")).to_contain_text("8/")
     idle(page)
     return Part(page.get_by_text("Enter or Tab: next cell"), page.get_by_role("tab", name="Measure"))
 
 
 def road_test(page: Page) -> Part:
-    return Part(chart(page, "Leakage over it"), heading(page, "The log's picture"))
+    return Part(chart(page, "Leakage over it"), chart(page, "The log's picture"))
 
 
 def diagnosis(page: Page) -> Part:
@@ -179,7 +185,7 @@ def diagnosis_land(page: Page) -> Part:
 
 
 def diagnosis_narrow(page: Page) -> Part:
-    return Part(page.locator("table.cards tbody tr").first)
+    return Part(page.locator("button[data-pair='17']"))
 
 
 def what_if(page: Page) -> Part:
@@ -187,6 +193,13 @@ def what_if(page: Page) -> Part:
     field.fill("110")
     field.press("Enter")
     expect(page.get_by_text("110 °C").first).to_be_visible()
+    idle(page)
+    wear = page.get_by_role("slider").first
+    wear.focus()
+    while float(wear.get_attribute("aria-valuenow") or "9") < WORN:
+        page.keyboard.press("ArrowRight")
+    page.keyboard.press("Tab")
+    expect(page.get_by_text(re.compile(r"Tried: 110 °C.*1\.5"))).to_be_visible()
     idle(page)
     return Part(chart(page, "Share over temperature and wear"), title(page))
 
@@ -201,13 +214,14 @@ def job_book(page: Page) -> Part:
 
 def transmission(page: Page) -> Part:
     page.get_by_role("combobox", name="Start from").click()
-    page.keyboard.type("Four-speed controller")
+    page.keyboard.type("Example of a workshop's own description")
     page.keyboard.press("Enter")
     idle(page)
     page.get_by_role("button", name="Start", exact=True).click()
-    page.get_by_test_id("stDataFrame").first.wait_for()
+    page.get_by_text("Components", exact=True).click()
+    table(page, "Lands").wait_for()
     idle(page)
-    return Part(page.get_by_test_id("stDataFrame").first, title(page))
+    return Part(table(page, "Lands"), title(page))
 
 
 def fleet(page: Page) -> Part:
@@ -294,9 +308,13 @@ def report_pages(folder: Path) -> Iterator[tuple[str, Callable[[], bytes]]]:
         (_, first, before), (_, second, after) = made.visits()
         return write_comparison_pdf(compare(first, second), before, after)
 
+    def of_fleet() -> bytes:
+        summary = summed_up(Results.open(folder), by="supplier")
+        return write_summary_pdf(replace(summary, folder=folder.name))
+
     yield "report-page-1", of_report
     yield "compare-page", of_comparison
-    yield "fleet-page", lambda: write_summary_pdf(summed_up(Results.open(folder), by="supplier"))
+    yield "fleet-page", of_fleet
 
 
 def first_page(pdf: bytes) -> Image.Image:
@@ -383,7 +401,7 @@ def make(names: set[str], target: Path) -> dict[str, str]:
             try:
                 content = written(picture())
             except (Error, AssertionError) as error:
-                faults[name] = f"it cannot be made: {error}"
+                faults[name] = f"it cannot be made: {str(error).splitlines()[0]}"
                 continue
             if len(content) > LARGEST:
                 faults[name] = f"it has {len(content)} bytes, where {LARGEST} are allowed"
