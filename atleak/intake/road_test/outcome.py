@@ -15,7 +15,7 @@ from atleak.intake.road_test.names.memory import NOT_LOGGED
 from atleak.road_test import QUANTITIES, RoadTest, Segment
 from atleak.sentence import Sentence
 
-FORMATS: Mapping[str, Sentence] = MappingProxyType(  # of files, as pages name them; that of an MDF file is a name
+FORMATS: Mapping[str, Sentence] = MappingProxyType(  # of files, as pages name them; those of MDF and Parquet are names
     {"delimited text": Sentence("delimited text"), "workbook": Sentence("workbook")}
 )
 
