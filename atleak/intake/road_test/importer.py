@@ -240,9 +240,9 @@ def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
             continue
         source = sources[0]
         signal = source.assigner.signals[quantity]
-        time = signal.time
+        time = signal.stamps
         if time is None:
-            values, timeline = signal.values, source.result.timeline
+            values, timeline = signal.numbers, source.result.timeline
             values = values if timeline.order is None else values[timeline.order]
             kept = np.isfinite(values)
             time = timeline.time[kept]

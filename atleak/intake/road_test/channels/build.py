@@ -59,7 +59,7 @@ class _Checked:
 
 def _checked(signal: Signal, timeline: Timeline, speed: Signal | None, ends: Ends | None) -> _Checked:
     """Check a signal; ``ends`` are those of its column, where all its cells are known to be finite numbers."""
-    raw, time = signal.values, signal.time
+    raw, time = signal.numbers, signal.stamps
     if time is None:
         time = timeline.time
         if timeline.order is not None:
@@ -72,7 +72,7 @@ def _checked(signal: Signal, timeline: Timeline, speed: Signal | None, ends: End
     def moving() -> np.ndarray | None:
         if speed is None or speed.time is not None or signal.time is not None or len(raw) != len(timeline.time):
             return None
-        beside = speed.values if timeline.order is None else speed.values[timeline.order]
+        beside = speed.numbers if timeline.order is None else speed.numbers[timeline.order]
         return np.concatenate([[False], np.diff(beside) != 0])
 
     known = (ends, _in_si(ends, signal.fit)) if ends is not None else None

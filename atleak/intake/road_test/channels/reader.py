@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from atleak.columns import held
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import (
@@ -27,9 +28,10 @@ from atleak.intake.road_test.channels.timing import (
     runs,
 )
 from atleak.intake.road_test.channels.unit_cells import with_units_beside
-from atleak.intake.road_test.clock.clocks import Clock, Motion
+from atleak.intake.road_test.clock.clocks import Clock, Motion, numeric_form
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.cells import is_clock
+from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.files.headings import Heading, named_by_a_date
 from atleak.intake.road_test.names.matching import clean_unit
 from atleak.intake.units import kinds_of
@@ -86,14 +88,25 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     frame = rows.frame
     channels, unit_columns = with_units_beside(channels, table, frame.index, assigner)
     columns = columns_of_numbers(channels, frame, table.decimal, assigner)
-    channels = with_units_stated_again(channels, columns, frame.index, assigner)
+    channels = with_units_stated_again(channels, columns, rows.before, assigner)
     motions = motions_beside(channels, columns)
     own_times = _own_times(table.headings, times, channels)
     if own_times is not None:
         return _read_own_times(own_times, rows, columns, channels, table, assigner, motions)
-    label, clock = best_clock(times, frame, table, assigner, motions, rows.number)
-    check_clock_stated_again(times, frame, (label, clock), table.decimal, assigner)
-    timeline = build_timeline(clock.seconds)
+
+    def unit_before(candidate: Candidate, line: int) -> str:
+        some = frame.iloc[: rows.before(line)]
+        return numeric_form(numbers(some, candidate.heading.index, table.decimal).values, None).unit
+
+    label, clock = best_clock(
+        times,
+        table,
+        assigner,
+        lambda candidate: clock_of(candidate, frame, table, assigner, motions),
+        lambda interval: np.arange(rows.number) * interval,
+    )
+    check_clock_stated_again(times, (label, clock), unit_before, assigner)
+    timeline = build_timeline(held(clock.seconds))
     if not len(timeline.time):
         raise no_time(table, assigner)
     for quantity in QUANTITIES:
@@ -200,7 +213,7 @@ def _read_own_times(
     if not clocks_by_column:
         raise no_time(table, assigner)
     first = min(clocks_by_column)
-    base = build_timeline(clocks_by_column[first].seconds)
+    base = build_timeline(held(clocks_by_column[first].seconds))
     assigner.base = base.time if base.order is None else None
     for quantity in QUANTITIES:
         offered = []
@@ -216,7 +229,7 @@ def _read_own_times(
             if time_column.heading.index == first:
                 offered.append((candidate, values, None))
                 continue
-            timeline = build_timeline(clocks_by_column[time_column.heading.index].seconds)
+            timeline = build_timeline(held(clocks_by_column[time_column.heading.index].seconds))
             values = values if timeline.order is None else values[timeline.order]
             good = np.isfinite(values)
             offered.append((candidate, values[good], timeline.time[good]))
