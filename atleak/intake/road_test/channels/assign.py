@@ -57,6 +57,11 @@ class Signal:
         return held(self.values)
 
     @property
+    def on_disk(self) -> DiskColumn | None:
+        """Return the column of the file's numbers; None where they are held in memory."""
+        return self.values if isinstance(self.values, DiskColumn) else None
+
+    @property
     def stamps(self) -> np.ndarray | None:
         """Return its own stamps, all of them held in memory; None where it has none."""
         return None if self.time is None else held(self.time)

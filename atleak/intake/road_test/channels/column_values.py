@@ -107,7 +107,7 @@ def rows_of(
         where another header with other columns begins.
     """
     left, word_for_time = LeftOut.of(frame, table), words_for_time(frame, times, table)
-    if len(word_for_time) >= _REMARKS * len(frame):
+    if len(word_for_time) >= REMARKS * len(frame):
         word_for_time = word_for_time[:0]
     frame, left.lines = without_words(frame, times, channels, table, assigner, word_for_time)
     attributes, end = frame.attrs, last_filled(frame)
@@ -121,7 +121,7 @@ def rows_of(
     return Rows(frame, left.rows)
 
 
-_REMARKS = 0.3  # part of a log's lines that may have a word in place of the time: more are no remarks
+REMARKS = 0.3  # part of a log's lines that may have a word in place of the time: more are no remarks
 
 
 def without_words(

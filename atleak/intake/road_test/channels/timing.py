@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,7 @@ from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.channels.spoilt_numbers import TEXT, cause, holds
 from atleak.intake.road_test.clock import clocks
-from atleak.intake.road_test.clock.clocks import Clock, Motion
+from atleak.intake.road_test.clock.clocks import Clock, Motion, NumericForm, Running
 from atleak.intake.road_test.files.cells import is_clock, is_destroyed, to_float
 from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.files.headings import nameless
@@ -40,36 +41,80 @@ def clock_of(
 ) -> Clock | None:
     """Read a time column; None where it cannot be read, which a message explains where a spreadsheet has spoilt it."""
     column = frame[candidate.heading.index]
-    unit = assigner.units.get("time", candidate.unit)
-    if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
-        unit = stated.name
-    if column.dtype.kind == "M" or _typed(column):
+    if column.dtype.kind == "M":
+        return stamped_clock(column)
+    if _typed(column):
         cells = column.tolist()
         # a cell of a time alone is a datetime in the year 1899 or 1900
         first = next((cell.date() for cell in cells if isinstance(cell, dt.datetime) and cell.year > 1900), None)
         return Clock(clocks.from_datetimes(cells), "clock", False, "date and time", date=first)
     if column.dtype.kind not in "fiub":
-        texts = column.dropna().astype("str")
-        probe = texts.iloc[:200].tolist() + texts.iloc[-50:].tolist()
-        if sum(is_clock(text) for text in probe) > 0.5 * len(probe):
+        probe = probe_of(column)
+        if holds_clock_strings(probe):
             return clocks.text_clock(column)
-        destroyed = next((text for text in probe if is_destroyed(text)), None)
-        if destroyed:
-            assigner.say(
-                "column_refused",
-                Sentence(
-                    "{column!r}: a spreadsheet has destroyed its numbers ({found})",
-                    column=candidate.label,
-                    found=destroyed,
-                ),
-                "warning",
-                candidate.label,
-            )
+        if say_destroyed(candidate, probe, assigner):
             return None
     values, unreadable, ends = numbers(frame, candidate.heading.index, table.decimal)
     whole = ends is not None
-    if len(unreadable) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
-        _say_spoilt(candidate, unreadable, values, table, assigner)
+    finite = len(values) if whole else int(np.isfinite(values).sum())
+    read = TimeNumbers(values, unreadable, len(unreadable), finite)
+
+    def converted(form: NumericForm) -> Clock:
+        return form.clock(form.seconds(values, Running(form.period)))
+
+    return clock_of_numbers(candidate, read, table, assigner, motions, converted)
+
+
+def probe_of(column: pd.Series) -> list[str]:
+    """Return the first and the last cells of a column that are not blank, as text."""
+    texts = column.dropna().astype("str")
+    return [*texts.iloc[:200].tolist(), *texts.iloc[-50:].tolist()]
+
+
+def holds_clock_strings(probe: Sequence[str]) -> bool:
+    """Return whether most of some cells are readings of a clock."""
+    return sum(is_clock(text) for text in probe) > 0.5 * len(probe)
+
+
+def say_destroyed(candidate: Candidate, probe: Iterable[str], assigner: Assigner) -> bool:
+    """Say which of some cells a spreadsheet has destroyed; return whether there is one."""
+    found = next((text for text in probe if is_destroyed(text)), None)
+    if found is None:
+        return False
+    said = Sentence(
+        "{column!r}: a spreadsheet has destroyed its numbers ({found})", column=candidate.label, found=found
+    )
+    assigner.say("column_refused", said, "warning", candidate.label)
+    return True
+
+
+@dataclass(frozen=True)
+class TimeNumbers:
+    """A time column as numbers, with its cells that are none, or some of these."""
+
+    numbers: Column
+    words: pd.Series
+    unreadable: int  # cells that are no numbers
+    finite: int
+
+    @property
+    def whole(self) -> bool:
+        """Return whether every cell is a finite number."""
+        return self.finite == len(self.numbers)
+
+
+def clock_of_numbers(
+    candidate: Candidate,
+    read: TimeNumbers,
+    table: LogTable,
+    assigner: Assigner,
+    motions: Sequence[Motion],
+    converted: Callable[[NumericForm], Clock],
+) -> Clock | None:
+    """Read a time column of numbers, as `clock_of` does; ``converted`` gives the clock of what they count."""
+    size = len(read.numbers)
+    if read.unreadable > 0.05 * size or (not read.whole and read.finite < 0.5 * size):
+        _say_spoilt(candidate, read, table, assigner)
         return None
     if _cut_short(candidate, table):
         assigner.say(
@@ -83,7 +128,10 @@ def clock_of(
             candidate.label,
         )
         return None
-    clock = clocks.numeric_clock(values, unit, motions if whole else [], whole)
+    unit = assigner.units.get("time", candidate.unit)
+    if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
+        unit = stated.name
+    clock = converted(clocks.numeric_form(read.numbers, unit, motions if read.whole else [], read.whole))
     if clock.form.startswith("epoch") and rounded(clock.seconds):
         text = Sentence(
             "{column!r}: a spreadsheet has cut its numbers short: few stamps differ", column=candidate.label
@@ -91,6 +139,14 @@ def clock_of(
         assigner.say("column_refused", text, "warning", candidate.label)
         return None
     return clock
+
+
+def stamped_clock(column: pd.Series) -> Clock:
+    """Return the clock of a column of dates with times, as Parquet files and workbooks hold them."""
+    stamps = column.dropna()
+    seconds = (column - stamps.iloc[0]).dt.total_seconds().to_numpy() if len(stamps) else np.full(len(column), np.nan)
+    first = stamps.iloc[0].date() if len(stamps) else None
+    return Clock(np.round(seconds, 9), "clock", False, "date and time", date=first)
 
 
 _COARSE = 600.0  # [s] between stamps that only rounding explains
@@ -118,12 +174,10 @@ def _destroyed_cell(table: LogTable, candidate: Candidate) -> str:
     return next((row[index] for row in table.sample if index < len(row) and is_destroyed(row[index])), "")
 
 
-def _say_spoilt(
-    candidate: Candidate, unreadable: pd.Series, values: np.ndarray, table: LogTable, assigner: Assigner
-) -> None:
+def _say_spoilt(candidate: Candidate, read: TimeNumbers, table: LogTable, assigner: Assigner) -> None:
     """Say what is wrong with the numbers of a time column, where they are any."""
-    if len(unreadable):
-        what, found = cause(unreadable, values, table.decimal)
+    if len(read.words):
+        what, found = cause(read.words, read.numbers[:: max(1, len(read.numbers) // 50_000)], table.decimal)
         if what != TEXT:
             said = holds(candidate.label, what, found)
             assigner.say("column_refused", said, "warning", candidate.label)
@@ -277,7 +331,7 @@ def _starts_again(seconds: Column) -> bool:
     """Return whether a clock rises and falls back to where it began, again and again."""
     finite = finite_of(seconds[:_SOME])
     falls = np.diff(finite) < 0
-    return len(finite) > _LEAST_ROWS and np.mean(falls) > 0.1 and np.ptp(finite[1:][falls]) < 0.1 * np.ptp(finite)
+    return len(finite) > _LEAST_ROWS and bool(np.mean(falls) > 0.1 and np.ptp(finite[1:][falls]) < 0.1 * np.ptp(finite))
 
 
 def runs(seconds: Column) -> bool:
