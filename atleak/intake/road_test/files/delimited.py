@@ -84,6 +84,7 @@ class Delimited(OfLayout):
             frame = None
         wait()
         if tallying.tally().even(-1 if frame is None else len(frame), self.per_line) and frame is not None:
+            frame.attrs["breaks_off"] = self.breaks_off
             return self._without_cell_units(frame)
         text = self.text or prepared(self.source)
         rows = mended(text.data[self.offset :], self.delimiter, self.width, pad=frame is None)
@@ -97,8 +98,7 @@ class Delimited(OfLayout):
                 problem = Sentence("its lines cannot be read: {reason}", reason=str(error))
                 raise RoadTestError(problem, place=Place(file=self.source.file)) from error
         frame.attrs["too_wide"] = rows.too_wide
-        if 2 * rows.short < rows.count:  # else it is the logger's way to write blank cells
-            frame.attrs["short"] = rows.short - self.breaks_off
+        frame.attrs["short"] = rows.short if self.of_many else counted_short(rows.short, rows.count, self.breaks_off)
         frame.attrs["breaks_off"] = self.breaks_off
         return self._without_cell_units(frame)
 
@@ -126,7 +126,10 @@ class Delimited(OfLayout):
         if not odd:
             return frame
         pieces = self._in_pieces(odd, {*clean, *dirty})
-        return frame.drop(columns=odd, errors="ignore").join(pieces, how="right") if rest else pieces
+        if rest:
+            words, pieces = pieces.attrs["words"], frame.drop(columns=odd, errors="ignore").join(pieces, how="right")
+            pieces.attrs["words"] = words
+        return pieces
 
     def _expected(self, columns: Sequence[int]) -> tuple[set[int], set[int]]:
         """Return the columns that hold only numbers in the sample, and those that also hold words for *missing*."""
@@ -241,6 +244,11 @@ class Delimited(OfLayout):
         }
 
 
+def counted_short(short: int, rows: int, breaks_off: bool) -> int:
+    """Return how many rows have fewer cells, but for a last one that breaks off; 0 where many write blanks so."""
+    return max(short - breaks_off, 0) if 2 * short < rows else 0
+
+
 def refuse_too_wide(too_wide: int, rows: int, file: str) -> None:
     """Refuse a table of which many rows have more numbers than it has columns.
 
@@ -347,7 +355,7 @@ def without_cut_cell(text: LogText) -> LogText:
     if data.endswith((b"\n", b"\r")) or b"\n" not in data[-HEAD:]:
         return text
     lines = data[-HEAD:].split(b"\n")
-    last, before = lines[-1], [line for line in lines[:-1] if line.strip()][-3:]
+    last, before = lines[-1], [line for line in lines[:-1] if line.strip(b" \r")][-3:]
     for delimiter in (b"\t", b";", b","):
         usual = {line.count(delimiter) for line in before}
         if len(usual) == 1 and min(usual) > 0:

@@ -127,7 +127,7 @@ def _refuse_other_text(source: LogFile) -> None:
     RoadTestError
         saying as what it is to be saved.
     """
-    head = source.head
+    head = source.head.removesuffix(b"\r")
     other_ends = b"\r" in head and (b"\n" not in head[:HEAD] or one_line_end(head) is not head)
     if other_ends or b"\x00" in head or to_text(head).encoding.startswith("utf-16"):
         expected = Sentence("UTF-8 or a code page of one byte a sign, with a line feed behind every line")

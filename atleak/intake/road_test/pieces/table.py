@@ -22,7 +22,7 @@ from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.reader import no_header, own_times, refuse_split_decimals, time_candidates
 from atleak.intake.road_test.channels.timing import best_clock, motions_beside, no_time
 from atleak.intake.road_test.channels.unit_cells import columns_of_units
-from atleak.intake.road_test.files.delimited import refuse_too_wide
+from atleak.intake.road_test.files.delimited import counted_short, refuse_too_wide
 from atleak.intake.road_test.pieces import timelines
 from atleak.intake.road_test.pieces.columns import ChannelColumn, TimeColumn
 from atleak.intake.road_test.pieces.spool import Spool, too_large_for
@@ -143,6 +143,7 @@ class _Reading:
         if not self._filled:  # the columns are blank throughout, but the rows exist
             self._take_blank()
         self.left.blank = self._blank
+        self.left.short = counted_short(self.left.short, self.lines, self.left.breaks_off)
         self.left.say(assigner)
         refuse_too_wide(self.left.too_wide, self.lines, assigner.file)
         if self.words_for_time >= REMARKS * max(self.lines, 1):
