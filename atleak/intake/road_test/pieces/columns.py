@@ -27,6 +27,7 @@ from atleak.intake.road_test.clock.clocks import (
     Motion,
     NumericForm,
     Running,
+    numeric_form,
     read_clocks,
 )
 from atleak.intake.road_test.files.delimited import numbers
@@ -119,6 +120,12 @@ class TimeColumn:
         assert self._column is not None
         nothing = np.zeros(rows, _CLOCK_PARTS) if self._kind == "strings" else np.full(rows, np.nan)
         self._column.append(nothing)
+
+    def unit_before(self, row: int) -> str:
+        """Return in which unit the numbers before a row seem to be; nothing of clock strings and dates."""
+        if self._kind != "numbers" or self._column is None:
+            return ""
+        return numeric_form(self._column.part(0, row), None).unit
 
     def clock(self, table: LogTable, assigner: Assigner, motions: Sequence[Motion]) -> Clock | None:
         """Return the clock; None where it cannot be read, which is said where a spreadsheet has spoilt it."""

@@ -17,6 +17,7 @@ from atleak.intake.road_test.channels.column_values import (
     without_words,
     words_for_time,
 )
+from atleak.intake.road_test.channels.headers_between import check_clock_stated_again, with_units_stated_again
 from atleak.intake.road_test.channels.long import long_shape
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.reader import no_header, own_times, refuse_split_decimals, time_candidates
@@ -83,6 +84,7 @@ class _Reading:
         self.left = LeftOut(above=table.above)
         self.rows = self.lines = self.words_for_time = self._blank = 0
         self._filled = False
+        self._before: dict[int, int] = {}  # rows before a line that states a unit again
         self._remarks: bool | None = None  # whether words in place of the time are remarks: the first block tells
 
     @property
@@ -110,7 +112,10 @@ class _Reading:
         attributes = frame.attrs
         frame = frame.drop(columns=list(beside.columns))
         frame.attrs = attributes
-        frame, lines = without_words(frame, times, channels, self.table, self.assigner.file, words, self.lines)
+        frame, lines = without_words(frame, times, channels, self.table, self.assigner, words, self.lines)
+        for again in self.assigner.again.values():
+            stands = self.rows + self._blank + int(frame.index.searchsorted(again.row - self.lines))
+            self._before.setdefault(again.row, stands)
         self.left.lines += lines
         self.lines += before
         for index, each in units.items():
@@ -160,15 +165,28 @@ class _Reading:
             column.candidate = channel
             offered.append((channel, column.values(table, assigner)))
         columns = {candidate.heading.index: values for candidate, values in offered}
+        told = with_units_stated_again([each for each, _ in offered], columns, self._before.__getitem__, assigner)
+        offered = [(candidate, columns[candidate.heading.index]) for candidate in told]
         usable = [candidate for candidate, values in offered if isinstance(values, DiskColumn)]
         motions = motions_beside(usable, columns)
         clocks = {each.candidate.heading.index: each for each in self.times}
+        units_before = {
+            (index, again.row): clocks[index].unit_before(self._before[again.row])
+            for index, again in assigner.again.items()
+            if index in clocks
+        }
         label, clock = best_clock(
             [each.candidate for each in self.times],
             table,
             assigner,
             lambda candidate: clocks[candidate.heading.index].clock(table, assigner, motions),
             self._counted,
+        )
+        check_clock_stated_again(
+            [each.candidate for each in self.times],
+            (label, clock),
+            lambda candidate, line: units_before[candidate.heading.index, line],
+            assigner,
         )
         assert isinstance(clock.seconds, DiskColumn)
         timeline = timelines.build(clock.seconds, self.spool)
