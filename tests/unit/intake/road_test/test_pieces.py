@@ -30,6 +30,7 @@ from atleak.intake.road_test.pieces import (
 )
 from atleak.large_log import LargeLog
 from tests.unit.intake.road_test.messy_logs import messy_log
+from tests.unit.intake.road_test.test_changed_units import BARE, HEAD, IN_PSI, log, rows
 from tests.unit.intake.road_test.test_quirks import CASES, REFUSED
 
 NOT_IN_PIECES = {
@@ -168,6 +169,35 @@ def test_what_changes_on_the_way_is_refused_and_where(tmp_path: Path, change: st
     assert words in refusals[0]
     assert "data row 251" in refusals[0]
     assert refusals[0] == refusals[1]
+
+
+_BLANK = [f"{i / 10:.1f},{800 + i},80,,2" for i in range(30)]
+_NO_CLOCK, _MS = HEAD.replace(" [s]", ""), [f"{i * 100},{800 + i},80,700,2" for i in range(30, 60)]
+_BETWEEN = ["", ",,,,", "# a remark", ",,,,", "Lap 2,,,,"]
+
+
+@pytest.mark.parametrize("between", [[], _BETWEEN], ids=["", "with lines that are no rows"])
+@pytest.mark.parametrize(
+    ("head", "before", "again", "after", "asked"),
+    [
+        (BARE, rows(), HEAD.replace("kPa", "psi"), IN_PSI, True),
+        (BARE, rows(), "s,rpm,°C,psi,", IN_PSI, True),
+        (BARE, rows(), HEAD, rows(30), False),
+        (HEAD, rows(), BARE, IN_PSI, True),
+        (HEAD, rows(), BARE, rows(30), False),
+        (BARE, _BLANK, HEAD.replace("kPa", "psi"), IN_PSI, False),
+        (_NO_CLOCK, rows(), _NO_CLOCK.replace("Time", "Time [ms]"), _MS, True),
+        (_NO_CLOCK, rows(), HEAD, rows(30), False),
+    ],
+)
+def test_a_unit_that_is_stated_again_is_asked_about_as_of_the_whole(
+    head: str, before: list[str], again: str, after: list[str], asked: bool, between: list[str]
+) -> None:
+    data = log(head, before, between, again, after)
+    found = assert_same(*read_both(data))
+    assert ("problem" in found) == asked
+    for unit in ("psi", "bar"):
+        assert_same(*read_both(data, units={"main_pressure": unit}))
 
 
 def test_rows_with_another_separator_are_left_out_and_counted() -> None:
