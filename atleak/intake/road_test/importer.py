@@ -22,6 +22,7 @@ from atleak.intake.road_test.files.delimited import Delimited, open_delimited
 from atleak.intake.road_test.files.log_file import HEAD, LogFile, open_source
 from atleak.intake.road_test.files.log_sheets import LogSheet, open_sheets
 from atleak.intake.road_test.files.other_files import of_measured_parts, without_a_table
+from atleak.intake.road_test.files.parquet_table import open_parquet
 from atleak.intake.road_test.mdf import understand_mdf
 from atleak.intake.road_test.names import memory
 from atleak.intake.road_test.outcome import Understood, finish, labels_of
@@ -110,6 +111,8 @@ def _understand(job: Job) -> Understood:
         return _workbook(job)
     if opened.form == "mdf":
         return understand_mdf(opened, job.mapping, job.units, job.constants)
+    if opened.form == "parquet":
+        return _parquet(job)
     return _delimited(job)
 
 
@@ -187,6 +190,11 @@ def _with_memory(job: Job, signature: str) -> tuple[dict[str, str], dict[str, st
     return {**earlier, **mapping}, {**remembered.units, **units}, [note]
 
 
+def _parquet(job: Job) -> Understood:
+    table = open_parquet(job.source)
+    return _one_table(table, _blank(job, table, "Parquet"), job)
+
+
 # --- workbooks ----------------------------------------------------------------------------------------------
 
 
@@ -199,30 +207,30 @@ def _workbook(job: Job) -> Understood:
             expected=Sentence("a sheet with a header and rows of numbers"),
         )
     if len(sheets) == 1:
-        return _one_table(sheets[0], _blank(job, sheets[0]), job)
+        return _one_table(sheets[0], _blank(job, sheets[0], "workbook"), job)
     titled = [replace(sheet, titled=True) for sheet in sheets]
     good = [reading for sheet in titled if (reading := _read_sheet(sheet, job)) is not None]
     if not good:
         first = max(sheets, key=lambda sheet: sheet.cells.rows)
-        return _one_table(first, _blank(job, first), job)
+        return _one_table(first, _blank(job, first, "workbook"), job)
     with_several_signals = [reading for reading in good if len(reading.assigner.signals) >= 2]
     if with_several_signals or len(good) == 1:
         best = max(
             with_several_signals or good, key=lambda reading: (len(reading.assigner.signals), reading.result.rows)
         )
         others = [sheet.name for sheet in sheets if sheet.name != best.sheet.name]
-        understood = _one_table(best.sheet, _blank(job, best.sheet), job)
+        understood = _one_table(best.sheet, _blank(job, best.sheet, "workbook"), job)
         text = Sentence("sheet {name!r} is read; also there: {others}", name=best.sheet.name, others=tuple(others))
         note = Message("info", "sheet_chosen", text)
         return replace(understood, messages=(*understood.messages, note))
     return _sheet_per_signal(job, good)
 
 
-def _blank(job: Job, sheet: LogSheet) -> Understood:
-    """Return what is known of a sheet before its columns are read."""
+def _blank(job: Job, table: LogTable, form: str) -> Understood:
+    """Return what is known of a table that is no text before its columns are read."""
     return Understood(
-        job.source.file, "", "workbook", None, None, None, sheet.headings,
-        tuple(tuple(row) for row in sheet.sample[:8]), signature_of(sheet),
+        job.source.file, "", form, None, None, None, table.headings,
+        tuple(tuple(row) for row in table.sample[:8]), signature_of(table),
     )  # fmt: skip
 
 
@@ -249,7 +257,7 @@ def _sheet_per_signal(job: Job, good: list[_SheetReading]) -> Understood:
     """Put sheets that hold one signal each, with a time of its own, on one time axis."""
     headings = tuple(heading for reading in good for heading in reading.sheet.headings)
     signature = memory.signature(labels_of(headings))
-    blank = replace(_blank(job, good[0].sheet), headings=headings, signature=signature)
+    blank = replace(_blank(job, good[0].sheet, "workbook"), headings=headings, signature=signature)
     main = Assigner(job.source.file, job.units, ())
     offered: dict[str, list[_SheetReading]] = {}
     for reading in good:

@@ -16,7 +16,7 @@ from atleak.large_log import LargeLog
 from atleak.road_test import QUANTITIES, Channel, RoadTest, Segment
 from atleak.sentence import Sentence
 
-FORMATS: Mapping[str, Sentence] = MappingProxyType(  # of files, as pages name them; that of an MDF file is a name
+FORMATS: Mapping[str, Sentence] = MappingProxyType(  # of files, as pages name them; those of MDF and Parquet are names
     {"delimited text": Sentence("delimited text"), "workbook": Sentence("workbook")}
 )
 
