@@ -57,7 +57,7 @@ def column_of(cells: list[str], *, as_text: bool) -> pa.Array:
 
 
 def test_logs_with_all_that_goes_wrong_are_understood_as_the_whole() -> None:
-    codes = sum((assert_same(*read_both(messy_parquet(seed, 12.0, 37))) for seed in range(20)), Counter())
+    codes = sum((assert_same(*read_both(messy_parquet(seed, 12.0, 37))) for seed in range(12)), Counter())
     assert {"gaps", "clock_restarted", "stray_stamps", "reordered", "suspect_samples", "cells_unreadable"} <= {*codes}
 
 
@@ -108,14 +108,14 @@ def test_what_reads_a_log_is_free_again_where_the_log_is_refused(tmp_path: Path)
 
 def test_one_that_is_damaged_further_on_is_refused(tmp_path: Path) -> None:
     stream = io.BytesIO()
-    pq.write_table(whole_rows(4000), stream, row_group_size=1000, compression="zstd")
+    pq.write_table(whole_rows(4000), stream, row_group_size=1000, use_dictionary=False)
     data = bytearray(stream.getvalue())
-    middle = len(data) // 2
-    data[middle : middle + 400] = bytes(400)
+    last = pq.read_metadata(stream).row_group(3).column(0).data_page_offset
+    data[last : last + 40] = bytes(40)
     path = tmp_path / "log.parquet"
     path.write_bytes(data)
     with pytest.raises(RoadTestError, match=r"log\.parquet: this Parquet file is damaged"):
-        understand_in_pieces(path)
+        read_large_log(path)
 
 
 def test_a_workbook_is_not_read_in_pieces(tmp_path: Path) -> None:
