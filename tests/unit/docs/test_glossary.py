@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from .pages import anchors, links, pages, text_of
+from .pages import anchors, links, text_of
 
 GLOSSARY = "docs/nomenclature.md"
 TERMS = """
 land precision-pair diametral-clearance mounting-clearance contact-length wear growth share pressure-held leakage
 verdict decision conditional provisional representative concentric-band hot-idle operating-point controller valve-body
 main-pressure circuit feed interval repeatability profile job job-file job-book channel
+"""
+#: Pages in which a newcomer stumbles over a word.
+EXPLAINED = """
+before-and-after cookbook describing-a-controller faq fleet gauge-study job-book json measuring-sheet model
+pressure-table reports road-test-logs source-study uncertainty wear-over-mileage workshop-data
 """
 
 
@@ -17,7 +22,6 @@ def test_every_term_has_an_anchor_and_none_has_two() -> None:
     assert {term: found[term] for term in TERMS.split()} == dict.fromkeys(TERMS.split(), 1)
 
 
-def test_every_page_leads_to_the_glossary() -> None:
-    own = [page for page in pages() if page.startswith("docs/") and "/reference/" not in page and page != GLOSSARY]
-    assert len(own) > 15
-    assert [page for page in own if not any("nomenclature.md" in link for link in links(text_of(page)))] == []
+def test_pages_lead_to_the_glossary() -> None:
+    for page in EXPLAINED.split():
+        assert any("nomenclature.md#" in link for link in links(text_of(f"docs/{page}.md"))), page
