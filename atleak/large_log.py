@@ -45,7 +45,12 @@ class LargeLog:
             if channel.source != "constant"
         }
         begins = [segment.start_row for segment in road_test.segments] or [0]
-        return cls(without_samples(road_test), road_test.time, columns, np.array(begins), piece)
+        head = without_samples(road_test)
+        rated = {
+            name: replace(head.channels[name], sampling_hz=_rate(each)) for name, each in road_test.channels.items()
+        }
+        head = replace(head, channels=MappingProxyType(rated))
+        return cls(head, road_test.time, columns, np.array(begins), piece)
 
     def __len__(self) -> int:
         return len(self.time)
@@ -144,6 +149,15 @@ class LargeLog:
         for _, begin, end in self.stretches(start, stop) if stop > start else ():
             low, high = max(begin, start) - start, min(end, stop) - start
             yield Segment(low, high - low, float(time[low]), float(time[high - 1] - time[low]))
+
+
+def _rate(channel: Channel) -> float:
+    """Return a channel's true rate or, where it is not known, that of its stamps [1/s]; NaN where it has none."""
+    if channel.sampling_hz > 0.0 or channel.source != "logged":
+        return channel.sampling_hz
+    steps = np.diff(channel.time)
+    forwards = steps[steps > 0.0]
+    return 1.0 / float(np.median(forwards)) if len(forwards) else float("nan")
 
 
 def without_samples(road_test: RoadTest) -> RoadTest:

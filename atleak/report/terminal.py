@@ -380,11 +380,11 @@ def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
     rows = gauge_rows(check)
     names = [name for name in rows[0] if len(rows[0]) <= GAUGES_ABREAST or name != "Decision"]
-    table = Table(
-        "verdict", *(Column(Text(name)) for name in names), show_edge=False, padding=0
-    )  # "[kPa]" is no markup
+    columns = [Column(Text(name)) for name in names]  # "[kPa]" is no markup
+    table = Table("verdict", *columns, show_edge=False, padding=0)
     for column in table.columns:
         column.overflow = "fold"  # on a narrow terminal nothing is cut off
+        column.no_wrap = str(column.header) == "Permitted [kPa]"  # else within a number of four digits
     for reading, row in zip(check.readings, rows, strict=True):
         style = look_of(reading.verdict).style if reading.verdict else ""
         cells = ("–" if row[name] is None else _rounded(row[name]) for name in names)

@@ -91,6 +91,17 @@ MDF = Budget(
     expected=Sentence("the log saved anew, or exported as .csv, by the logger's own program"),
 )
 
+# pyarrow takes 80 MB. Of a table whose columns hardly change, a byte of file unfolds to many.
+PARQUET = Budget(
+    kind=Sentence("Parquet file"),
+    memory=700 << 20,
+    memory_per_byte=30.0,
+    seconds=30.0,
+    seconds_per_byte=2e-6,
+    suspicion=Sentence("it is damaged"),
+    expected=Sentence("the log saved anew, or exported as .csv, by the logger's own program"),
+)
+
 
 def read_apart(
     function: Callable[[bytes], Iterator[Item]],
@@ -99,6 +110,7 @@ def read_apart(
     error: type[InputError],
     budget: Budget,
     explain: Callable[[bytes], Iterator[object]] | None = None,
+    size: int | None = None,
 ) -> list[Item]:
     """Call a reading function in a child process and return all it yields about a file.
 
@@ -116,6 +128,8 @@ def read_apart(
         what reading it may use.
     explain
         called on a file that ended its reader, to refuse it with a better reason.
+    size
+        of the file [bytes], where ``data`` only says where it lies.
 
     Raises
     ------
@@ -123,7 +137,7 @@ def read_apart(
         of type ``error``: where the function refuses the file, a library fails on it or atleak itself does, where
         reading it takes more than its budget or ends the child, and where no child can be started.
     """
-    memory, seconds = budget.limits(len(data))
+    memory, seconds = budget.limits(len(data) if size is None else size)
     place = Place(file)
     try:
         items, ending, answer = _pool.read(_request(function, memory, seconds), data)

@@ -148,7 +148,7 @@ def understand_mdf(
         if offered:
             assigner.decide(quantity, offered)
     main = assigner.signals.get("engine_speed") or next(iter(assigner.signals.values()), None)
-    stamps = main.time if main is not None else max(channels, key=lambda channel: len(channel.time)).time
+    stamps = main.stamps if main is not None else max(channels, key=lambda channel: len(channel.time)).time
     assert stamps is not None
     timeline = build_timeline(stamps)
     reading = TableResult(len(stamps), timeline, "", Clock(stamps, "s"))

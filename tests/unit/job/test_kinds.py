@@ -39,6 +39,7 @@ def as_workbook(text: bytes) -> bytes:
         (LOG, Kind.ROAD_TEST),
         (as_workbook(LOG), Kind.ROAD_TEST),
         (b"MDF     4.10", Kind.ROAD_TEST),
+        (b"PAR1\x15\x04", Kind.ROAD_TEST),
         (b"", Kind.ROAD_TEST),
         (as_workbook(b""), Kind.READINGS),
         (b"\x89PNG\r\n\x1a\n", Kind.PICTURE),
