@@ -1,7 +1,7 @@
 """Let the API reference show the examples of docstrings as code: mkdocs.yml names this extension of griffe.
 
-Docstrings of the package may end with an example without a heading, as doctest allows. Read as Markdown, its lines would
-become quotations.
+Docstrings of the package may end with an example without a heading, as doctest allows. Read as Markdown, its lines
+would become quotations.
 """
 
 from __future__ import annotations
