@@ -6,6 +6,7 @@ Nothing is mapped into memory: a mapped file's pages count as memory used for as
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,7 @@ class DiskColumn:
 
     def __init__(self, path: Path, dtype: Any = np.float64) -> None:
         self.path, self.dtype = path, np.dtype(dtype)
-        self._size = 0
+        self._size = self._begin = 0
         path.write_bytes(b"")
 
     def __len__(self) -> int:
@@ -57,7 +58,15 @@ class DiskColumn:
 
     def _read(self, start: int, stop: int) -> np.ndarray:
         with self.path.open("rb") as stream:
-            return np.fromfile(stream, self.dtype, max(stop - start, 0), offset=start * self.dtype.itemsize)
+            offset = (self._begin + start) * self.dtype.itemsize
+            return np.fromfile(stream, self.dtype, max(stop - start, 0), offset=offset)
+
+    def part(self, start: int, stop: int) -> DiskColumn:
+        """Return some of the numbers as a column to be read, in the same file."""
+        some = copy(self)
+        start, stop, _ = slice(start, stop).indices(self._size)
+        some._begin, some._size = self._begin + start, max(stop - start, 0)
+        return some
 
     def remove(self) -> None:
         """Delete the file."""
@@ -66,6 +75,17 @@ class DiskColumn:
 
 
 Column = np.ndarray | DiskColumn
+
+
+def held(column: Column) -> np.ndarray:
+    """Return all numbers of a column, in memory."""
+    whole: np.ndarray = column[:] if isinstance(column, DiskColumn) else column
+    return whole
+
+
+def part_of(column: Column, start: int, stop: int) -> Column:
+    """Return some of a column, without a copy."""
+    return column.part(start, stop) if isinstance(column, DiskColumn) else column[start:stop]
 
 
 def spans(size: int, length: int = PIECE) -> Iterator[tuple[int, int]]:

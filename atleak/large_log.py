@@ -7,14 +7,15 @@ with some rows more on either side, and keeps what it finds in its middle.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
-from atleak.columns import Column, median_of, positive, spans, steps_of
+from atleak.columns import Column, DiskColumn, median_of, positive, spans, steps_of
 from atleak.road_test import Channel, RoadTest, Segment
 
 PIECE = 1 << 18
@@ -45,7 +46,12 @@ class LargeLog:
             if channel.source != "constant"
         }
         begins = [segment.start_row for segment in road_test.segments] or [0]
-        return cls(without_samples(road_test), road_test.time, columns, np.array(begins), piece)
+        head = without_samples(road_test)
+        rated = {
+            name: replace(head.channels[name], sampling_hz=_rate(each)) for name, each in road_test.channels.items()
+        }
+        head = replace(head, channels=MappingProxyType(rated))
+        return cls(head, road_test.time, columns, np.array(begins), piece)
 
     def __len__(self) -> int:
         return len(self.time)
@@ -106,6 +112,27 @@ class LargeLog:
                 high = middle
         return low
 
+    def with_channel(self, channel: Channel, parts: Iterable[np.ndarray]) -> LargeLog:
+        """Return the log with one channel more.
+
+        Parameters
+        ----------
+        channel
+            without samples.
+        parts
+            these, one part behind the other; they are put where the others are.
+        """
+        column: Column
+        if self.folder is None:
+            column = np.concatenate([np.empty(0), *parts])
+        else:
+            column = DiskColumn(Path(self.folder.name) / f"{channel.quantity}.column")
+            for part in parts:
+                column.append(part)
+        channels = MappingProxyType({**self.head.channels, channel.quantity: channel})
+        head = replace(self.head, channels=channels, _held={})
+        return replace(self, head=head, columns={**self.columns, channel.quantity: column})
+
     def begin_mask(self, start: int, stop: int) -> np.ndarray:
         """Return which of some rows are the first of their stretch."""
         mask, (low, high) = np.zeros(stop - start, bool), np.searchsorted(self.begins, (start, stop))
@@ -144,6 +171,15 @@ class LargeLog:
         for _, begin, end in self.stretches(start, stop) if stop > start else ():
             low, high = max(begin, start) - start, min(end, stop) - start
             yield Segment(low, high - low, float(time[low]), float(time[high - 1] - time[low]))
+
+
+def _rate(channel: Channel) -> float:
+    """Return a channel's true rate or, where it is not known, that of its stamps [1/s]; NaN where it has none."""
+    if channel.sampling_hz > 0.0 or channel.source != "logged":
+        return channel.sampling_hz
+    steps = np.diff(channel.time)
+    forwards = steps[steps > 0.0]
+    return 1.0 / float(np.median(forwards)) if len(forwards) else float("nan")
 
 
 def without_samples(road_test: RoadTest) -> RoadTest:

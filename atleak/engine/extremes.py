@@ -202,18 +202,18 @@ def sustained_window(road_test: RoadTest, usual_step: float | None = None) -> fl
     Parameters
     ----------
     usual_step
-        median step of the log's time [s], where its samples do not stand in it: that of a channel without a rate.
+        median step of the log's time [s], where its samples do not stand in it: that of a derived channel.
     """
     intervals = [SUSTAINED_SECONDS / SUSTAINED_SAMPLES]
     for channel in (road_test.channel(name) for name in _LIVELY):
         if channel is None or channel.source == "constant":
             continue
-        interval = usual_step
+        steps = np.diff(channel.time)
+        interval = _median(steps[steps > 0.0]) if len(steps) else None
         if channel.sampling_hz > 0.0:
             interval = 1.0 / channel.sampling_hz
-        elif interval is None:
-            steps = np.diff(channel.time)
-            interval = _median(steps[steps > 0.0])
+        elif channel.source == "derived" and usual_step is not None:
+            interval = usual_step
         intervals.append(interval or 0.0)
     return SUSTAINED_SAMPLES * max(intervals)
 

@@ -19,7 +19,7 @@ from atleak.faults import together
 from atleak.fleet.table_cells import DATES, RowCells, day_order, file_at, placed, text_of
 from atleak.fleet.units import TABLE, FleetUnit, travelling
 from atleak.intake.dates import Order
-from atleak.intake.road_test import default_path, understand
+from atleak.intake.road_test import default_path, head_of_parquet, understand
 from atleak.intake.unit_table import MEASURED, TableColumn, TableRow, UnitTable, nearest_heading, read_unit_table
 from atleak.job.case import SLOTS, Case, Choice, SourceFile, with_log_choices
 from atleak.job.of_record import with_record
@@ -257,7 +257,7 @@ def _is_label(column: TableColumn, *, every: bool) -> bool:
 def _with_remembered(case: Case, remembered: Path) -> Case:
     """Return the case with its log's columns as they were settled on this computer: elsewhere it then reads the same.
 
-    The head of a log of text is enough for that; nothing is remembered of MDF files.
+    The head of a log of text or of Parquet is enough for that; nothing is remembered of MDF files.
     """
     log = case.road_test
     if log is None:
@@ -270,7 +270,13 @@ def _with_remembered(case: Case, remembered: Path) -> Case:
 
 
 def _head_of(log: SourceFile) -> bytes | Path:
-    """Return the lines of a log in which its header stands; all of a workbook."""
+    """Return the lines of a log in which its header stands; all of a workbook.
+
+    Raises
+    ------
+    RoadTestError
+        a damaged Parquet file.
+    """
     if log.path is None:
         start = log.content[:_START]
     else:
@@ -278,4 +284,6 @@ def _head_of(log: SourceFile) -> bytes | Path:
             start = stream.read(_START)
     if start.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
         return log.given
+    if start.startswith(b"PAR1"):
+        return head_of_parquet(log.given, log.name)
     return start if len(start) < _START else start.rpartition(b"\n")[0]

@@ -21,6 +21,7 @@ from atleak.intake.sheets.sheet_file import read_sheets
 
 _WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 _LOG_OF_BUS = (b"MDF     ", b"UnFinMF ")  # ASAM MDF, finished and unfinished
+_PARQUET = b"PAR1"
 _REFUSED: tuple[type[Exception], ...] = (ReadingsError, *DAMAGE)
 _START = 60_000  # bytes of a text that are looked at
 
@@ -49,7 +50,7 @@ def table_kind(data: bytes, controller: Controller) -> Table:
     Table
         a workbook in which nothing is understood counts as a measuring sheet, any other file as a log.
     """
-    if data.startswith(_LOG_OF_BUS):
+    if data.startswith((*_LOG_OF_BUS, _PARQUET)):
         return Table.ROAD_TEST
     is_workbook = data.startswith(_WORKBOOK)
     if not is_workbook:

@@ -10,6 +10,8 @@ from collections.abc import Callable
 from functools import cache
 
 import openpyxl
+import pyarrow as pa
+import pyarrow.parquet as pq
 from PIL import Image
 
 from atleak.catalogue.controller_reading import load_controller
@@ -115,6 +117,7 @@ def _tables(name: str, rows: Rows) -> list[File]:
 
 def _logs() -> list[File]:
     logs = [*_tables("log", LOG), ("clocked.csv", CLOCKED.encode("cp1252")), ("log.csv.gz", gzip.compress(text(LOG)))]
+    logs.append(("log.parquet", parquet(LOG)))
     try:
         import numpy as np
         from asammdf import MDF, Signal
@@ -125,6 +128,16 @@ def _logs() -> list[File]:
         mdf.append([Signal(np.arange(60.0), np.arange(60.0) / 10, name="Engine Speed", unit="rpm")])
         mdf.save(stream)
     return [*logs, ("log.mf4", stream.getvalue())]
+
+
+def parquet(rows: Rows) -> bytes:
+    """A table as Parquet, its names those of the first row."""
+    stream = io.BytesIO()
+    names, *body = rows
+    pq.write_table(
+        pa.table([list(column) for column in zip(*body, strict=True)], names=[str(name) for name in names]), stream
+    )
+    return stream.getvalue()
 
 
 def picture(form: str) -> bytes:

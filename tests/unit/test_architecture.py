@@ -130,7 +130,7 @@ FLOORS = (
 )
 FLOOR_OF = {room: number for number, floor in enumerate(FLOORS) for room in floor}
 # The intake stands beside the engine and neither knows the other: its floor is above the engine, its imports end here.
-INTAKE_STANDS_ON = FLOOR_OF["readings"]
+INTAKE_STANDS_ON = FLOOR_OF["large_log"]
 MODULES = {".".join(path.relative_to(ROOT / "atleak").with_suffix("").parts): path for path in CORE}
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.describe import describe, tidy_csv
+from atleak.intake.road_test.files.parquet_table import head_of_parquet
 from atleak.intake.road_test.importer import Ambiguous, Understood, understand
 from atleak.intake.road_test.log_columns import LogColumn, log_columns
 from atleak.intake.road_test.names.memory import NOT_LOGGED, default_path, forget, recall, remember, signature
@@ -20,7 +21,7 @@ from atleak.sentence import Sentence
 
 __all__ = [
     "FORMATS", "NOT_LOGGED", "Ambiguous", "LogColumn", "Understood", "default_path", "describe", "forget",
-    "log_columns", "read_road_test", "recall", "remember", "signature", "tidy_csv", "understand",
+    "head_of_parquet", "log_columns", "read_road_test", "recall", "remember", "signature", "tidy_csv", "understand",
 ]  # fmt: skip
 
 
@@ -39,7 +40,7 @@ def read_road_test(
     ----------
     source
         A path, or the file's bytes (then ``name`` names it in messages). Delimited text in any usual encoding, xlsx,
-        MDF4, or a gz of one of them; the content decides, not the extension.
+        Parquet, MDF4, or a gz of one of them; the content decides, not the extension.
     mapping
         Quantity → column, by header text or ``column 3``; `NOT_LOGGED` where no column holds it.
     units

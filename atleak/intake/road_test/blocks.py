@@ -1,4 +1,7 @@
-"""Looks through long columns a block at a time, each small enough for the processor's cache, without a copy."""
+"""Looks through long columns a block at a time, each small enough for the processor's cache, without a copy.
+
+The columns may lie on disk: what a block holds is all that is in memory.
+"""
 
 from __future__ import annotations
 
@@ -9,20 +12,22 @@ from typing import TypeVar
 
 import numpy as np
 
+from atleak.columns import Column
+
 _BLOCK = 1 << 15
 """Numbers in a block: 256 kB."""
 
 _MANY = 200_000
 """Rows from which on threads are worth their while."""
 
-Column = TypeVar("Column")
+Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 Ends = tuple[float, float]
 """The least and the greatest number of a column whose cells are all finite numbers."""
 
 
-def each(work: Callable[[Column], Result], columns: Iterable[Column], rows: int) -> list[Result]:
+def each(work: Callable[[Item], Result], columns: Iterable[Item], rows: int) -> list[Result]:
     """Return what work makes of every column, on several cores where there are many rows: numpy leaves them free."""
     if rows <= _MANY:
         return [work(column) for column in columns]
@@ -30,7 +35,7 @@ def each(work: Callable[[Column], Result], columns: Iterable[Column], rows: int)
         return list(pool.map(work, columns))
 
 
-def ends_of(values: np.ndarray) -> Ends | None:
+def ends_of(values: Column) -> Ends | None:
     """Return the least and the greatest number; None where there is none, or one of them is NaN or infinite.
 
     >>> ends_of(np.array([3.0, -1.0, 2.0])), ends_of(np.array([3.0, np.nan])), ends_of(np.array([]))
@@ -46,14 +51,56 @@ def ends_of(values: np.ndarray) -> Ends | None:
     return (least, most) if least <= most else None
 
 
-def ends_of_steps(values: np.ndarray) -> Ends | None:
+def blocks_of(values: Column) -> Iterator[np.ndarray]:
+    """Yield a column block by block."""
+    return (values[start : start + _BLOCK] for start in range(0, len(values), _BLOCK))
+
+
+def any_finite(values: Column) -> bool:
+    """Return whether any number of a column is finite."""
+    return any(bool(np.isfinite(block).any()) for block in blocks_of(values))
+
+
+def finite_of(values: Column) -> np.ndarray:
+    """Return the finite numbers of a column."""
+    return np.concatenate([np.empty(0), *(block[np.isfinite(block)] for block in blocks_of(values))])
+
+
+def only(values: Column, value: float) -> bool:
+    """Return whether a column holds nothing but one value, and cells without any."""
+    return all(bool(((block == value) | np.isnan(block)).all()) for block in blocks_of(values))
+
+
+def span_of(values: Column) -> Ends | None:
+    """Return the least and the greatest number of a column, NaN left out; None where it has none.
+
+    >>> span_of(np.array([3.0, np.nan, 2.0])), span_of(np.array([np.nan]))
+    ((2.0, 3.0), None)
+    """
+    ends = [(np.fmin.reduce(block), np.fmax.reduce(block)) for block in blocks_of(values)]
+    known = [(float(low), float(high)) for low, high in ends if low == low]
+    return (min(low for low, _ in known), max(high for _, high in known)) if known else None
+
+
+def rising(values: Column) -> int:
+    """Return how often a finite number of a column is larger than the finite one before it."""
+    count, last = 0, np.nan
+    for block in blocks_of(values):
+        good = block[np.isfinite(block)]
+        if len(good):
+            count += int(np.count_nonzero(np.diff(good, prepend=last) > 0))
+            last = float(good[-1])
+    return count
+
+
+def ends_of_steps(values: Column) -> Ends | None:
     """Return the least and the greatest step from a number to the next; None as `ends_of` does.
 
     >>> ends_of_steps(np.array([3.0, -1.0, 2.0])), ends_of_steps(np.array([3.0]))
     ((-4.0, 3.0), None)
     """
     least, most = np.inf, -np.inf
-    for _, steps in _steps(values):
+    for _, steps in steps_in(values):
         ends = ends_of(steps)
         if ends is None:
             return None
@@ -61,13 +108,13 @@ def ends_of_steps(values: np.ndarray) -> Ends | None:
     return (least, most) if least <= most else None
 
 
-def steps_over(values: np.ndarray, limit: float) -> np.ndarray:
+def steps_over(values: Column, limit: float) -> np.ndarray:
     """Return the places from which the step to the next number is larger than a limit.
 
     >>> steps_over(np.array([0.0, 1.0, 5.0, 5.5, 9.0]), 2.0).tolist()
     [1, 3]
     """
-    places = [start + np.flatnonzero(steps > limit) for start, steps in _steps(values)]
+    places = [start + np.flatnonzero(steps > limit) for start, steps in steps_in(values)]
     return np.concatenate(places) if places else np.zeros(0, int)
 
 
@@ -83,7 +130,7 @@ def turned(table: np.ndarray) -> np.ndarray:
     return result
 
 
-def _steps(values: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+def steps_in(values: Column) -> Iterator[tuple[int, np.ndarray]]:
     """Yield where a block begins, and its steps, each block's in place of the ones before."""
     room = np.empty(min(_BLOCK, max(len(values) - 1, 0)))
     for start in range(0, len(values) - 1, _BLOCK):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -18,10 +18,11 @@ from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.reader import read_table
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.intake.road_test.clock.timeline import build as build_timeline
-from atleak.intake.road_test.files.delimited import open_delimited
+from atleak.intake.road_test.files.delimited import Delimited, open_delimited
 from atleak.intake.road_test.files.log_file import HEAD, LogFile, open_source
 from atleak.intake.road_test.files.log_sheets import LogSheet, open_sheets
 from atleak.intake.road_test.files.other_files import of_measured_parts, without_a_table
+from atleak.intake.road_test.files.parquet_table import open_parquet
 from atleak.intake.road_test.mdf import understand_mdf
 from atleak.intake.road_test.names import memory
 from atleak.intake.road_test.outcome import Understood, finish, labels_of
@@ -30,7 +31,7 @@ from atleak.written_numbers import INTERVAL
 
 
 @dataclass
-class _Job:
+class Job:
     """One log to understand, and what its caller states about it."""
 
     source: LogFile
@@ -75,9 +76,22 @@ def understand(
         ``problem`` says what is needed.
     """
     opened = open_source(source, name)
-    job = _Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered)
+    return read_as(
+        Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered), understood_whole
+    )
+
+
+def read_as(job: Job, read: Callable[[Job], Understood]) -> Understood:
+    """Return what a reader understands of a log, with its SHA-256; its file is closed.
+
+    Raises
+    ------
+    RoadTestError
+        as the reader, whatever kind of wrong input it names.
+    """
+    opened = job.source
     try:
-        understood = _understand(job)
+        understood = read(job)
     except InputError as error:
         if isinstance(error, RoadTestError):
             raise
@@ -93,12 +107,21 @@ def understand(
     return replace(understood, sha256=digest, road_test=replace(test, sha256=digest) if test else None)
 
 
-def _understand(job: _Job) -> Understood:
+def understood_whole(job: Job) -> Understood:
+    """Return what is understood of a log that is held in memory.
+
+    Raises
+    ------
+    RoadTestError
+        as `understand`.
+    """
     opened = job.source
     if opened.form == "workbook":
         return _workbook(job)
     if opened.form == "mdf":
         return understand_mdf(opened, job.mapping, job.units, job.constants)
+    if opened.form == "parquet":
+        return _parquet(job)
     return _delimited(job)
 
 
@@ -108,20 +131,31 @@ _BUS_TRACE = re.compile(
 )
 
 
-def _delimited(job: _Job) -> Understood:
+def located(job: Job, *, held: bool = True) -> tuple[Delimited, Understood]:
+    """Locate the table in a delimited text, which may be held in memory or not; return what is known of it.
+
+    Raises
+    ------
+    RoadTestError
+        where there is none.
+    """
     if _BUS_TRACE.search(job.source.head[:8192]):
         raise RoadTestError(
             Sentence("is a recording of a CAN bus: turning its frames into quantities needs the car's database (DBC)"),
             place=Place(file=job.source.file),
             expected=Sentence("the logger's export with decoded channels"),
         )
-    table = open_delimited(job.source)
+    table = open_delimited(job.source, held=held)
     if table is None:
         raise without_a_table(job.source.head[:HEAD], job.source.file)
-    blank = Understood(
+    return table, Understood(
         job.source.file, "", "delimited text", table.encoding, table.delimiter, table.decimal,
-        table.headings, tuple(tuple(row) for row in table.sample[:8]), _signature(table),
+        table.headings, tuple(tuple(row) for row in table.sample[:8]), signature_of(table),
     )  # fmt: skip
+
+
+def _delimited(job: Job) -> Understood:
+    table, blank = located(job)
     understood = _one_table(table, blank, job)
     if understood.road_test is None and not job.mapping:
         parts = of_measured_parts(job.source.head[:HEAD], job.source.file)
@@ -129,16 +163,13 @@ def _delimited(job: _Job) -> Understood:
     return understood
 
 
-def _signature(table: LogTable) -> str:
+def signature_of(table: LogTable) -> str:
     """Return the key under which choices for logs like this one are kept; none where its header names no column."""
     return memory.signature(labels_of(table.headings)) if table.has_header else ""
 
 
-def _one_table(table: LogTable, blank: Understood, job: _Job) -> Understood:
-    mapping, units, notes = _with_memory(job, blank.signature)
-    assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval)
-    assigner.messages += notes
-    assigner.leave_out(mapping)
+def _one_table(table: LogTable, blank: Understood, job: Job) -> Understood:
+    assigner, mapping = assigner_for(table, blank, job)
     try:
         reading = read_table(table, assigner, mapping)
     except RoadTestError as error:
@@ -146,7 +177,16 @@ def _one_table(table: LogTable, blank: Understood, job: _Job) -> Understood:
     return finish(blank, assigner, reading, job.constants)
 
 
-def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, str], list[Message]]:
+def assigner_for(table: LogTable, blank: Understood, job: Job) -> tuple[Assigner, Mapping[str, str]]:
+    """Return what is to decide on a table's columns, and which of them were named, now or earlier."""
+    mapping, units, notes = _with_memory(job, blank.signature)
+    assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval)
+    assigner.messages += notes
+    assigner.leave_out(mapping)
+    return assigner, mapping
+
+
+def _with_memory(job: Job, signature: str) -> tuple[dict[str, str], dict[str, str], list[Message]]:
     mapping, units = dict(job.mapping), dict(job.units)
     if job.memory is None:
         return mapping, units, []
@@ -159,10 +199,15 @@ def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, s
     return {**earlier, **mapping}, {**remembered.units, **units}, [note]
 
 
+def _parquet(job: Job) -> Understood:
+    table = open_parquet(job.source)
+    return _one_table(table, blank_of(job, table, "Parquet"), job)
+
+
 # --- workbooks ----------------------------------------------------------------------------------------------
 
 
-def _workbook(job: _Job) -> Understood:
+def _workbook(job: Job) -> Understood:
     sheets = open_sheets(job.source)
     if not sheets:
         raise RoadTestError(
@@ -171,30 +216,30 @@ def _workbook(job: _Job) -> Understood:
             expected=Sentence("a sheet with a header and rows of numbers"),
         )
     if len(sheets) == 1:
-        return _one_table(sheets[0], _blank(job, sheets[0]), job)
+        return _one_table(sheets[0], blank_of(job, sheets[0], "workbook"), job)
     titled = [replace(sheet, titled=True) for sheet in sheets]
     good = [reading for sheet in titled if (reading := _read_sheet(sheet, job)) is not None]
     if not good:
         first = max(sheets, key=lambda sheet: sheet.cells.rows)
-        return _one_table(first, _blank(job, first), job)
+        return _one_table(first, blank_of(job, first, "workbook"), job)
     with_several_signals = [reading for reading in good if len(reading.assigner.signals) >= 2]
     if with_several_signals or len(good) == 1:
         best = max(
             with_several_signals or good, key=lambda reading: (len(reading.assigner.signals), reading.result.rows)
         )
         others = [sheet.name for sheet in sheets if sheet.name != best.sheet.name]
-        understood = _one_table(best.sheet, _blank(job, best.sheet), job)
+        understood = _one_table(best.sheet, blank_of(job, best.sheet, "workbook"), job)
         text = Sentence("sheet {name!r} is read; also there: {others}", name=best.sheet.name, others=tuple(others))
         note = Message("info", "sheet_chosen", text)
         return replace(understood, messages=(*understood.messages, note))
     return _sheet_per_signal(job, good)
 
 
-def _blank(job: _Job, sheet: LogSheet) -> Understood:
-    """Return what is known of a sheet before its columns are read."""
+def blank_of(job: Job, table: LogTable, form: str) -> Understood:
+    """Return what is known of a table that is no text before its columns are read."""
     return Understood(
-        job.source.file, "", "workbook", None, None, None, sheet.headings,
-        tuple(tuple(row) for row in sheet.sample[:8]), _signature(sheet),
+        job.source.file, "", form, None, None, None, table.headings,
+        tuple(tuple(row) for row in table.sample[:8]), signature_of(table),
     )  # fmt: skip
 
 
@@ -206,7 +251,7 @@ class _SheetReading(NamedTuple):
     result: TableResult
 
 
-def _read_sheet(sheet: LogSheet, job: _Job) -> _SheetReading | None:
+def _read_sheet(sheet: LogSheet, job: Job) -> _SheetReading | None:
     """Read one sheet of several; None where it is no log."""
     assigner = Assigner(job.source.file, job.units, stated_units(sheet.headings), job.interval)
     labels = {heading.label for heading in sheet.headings}
@@ -217,11 +262,11 @@ def _read_sheet(sheet: LogSheet, job: _Job) -> _SheetReading | None:
         return None
 
 
-def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
+def _sheet_per_signal(job: Job, good: list[_SheetReading]) -> Understood:
     """Put sheets that hold one signal each, with a time of its own, on one time axis."""
     headings = tuple(heading for reading in good for heading in reading.sheet.headings)
     signature = memory.signature(labels_of(headings))
-    blank = replace(_blank(job, good[0].sheet), headings=headings, signature=signature)
+    blank = replace(blank_of(job, good[0].sheet, "workbook"), headings=headings, signature=signature)
     main = Assigner(job.source.file, job.units, ())
     offered: dict[str, list[_SheetReading]] = {}
     for reading in good:
@@ -240,9 +285,9 @@ def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
             continue
         source = sources[0]
         signal = source.assigner.signals[quantity]
-        time = signal.time
+        time = signal.stamps
         if time is None:
-            values, timeline = signal.values, source.result.timeline
+            values, timeline = signal.numbers, source.result.timeline
             values = values if timeline.order is None else values[timeline.order]
             kept = np.isfinite(values)
             time = timeline.time[kept]

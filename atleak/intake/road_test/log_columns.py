@@ -19,6 +19,7 @@ from atleak.intake.road_test.files.delimited import numbers, open_delimited
 from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.files.log_file import LogFile, open_source
 from atleak.intake.road_test.files.log_sheets import open_sheets
+from atleak.intake.road_test.files.parquet_table import open_parquet
 from atleak.intake.road_test.mdf import mdf_columns
 from atleak.thinning import thinned
 
@@ -73,6 +74,8 @@ def _read(opened: LogFile) -> Iterator[tuple[Heading, np.ndarray, Iterable[str]]
     tables: list[LogTable] = []
     if opened.form == "workbook":
         tables += open_sheets(opened)
+    elif opened.form == "parquet":
+        tables.append(open_parquet(opened))
     elif (table := open_delimited(opened)) is not None:
         tables.append(table)
     for each in tables:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -12,10 +12,11 @@ from atleak.intake.road_test.channels.assign import Ambiguous, Assigner
 from atleak.intake.road_test.channels.protocol import TableResult
 from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names.memory import NOT_LOGGED
-from atleak.road_test import QUANTITIES, RoadTest, Segment
+from atleak.large_log import LargeLog
+from atleak.road_test import QUANTITIES, Channel, RoadTest, Segment
 from atleak.sentence import Sentence
 
-FORMATS: Mapping[str, Sentence] = MappingProxyType(  # of files, as pages name them; that of an MDF file is a name
+FORMATS: Mapping[str, Sentence] = MappingProxyType(  # of files, as pages name them; those of MDF and Parquet are names
     {"delimited text": Sentence("delimited text"), "workbook": Sentence("workbook")}
 )
 
@@ -26,7 +27,8 @@ class Understood:
 
     ``road_test`` is None while ``problem`` says what is needed. ``headings`` are all columns, ``preview`` the first
     rows as text, ``ambiguous`` the quantities to choose a column for, ``unused`` the columns no quantity came from.
-    ``signature`` is the key under which an answer is remembered; ``segments`` count the file's rows.
+    ``signature`` is the key under which an answer is remembered; ``segments`` count the file's rows. ``large`` are the
+    samples of a log that is larger than memory, of which the road test says all but these.
     """
 
     file: str
@@ -48,6 +50,7 @@ class Understood:
     time_assumed: bool = False
     segments: tuple[Segment, ...] = ()
     rows_left_out: int = 0  # lines below the header that are no rows: messages say what they are
+    large: LargeLog | None = None
 
     @property
     def rows(self) -> int:
@@ -65,14 +68,23 @@ def labels_of(headings: Sequence[Heading]) -> list[str]:
     return [heading.label for heading in headings]
 
 
-def finish(blank: Understood, assigner: Assigner, reading: TableResult, constants: Mapping[str, float]) -> Understood:
-    """Make the road test of signals and clock, with every message about it."""
+def finish(
+    blank: Understood,
+    assigner: Assigner,
+    reading: TableResult,
+    constants: Mapping[str, float],
+    make: Callable[[], Mapping[str, Channel]] | None = None,
+) -> Understood:
+    """Make the road test of signals and clock, with every message about it.
+
+    ``make`` gives the channels of a log that is not held in memory.
+    """
     timeline = reading.timeline
     build.time_messages(assigner, timeline)
     if "time" in constants and reading.clock.form != "counted":
         text = Sentence("the log has a clock, {column!r}: the stated interval is not used", column=reading.time_label)
         assigner.say("interval_not_used", text, "warning")
-    channels = build.channels(assigner, timeline, constants)
+    channels = build.channels(assigner, timeline, constants) if make is None else make()
     used = {signal.candidate.label for signal in assigner.signals.values()} | {reading.time_label}
     if not reading.long:
         used |= set(reading.used)
@@ -97,7 +109,7 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
         blank.file, blank.sha256, reading.rows, timeline.duration, timeline.time, channels, timeline.segments,
         tuple(assigner.messages), blank.format, blank.encoding, blank.delimiter, blank.decimal,
         MappingProxyType({name: why for name, why in assigner.refused.items() if name not in channels}),
-        reading.clock.date,
+        reading.clock.date, make is not None,
     )  # fmt: skip
     return replace(
         blank,

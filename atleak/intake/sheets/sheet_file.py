@@ -26,6 +26,7 @@ _FOREIGN = (  # first bytes → what it is
     (b"7z\xbc\xaf", Sentence("a 7-Zip archive")),
     (b"Rar!", Sentence("a RAR archive")),
     (b"MDF     ", Sentence("an MDF measurement file, so perhaps the road-test log")),
+    (b"PAR1", Sentence("a Parquet file, so perhaps the road-test log")),
 )
 
 

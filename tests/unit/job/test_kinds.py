@@ -39,6 +39,7 @@ def as_workbook(text: bytes) -> bytes:
         (LOG, Kind.ROAD_TEST),
         (as_workbook(LOG), Kind.ROAD_TEST),
         (b"MDF     4.10", Kind.ROAD_TEST),
+        (b"PAR1\x15\x04", Kind.ROAD_TEST),
         (b"", Kind.ROAD_TEST),
         (as_workbook(b""), Kind.READINGS),
         (b"\x89PNG\r\n\x1a\n", Kind.PICTURE),
@@ -46,6 +47,7 @@ def as_workbook(text: bytes) -> bytes:
         (b'number = "2026-0417"\n[customer]\nname = "A"\n', Kind.RECORD),
         (b'{"number": "2026-0417"}', Kind.RECORD),
     ],
+    ids=lambda given: given.value if isinstance(given, Kind) else "",  # a workbook's bytes name the second it is of
 )
 def test_a_file_is_told_by_its_content(minimal: Controller, content: bytes, kind: Kind) -> None:
     assert kind_of(SourceFile("anything.dat", content), minimal) is kind

@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from atleak.columns import Column, DiskColumn, held
 from atleak.errors import Message, MessageLevel, Place, RoadTestError, one_of, unknown
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.blocks import Ends
+from atleak.intake.road_test.blocks import Ends, any_finite, blocks_of, only
 from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names.matching import Match, Tier, match_name, match_short_name, name_kind, split_unit
 from atleak.intake.road_test.names.memory import NOT_LOGGED
@@ -46,9 +47,24 @@ class Signal:
     """A column taken for a quantity: the file's numbers, the unit, and the stamps if it has its own."""
 
     candidate: Candidate
-    values: np.ndarray
+    values: Column
     fit: Fit
-    time: np.ndarray | None = None
+    time: Column | None = None
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """Return the file's numbers, all of them held in memory."""
+        return held(self.values)
+
+    @property
+    def on_disk(self) -> DiskColumn | None:
+        """Return the column of the file's numbers; None where they are held in memory."""
+        return self.values if isinstance(self.values, DiskColumn) else None
+
+    @property
+    def stamps(self) -> np.ndarray | None:
+        """Return its own stamps, all of them held in memory; None where it has none."""
+        return None if self.time is None else held(self.time)
 
 
 @dataclass(frozen=True)
@@ -206,7 +222,7 @@ class Assigner:
             if column == NOT_LOGGED:
                 self.refused[quantity] = Sentence("it is stated that no column of this log holds it")
 
-    def decide(self, quantity: str, offered: Sequence[tuple[Candidate, np.ndarray, np.ndarray | None]]) -> None:
+    def decide(self, quantity: str, offered: Sequence[tuple[Candidate, Column, Column | None]]) -> None:
         """Choose one of the candidates for a quantity, or list them as ambiguous.
 
         Each candidate comes with its numbers and its own stamps (None: the rows').
@@ -237,16 +253,16 @@ class Assigner:
         self.signals[quantity] = chosen
         self._comment(chosen)
 
-    def _fit(self, candidate: Candidate, values: np.ndarray, time: np.ndarray | None) -> Signal | None:
+    def _fit(self, candidate: Candidate, values: Column, time: Column | None) -> Signal | None:
         kind = QUANTITIES[candidate.quantity].unit_kind
         sample = values[:: max(1, len(values) // 10_000)]
-        if not np.isfinite(sample).any() and not np.isfinite(values).any():
+        if not np.isfinite(sample).any() and not any_finite(values):
             if candidate.label in self.unreadable:
                 return None
             text = Sentence("{column!r} holds no values", column=candidate.label)
             self.refuse(candidate, "column_empty", text, "info")
             return None
-        if not candidate.mapped and (dead_value := _dead_value(kind, sample)) is not None and _only(values, dead_value):
+        if not candidate.mapped and (dead_value := _dead_value(kind, sample)) is not None and only(values, dead_value):
             text = Sentence(
                 "{column!r} is {value:g} throughout: the car or logger does not deliver it",
                 column=candidate.label,
@@ -300,18 +316,12 @@ class Assigner:
     def _same(self, tied: list[Signal]) -> Signal | None:
         """Return the first of several columns if all hold the same values, perhaps in other units; else None."""
         first = tied[0]
-        base = first.fit.to_si(first.values)
         for other in tied[1:]:
-            values = other.fit.to_si(other.values)
-            if other.time is not first.time or len(values) != len(base):
+            if other.time is not first.time or len(other.values) != len(first.values):
                 if not self._same_name_elsewhere(first, other):
                     return None
                 continue
-            both = np.isfinite(values) & np.isfinite(base)
-            if both.sum() < max(1, 0.9 * np.isfinite(base).sum()):
-                return None
-            scale = float(np.max(np.abs(base[both]), initial=0.0))
-            if np.max(np.abs(values[both] - base[both]), initial=0.0) > 0.006 * scale:
+            if not _hold_the_same(first, other):
                 return None
             text = Sentence(
                 "{first!r} and {other!r} hold the same; the first is used",
@@ -323,8 +333,10 @@ class Assigner:
 
     def _same_name_elsewhere(self, first: Signal, other: Signal) -> bool:
         """Return whether a channel of another group, with its own clock, is the same: name and course must agree."""
-        own = self.base if first.time is None else first.time
-        base, values, time = first.fit.to_si(first.values), other.fit.to_si(other.values), other.time
+        if isinstance(first.values, DiskColumn) or isinstance(other.values, DiskColumn):
+            return False  # of columns that are not held the user is asked
+        own, time = self.base if first.time is None else first.stamps, other.stamps
+        base, values = first.fit.to_si(first.numbers), other.fit.to_si(other.numbers)
         if first.candidate.label != other.candidate.label or own is None or time is None or len(own) != len(base):
             return False
         if len(base) < 3 or len(values) < 3 or not np.all(np.diff(time) >= 0):
@@ -368,6 +380,19 @@ class Assigner:
                 self.say("pressure_gauge", text, "info", label)
 
 
+def _hold_the_same(first: Signal, other: Signal) -> bool:
+    """Return whether two columns of the same rows hold the same values, perhaps in other units."""
+    known = both = 0
+    scale = apart = 0.0
+    for one, another in zip(blocks_of(first.values), blocks_of(other.values), strict=True):
+        base, values = first.fit.to_si(one), other.fit.to_si(another)
+        here = np.isfinite(values) & np.isfinite(base)
+        known, both = known + int(np.isfinite(base).sum()), both + int(here.sum())
+        scale = max(scale, float(np.max(np.abs(base[here]), initial=0.0)))
+        apart = max(apart, float(np.max(np.abs(values[here] - base[here]), initial=0.0)))
+    return both >= max(1, 0.9 * known) and apart <= 0.006 * scale
+
+
 def _told_apart(signals: Sequence[Signal]) -> tuple[str, ...]:
     """Return the columns' names, with their places where several bear the same."""
     names = [signal.candidate.label for signal in signals]
@@ -380,11 +405,7 @@ def _told_apart(signals: Sequence[Signal]) -> tuple[str, ...]:
 def _dead_value(kind: str | None, sample: np.ndarray) -> float | None:
     """Return the one value that fills a sample of the column, if that value means *no sensor*; else None."""
     dead_values = {"temperature": (0.0, -40.0, 215.0, 255.0), "pressure": (0.0,)}.get(kind or "", ())
-    return next((value for value in dead_values if _only(sample, value)), None)
-
-
-def _only(values: np.ndarray, value: float) -> bool:
-    return bool(((values == value) | np.isnan(values)).all())
+    return next((value for value in dead_values if only(sample, value)), None)
 
 
 def stated_units(headings: Sequence[Heading]) -> list[str]:

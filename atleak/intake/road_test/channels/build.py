@@ -24,7 +24,7 @@ from atleak.workshop_units import KPA
 def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, float]) -> Mapping[str, Channel]:
     """Return the channels of a road test, in the order of `QUANTITIES`."""
     built: dict[str, Channel] = {}
-    speeds = [assigner.signals[name] for name in _SPEEDS if name in assigner.signals]
+    speeds = [assigner.signals[name] for name in SPEEDS if name in assigner.signals]
     logged = {name: signal for name, signal in assigner.signals.items() if name != "time"}
 
     def check(signal: Signal) -> _Checked:
@@ -36,15 +36,26 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
         if quantity in logged:
             built[quantity] = _channel(assigner, logged[quantity], checked[quantity], timeline)
         elif quantity in constants and quantity != "time":  # of which the constant is the interval between rows
-            built[quantity] = _constant(assigner, quantity, constants[quantity], timeline)
+            built[quantity] = constant(assigner, quantity, constants[quantity], timeline.time[:1])
+    refuse_unknown(constants)
+    return MappingProxyType(built)
+
+
+def refuse_unknown(constants: Mapping[str, float]) -> None:
+    """Refuse a constant of a quantity that no log has.
+
+    Raises
+    ------
+    RoadTestError
+        naming the nearest one.
+    """
     possible = [name for name in QUANTITIES if name != "time"]
     for name in constants:
         if name not in possible and name != "time":
             raise unknown(Sentence("unknown quantity for a constant"), name, possible, kind=RoadTestError)
-    return MappingProxyType(built)
 
 
-_SPEEDS = ("engine_speed", "vehicle_speed", "output_speed", "turbine_speed")  # each tells whether the car moves
+SPEEDS = ("engine_speed", "vehicle_speed", "output_speed", "turbine_speed")  # each tells whether the car moves
 
 
 @dataclass(frozen=True)
@@ -59,7 +70,7 @@ class _Checked:
 
 def _checked(signal: Signal, timeline: Timeline, speed: Signal | None, ends: Ends | None) -> _Checked:
     """Check a signal; ``ends`` are those of its column, where all its cells are known to be finite numbers."""
-    raw, time = signal.values, signal.time
+    raw, time = signal.numbers, signal.stamps
     if time is None:
         time = timeline.time
         if timeline.order is not None:
@@ -72,7 +83,7 @@ def _checked(signal: Signal, timeline: Timeline, speed: Signal | None, ends: End
     def moving() -> np.ndarray | None:
         if speed is None or speed.time is not None or signal.time is not None or len(raw) != len(timeline.time):
             return None
-        beside = speed.values if timeline.order is None else speed.values[timeline.order]
+        beside = speed.numbers if timeline.order is None else speed.numbers[timeline.order]
         return np.concatenate([[False], np.diff(beside) != 0])
 
     known = (ends, _in_si(ends, signal.fit)) if ends is not None else None
@@ -85,51 +96,72 @@ def _in_si(ends: Ends, fit: Fit) -> Ends:
 
 
 def _channel(assigner: Assigner, signal: Signal, checked: _Checked, timeline: Timeline) -> Channel:
-    candidate, raw, time = signal.candidate, checked.raw, checked.time
-    suspect = np.zeros(len(raw), bool)
-    for name, mask in checked.suspect_masks.items():
+    raw, suspect = checked.raw, np.zeros(len(checked.raw), bool)
+    for mask in checked.suspect_masks.values():
         suspect |= mask
-        count = int(mask.sum())
+    counts = {name: int(mask.sum()) for name, mask in checked.suspect_masks.items()}
+    independent, repeated = len(raw), repeats_answers(signal, raw)
+    if repeated:
+        independent -= int(suspects.repeats(raw).sum())
+    say_samples(assigner, signal, len(raw), counts, independent if repeated else None)
+    rate = rate_of(independent, _span(checked.time, timeline.segments))
+    return channel_of(signal, checked.time, checked.si.astype(float, copy=False), suspect, independent, rate)
+
+
+def say_samples(
+    assigner: Assigner, signal: Signal, total: int, suspect: Mapping[str, int], independent: int | None
+) -> None:
+    """Say how many samples each check doubts, and how many are true where the logger repeats its last answer."""
+    label = signal.candidate.label
+    for name, count in suspect.items():
         text = Sentence(
             "{column!r}: {count} of {total} samples are suspect ({check}) and left out",
-            column=candidate.label,
+            column=label,
             count=count,
-            total=len(raw),
+            total=total,
             check=suspects.CHECKS[name],
         )
-        assigner.say("suspect_samples", text, "warning", candidate.label)
-    independent, held = _independent(candidate.quantity, raw, candidate.kind == "commanded")
-    span = _span(time, timeline.segments)
-    if held:
+        assigner.say("suspect_samples", text, "warning", label)
+    if independent is not None:
         text = Sentence(
             "{column!r}: the logger repeats its last answer; {count} of {total} are true samples",
-            column=candidate.label,
+            column=label,
             count=independent,
-            total=len(raw),
+            total=total,
         )
-        assigner.say("sample_and_hold", text, "info", candidate.label)
+        assigner.say("sample_and_hold", text, "info", label)
+
+
+def channel_of(
+    signal: Signal, time: np.ndarray, values: np.ndarray, suspect: np.ndarray, independent: int, rate: float
+) -> Channel:
+    """Return the channel of a signal."""
+    candidate = signal.candidate
+    pressure = QUANTITIES[candidate.quantity].unit_kind == "pressure"
     return Channel(
         candidate.quantity,
         time,
-        checked.si.astype(float, copy=False),
+        values,
         suspect,
         candidate.label,
         signal.fit.unit.name if signal.fit.unit else "",
         signal.fit.assumed,
-        candidate.kind
-        if QUANTITIES[candidate.quantity].unit_kind == "pressure" or candidate.quantity == "lock_up"
-        else "unknown",
+        candidate.kind if pressure or candidate.quantity == "lock_up" else "unknown",
         "logged",
         independent,
-        (independent - 1) / span if span > 0 and independent > 1 else float("nan"),
+        rate,
     )
 
 
-def _independent(quantity: str, values: np.ndarray, commanded: bool) -> tuple[int, bool]:
-    kind = QUANTITIES[quantity].unit_kind
-    if kind in ("rotational_speed", "pressure", "speed") and not commanded and suspects.is_sample_and_hold(values):
-        return int(len(values) - suspects.repeats(values).sum()), True
-    return len(values), False
+def rate_of(independent: int, span: float) -> float:
+    """Return a channel's true rate [1/s]; NaN where it has none."""
+    return (independent - 1) / span if span > 0 and independent > 1 else float("nan")
+
+
+def repeats_answers(signal: Signal, some: np.ndarray) -> bool:
+    """Return whether the logger repeats a channel's last answer, by some of its samples."""
+    kind, commanded = QUANTITIES[signal.candidate.quantity].unit_kind, signal.candidate.kind == "commanded"
+    return kind in ("rotational_speed", "pressure", "speed") and not commanded and suspects.is_sample_and_hold(some)
 
 
 def _span(time: np.ndarray, segments: tuple[Segment, ...]) -> float:
@@ -144,7 +176,14 @@ def _span(time: np.ndarray, segments: tuple[Segment, ...]) -> float:
     return float(time[-1] - time[0]) - breaks
 
 
-def _constant(assigner: Assigner, quantity: str, value: float, timeline: Timeline) -> Channel:
+def constant(assigner: Assigner, quantity: str, value: float, time: np.ndarray) -> Channel:
+    """Return a channel that is a constant; ``time`` is the log's first stamp.
+
+    Raises
+    ------
+    RoadTestError
+        outside what the quantity can be.
+    """
     info = QUANTITIES[quantity]
     if quantity == "main_pressure" and value <= 0:
         raise RoadTestError(
@@ -159,9 +198,7 @@ def _constant(assigner: Assigner, quantity: str, value: float, timeline: Timelin
             expected=Sentence("{low:g} to {high:g} (SI)", low=info.low, high=info.high),
         )
     assigner.say("constant", Sentence("{quantity} is not in the log: the given constant is used", quantity=info.said))
-    return Channel(
-        quantity, timeline.time[:1], np.array([float(value)]), np.zeros(1, bool), source="constant", independent=1
-    )
+    return Channel(quantity, time, np.array([float(value)]), np.zeros(1, bool), source="constant", independent=1)
 
 
 def time_messages(assigner: Assigner, timeline: Timeline) -> None:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from atleak.columns import Column
 from atleak.intake.road_test.blocks import each
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.headers_between import refuse_another_header
@@ -20,6 +24,62 @@ from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
 
+@dataclass
+class LeftOut:
+    """What of a table's lines is no row, and what else was met in reading them; parts of a table add up."""
+
+    above: int = 0  # rows of another table above
+    too_wide: int = 0  # rows with more numbers than columns
+    short: int = 0  # rows with fewer cells, which are taken
+    breaks_off: bool = False  # whether the last line does
+    lines: int = 0  # comments, markers and repeated headers
+    blank: int = 0  # at the end
+
+    @classmethod
+    def of(cls, frame: pd.DataFrame, table: LogTable) -> LeftOut:
+        """Return what was met when the file was read."""
+        too_wide, short = (int(frame.attrs.get(name, 0)) for name in ("too_wide", "short"))
+        return cls(table.above, too_wide, short, bool(frame.attrs.get("breaks_off")))
+
+    @property
+    def rows(self) -> int:
+        """Return how many lines were left out."""
+        return self.above + self.too_wide + self.lines + self.blank
+
+    def add(self, other: LeftOut) -> None:
+        """Add what was met in the next part of the same table."""
+        self.too_wide += other.too_wide
+        self.short += other.short
+        self.breaks_off |= other.breaks_off
+        self.lines += other.lines
+
+    def say(self, assigner: Assigner) -> None:
+        """Say how many rows were left out, and why."""
+        if self.above:
+            text = Sentence("{count} row(s) of another table above this one are not read", count=self.above)
+            assigner.say("table_above", text, "warning")
+        if self.too_wide:
+            text = Sentence(
+                "{count} row(s) have more numbers than there are columns: which belongs to which is not known, they "
+                "are left out",
+                count=self.too_wide,
+            )
+            assigner.say("rows_too_wide", text, "warning")
+        if self.short:
+            text = Sentence(
+                "{count} row(s) have fewer cells than the others: what they lack is taken as blank", count=self.short
+            )
+            assigner.say("rows_short", text)
+        if self.breaks_off:
+            text = Sentence("the last line breaks off: its last value, perhaps half-written, is left out")
+            assigner.say("line_breaks_off", text)
+        if self.lines:
+            text = Sentence("{count} comment, marker or repeated header line(s) left out", count=self.lines)
+            assigner.say("lines_left_out", text)
+        if self.blank:
+            assigner.say("blank_rows", Sentence("{count} blank row(s) at the end left out", count=self.blank))
+
+
 class Rows(NamedTuple):
     """The rows of a table, and how many of its lines are none."""
 
@@ -30,6 +90,10 @@ class Rows(NamedTuple):
     def number(self) -> int:
         """Return how many rows there are."""
         return len(self.frame)
+
+    def before(self, line: int) -> int:
+        """Return how many rows stand before a line."""
+        return int(self.frame.index.searchsorted(line))
 
 
 def rows_of(
@@ -42,45 +106,42 @@ def rows_of(
     RoadTestError
         where another header with other columns begins.
     """
-    too_wide = say_left_out(frame, table, assigner)
-    frame, words_alone = _without_words(frame, times, channels, table, assigner)
-    attributes, end = frame.attrs, _end(frame)
-    blank = len(frame) - end
-    if blank:
+    left, word_for_time = LeftOut.of(frame, table), words_for_time(frame, times, table)
+    if len(word_for_time) >= REMARKS * len(frame):
+        word_for_time = word_for_time[:0]
+    frame, left.lines = without_words(frame, times, channels, table, assigner, word_for_time)
+    attributes, end = frame.attrs, last_filled(frame)
+    if frame.empty or not end:  # the columns are blank throughout, but the rows exist
+        end = len(frame)
+    left.blank = len(frame) - end
+    if left.blank:
         frame = frame.iloc[:end]
         frame.attrs = attributes
-        assigner.say("blank_rows", Sentence("{count} blank row(s) at the end left out", count=blank))
-    return Rows(frame, too_wide + words_alone + blank)
+    left.say(assigner)
+    return Rows(frame, left.rows)
 
 
-def say_left_out(frame: pd.DataFrame, table: LogTable, assigner: Assigner) -> int:
-    """Say how many rows were left out when the file was read, also of another table above this one; return it."""
-    if table.above:
-        text = Sentence("{count} row(s) of another table above this one are not read", count=table.above)
-        assigner.say("table_above", text, "warning")
-    too_wide = int(frame.attrs.get("too_wide", 0))
-    if too_wide:
-        text = Sentence(
-            "{count} row(s) have more numbers than there are columns: which belongs to which is not known, they are "
-            "left out",
-            count=too_wide,
-        )
-        assigner.say("rows_too_wide", text, "warning")
-    if short := int(frame.attrs.get("short", 0)):
-        text = Sentence(
-            "{count} row(s) have fewer cells than the others: what they lack is taken as blank", count=short
-        )
-        assigner.say("rows_short", text)
-    if frame.attrs.get("breaks_off"):
-        text = Sentence("the last line breaks off: its last value, perhaps half-written, is left out")
-        assigner.say("line_breaks_off", text)
-    return too_wide + table.above
+REMARKS = 0.3  # part of a log's lines that may have a word in place of the time: more are no remarks
 
 
-def _without_words(
-    frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner
-) -> tuple[pd.DataFrame, int]:
-    """Remove comments, markers, repeated headers and blank lines; refuse a file in which another header begins."""
+def without_words(
+    frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner,
+    word_for_time: np.ndarray, first: int = 0,
+) -> tuple[pd.DataFrame, int]:  # fmt: skip
+    """Remove comments, markers, repeated headers and blank lines; return the rest, and how many there were.
+
+    Parameters
+    ----------
+    word_for_time
+        lines with a word in place of the time.
+    first
+        number of rows before these, of a table that is read in parts.
+
+    Raises
+    ------
+    RoadTestError
+        where another header with other columns begins.
+    """
     words_in_columns = {index: words_of(frame, index, table.decimal) for index in frame.attrs.get("words", {})}
     if frame.empty or (
         all(dtype.kind in "fiub" for dtype in frame.dtypes) and not any(map(len, words_in_columns.values()))
@@ -110,43 +171,37 @@ def _without_words(
         number = readable.to_numpy(dtype=bool) & filled
         has_number[without_number] |= number
         has_word[without_number] |= ~number & filled
-    text_only = (has_word & ~has_number) | _words_for_time(frame, times, table)
+    text_only = has_word & ~has_number
+    text_only[word_for_time] = True
     count = int(text_only.sum())
     if count:
         lines = frame[text_only].astype(object)
         for index, cells in words_in_columns.items():
             lines[index] = lines[index].where(lines[index].notna(), cells.reindex(lines.index))
-        refuse_another_header(lines, times + channels, assigner)
+        refuse_another_header(lines, times + channels, assigner, first)
         # rows that hold nothing but words where the table has numbers are markers
         attributes = frame.attrs
         frame = frame[~text_only]
         frame.attrs = attributes
-        said = Sentence("{count} comment, marker or repeated header line(s) left out", count=count)
-        assigner.say("lines_left_out", said)
     return frame, count
 
 
-def _end(frame: pd.DataFrame) -> int:
+def last_filled(frame: pd.DataFrame) -> int:
     """Return the number of rows up to the last one that is not blank."""
     if frame.empty or not frame.iloc[-1].isna().all():
         return len(frame)
     filled = frame.notna().any(axis=1).to_numpy()
-    if not filled.any():  # the columns are blank throughout, but the rows exist
-        return len(frame)
-    return len(filled) - int(np.argmax(filled[::-1]))
+    return len(filled) - int(np.argmax(filled[::-1])) if filled.any() else 0
 
 
-def _words_for_time(frame: pd.DataFrame, times: list[Candidate], table: LogTable) -> np.ndarray:
-    """Mark lines with a word in place of the time: remarks, or a header in the middle of the log."""
-    result = np.zeros(len(frame), bool)
+def words_for_time(frame: pd.DataFrame, times: list[Candidate], table: LogTable) -> np.ndarray:
+    """Return the lines with a word in place of the time: remarks, or a header in the middle of the log."""
     for candidate in times[:1]:
         column = frame[candidate.heading.index]
         if column.dtype.kind == "M" or column.dtype == object or holds_clocks(table, candidate.heading):
             continue
-        unreadable = words_of(frame, candidate.heading.index, table.decimal)
-        if len(unreadable) and len(unreadable) < 0.3 * len(column):
-            result[unreadable.index] = True
-    return result
+        return words_of(frame, candidate.heading.index, table.decimal).index.to_numpy()
+    return np.empty(0, int)
 
 
 def holds_clocks(table: LogTable, heading: Heading) -> bool:
@@ -177,60 +232,109 @@ def columns_of_numbers(
 def _column_numbers(
     candidate: Candidate, cells: Cells, index: pd.Index, decimal: Decimal, assigner: Assigner
 ) -> np.ndarray:
-    values, unreadable, ends = cells
-    if len(unreadable) and candidate.quantity != "lock_up":  # of a switch it is a value
-        unreadable = unreadable[unreadable.str.lower() != OFF]
-    if not len(unreadable):
-        if ends is not None:
-            assigner.ends[candidate.heading.index] = ends
-        return _without_thousands(candidate, values, assigner)
-    if candidate.quantity in ("gear", "selector", "lock_up"):
-        if candidate.quantity == "gear" and np.isnan(values).all() and words_as_numbers.only_positions(unreadable):
+    tally = CellTally(candidate.quantity)
+    values = tally.add(cells, index)
+    if not tally.unreadable and cells.ends is not None:
+        assigner.ends[candidate.heading.index] = cells.ends
+    return values if tally.usable(candidate, values, decimal, assigner) else np.full(len(values), np.nan)
+
+
+_FEW_WORDS = 0.02  # part of a column's cells that may be no numbers
+
+
+@dataclass
+class CellTally:
+    """The cells of a column that are no numbers, as far as they decide whether it is used; its parts add up."""
+
+    quantity: str
+    cells: int = 0
+    numbers: bool = False  # whether it has any
+    unreadable: int = 0
+    words: dict[str, None] = field(default_factory=dict)  # of a gear, selector or switch, each once
+    no_gears: dict[str, None] = field(default_factory=dict)  # of them those that name no gear
+    without_gear: int = 0  # cells with such words
+    first: list[str] = field(default_factory=list)
+    last: deque[str] = field(default_factory=lambda: deque(maxlen=50))
+
+    def add(self, cells: Cells, index: pd.Index) -> np.ndarray:
+        """Add the next cells, whose rows bear these labels; return them as numbers, NaN where they are none."""
+        values, unreadable, _ = cells
+        self.cells += len(values)
+        self.numbers = self.numbers or not np.isnan(values).all()
+        if len(unreadable) and self.quantity != "lock_up":  # of a switch it is a value
+            unreadable = unreadable[unreadable.str.lower() != OFF]
+        if not len(unreadable):
+            return values
+        self.unreadable += len(unreadable)
+        self.first += [str(cell) for cell in unreadable.head(max(200 - len(self.first), 0))]
+        self.last.extend(str(cell) for cell in unreadable.tail(50))
+        if self.quantity not in ("gear", "selector", "lock_up"):
+            return values
+        values = values.copy()
+        in_words = words_as_numbers.as_numbers(self.quantity, unreadable)
+        values[index.get_indexer(unreadable.index)] = in_words
+        self.words |= dict.fromkeys(map(str, unreadable.unique()))
+        unnamed = unreadable[np.isnan(in_words)]
+        self.no_gears |= dict.fromkeys(str(word).strip() for word in unnamed.unique())
+        self.without_gear += len(unnamed)
+        return values
+
+    def usable(self, candidate: Candidate, values: Column, decimal: Decimal, assigner: Assigner) -> bool:
+        """Tell whether the column can be used, and say what is to be said of it; ``values`` are all its numbers."""
+        if not self.unreadable:
+            return _without_thousands(candidate, values, assigner)
+        if self.quantity in ("gear", "selector", "lock_up"):
+            return self._named(candidate, assigner)
+        if self.unreadable > _FEW_WORDS * self.cells or any(map(is_destroyed, self.first[:50])):
+            some = pd.Series([*self.first, *self.last])
+            what, found = cause(some, values[:: max(1, len(values) // 50_000)], decimal)
+            assigner.refuse(candidate, "column_refused", holds(candidate.label, what, found))
+            return False
+        said = Sentence(
+            "{column!r}: {count} cell(s) are no numbers ({found}) and left out",
+            column=candidate.label,
+            count=self.unreadable,
+            found=quoted(self.first[0]),
+        )
+        assigner.say("cells_unreadable", said, "warning", candidate.label)
+        return True
+
+    def _named(self, candidate: Candidate, assigner: Assigner) -> bool:
+        """Tell whether the words of a column name its gears, positions or states."""
+        if self.quantity == "gear" and not self.numbers and _only_positions(self.words):
             said = Sentence("{column!r} holds selector positions, no gears", column=candidate.label)
             assigner.say("gear_is_selector", said, "info", candidate.label)
-            return np.full(len(values), np.nan)
-        values = values.copy()
-        in_words = words_as_numbers.as_numbers(candidate.quantity, unreadable)
-        values[index.get_indexer(unreadable.index)] = in_words
-        drive = unreadable[np.isnan(in_words)]
-        if candidate.quantity == "gear" and len(drive) and words_as_numbers.only_positions(drive):
+            return False
+        if self.quantity == "gear" and _only_positions(self.no_gears):
             said = Sentence(
                 "{column!r}: {words} names no gear, so it is not known at {count} of {total} samples",
                 column=candidate.label,
-                words=tuple(sorted({str(word).strip() for word in drive})),
-                count=len(drive),
-                total=len(values),
+                words=tuple(sorted(self.no_gears)),
+                count=self.without_gear,
+                total=self.cells,
             )
             assigner.say("gear_not_named", said, "info", candidate.label)
-        return values
-    if len(unreadable) > 0.02 * len(values) or any(map(is_destroyed, unreadable.head(50))):
-        what, found = cause(unreadable, values, decimal)
-        assigner.refuse(candidate, "column_refused", holds(candidate.label, what, found))
-        return np.full(len(values), np.nan)
-    said = Sentence(
-        "{column!r}: {count} cell(s) are no numbers ({found}) and left out",
-        column=candidate.label,
-        count=len(unreadable),
-        found=quoted(unreadable.iloc[0]),
-    )
-    assigner.say("cells_unreadable", said, "warning", candidate.label)
-    return values
+        return True
 
 
-def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assigner) -> np.ndarray:
+def _only_positions(cells: Iterable[str]) -> bool:
+    return words_as_numbers.only_positions(pd.Series(list(cells), dtype="str"))
+
+
+def _without_thousands(candidate: Candidate, values: Column, assigner: Assigner) -> bool:
     """Refuse a column in which 1.250 means 1250: whole numbers beside small ones with three decimals."""
     kind = QUANTITIES[candidate.quantity].unit_kind
     if kind not in ("rotational_speed", "pressure") or not len(values):
-        return values
+        return True
     sample = values[:: max(1, len(values) // 50_000)]
     small = sample[(sample >= 1) & (sample < 16) & (sample != np.round(sample))]
     whole = sample[sample == np.round(sample)]
     if len(small) < 3 or np.abs(small * 1000 - np.round(small * 1000)).max() > 1e-6:
-        return values
+        return True
     if (
         kind == "pressure" and np.abs(small * 10 - np.round(small * 10)).max() < 1e-6
     ):  # such as 1.5 kPa of a pump at rest
-        return values
+        return True
     if len(whole) and np.median(whole) > 100 and len(small) + len(whole) + np.isnan(sample).sum() == len(sample):
         text = Sentence(
             "{column!r} mixes numbers such as {small} and {whole}: the sign in it parts thousands; it is not used",
@@ -239,5 +343,5 @@ def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assig
             whole=f"{whole[0]:.0f}",
         )
         assigner.refuse(candidate, "column_refused", text)
-        return np.full(len(values), np.nan)
-    return values
+        return False
+    return True

@@ -5,19 +5,19 @@ A unit that only one of two headers states is asked about, unless the numbers of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
 import pandas as pd
 
+from atleak.columns import Column, part_of
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
+from atleak.intake.road_test.blocks import any_finite
 from atleak.intake.road_test.channels.assign import Again, Assigner, Candidate, plain_name
-from atleak.intake.road_test.clock.clocks import Clock, numeric_clock
-from atleak.intake.road_test.files.cells import MISSING, Decimal
-from atleak.intake.road_test.files.delimited import numbers
+from atleak.intake.road_test.clock.clocks import Clock
+from atleak.intake.road_test.files.cells import MISSING
 from atleak.intake.road_test.names.matching import is_unit, match_name, split_unit
 from atleak.intake.road_test.names.unit_choice import fit, same_unit
 from atleak.road_test import QUANTITIES
@@ -42,8 +42,13 @@ class _Cell(NamedTuple):
         return match_name(split_unit(self.text).text) is not None
 
 
-def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner) -> None:
+def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner, first: int = 0) -> None:
     """Refuse a log with a header among its rows that names other columns, or the same ones in other units.
+
+    Parameters
+    ----------
+    lines
+        of which each bears its number as label, from ``first`` on.
 
     Raises
     ------
@@ -60,7 +65,7 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
         ]
         if cells and all(is_unit(cell.text) for cell in cells):
             for cell in cells:  # a column may be called rpm
-                _refuse_another_unit(cell, cell.text, int(row), assigner)
+                _refuse_another_unit(cell, cell.text, first + int(row), assigner)
             continue
         others = _others(cells, alone=len(indices) == 1)
         if others:
@@ -68,15 +73,15 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
                 Sentence("another header with other columns begins in the middle of the log"),
                 place=Place(file=assigner.file, row=None, column=others[0].column.label),
                 value=others[0].text,
-                expected=Sentence("one header; split the file at data row {row}", row=int(row) + 1),
+                expected=Sentence("one header; split the file at data row {row}", row=first + int(row) + 1),
             )
         is_header = sum(cell.repeats for cell in cells) >= 2
         for cell in cells:
             unit = split_unit(cell.text).unit
             if unit is not None and cell.repeats and cell.text != cell.column.label:
-                _refuse_another_unit(cell, unit, int(row), assigner)
+                _refuse_another_unit(cell, unit, first + int(row), assigner)
             elif unit is None and is_header and cell.repeats and cell.column.unit is not None:
-                assigner.again.setdefault(cell.column.heading.index, Again(None, int(row), cell.text))
+                assigner.again.setdefault(cell.column.heading.index, Again(None, first + int(row), cell.text))
 
 
 def _others(cells: list[_Cell], alone: bool) -> list[_Cell]:
@@ -108,9 +113,14 @@ def _refuse_another_unit(cell: _Cell, unit: str, row: int, assigner: Assigner) -
 
 
 def with_units_stated_again(
-    channels: list[Candidate], columns: Mapping[int, np.ndarray], rows: pd.Index, assigner: Assigner
+    channels: list[Candidate], columns: Mapping[int, Column], place: Callable[[int], int], assigner: Assigner
 ) -> list[Candidate]:
     """Return the channels, with its unit each that a header in the middle of the log states for the first time.
+
+    Parameters
+    ----------
+    place
+        tells how many rows stand before a line.
 
     Raises
     ------
@@ -123,13 +133,13 @@ def with_units_stated_again(
         if again is None or kind is None or channel.quantity in assigner.units:
             result.append(channel)
             continue
-        at = int(rows.searchsorted(again.row))
-        values = columns[channel.heading.index]
-        silent, telling = (values[:at], values[at:]) if again.unit is not None else (values[at:], values[:at])
+        at, values = place(again.row), columns[channel.heading.index]
+        before, after = part_of(values, 0, at), part_of(values, at, len(values))
+        silent, telling = (before, after) if again.unit is not None else (after, before)
         unit = again.unit or channel.unit or ""
         guess = fit(channel.quantity, None, silent, assigner.neighbours)
         known = guess.unit is not None and guess.doubt is None and same_unit(guess.unit.name, unit, kind)
-        if np.isfinite(silent).any() and (not known or fit(channel.quantity, unit, telling).problem):
+        if any_finite(silent) and (not known or fit(channel.quantity, unit, telling).problem):
             raise _asked(channel, again, unit, assigner)
         if again.unit is not None:
             assigner.say("unit_stated_later", Sentence(
@@ -141,9 +151,14 @@ def with_units_stated_again(
 
 
 def check_clock_stated_again(
-    times: list[Candidate], frame: pd.DataFrame, clock: tuple[str, Clock], decimal: Decimal, assigner: Assigner
+    times: list[Candidate], clock: tuple[str, Clock], unit_before: Callable[[Candidate, int], str], assigner: Assigner
 ) -> None:
     """Refuse a clock for which a header in the middle of the log states, for the first time, another unit.
+
+    Parameters
+    ----------
+    unit_before
+        tells in which unit a column of numbers seems to be before a line.
 
     Raises
     ------
@@ -157,8 +172,7 @@ def check_clock_stated_again(
         again = assigner.again.get(column.heading.index)
         if again is None or again.unit is None or column.label != label:
             continue
-        before, *_ = numbers(frame.loc[: again.row], column.heading.index, decimal)
-        if not same_unit(numeric_clock(before, None).unit, again.unit, "time"):
+        if not same_unit(unit_before(column, again.row), again.unit, "time"):
             raise _asked(column, again, again.unit, assigner)
 
 

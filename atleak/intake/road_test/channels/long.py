@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from atleak.columns import held
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Assigner, Candidate, find_candidates, map_columns
-from atleak.intake.road_test.channels.column_values import say_left_out
+from atleak.intake.road_test.channels.column_values import LeftOut
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.timing import clock_of, no_time, runs
 from atleak.intake.road_test.channels.unit_cells import UNIT_HEADERS, say_two_units, two_units
@@ -121,13 +122,15 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
         when its time cannot be read or the user names a column that it lacks.
     """
     read, frame, names = _rows(table, shape)
-    left_out = say_left_out(read, table, assigner) + _say_nameless(read, frame, assigner)
+    left = LeftOut.of(read, table)
+    left.say(assigner)
+    left_out = left.rows + _say_nameless(read, frame, assigner)
     clock = clock_of(shape.time, frame, table, assigner, ())
     if clock is None or not runs(clock.seconds):
         raise no_time(table, assigner)
     if clock.unit_assumed:
         assigner.assume_unit(shape.time.label, clock.unit, "time")
-    whole = build_timeline(clock.seconds)
+    whole = build_timeline(held(clock.seconds))
     row_times = np.full(len(frame), np.nan)
     row_times[whole.order if whole.order is not None else slice(None)] = whole.time
     values, *_ = numbers(frame, shape.value.index, table.decimal)
@@ -160,8 +163,8 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
         if offered:
             assigner.decide(quantity, offered)
             signal = assigner.signals.get(quantity)
-            if signal is not None and signal.time is not None:
-                stamps.append(signal.time)
+            if signal is not None and (own := signal.stamps) is not None:
+                stamps.append(own)
     base = np.unique(np.concatenate(stamps)) if stamps else np.unique(whole.time)
     timeline = _on_base(base, whole)
     column_names = tuple(map(str, uniques))

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from atleak.columns import held
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import (
@@ -27,9 +28,10 @@ from atleak.intake.road_test.channels.timing import (
     runs,
 )
 from atleak.intake.road_test.channels.unit_cells import with_units_beside
-from atleak.intake.road_test.clock.clocks import Clock, Motion
+from atleak.intake.road_test.clock.clocks import Clock, Motion, numeric_form
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.cells import is_clock
+from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.files.headings import Heading, named_by_a_date
 from atleak.intake.road_test.names.matching import clean_unit
 from atleak.intake.units import kinds_of
@@ -48,14 +50,14 @@ def read_table(table: LogTable, assigner: Assigner, mapping: Mapping[str, str]) 
     """
     headings = table.headings
     if not table.has_header and not mapping:
-        raise _no_header(table, assigner)
+        raise no_header(table, assigner)
     candidates = map_columns(find_candidates(headings), headings, mapping, assigner.file)
     if (shape := long_shape(table, candidates, mapping)) is not None:
         return read_long(table, shape, assigner, mapping)
     return _read_wide(table, candidates, assigner)
 
 
-def _no_header(table: LogTable, assigner: Assigner) -> RoadTestError:
+def no_header(table: LogTable, assigner: Assigner) -> RoadTestError:
     """Return the error that asks for the names of columns, and for the time where a column may be it."""
     rising = rising_without_name(table)
     expected = Sentence("names for the columns, such as engine_speed = 'column 2', and the interval between rows")
@@ -77,8 +79,8 @@ def _no_header(table: LogTable, assigner: Assigner) -> RoadTestError:
 
 def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner) -> TableResult:
     candidates = [candidate for candidate in candidates if candidate.heading.index < table.width]
-    _refuse_split_decimals(table, assigner)
-    times = _time_candidates(table, candidates)
+    refuse_split_decimals(table, assigner)
+    times = time_candidates(table, candidates)
     channels = [candidate for candidate in candidates if candidate.quantity != "time"]
     chosen = [candidate.heading.index for candidate in (*times, *channels)]
     frame = table.read(sorted(set(chosen)) or [0])
@@ -86,14 +88,25 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     frame = rows.frame
     channels, unit_columns = with_units_beside(channels, table, frame.index, assigner)
     columns = columns_of_numbers(channels, frame, table.decimal, assigner)
-    channels = with_units_stated_again(channels, columns, frame.index, assigner)
+    channels = with_units_stated_again(channels, columns, rows.before, assigner)
     motions = motions_beside(channels, columns)
-    own_times = _own_times(table.headings, times, channels)
-    if own_times is not None:
-        return _read_own_times(own_times, rows, columns, channels, table, assigner, motions)
-    label, clock = best_clock(times, frame, table, assigner, motions, rows.number)
-    check_clock_stated_again(times, frame, (label, clock), table.decimal, assigner)
-    timeline = build_timeline(clock.seconds)
+    clocks = own_times(table.headings, times, channels)
+    if clocks is not None:
+        return _read_own_times(clocks, rows, columns, channels, table, assigner, motions)
+
+    def unit_before(candidate: Candidate, line: int) -> str:
+        some = frame.iloc[: rows.before(line)]
+        return numeric_form(numbers(some, candidate.heading.index, table.decimal).values, None).unit
+
+    label, clock = best_clock(
+        times,
+        table,
+        assigner,
+        lambda candidate: clock_of(candidate, frame, table, assigner, motions),
+        lambda interval: np.arange(rows.number) * interval,
+    )
+    check_clock_stated_again(times, (label, clock), unit_before, assigner)
+    timeline = build_timeline(held(clock.seconds))
     if not len(timeline.time):
         raise no_time(table, assigner)
     for quantity in QUANTITIES:
@@ -113,8 +126,14 @@ def _may_be_time(candidate: Candidate) -> bool:
     return not kinds or "time" in kinds or kinds == ["ratio"]
 
 
-def _refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
-    """Refuse rows in which a decimal comma has become a delimiter: nearly two cells for every name."""
+def refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
+    """Refuse rows in which a decimal comma has become a delimiter: nearly two cells for every name.
+
+    Raises
+    ------
+    RoadTestError
+        with the last row of the sample.
+    """
     named = reach([[heading.label for heading in table.headings if heading.names]])
     filled = max((sum(1 for cell in row if cell) for row in table.sample), default=0)
     if table.has_header and named >= 2 and filled >= 2 * named - 1 and filled - named >= 2:
@@ -129,7 +148,8 @@ def _refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
         )
 
 
-def _time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candidate]:
+def time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candidate]:
+    """Return the columns that may be the clock, the likeliest first."""
     times = [
         candidate
         for candidate in candidates
@@ -165,7 +185,7 @@ def _runs_in_sample(candidate: Candidate, table: LogTable) -> bool:
 # --- a time column before each channel ----------------------------------------------------------------------
 
 
-def _own_times(
+def own_times(
     headings: Sequence[Heading], times: list[Candidate], channels: list[Candidate]
 ) -> dict[int, Candidate] | None:
     """Return each channel's own time column, by channel index, where one stands before each channel or group."""
@@ -188,11 +208,11 @@ def _own_times(
 
 
 def _read_own_times(
-    own_times: dict[int, Candidate], rows: Rows, columns: dict[int, np.ndarray], channels: Sequence[Candidate],
+    clock_columns: dict[int, Candidate], rows: Rows, columns: dict[int, np.ndarray], channels: Sequence[Candidate],
     table: LogTable, assigner: Assigner, motions: Sequence[Motion],
 ) -> TableResult:  # fmt: skip
     clocks_by_column: dict[int, Clock] = {}
-    time_columns = sorted({candidate.heading.index: candidate for candidate in own_times.values()}.items())
+    time_columns = sorted({candidate.heading.index: candidate for candidate in clock_columns.values()}.items())
     for index, candidate in time_columns:
         clock = clock_of(candidate, rows.frame, table, assigner, motions)
         if clock is not None and runs(clock.seconds):
@@ -200,12 +220,12 @@ def _read_own_times(
     if not clocks_by_column:
         raise no_time(table, assigner)
     first = min(clocks_by_column)
-    base = build_timeline(clocks_by_column[first].seconds)
+    base = build_timeline(held(clocks_by_column[first].seconds))
     assigner.base = base.time if base.order is None else None
     for quantity in QUANTITIES:
         offered = []
         for candidate in channels:
-            time_column = own_times.get(candidate.heading.index)
+            time_column = clock_columns.get(candidate.heading.index)
             if (
                 candidate.quantity != quantity
                 or time_column is None
@@ -216,7 +236,7 @@ def _read_own_times(
             if time_column.heading.index == first:
                 offered.append((candidate, values, None))
                 continue
-            timeline = build_timeline(clocks_by_column[time_column.heading.index].seconds)
+            timeline = build_timeline(held(clocks_by_column[time_column.heading.index].seconds))
             values = values if timeline.order is None else values[timeline.order]
             good = np.isfinite(values)
             offered.append((candidate, values[good], timeline.time[good]))

@@ -15,7 +15,7 @@ from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
 # a full counter, a sign bit alone, an error code of a bus: never a measured value
-_SENTINELS = (
+SENTINELS = (
     65535.0,
     65534.0,
     -2147483617.0,
@@ -42,16 +42,20 @@ CHECKS: Mapping[str, Sentence] = {  # what messages call them
     "spike": Sentence("spike"),
     "frozen": Sentence("frozen"),
 }
-_STEP = {  # what a channel can change between two samples at most, per kind, in SI; for spikes
+STEP = {  # what a channel can change between two samples at most, per kind, in SI; for spikes
     "rotational_speed": 2000.0 / 60,
     "temperature": 15.0,
     "speed": 40.0 / 3.6,
     "pressure": 2.5e6,
 }
 _HELD = 5  # equal samples that may be one answer, held
-_FEW, _LIVELY = 0.1, 0.25  # share of samples that may be frozen, and of others that change, where nothing else moves
-_SCALE = (-39.9, 214.9)  # [°C] from which on a temperature may be the end of a sensor's scale
-_FROZEN_SECONDS = {"rotational_speed": 15.0, "temperature": 3600.0, "pressure": 600.0}
+START_UP = 8.0  # [K] between two samples with which a channel starts up
+ORDINARY = -15.0  # [°C] that the other samples of a failed sensor are above
+LEAST_RUN = 20  # samples of a run that may be frozen
+FEW_MOVES = 10  # changes of the car's other speed that show nothing
+FEW, LIVELY = 0.1, 0.25  # share of samples that may be frozen, and of others that change, where nothing else moves
+SCALE = (-39.9, 214.9)  # [°C] from which on a temperature may be the end of a sensor's scale
+FROZEN_SECONDS = {"rotational_speed": 15.0, "temperature": 3600.0, "pressure": 600.0}
 
 
 def _ends(values: np.ndarray) -> tuple[float, float]:
@@ -73,8 +77,8 @@ def sentinel(series: pd.Series) -> pd.Series:
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
     # an error code lies at an end of a channel's values
-    if len(values) and np.isin(_ends(values), _SENTINELS).any():
-        result = np.isin(values, _SENTINELS)
+    if len(values) and np.isin(_ends(values), SENTINELS).any():
+        result = np.isin(values, SENTINELS)
         if np.mean(result) > 0.5:  # then it is an ordinary value of this channel
             result[:] = False
     return pd.Series(result, series.index)
@@ -137,31 +141,65 @@ def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | 
     """
     values, time = series.to_numpy(), series.index.to_numpy()
     result = np.zeros(len(values), bool)
-    if len(values) < 20:
+    if len(values) < LEAST_RUN:
         return pd.Series(result, series.index)
     # a few probes already show a long run: that is cheap for the usual channel, which changes often
-    usual = len(values) * seconds / max(float(time[-1] - time[0]), seconds)
-    stride = int(np.clip(usual / 8, 10, 1000))
-    probes = values[::stride]
-    probe_edges = np.flatnonzero(np.concatenate([[True], probes[1:] != probes[:-1], [True]]))
-    begin = time[np.maximum(probe_edges[:-1] - 1, 0) * stride]
-    end = time[np.minimum(probe_edges[1:] * stride, len(time) - 1)]
-    alike = np.diff(probe_edges) > 1 if len(values) > 2 * stride else np.ones(len(probe_edges) - 1, bool)
-    if not (alike & (end - begin > seconds)).any():
+    stride = probe_stride(len(values), float(time[-1] - time[0]), seconds)
+    if not shows_long_run(values[::stride], time[::stride], float(time[-1]), seconds, len(values) > 2 * stride):
         return pd.Series(result, series.index)
     edges = np.flatnonzero(np.concatenate([[True], values[1:] != values[:-1], [True]]))
     starts, stops = edges[:-1], edges[1:] - 1
-    long = (time[stops] - time[starts] > seconds) & (stops - starts >= 20) & (values[starts] != 0)
+    long = (time[stops] - time[starts] > seconds) & (stops - starts >= LEAST_RUN) & (values[starts] != 0)
     beside = moving() if moving is not None and long.any() else None
     runs = list(zip(starts[long], stops[long], strict=True))
     if moving is not None and beside is None:
         length = sum(stop - start + 1 for start, stop in runs)
-        changing = (len(starts) - len(runs)) / max(len(values) - length, 1)
-        runs = runs if length < _FEW * len(values) and changing > _LIVELY else []
+        runs = runs if stands_out(length, len(runs), len(starts), len(values)) else []
     for start, stop in runs:
-        if beside is None or np.count_nonzero(beside[start : stop + 1]) > 10:
+        if beside is None or np.count_nonzero(beside[start : stop + 1]) > FEW_MOVES:
             result[start : stop + 1] = True
     return pd.Series(result, series.index)
+
+
+def probe_stride(count: int, duration: float, seconds: float) -> int:
+    """Return how far apart samples are probed of so many over some time [s], where runs of some seconds are sought."""
+    return int(np.clip(count * seconds / max(duration, seconds) / 8, 10, 1000))
+
+
+def shows_long_run(probes: np.ndarray, time: np.ndarray, last: float, seconds: float, many: bool) -> bool:
+    """Return whether there may be a run of one value for longer than some seconds, by samples at even distances.
+
+    Parameters
+    ----------
+    time, last
+        their stamps, and that of the last sample of all [s].
+    many
+        whether there are more than two of them.
+    """
+    edges = np.flatnonzero(np.concatenate([[True], probes[1:] != probes[:-1], [True]]))
+    begin = time[np.maximum(edges[:-1] - 1, 0)]
+    end = np.append(time, last)[edges[1:]]
+    alike = np.diff(edges) > 1 if many else np.ones(len(edges) - 1, bool)
+    return bool((alike & (end - begin > seconds)).any())
+
+
+def stands_out(length: int, long: int, runs: int, samples: int) -> bool:
+    """Return whether long runs of one value are few beside samples that keep changing.
+
+    Parameters
+    ----------
+    length, long
+        samples in long runs, and how many these are.
+    runs, samples
+        how many of either there are at all.
+    """
+    return length < FEW * samples and (runs - long) / max(samples - length, 1) > LIVELY
+
+
+def at_scale_end(values: np.ndarray) -> np.ndarray:
+    """Return which temperatures [°C] lie at an end of a sensor's scale."""
+    ends: np.ndarray = (np.abs(values + 40) < 0.06) | (np.abs(values - 215) < 0.06)
+    return ends
 
 
 def failed_sensor(series: pd.Series) -> pd.Series:
@@ -169,10 +207,10 @@ def failed_sensor(series: pd.Series) -> pd.Series:
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
     least, most = _ends(values)
-    if least <= _SCALE[0] or most >= _SCALE[1]:
-        ends = (np.abs(values + 40) < 0.06) | (np.abs(values - 215) < 0.06)
+    if least <= SCALE[0] or most >= SCALE[1]:
+        ends = at_scale_end(values)
         rest = values[~ends & np.isfinite(values)]
-        if len(rest) and np.median(rest) > -15:
+        if len(rest) and np.median(rest) > ORDINARY:
             result = ends
     return pd.Series(result, series.index)
 
@@ -194,21 +232,21 @@ def suspect(
     clean, masks = pd.Series(si, time, copy=False), {}
     raw_ends, (least, most) = ends or (_ends(raw), _ends(si))
     # most checks are of values that lie at an end: of the usual channel none is
-    if least < limits.low or most > limits.high or np.isin(raw_ends, _SENTINELS).any():
+    if least < limits.low or most > limits.high or np.isin(raw_ends, SENTINELS).any():
         masks["sentinel"] = sentinel(clean if raw is si else pd.Series(raw, time, copy=False))
         masks["out of range"] = out_of_range(clean, limits.low, limits.high)
         suspect_so_far = masks["sentinel"].to_numpy() | masks["out of range"].to_numpy()
         clean = pd.Series(np.where(suspect_so_far, np.nan, si), time) if suspect_so_far.any() else clean
     if kind == "temperature":
-        if least <= _SCALE[0] or most >= _SCALE[1]:
+        if least <= SCALE[0] or most >= SCALE[1]:
             masks["failed sensor"] = failed_sensor(clean)
             if masks["failed sensor"].to_numpy().any():
                 clean = clean.mask(masks["failed sensor"])
-        masks["start-up"] = start_up(clean, 8.0)
-    if kind in _STEP and most - least > _STEP[kind]:
-        masks["spike"] = spikes(clean, _STEP[kind])
-    if kind in _FROZEN_SECONDS:
-        masks["frozen"] = frozen(clean, _FROZEN_SECONDS[kind], moving)
+        masks["start-up"] = start_up(clean, START_UP)
+    if kind in STEP and most - least > STEP[kind]:
+        masks["spike"] = spikes(clean, STEP[kind])
+    if kind in FROZEN_SECONDS:
+        masks["frozen"] = frozen(clean, FROZEN_SECONDS[kind], moving)
     arrays = {name: mask.to_numpy() for name, mask in masks.items()}
     return {name: mask for name, mask in arrays.items() if mask.any()}
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
+from atleak.columns import Column, held
 from atleak.errors import Place, RoadTestError
+from atleak.intake.road_test.blocks import any_finite, finite_of, rising, span_of, steps_in
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.channels.spoilt_numbers import TEXT, cause, holds
 from atleak.intake.road_test.clock import clocks
-from atleak.intake.road_test.clock.clocks import Clock, Motion
+from atleak.intake.road_test.clock.clocks import Clock, Motion, NumericForm, Running
 from atleak.intake.road_test.files.cells import is_clock, is_destroyed, to_float
 from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.files.headings import nameless
@@ -23,7 +26,7 @@ from atleak.intake.road_test.names.unit_choice import given
 from atleak.sentence import Sentence
 
 
-def motions_beside(channels: list[Candidate], columns: Mapping[int, np.ndarray]) -> list[Motion]:
+def motions_beside(channels: list[Candidate], columns: Mapping[int, Column]) -> list[Motion]:
     """Return the speeds in the log, whose changes show whether a unit of time is possible."""
     limits = {"engine_speed": 12000.0, "vehicle_speed": 60.0}
     return [
@@ -38,36 +41,80 @@ def clock_of(
 ) -> Clock | None:
     """Read a time column; None where it cannot be read, which a message explains where a spreadsheet has spoilt it."""
     column = frame[candidate.heading.index]
-    unit = assigner.units.get("time", candidate.unit)
-    if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
-        unit = stated.name
-    if column.dtype.kind == "M" or _typed(column):
+    if column.dtype.kind == "M":
+        return stamped_clock(column)
+    if _typed(column):
         cells = column.tolist()
         # a cell of a time alone is a datetime in the year 1899 or 1900
         first = next((cell.date() for cell in cells if isinstance(cell, dt.datetime) and cell.year > 1900), None)
         return Clock(clocks.from_datetimes(cells), "clock", False, "date and time", date=first)
     if column.dtype.kind not in "fiub":
-        texts = column.dropna().astype("str")
-        probe = texts.iloc[:200].tolist() + texts.iloc[-50:].tolist()
-        if sum(is_clock(text) for text in probe) > 0.5 * len(probe):
+        probe = probe_of(column)
+        if holds_clock_strings(probe):
             return clocks.text_clock(column)
-        destroyed = next((text for text in probe if is_destroyed(text)), None)
-        if destroyed:
-            assigner.say(
-                "column_refused",
-                Sentence(
-                    "{column!r}: a spreadsheet has destroyed its numbers ({found})",
-                    column=candidate.label,
-                    found=destroyed,
-                ),
-                "warning",
-                candidate.label,
-            )
+        if say_destroyed(candidate, probe, assigner):
             return None
     values, unreadable, ends = numbers(frame, candidate.heading.index, table.decimal)
     whole = ends is not None
-    if len(unreadable) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
-        _say_spoilt(candidate, unreadable, values, table, assigner)
+    finite = len(values) if whole else int(np.isfinite(values).sum())
+    read = TimeNumbers(values, unreadable, len(unreadable), finite)
+
+    def converted(form: NumericForm) -> Clock:
+        return form.clock(form.seconds(values, Running(form.period)))
+
+    return clock_of_numbers(candidate, read, table, assigner, motions, converted)
+
+
+def probe_of(column: pd.Series) -> list[str]:
+    """Return the first and the last cells of a column that are not blank, as text."""
+    texts = column.dropna().astype("str")
+    return [*texts.iloc[:200].tolist(), *texts.iloc[-50:].tolist()]
+
+
+def holds_clock_strings(probe: Sequence[str]) -> bool:
+    """Return whether most of some cells are readings of a clock."""
+    return sum(is_clock(text) for text in probe) > 0.5 * len(probe)
+
+
+def say_destroyed(candidate: Candidate, probe: Iterable[str], assigner: Assigner) -> bool:
+    """Say which of some cells a spreadsheet has destroyed; return whether there is one."""
+    found = next((text for text in probe if is_destroyed(text)), None)
+    if found is None:
+        return False
+    said = Sentence(
+        "{column!r}: a spreadsheet has destroyed its numbers ({found})", column=candidate.label, found=found
+    )
+    assigner.say("column_refused", said, "warning", candidate.label)
+    return True
+
+
+@dataclass(frozen=True)
+class TimeNumbers:
+    """A time column as numbers, with its cells that are none, or some of these."""
+
+    numbers: Column
+    words: pd.Series
+    unreadable: int  # cells that are no numbers
+    finite: int
+
+    @property
+    def whole(self) -> bool:
+        """Return whether every cell is a finite number."""
+        return self.finite == len(self.numbers)
+
+
+def clock_of_numbers(
+    candidate: Candidate,
+    read: TimeNumbers,
+    table: LogTable,
+    assigner: Assigner,
+    motions: Sequence[Motion],
+    converted: Callable[[NumericForm], Clock],
+) -> Clock | None:
+    """Read a time column of numbers, as `clock_of` does; ``converted`` gives the clock of what they count."""
+    size = len(read.numbers)
+    if read.unreadable > 0.05 * size or (not read.whole and read.finite < 0.5 * size):
+        _say_spoilt(candidate, read, table, assigner)
         return None
     if _cut_short(candidate, table):
         assigner.say(
@@ -81,8 +128,11 @@ def clock_of(
             candidate.label,
         )
         return None
-    clock = clocks.numeric_clock(values, unit, motions if whole else [], whole)
-    if clock.form.startswith("epoch") and _rounded(clock.seconds):
+    unit = assigner.units.get("time", candidate.unit)
+    if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
+        unit = stated.name
+    clock = converted(clocks.numeric_form(read.numbers, unit, motions if read.whole else [], read.whole))
+    if clock.form.startswith("epoch") and rounded(clock.seconds):
         text = Sentence(
             "{column!r}: a spreadsheet has cut its numbers short: few stamps differ", column=candidate.label
         )
@@ -91,14 +141,25 @@ def clock_of(
     return clock
 
 
+def stamped_clock(column: pd.Series) -> Clock:
+    """Return the clock of a column of dates with times, as Parquet files and workbooks hold them."""
+    stamps = column.dropna()
+    seconds = (column - stamps.iloc[0]).dt.total_seconds().to_numpy() if len(stamps) else np.full(len(column), np.nan)
+    first = stamps.iloc[0].date() if len(stamps) else None
+    return Clock(np.round(seconds, 9), "clock", False, "date and time", date=first)
+
+
 _COARSE = 600.0  # [s] between stamps that only rounding explains
 
 
-def _rounded(seconds: np.ndarray) -> bool:
+def rounded(seconds: Column) -> bool:
     """Return whether an epoch keeps so few digits that many rows share each stamp and the next is far off."""
-    steps = np.diff(seconds)
-    onward = steps[steps > 0]
-    return len(seconds) >= 8 and 4 * len(onward) < len(seconds) and bool((onward >= _COARSE).all())
+    onward = 0
+    for _, steps in steps_in(seconds):
+        onward += int(np.count_nonzero(steps > 0))
+        if ((steps > 0) & (steps < _COARSE)).any():
+            return False
+    return len(seconds) >= 8 and 4 * onward < len(seconds)
 
 
 def _typed(column: pd.Series) -> bool:
@@ -113,12 +174,10 @@ def _destroyed_cell(table: LogTable, candidate: Candidate) -> str:
     return next((row[index] for row in table.sample if index < len(row) and is_destroyed(row[index])), "")
 
 
-def _say_spoilt(
-    candidate: Candidate, unreadable: pd.Series, values: np.ndarray, table: LogTable, assigner: Assigner
-) -> None:
+def _say_spoilt(candidate: Candidate, read: TimeNumbers, table: LogTable, assigner: Assigner) -> None:
     """Say what is wrong with the numbers of a time column, where they are any."""
-    if len(unreadable):
-        what, found = cause(unreadable, values, table.decimal)
+    if len(read.words):
+        what, found = cause(read.words, read.numbers[:: max(1, len(read.numbers) // 50_000)], table.decimal)
         if what != TEXT:
             said = holds(candidate.label, what, found)
             assigner.say("column_refused", said, "warning", candidate.label)
@@ -133,15 +192,21 @@ def _cut_short(candidate: Candidate, table: LogTable) -> bool:
 
 def best_clock(
     times: list[Candidate],
-    frame: pd.DataFrame,
     table: LogTable,
     assigner: Assigner,
-    motions: Sequence[Motion],
-    rows: int,
+    read: Callable[[Candidate], Clock | None],
+    counted: Callable[[float], Column],
 ) -> tuple[str, Clock]:
     """Return the name and the clock of the time column that serves best, or a clock counted from the interval.
 
     The interval is the one that the user states, else that of the lines above the table.
+
+    Parameters
+    ----------
+    read
+        gives the clock of a time column; None of one that cannot be read.
+    counted
+        gives the stamps of rows that follow each other at an interval [s].
 
     Raises
     ------
@@ -150,7 +215,7 @@ def best_clock(
     """
     readable: list[tuple[Candidate, Clock]] = []
     for candidate in times:
-        clock = clock_of(candidate, frame, table, assigner, motions)
+        clock = read(candidate)
         if clock is None:
             continue
         if runs(clock.seconds):
@@ -161,7 +226,7 @@ def best_clock(
             text = Sentence("{column!r} starts again every few rows", column=candidate.label)
             assigner.say("column_refused", text, "warning", candidate.label)
     if not readable:
-        return "", _counted(table, assigner, rows)
+        return "", _counted(table, assigner, counted)
     best = _best(readable)
     if len(readable) > 1:
         _compare_clocks(best, readable, assigner)
@@ -177,7 +242,7 @@ def _best(readable: list[tuple[Candidate, Clock]]) -> tuple[Candidate, Clock]:
     """Return the clock that serves best: what the user names, no counter of rows, no coarse or second clock."""
     if len(readable) == 1:
         return readable[0]
-    stamps = {candidate.heading.index: _stamps(clock.seconds) for candidate, clock in readable}
+    stamps = {candidate.heading.index: rising(clock.seconds) for candidate, clock in readable}
     most = max(stamps.values())
 
     def worth(pair: tuple[Candidate, Clock]) -> tuple[bool, bool, int, bool, int]:
@@ -188,13 +253,13 @@ def _best(readable: list[tuple[Candidate, Clock]]) -> tuple[Candidate, Clock]:
     return max(readable, key=worth)
 
 
-def _counts_rows(seconds: np.ndarray) -> bool:
+def _counts_rows(seconds: Column) -> bool:
     """Return whether a clock goes on by exactly one with every row: a number of rows, perhaps, and no time."""
     part = seconds[:10_000]
     return len(part) > 2 and bool((np.diff(part) == 1).all())
 
 
-def _counted(table: LogTable, assigner: Assigner, rows: int) -> Clock:
+def _counted(table: LogTable, assigner: Assigner, counted: Callable[[float], Column]) -> Clock:
     """Return a clock that counts rows by the interval that is stated.
 
     Raises
@@ -212,7 +277,7 @@ def _counted(table: LogTable, assigner: Assigner, rows: int) -> Clock:
     if stated is not None:
         text = Sentence("no time column: time is counted from the stated interval ({interval:g} s)", interval=interval)
     assigner.say("time_counted", text)
-    return Clock(np.arange(rows) * interval, "s", False, "counted")
+    return Clock(counted(interval), "s", False, "counted")
 
 
 _BRIEF = 1.0  # [s]: no road test is shorter
@@ -229,10 +294,8 @@ def _ask_where_it_cannot_be(candidate: Candidate, clock: Clock, table: LogTable,
     """
     if candidate.mapped or "time" in assigner.units or clock.unit not in ("ms", "µs", "ns"):
         return
-    finite = clock.seconds[np.isfinite(clock.seconds)]
-    other = rising_without_name(table)
-    span = float(np.ptp(finite)) if len(finite) else 0.0
-    if clock.absolute or len(finite) < _LEAST_ROWS or not (span < _BRIEF or (other and span < 10 * _BRIEF)):
+    part, other, span = held(clock.seconds[:_SOME]), rising_without_name(table), _span(clock.seconds)
+    if clock.absolute or np.isfinite(part).sum() < _LEAST_ROWS or not (span < _BRIEF or (other and span < 10 * _BRIEF)):
         return
     problem = Sentence(
         "by {column!r}, in {unit}, the whole log takes {span:g} s: that may be another time than the clock's",
@@ -255,34 +318,39 @@ def rising_without_name(table: LogTable) -> str | None:
     return None
 
 
-def _starts_again(seconds: np.ndarray) -> bool:
+_SOME = 1_000_000  # rows that show it
+
+
+def _span(seconds: Column) -> float:
+    """Return the time from the least stamp to the greatest [s]."""
+    span = span_of(seconds)
+    return 0.0 if span is None else span[1] - span[0]
+
+
+def _starts_again(seconds: Column) -> bool:
     """Return whether a clock rises and falls back to where it began, again and again."""
-    finite = seconds[np.isfinite(seconds)]
+    finite = finite_of(seconds[:_SOME])
     falls = np.diff(finite) < 0
-    return len(finite) > _LEAST_ROWS and np.mean(falls) > 0.1 and np.ptp(finite[1:][falls]) < 0.1 * np.ptp(finite)
+    return len(finite) > _LEAST_ROWS and bool(np.mean(falls) > 0.1 and np.ptp(finite[1:][falls]) < 0.1 * np.ptp(finite))
 
 
-def runs(seconds: np.ndarray) -> bool:
+def runs(seconds: Column) -> bool:
     """Return whether a clock runs on: its time passes, and seldom steps back."""
     if len(seconds) < 2:
-        return bool(np.isfinite(seconds).all()) and len(seconds) == 1
+        return any_finite(seconds) and len(seconds) == 1
     onward = bool(seconds[-1] > seconds[0])  # usually saves comparing all stamps
-    if not onward and not np.fmax.reduce(seconds) > np.fmin.reduce(seconds):
+    if not onward and not _span(seconds) > 0.0:
         return False
     steps = np.diff(seconds[:200_000])
     return bool(np.count_nonzero(steps < 0) <= 0.3 * len(steps))
 
 
-def _stamps(seconds: np.ndarray) -> int:
-    return int((np.diff(seconds[np.isfinite(seconds)]) > 0).sum())
-
-
 def _compare_clocks(best: tuple[Candidate, Clock], readable: list[tuple[Candidate, Clock]], assigner: Assigner) -> None:
-    span = np.ptp(best[1].seconds[np.isfinite(best[1].seconds)])
+    span = _span(best[1].seconds)
     for candidate, clock in readable:
         if candidate is best[0]:
             continue
-        other = np.ptp(clock.seconds[np.isfinite(clock.seconds)])
+        other = _span(clock.seconds)
         if abs(other - span) > max(2.0, 0.02 * span):
             text = Sentence(
                 "the clocks {first!r} and {second!r} disagree ({span:.1f} s and {other:.1f} s): the first is used",

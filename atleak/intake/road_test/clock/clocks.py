@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
 
+from atleak.columns import Column, percentiles_of, spans
 from atleak.intake.dates import day_number, half_day, likely_order, sure_date
-from atleak.intake.road_test.blocks import turned
+from atleak.intake.road_test.blocks import blocks_of, turned
 from atleak.intake.units import Unit, find_unit
 from atleak.sentence import Sentence
 
@@ -24,7 +25,7 @@ _FIRST_EXCEL_DAY = dt.date(1899, 12, 30)
 class Clock:
     """A time column in seconds (NaN where unreadable), with the unit and form it was read in."""
 
-    seconds: np.ndarray
+    seconds: Column
     unit: str
     unit_assumed: bool = False
     form: str = "number"
@@ -37,16 +38,110 @@ class Clock:
 class Motion:
     """A channel that cannot change faster than ``limit`` per second: it shows whether stamps are s or ms."""
 
-    values: np.ndarray
+    values: Column
     limit: float
 
-    def possible(self, seconds: np.ndarray) -> bool:
-        """Return whether the channel's changes are possible in that time."""
-        step, change = np.diff(seconds), np.abs(np.diff(self.values))
-        use = (step > 0) & (change > 0)
-        if use.sum() < 5:
+    def possible(self, stamps: Column, factor: float) -> bool:
+        """Return whether the channel's changes are possible with stamps in a unit of so many seconds."""
+
+        def rates() -> Iterator[np.ndarray]:
+            for start, stop in spans(len(stamps) - 1):
+                step = np.diff(stamps[start : stop + 1] * factor)
+                change = np.abs(np.diff(self.values[start : stop + 1]))
+                use = (step > 0) & (change > 0)
+                yield change[use] / step[use]
+
+        if sum(map(len, rates())) < 5:
             return True
-        return bool(np.percentile(change[use] / step[use], 75) <= self.limit)
+        return percentiles_of(rates, [75])[0] <= self.limit
+
+
+@dataclass(frozen=True)
+class _Finite:
+    """What of a column's finite numbers decides what they count."""
+
+    first: float
+    middle: float
+    part: np.ndarray  # the first of them
+    column: Column
+
+    @classmethod
+    def of(cls, values: Column, whole: bool) -> _Finite | None:
+        """Look through a column; None where no number is finite. ``whole``: that all are is known."""
+        if whole and len(values):
+            return cls(float(values[0]), float(np.median(_sample(values))), values[:_PART], values)
+        if isinstance(values, np.ndarray):
+            finite = values[np.isfinite(values)]
+            return cls.of(finite, True) if len(finite) else None
+        count, part = 0, [np.empty(0)]
+        for block in blocks_of(values):
+            good = block[np.isfinite(block)]
+            if count < _PART:
+                part.append(good)
+            count += len(good)
+        if not count:
+            return None
+        first = np.concatenate(part)[:_PART]
+        stride, seen, sample = max(1, count // _SAMPLE), 0, []
+        for block in blocks_of(values):
+            good = block[np.isfinite(block)]
+            sample.append(good[-seen % stride :: stride])
+            seen += len(good)
+        return cls(float(first[0]), float(np.median(np.concatenate(sample))), first, values)
+
+    def all_whole(self) -> bool:
+        """Return whether every number is a whole one."""
+        return all(bool(np.all((block == np.round(block)) | ~np.isfinite(block))) for block in blocks_of(self.column))
+
+
+_SAMPLE = 10_000
+
+
+def _sample(values: Column) -> np.ndarray:
+    sample: np.ndarray = values[:: max(1, len(values) // _SAMPLE)]
+    return sample
+
+
+@dataclass(frozen=True)
+class NumericForm:
+    """What the numbers of a time column count, and how they become seconds."""
+
+    unit: str
+    assumed: bool = False
+    form: str = "number"
+    factor: float = 1.0  # [s]
+    start: float | None = None  # number of the first stamp, where time counts from it
+    absolute: bool = False
+    date: dt.date | None = None
+
+    def seconds(self, values: np.ndarray, runs: Running) -> np.ndarray:
+        """Convert the next numbers; ``runs`` carries on from those before them."""
+        if self.form.startswith("epoch"):
+            # an epoch in double precision is good for a microsecond; one of zero: the clock was not set yet
+            seconds = np.round((values - (self.start or 0.0)) * self.factor, 6)
+            return np.where(values > 0, seconds, np.nan)
+        if self.form == _EXCEL:
+            return np.round((values - (self.start or 0.0)) * DAY, 6)
+        if self.form == _DIGITS:
+            return runs.on(_seconds_of_digits(values))
+        return values if self.factor == 1.0 else values * self.factor
+
+    def clock(self, seconds: Column) -> Clock:
+        """Return the clock of these seconds."""
+        return Clock(seconds, self.unit, self.assumed, self.form, (), self.absolute, self.date)
+
+    @property
+    def period(self) -> float | None:
+        """Return after which time the clock starts again [s]; None where it runs on."""
+        return DAY if self.form == _DIGITS else None
+
+    @property
+    def as_is(self) -> bool:
+        """Return whether the numbers are the seconds."""
+        return self.form == "number" and self.factor == 1.0
+
+
+_EXCEL, _DIGITS = "Excel days", "time of day, HHMMSS"
 
 
 def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion] = (), whole: bool = False) -> Clock:
@@ -57,41 +152,39 @@ def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion
     that all numbers are finite is known.
     """
     values = values.astype(float, copy=False)
-    finite = values if whole else values[np.isfinite(values)]
-    if not len(finite):
-        return Clock(values, unit or "s", unit is None)
-    first = float(finite[0])
+    form = numeric_form(values, unit, motions, whole)
+    return form.clock(form.seconds(values, Running(form.period)))
+
+
+def numeric_form(values: Column, unit: str | None, motions: Sequence[Motion] = (), whole: bool = False) -> NumericForm:
+    """Tell what numbers count; parameters are those of `numeric_clock`."""
+    finite = _Finite.of(values, whole)
+    if finite is None:
+        return NumericForm(unit or "s", unit is None)
     known = find_unit(unit, "time") if unit else None
-    middle = float(np.median(finite[:: max(1, len(finite) // 10_000)]))
-    if known is not None and known.name in ("s", "ms") and _epoch(middle) not in (None, known.name):
-        known = find_unit(str(_epoch(middle)), "time")
-    epoch = _epoch(middle)
+    epoch = _epoch(finite.middle)
+    if known is not None and known.name in ("s", "ms") and epoch not in (None, known.name):
+        known = find_unit(str(epoch), "time")
     if known is None and epoch:
         known = find_unit(epoch, "time")
         assert known is not None
-        return _epoch_clock(values, known)
-    part = finite[:_PART]
-    if known is None and _excel_days(part):
-        day = _FIRST_EXCEL_DAY + dt.timedelta(int(first))
-        return Clock(np.round((values - first) * DAY, 6), "d", False, "Excel days", (), True, day)
+        return _epoch_form(values, known)
+    if known is None and _excel_days(finite.part):
+        day = _FIRST_EXCEL_DAY + dt.timedelta(int(finite.first))
+        return NumericForm("d", False, _EXCEL, DAY, finite.first, True, day)
     if known is not None:
-        if epoch:
-            return _epoch_clock(values, known)
-        return Clock(values if known.factor == 1.0 else values * known.factor, known.name)
-    if _digits_of_a_clock(part):
-        return Clock(_relative(_unwrap(_seconds_of_digits(values), DAY)), "clock", False, "time of day, HHMMSS")
+        return _epoch_form(values, known) if epoch else NumericForm(known.name, factor=known.factor)
+    if _digits_of_a_clock(finite.part):
+        return NumericForm("clock", False, _DIGITS)
     name, sure = _guess(finite, values, motions)
-    factor = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name]
-    return Clock(values if factor == 1.0 else values * factor, name, not sure)
+    return NumericForm(name, not sure, factor={"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name])
 
 
-def _epoch_clock(values: np.ndarray, unit: Unit) -> Clock:
-    finite = values[np.isfinite(values) & (values > 0)]
-    start = float(finite[0]) if len(finite) else 0.0
-    seconds = np.round((values - start) * unit.factor, 6)  # an epoch in double precision is good for a microsecond
-    seconds = np.where(values > 0, seconds, np.nan)  # an epoch of zero: the clock was not set yet
+def _epoch_form(values: Column, unit: Unit) -> NumericForm:
+    begun = (block[np.isfinite(block) & (block > 0)] for block in blocks_of(values))
+    start = next((float(block[0]) for block in begun if len(block)), 0.0)
     day = dt.date(1970, 1, 1) + dt.timedelta(seconds=start * unit.factor) if start else None
-    return Clock(seconds, unit.name, False, f"epoch {unit.name}", (), True, day)
+    return NumericForm(unit.name, False, f"epoch {unit.name}", unit.factor, start, True, day)
 
 
 def _epoch(value: float) -> str | None:
@@ -139,13 +232,13 @@ def _excel_days(values: np.ndarray) -> bool:
     )
 
 
-def _guess(finite: np.ndarray, values: np.ndarray, motions: Sequence[Motion]) -> tuple[str, bool]:
-    steps = np.diff(finite[:_PART])
+def _guess(finite: _Finite, values: Column, motions: Sequence[Motion]) -> tuple[str, bool]:
+    steps = np.diff(finite.part)
     steps = steps[steps > 0]
     if not len(steps):
         return "s", False
     step = float(np.median(steps))
-    whole = bool(np.all(finite == np.round(finite)))
+    whole = finite.all_whole()
     if not whole and step < 2:
         return "s", True
     if step < 2:
@@ -156,7 +249,7 @@ def _guess(finite: np.ndarray, values: np.ndarray, motions: Sequence[Motion]) ->
     # the slower unit wins only where the faster one is impossible
     for name in options:
         factor = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name]
-        if all(motion.possible(values * factor) for motion in motions):
+        if all(motion.possible(values, factor) for motion in motions):
             return name, False
     return options[0], False
 
@@ -168,7 +261,7 @@ _SHORT = re.compile(r"(?<![\d.,:])(\d{1,3}):(\d{2})(?:[.,](\d{1,6}))?(?![\d:])")
 
 
 @dataclass
-class _ClockParts:
+class ClockParts:
     """The numbers of a column of clock strings, row by row."""
 
     major: np.ndarray  # hours, or minutes of a two-part clock
@@ -187,92 +280,173 @@ def text_clock(column: pd.Series) -> Clock | None:
     (AM, PM), ``hours : total minutes : seconds``, and minutes and seconds whose hour a spreadsheet has cut off: those
     give relative time only.
     """
-    read = _read(column)
-    good = read.parts > 0
-    if good.sum() < max(1, 0.5 * column.notna().sum()):
+    read = read_clocks(column)
+    told = ClockTally()
+    told.add(read, int(column.notna().sum()))
+    form = told.form()
+    return None if form is None else form.clock(form.seconds(read, Running(form.period)))
+
+
+@dataclass
+class ClockTally:
+    """What of clock strings decides how they are read; those of the parts of a column add up."""
+
+    filled: int = 0  # cells
+    texts: dict[str, int] = field(default_factory=lambda: {"": 0})  # what stands beside the clock → its number
+    kinds: dict[int, _KindOfClock] = field(default_factory=lambda: {3: _KindOfClock(), 2: _KindOfClock()})  # by parts
+
+    def add(self, read: ClockParts, filled: int) -> None:
+        """Add the next cells, of which so many are filled; their texts are numbered as those of all cells."""
+        self.filled += filled
+        numbers = np.array([self.texts.setdefault(text, len(self.texts)) for text in read.texts])
+        read.dates = numbers[read.dates]
+        for parts, kind in self.kinds.items():
+            kind.add(read, read.parts == parts)
+
+    def form(self) -> TextForm | None:
+        """Return how the cells are read; None where they cannot be."""
+        three, two = self.kinds[3], self.kinds[2]
+        if three.cells + two.cells < max(1, 0.5 * self.filled):
+            return None
+        parts = 3 if three.cells >= two.cells else 2
+        kind, texts = self.kinds[parts], list(self.texts)
+        dates = [_date_text(text) for text in texts]
+        order = likely_order(dates, [half_day(text) for text in texts])
+        days = [day_number(text, order) for text in dates]
+        dated = bool(kind.dates) and all(days[index] is not None for index in kind.dates)
+        form = (_three_parts if parts == 3 else _two_parts)(
+            kind, days if dated else None, [half_day(text) for text in texts]
+        )
+        if form is None or not dated:
+            return form
+        return replace(form, date=sure_date([texts[index] for index in sorted(kind.dates)]))
+
+
+@dataclass
+class _KindOfClock:
+    """What is known of the cells with so many parts."""
+
+    cells: int = 0
+    minor: int = 0  # the largest
+    late: bool = False  # whether one has 61 seconds and more
+    no_minute: bool = False  # whether one has 60 seconds
+    fractions: int = 0  # cells with a fraction
+    dates: set[int] = field(default_factory=set)  # numbers of the texts beside them
+
+    def add(self, read: ClockParts, good: np.ndarray) -> None:
+        if not good.any():
+            return
+        seconds = read.seconds[good]
+        self.cells += len(seconds)
+        self.minor = max(self.minor, int(read.minor[good].max()))
+        self.late = self.late or bool((seconds >= 61).any())
+        self.no_minute = self.no_minute or bool((seconds > 59.9999999).any())
+        self.fractions += int(np.count_nonzero(read.fraction[good]))
+        self.dates |= set(np.flatnonzero(np.bincount(read.dates[good])).tolist())
+
+
+@dataclass(frozen=True)
+class TextForm:
+    """How clock strings become seconds: by the weights of their numbers, and the days and halves beside them."""
+
+    parts: int
+    weights: tuple[float, float, float]  # [s] of the first and second number, and of the seconds
+    form: str
+    period: float | None = None  # [s] after which the clock starts again
+    days: np.ndarray | None = None  # [s] by the number of the text beside it
+    noon: np.ndarray | None = None  # hours to add to those of half a day, by the same; negative where not
+    notes: tuple[Sentence, ...] = ()
+    date: dt.date | None = None
+
+    def seconds(self, read: ClockParts, runs: Running) -> np.ndarray:
+        """Convert the next clocks; ``runs`` carries on from those before them."""
+        major = read.major
+        if self.noon is not None:
+            noon = self.noon[read.dates]
+            major = np.where(noon >= 0, major % 12 + np.maximum(noon, 0), major)
+        hours, minutes, rest = self.weights
+        seconds = major * hours + read.minor * minutes + read.seconds * rest
+        seconds = np.where(read.parts == self.parts, seconds, np.nan)
+        if self.days is not None:
+            seconds = seconds + self.days[read.dates]
+        return runs.on(seconds)
+
+    def clock(self, seconds: Column) -> Clock:
+        """Return the clock of these seconds."""
+        return Clock(seconds, "clock", False, self.form, self.notes, self.days is not None, self.date)
+
+
+def _three_parts(kind: _KindOfClock, days: list[int | None] | None, halves: list[str | None]) -> TextForm | None:
+    if kind.late:
         return None
-    parts = 3 if (read.parts == 3).sum() >= (read.parts == 2).sum() else 2
-    good &= read.parts == parts
-    dates = [_date_text(text) for text in read.texts]
-    order = likely_order(dates, [half_day(text) for text in read.texts])
-    days = [day_number(text, order) for text in dates]
-    halves = [half_day(text) for text in read.texts]
-    used = set(np.flatnonzero(np.bincount(read.dates[good])).tolist())
-    dated = bool(used) and all(days[index] is not None for index in used)
-    as_parts = _three_parts if parts == 3 else _two_parts
-    clock = as_parts(read, good, days if dated else None, halves)
-    if clock is None or not dated:
-        return clock
-    return replace(clock, date=sure_date([read.texts[index] for index in sorted(used)]))
-
-
-def _three_parts(
-    read: _ClockParts, good: np.ndarray, days: list[int | None] | None, halves: list[str | None]
-) -> Clock | None:
-    minor_max = read.minor[good].max()
-    if (read.seconds[good] >= 61).any():
-        return None
-    if minor_max > 59:  # hours : total minutes : seconds
-        seconds = np.where(good, read.minor * 60.0 + read.seconds, np.nan)
-        return Clock(_relative(seconds), "clock", False, "hours : total minutes : seconds")
-    hours = _with_half_days(read, halves)
-    seconds = np.where(good, hours * 3600.0 + read.minor * 60.0 + read.seconds, np.nan)
+    if kind.minor > 59:
+        return TextForm(3, (0.0, 60.0, 1.0), "hours : total minutes : seconds")
+    noon = _noon(halves)
     if days is not None:
-        seconds = seconds + _days_of(read, days)
-        return Clock(_relative(seconds), "clock", False, "date and time", (), True)
-    return Clock(_relative(_unwrap(seconds, DAY)), "clock", False, "time of day")
+        return TextForm(3, (3600.0, 60.0, 1.0), "date and time", days=_days_of(days), noon=noon)
+    return TextForm(3, (3600.0, 60.0, 1.0), "time of day", DAY, noon=noon)
 
 
-def _two_parts(
-    read: _ClockParts, good: np.ndarray, days: list[int | None] | None, halves: list[str | None]
-) -> Clock | None:
+def _two_parts(kind: _KindOfClock, days: list[int | None] | None, halves: list[str | None]) -> TextForm | None:
     if days is not None:
-        hours = _with_half_days(read, halves)
-        seconds = np.where(good, hours * 3600.0 + read.minor * 60.0, np.nan) + _days_of(read, days)
         note = Sentence(
             "the clock's seconds are lost (a spreadsheet shows hours and minutes only): stamps are 60 s apart"
         )
-        return Clock(_relative(seconds), "clock", False, "date and time", (note,), True)
-    if not read.fraction[good].mean() > 0.5 or (read.seconds[good] > 59.9999999).any():
+        weights = 3600.0, 60.0, 0.0
+        return TextForm(2, weights, "date and time", days=_days_of(days), noon=_noon(halves), notes=(note,))
+    if not kind.fractions > 0.5 * kind.cells or kind.no_minute:
         return None  # hh:mm and mm:ss look the same
-    seconds = np.where(good, read.major * 60.0 + read.seconds, np.nan)
     note = Sentence(
         "a spreadsheet has cut the hours off the clock: time runs from the first row, the time of day is not known"
     )
-    return Clock(_relative(_unwrap(seconds, 3600.0)), "clock", False, "minutes and seconds", (note,))
+    return TextForm(2, (60.0, 0.0, 1.0), "minutes and seconds", 3600.0, notes=(note,))
 
 
-def _with_half_days(read: _ClockParts, halves: list[str | None]) -> np.ndarray:
+def _noon(halves: list[str | None]) -> np.ndarray | None:
     if not any(halves):
-        return read.major
-    noon = np.array([{"am": 0.0, "pm": 12.0}.get(half or "", -1.0) for half in halves])[read.dates]
-    return np.where(noon >= 0, read.major % 12 + np.maximum(noon, 0), read.major)
+        return None
+    return np.array([{"am": 0.0, "pm": 12.0}.get(half or "", -1.0) for half in halves])
 
 
-def _days_of(read: _ClockParts, days: list[int | None]) -> np.ndarray:
+def _days_of(days: list[int | None]) -> np.ndarray:
     numbers = np.array([np.nan if day is None else float(day) for day in days])
-    first = np.nanmin(numbers)
-    return (numbers - first)[read.dates] * DAY
+    counted: np.ndarray = (numbers - np.nanmin(numbers)) * DAY
+    return counted
 
 
-def _relative(seconds: np.ndarray) -> np.ndarray:
-    finite = seconds[np.isfinite(seconds)]
-    return np.round(seconds - finite[0], 9) if len(finite) else seconds
+@dataclass
+class Running:
+    """Counts a clock from its first stamp on, part by part.
+
+    Of one that starts again after each ``period`` [s] a fall by more than half of it adds one.
+    """
+
+    period: float | None = None
+    _first: float | None = None
+    _last: float = np.nan
+    _falls: int = 0
+
+    def on(self, seconds: np.ndarray) -> np.ndarray:
+        """Return the next stamps, counted from the first one of all; NaN where unreadable."""
+        good = np.flatnonzero(np.isfinite(seconds))
+        if not len(good):
+            return seconds
+        values = seconds[good]
+        if self.period is not None:
+            falls = self._falls + np.cumsum(np.diff(values, prepend=self._last) < -self.period / 2)
+            self._last, self._falls = float(values[-1]), int(falls[-1])
+            values = values + falls * self.period
+        if self._first is None:
+            self._first = float(values[0])
+        result = np.full(len(seconds), np.nan)
+        result[good] = np.round(values - self._first, 9)
+        return result
 
 
-def _unwrap(seconds: np.ndarray, period: float) -> np.ndarray:
-    """Continue a clock that starts again after each period: a fall by more than half a period adds one."""
-    good = np.isfinite(seconds)
-    values = seconds[good]
-    falls = np.concatenate([[0], np.cumsum(np.diff(values) < -period / 2)])
-    result = seconds.copy()
-    result[good] = values + falls * period
-    return result
-
-
-def _read(column: pd.Series) -> _ClockParts:
+def read_clocks(column: pd.Series) -> ClockParts:
+    """Read the numbers of clock strings, and what stands beside them."""
     size = len(column)
-    read = _ClockParts(
+    read = ClockParts(
         major=np.zeros(size),
         minor=np.zeros(size),
         seconds=np.zeros(size),
@@ -329,7 +503,7 @@ def _packed(column: pd.Series) -> tuple[np.ndarray, bool]:
         return np.array([str(cell).encode("ascii", "replace") for cell in raw], dtype="S"), False
 
 
-def _read_alike(read: _ClockParts, table: np.ndarray, rows: np.ndarray, length: int, raw: pd.Series) -> np.ndarray:
+def _read_alike(read: ClockParts, table: np.ndarray, rows: np.ndarray, length: int, raw: pd.Series) -> np.ndarray:
     """Read the rows whose string has the form of the first one's; return the other rows."""
     line = table[rows[0], :length].tobytes().decode("ascii")
     match, parts = _TIME_OF_DAY.search(line), 3
@@ -411,6 +585,4 @@ def from_datetimes(values: Sequence[object]) -> np.ndarray:
             seconds[index] = value.total_seconds()
         elif isinstance(value, dt.time):
             seconds[index] = value.hour * 3600 + value.minute * 60 + value.second + value.microsecond / 1e6
-    if any(isinstance(value, dt.time) for value in values):
-        seconds = _unwrap(seconds, DAY)
-    return _relative(seconds)
+    return Running(DAY if any(isinstance(value, dt.time) for value in values) else None).on(seconds)

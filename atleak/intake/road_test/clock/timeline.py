@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from atleak.columns import Column, positive, ranked, steps_of
 from atleak.intake.road_test.blocks import ends_of_steps, steps_over
 from atleak.road_test import Segment
 
@@ -38,8 +39,10 @@ def gap_limit(steps: np.ndarray) -> float:
     steps = steps[steps > 0]
     if not len(steps):
         return np.inf
-    median = float(np.median(steps))
-    usual = float(np.percentile(steps, 95, method="lower"))
+    return _limit(float(np.median(steps)), float(np.percentile(steps, 95, method="lower")))
+
+
+def _limit(median: float, usual: float) -> float:
     if usual <= 1.5 * median:
         return max(0.5, 3.5 * usual)
     return max(1.0, 10 * median, 5 * usual)
@@ -48,12 +51,14 @@ def gap_limit(steps: np.ndarray) -> float:
 _MANY = 100_000
 
 
-def _gap_limit_of(time: np.ndarray) -> float:
+def gap_limit_of(time: Column) -> float:
     """Return the limit by some 100 000 steps of a long log; by all where none of those goes on."""
-    before, after = time[:-1], time[1:]
-    stride = max(1, len(before) // _MANY)
-    limit = gap_limit(after[::stride] - before[::stride])
-    return limit if limit < np.inf or stride == 1 else gap_limit(after - before)
+    stride = max(1, (len(time) - 1) // _MANY)
+    limit = gap_limit(time[1::stride] - time[0 : len(time) - 1 : stride])
+    if limit < np.inf or stride == 1:
+        return limit
+    found = ranked(positive(steps_of(time)), lambda count: [(count - 1) // 2, count // 2, int(0.95 * (count - 1))])
+    return _limit(0.5 * (found[0] + found[1]), found[2]) if found else np.inf
 
 
 def build(seconds: np.ndarray) -> Timeline:
@@ -86,30 +91,31 @@ def _without_strays(seconds: np.ndarray, usable: np.ndarray) -> tuple[np.ndarray
     if len(stamps) < 4:
         return usable, 0
     steps = np.diff(stamps)
-    positive = steps[steps > 0]
-    median = float(np.median(positive)) if len(positive) else 0.0
-    stray = np.zeros(len(stamps), bool)
-    # first stamp left over from an earlier recording
-    if steps[0] < 0 and steps[1] >= 0:
-        stray[0] = True
-    # one stamp off the line while its neighbours go on
+    onward = steps[steps > 0]
+    stray = strays_among(stamps, float(np.median(onward)) if len(onward) else 0.0)
+    stray[0] = first_is_stray(stamps)
+    return usable[~stray], int(stray.sum())
+
+
+def first_is_stray(stamps: np.ndarray) -> bool:
+    """Return whether the first stamp is left over from an earlier recording."""
+    return bool(stamps[1] < stamps[0] and stamps[2] >= stamps[1])
+
+
+def strays_among(stamps: np.ndarray, median: float) -> np.ndarray:
+    """Return which stamps are off the line on which the one before and the one behind go on; neither end is."""
+    stray, steps = np.zeros(len(stamps), bool), np.diff(stamps)
     onward = stamps[2:] - stamps[:-2]
     off = np.abs(steps[:-1]) > 20 * max(median, 1e-9)
     back = np.sign(steps[:-1]) == -np.sign(steps[1:])
-    stray[1:-1] |= off & back & (onward >= 0) & (onward <= 20 * max(median, 1e-9))
-    return usable[~stray], int(stray.sum())
+    stray[1:-1] = off & back & (onward >= 0) & (onward <= 20 * max(median, 1e-9))
+    return stray
 
 
 def _in_order(
     stamps: np.ndarray, steps: np.ndarray, median: float
 ) -> tuple[np.ndarray, np.ndarray, int, tuple[int, tuple[int, ...]]]:
-    falls = np.flatnonzero(steps < 0)
-    starts, begin = [], 0
-    for fall in falls:
-        landing = stamps[fall + 1]
-        if -steps[fall] > 10 * median or landing <= stamps[begin] + 0.5 * median:
-            begin = int(fall) + 1
-            starts.append(begin)
+    starts = restarts(stamps, np.flatnonzero(steps < 0), median)
     shifted = stamps.astype(float).copy()
     order = np.arange(len(stamps))
     reordered, end = 0, None
@@ -126,6 +132,17 @@ def _in_order(
     return shifted, order, reordered, (len(starts), tuple(starts))
 
 
+def restarts(stamps: Column, falls: np.ndarray, median: float) -> list[int]:
+    """Return the places at which the clock begins anew, of those behind which it falls."""
+    starts, begin = [], 0
+    for fall in falls.tolist():
+        before, landing = stamps[fall], stamps[fall + 1]
+        if before - landing > 10 * median or landing <= stamps[begin] + 0.5 * median:
+            begin = fall + 1
+            starts.append(begin)
+    return starts
+
+
 def _finish(
     time: np.ndarray,
     order: np.ndarray | None,
@@ -139,7 +156,7 @@ def _finish(
 ) -> Timeline:
     if not len(time):
         return Timeline(time, order, (), 0.0, unreadable, stale)
-    limit = _gap_limit_of(time)
+    limit = gap_limit_of(time)
     gaps: list[int] = (steps_over(time, limit) + 1).tolist() if longest > limit else []
     restarted = set(breaks)
     lengths = tuple(float(time[index] - time[index - 1]) for index in gaps if index not in restarted)

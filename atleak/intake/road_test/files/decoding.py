@@ -29,18 +29,19 @@ class LogText:
 def to_text(data: bytes) -> LogText:
     """Determine the encoding. Single-byte text stays as it is: numbers are plain ASCII in every such encoding."""
     if data.startswith(b"\xef\xbb\xbf"):
-        return LogText(_without_nul(data[3:]), "utf-8-sig", "utf-8")
+        return LogText(without_nul(data[3:]), "utf-8-sig", "utf-8")
     wide = _utf16(data)
     if wide:
         body = data[2:] if data[:2] in (b"\xff\xfe", b"\xfe\xff") else data
         text = body.decode(wide, errors="replace").replace("\x00", "")
         return LogText(text.encode("utf-8"), "utf-16" if body is not data else wide, "utf-8")
-    body = _without_nul(data)
+    body = without_nul(data)
     codec = _single_byte(body)
     return LogText(body, codec, codec)
 
 
-def _without_nul(data: bytes) -> bytes:
+def without_nul(data: bytes) -> bytes:
+    """Return a text without zero bytes."""
     return data.replace(b"\x00", b"") if b"\x00" in data else data
 
 

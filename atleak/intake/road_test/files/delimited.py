@@ -35,7 +35,8 @@ class Delimited(OfLayout):
 
     ``text`` is the whole text, or None where the fast reader may take the file at ``source.path`` as it is.
     ``per_line``: how many delimiters and quotation marks each of the first rows has, where all have as many.
-    ``breaks_off``: whether the last line's last cell, perhaps half-written, is left out.
+    ``breaks_off``: whether the last line's last cell, perhaps half-written, is left out. ``of_many``: whether it is one
+    block of many: how many of all rows are too wide is then for others to judge.
     """
 
     source: LogFile
@@ -51,6 +52,7 @@ class Delimited(OfLayout):
     spaced: bool
     per_line: tuple[int, int] | None
     breaks_off: bool = False
+    of_many: bool = False
 
     @property
     def headings(self) -> tuple[Heading, ...]:
@@ -82,13 +84,12 @@ class Delimited(OfLayout):
             frame = None
         wait()
         if tallying.tally().even(-1 if frame is None else len(frame), self.per_line) and frame is not None:
+            frame.attrs["breaks_off"] = self.breaks_off
             return self._without_cell_units(frame)
         text = self.text or prepared(self.source)
         rows = mended(text.data[self.offset :], self.delimiter, self.width, pad=frame is None)
-        if rows.too_wide > 0.1 * (rows.count + rows.too_wide):
-            problem = Sentence("{count} of its rows have more numbers than it has columns", count=rows.too_wide)
-            expected = Sentence("as many cells in every row; is the decimal comma used as delimiter too?")
-            raise RoadTestError(problem, place=Place(file=self.source.file), expected=expected)
+        if not self.of_many:
+            refuse_too_wide(rows.too_wide, rows.count, self.source.file)
         if frame is None or rows.changed or rows.count != len(frame):
             again = replace(self, text=LogText(rows.data, text.encoding, text.codec), offset=0, quoted=True)
             try:
@@ -97,8 +98,7 @@ class Delimited(OfLayout):
                 problem = Sentence("its lines cannot be read: {reason}", reason=str(error))
                 raise RoadTestError(problem, place=Place(file=self.source.file)) from error
         frame.attrs["too_wide"] = rows.too_wide
-        if 2 * rows.short < rows.count:  # else it is the logger's way to write blank cells
-            frame.attrs["short"] = rows.short - self.breaks_off
+        frame.attrs["short"] = rows.short if self.of_many else counted_short(rows.short, rows.count, self.breaks_off)
         frame.attrs["breaks_off"] = self.breaks_off
         return self._without_cell_units(frame)
 
@@ -126,7 +126,10 @@ class Delimited(OfLayout):
         if not odd:
             return frame
         pieces = self._in_pieces(odd, {*clean, *dirty})
-        return frame.drop(columns=odd, errors="ignore").join(pieces, how="right") if rest else pieces
+        if rest:
+            words, pieces = pieces.attrs["words"], frame.drop(columns=odd, errors="ignore").join(pieces, how="right")
+            pieces.attrs["words"] = words
+        return pieces
 
     def _expected(self, columns: Sequence[int]) -> tuple[set[int], set[int]]:
         """Return the columns that hold only numbers in the sample, and those that also hold words for *missing*."""
@@ -241,6 +244,25 @@ class Delimited(OfLayout):
         }
 
 
+def counted_short(short: int, rows: int, breaks_off: bool) -> int:
+    """Return how many rows have fewer cells, but for a last one that breaks off; 0 where many write blanks so."""
+    return max(short - breaks_off, 0) if 2 * short < rows else 0
+
+
+def refuse_too_wide(too_wide: int, rows: int, file: str) -> None:
+    """Refuse a table of which many rows have more numbers than it has columns.
+
+    Raises
+    ------
+    RoadTestError
+        saying how many they are beside those that have not.
+    """
+    if too_wide > 0.1 * (rows + too_wide):
+        problem = Sentence("{count} of its rows have more numbers than it has columns", count=too_wide)
+        expected = Sentence("as many cells in every row; is the decimal comma used as delimiter too?")
+        raise RoadTestError(problem, place=Place(file=file), expected=expected)
+
+
 def prepared(source: LogFile) -> LogText:
     """Return the whole text of a log, mended: no zero bytes, line feeds at line ends, no half-written cell."""
     return without_cut_cell(_whole(source))
@@ -264,11 +286,14 @@ def _plain_head(source: LogFile) -> LogText | None:
     return head
 
 
-def open_delimited(source: LogFile) -> Delimited | None:
-    """Locate the table in a delimited text; None when there is none."""
+def open_delimited(source: LogFile, *, held: bool = True) -> Delimited | None:
+    """Locate the table in a delimited text; None when there is none.
+
+    ``held``: whether the whole text may be held in memory. What is not is read in pieces, each as it stands.
+    """
     if source.size > LARGE and not any(end in source.head for end in (b"\n", b"\r")):
         return None  # one endless line
-    plain = _plain_head(source)
+    plain = _plain_head(source) if held else to_text(source.head)
     whole = plain or _whole(source)
     text = plain or without_cut_cell(whole)
     head = text.data[:_LONG_HEAD].split(b"\n")
@@ -330,7 +355,7 @@ def without_cut_cell(text: LogText) -> LogText:
     if data.endswith((b"\n", b"\r")) or b"\n" not in data[-HEAD:]:
         return text
     lines = data[-HEAD:].split(b"\n")
-    last, before = lines[-1], [line for line in lines[:-1] if line.strip()][-3:]
+    last, before = lines[-1], [line for line in lines[:-1] if line.strip(b" \r")][-3:]
     for delimiter in (b"\t", b";", b","):
         usual = {line.count(delimiter) for line in before}
         if len(usual) == 1 and min(usual) > 0:

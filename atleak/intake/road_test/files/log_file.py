@@ -32,7 +32,8 @@ SPARE = 120 << 20
 """Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
 GROWTH = 4
 
-Form = Literal["text", "workbook", "mdf"]
+Form = Literal["text", "workbook", "mdf", "parquet"]
+_READ_FROM_DISK = ("text", "parquet")  # forms of which a large file is not held
 Look = Callable[[memoryview], object]
 """What looks at a file's bytes, a piece at a time."""
 
@@ -211,8 +212,9 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
             head = stream.read(LARGE)
             refuse_what_is_no_log(head[:HEAD], file)
             size = path.stat().st_size
-            if size > LARGE and _form_of(head) == "text" and head[:2] != b"\x1f\x8b":
-                return LogFile(file, Digest(path), head, "text", size, path)
+            form = _form_of(head)
+            if size > LARGE and form in _READ_FROM_DISK and head[:2] != b"\x1f\x8b":
+                return LogFile(file, Digest(path), head, form, size, path)
             data = head + stream.read()
     except OSError as error:
         problem = Sentence("cannot be opened: {reason}", reason=reason_of(error))
@@ -231,7 +233,7 @@ def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) ->
         with unpacked.open("rb") as stream:
             head = stream.read(LARGE)
         form = _form_of(head)
-        if form == "text" and size > LARGE:
+        if form in _READ_FROM_DISK and size > LARGE:
             return LogFile(file, digest, head, form, size, unpacked, True, None, folder)
         content = unpacked.read_bytes()
     except BaseException:
@@ -246,7 +248,7 @@ def _form_of(data: bytes) -> Form:
         return "workbook"
     if data[:3] == b"MDF" or data[:8] == b"UnFinMF ":
         return "mdf"
-    return "text"
+    return "parquet" if data[:4] == b"PAR1" else "text"
 
 
 def _unpack(data: bytes, file: str, target: Path) -> bool:

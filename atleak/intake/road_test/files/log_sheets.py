@@ -63,7 +63,7 @@ class LogSheet(OfLayout):
     def sample(self) -> tuple[Row, ...]:
         """Return the first data rows as text."""
         body = self.cells.head[self.layout.start : self.layout.start + 400]
-        return tuple([_text(cell, self.decimal) for cell in row] for row in body)
+        return tuple([text_of(cell, self.decimal) for cell in row] for row in body)
 
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
         """Read these columns from the first data row on, as `delimited.Delimited.read` does."""
@@ -97,7 +97,8 @@ def _plain(heading: Heading) -> str:
     return "" if nameless(heading) else words(heading.names[0])
 
 
-def _text(cell: object, decimal: Decimal = ".") -> str:
+def text_of(cell: object, decimal: Decimal = ".") -> str:
+    """Return a cell as a logger would have written it."""
     if cell is None:
         return ""
     if isinstance(cell, bool):
@@ -128,7 +129,7 @@ def _column(cells: list[object]) -> pd.Series:
         return pd.Series(floats)
     if any(isinstance(cell, dt.date | dt.time | dt.timedelta) for cell in cells):
         return pd.Series(cells, dtype=object)
-    return pd.Series([None if cell is None or cell == "" else _text(cell) for cell in cells], dtype="str")
+    return pd.Series([None if cell is None or cell == "" else text_of(cell) for cell in cells], dtype="str")
 
 
 def open_sheets(source: LogFile) -> list[LogSheet]:
@@ -161,7 +162,7 @@ def _sheet(name: str, cells: SheetCells) -> LogSheet | None:
     for row in rows:
         del row[width:]
     for decimal in (".", ","):
-        texts = [[_text(cell, decimal) for cell in row] for row in rows]
+        texts = [[text_of(cell, decimal) for cell in row] for row in rows]
         layout = find_table([_without_blank_end(row) for row in texts], decimal)
         if layout is not None:
             best: Decimal = decimal

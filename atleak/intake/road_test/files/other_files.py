@@ -8,7 +8,7 @@ from pathlib import PurePath
 from atleak.errors import Place, RoadTestError
 from atleak.sentence import Sentence
 
-_FORMS = Sentence("delimited text, xlsx or MDF4 as the logger exports it")
+_FORMS = Sentence("delimited text, xlsx, Parquet or MDF4 as the logger exports it")
 _MAGIC = {
     b"\x89PNG": Sentence("a PNG picture"),
     b"\xff\xd8\xff": Sentence("a JPEG picture"),
@@ -24,7 +24,7 @@ _MAGIC = {
     b"\x7fELF": Sentence("a program"),
     b"MZ\x90": Sentence("a program"),
     b"SQLite format 3": Sentence("a database"),
-    b"PAR1": Sentence("a Parquet file"),
+    b"PARE": Sentence("an encrypted Parquet file"),
     b"\x89HDF": Sentence("an HDF5 file"),
     b"MATLAB 5.0": Sentence("a MATLAB file"),
     b"MLVLG": Sentence("a binary log of {logger}", logger="MegaLogViewer"),

@@ -101,10 +101,10 @@ def mended(data: bytes, delimiter: str, width: int, pad: bool = False) -> Mended
         whether rows with fewer cells get blank ones.
     """
     sign, count, too_wide, short, changed = delimiter.encode(), 0, 0, 0, False
-    rows = io.BytesIO()
+    rows, blank = io.BytesIO(), b" \r\f\v" if delimiter == "\t" else b" \t\r\f\v"
     for whole in io.BytesIO(data):  # one line at a time: all of them at once take many times the file's size
         line = whole.removesuffix(b"\n")
-        if not line.strip():
+        if not line.strip(blank):
             continue
         beyond: Sequence[bytes] = ()
         if QUOTE in line:

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atleak.columns import Column
 from atleak.errors import InputError
+from atleak.intake.road_test.blocks import finite_of
 from atleak.intake.road_test.names.matching import clean_unit
 from atleak.intake.units import KINDS, Unit, find_unit, kinds_of, unit
 from atleak.road_test import QUANTITIES
@@ -83,7 +85,7 @@ def given(quantity: str, name: str) -> Fit:
     return Fit(unit(base, kind), absolute=absolute)
 
 
-def fit(quantity: str, stated: str | None, values: np.ndarray, neighbours: Iterable[str] = ()) -> Fit:
+def fit(quantity: str, stated: str | None, values: Column, neighbours: Iterable[str] = ()) -> Fit:
     """Determine the unit of a column from what the file states, else from its values.
 
     ``neighbours`` are the units stated elsewhere in the file: a log in °F and mph is likely to be so throughout.
@@ -92,7 +94,7 @@ def fit(quantity: str, stated: str | None, values: np.ndarray, neighbours: Itera
     part = values[:: max(1, len(values) // 20_000)]
     good = part[np.isfinite(part)]
     if not len(good):
-        good = values[np.isfinite(values)]
+        good = finite_of(values)
     if kind is None:
         return _number(quantity, stated, good)
     text = clean_unit(stated or "")

@@ -20,7 +20,7 @@ from atleak.doors import is_own_fault
 from atleak.errors import InputError, ReadingsError, RoadTestError
 from atleak.intake import workbook_marks
 from atleak.intake.native import process
-from atleak.intake.native.process import MDF, WORKBOOK, Budget, read_apart
+from atleak.intake.native.process import MDF, PARQUET, WORKBOOK, Budget, read_apart
 from atleak.intake.road_test import read_road_test
 
 HERE = Path(__file__).parent
@@ -254,7 +254,7 @@ def test_the_command_line_on_text_starts_no_child(monkeypatch, four_speed, sampl
 
 
 def test_a_file_of_any_size_has_more_time_and_memory_than_a_smaller_one():
-    for budget in (WORKBOOK, MDF):
+    for budget in (WORKBOOK, PARQUET, MDF):
         small, large = budget.limits(10_000), budget.limits(60_000_000)
         assert large[0] > small[0]
         assert large[1] > small[1]
@@ -263,8 +263,9 @@ def test_a_file_of_any_size_has_more_time_and_memory_than_a_smaller_one():
 def test_the_child_starts_light():
     script = (
         "import sys, atleak.intake.native.child, atleak.intake.native.workbooks, atleak.intake.native.measurements\n"
+        "import atleak.intake.native.parquet_tables\n"
     )
-    heavy = ("numpy", "pandas", "asammdf", "python_calamine", "psutil", "atleak.errors", "typing_extensions")
+    heavy = ("numpy", "pandas", "pyarrow", "asammdf", "python_calamine", "psutil", "atleak.errors", "typing_extensions")
     script += f"print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -439,6 +439,7 @@ def test_no_such_file(unusable, tmp_path):
         (b"\xff\xd8\xff\xe0", "JPEG picture"),
         (b"%PDF-1.7", "PDF document"),
         (b"MDF     4.10", "MDF measurement file"),
+        (b"PAR1", "Parquet file"),
         (b"<html><body><table>", "web page"),
         (b"<?xml version='1.0'?><Workbook>", "web page or XML"),
         (b"\x01\x02\x00\x07" * 9, "neither a workbook nor text"),

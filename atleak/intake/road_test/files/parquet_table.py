@@ -1,0 +1,176 @@
+"""Opens Parquet logs: one table whose columns have names, types and perhaps units."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from atleak.errors import Place, RoadTestError
+from atleak.intake.native.parquet_tables import parquet_head, parquet_parts, request_of
+from atleak.intake.native.process import PARQUET, read_apart, read_apart_in_parts
+from atleak.intake.road_test.files.cells import Decimal, kind_of, unit_in_cells, without_unit
+from atleak.intake.road_test.files.headings import Heading, Row, headings_of, names_columns
+from atleak.intake.road_test.files.layout import Layout, OfLayout
+from atleak.intake.road_test.files.log_file import LogFile, open_source
+from atleak.intake.road_test.files.log_sheets import text_of
+from atleak.sentence import Sentence
+
+_SAMPLE = 400  # rows
+_LARGEST = 400 << 20  # bytes of numbers to which even a small file may unfold
+
+
+@dataclass(frozen=True)
+class ParquetLog(OfLayout):
+    """A Parquet file of which the columns and the first rows are known; a `protocol.LogTable`."""
+
+    source: LogFile
+    layout: Layout
+    kinds: tuple[str, ...]
+    rows: int
+    sample: tuple[Row, ...]
+    decimal: Decimal
+
+    @property
+    def headings(self) -> tuple[Heading, ...]:
+        """Return the columns' headings."""
+        return self.layout.headings
+
+    @property
+    def has_header(self) -> bool:
+        """Return whether the columns have names: those of a table that had none are numbers."""
+        return self.layout.has_header
+
+    def read(self, columns: Sequence[int]) -> pd.DataFrame:
+        """Read these columns, as `delimited.Delimited.read` does; stamps are dates with times in UTC.
+
+        Raises
+        ------
+        RoadTestError
+            where the file is damaged, or unfolds to more than its reading may take.
+        """
+        limit = _LARGEST + int(PARQUET.memory_per_byte * self.source.size)
+        numbers: dict[int, np.ndarray] = {}
+        texts: dict[int, list[pd.Series]] = {}
+        done = 0
+        for block in _blocks(self.source, columns, limit):
+            for index, part in zip(columns, block, strict=True):
+                cells = _cells(part, self.kinds[index])
+                if isinstance(cells, pd.Series):
+                    texts.setdefault(index, []).append(cells)
+                else:
+                    numbers.setdefault(index, np.empty(self.rows, cells.dtype))[done : done + len(cells)] = cells
+            done += len(cells)
+        together = {index: pd.concat(parts, ignore_index=True) for index, parts in texts.items()}
+        return self._without_cell_units(pd.DataFrame({index: {**numbers, **together}[index] for index in columns}))
+
+    def blocks(self, columns: Sequence[int]) -> Generator[pd.DataFrame]:
+        """Yield these columns block by block, as `read` gives the whole.
+
+        Raises
+        ------
+        RoadTestError
+            where the file is damaged.
+        """
+        for block in _blocks(self.source, columns, None):
+            frame = {index: _cells(part, self.kinds[index]) for index, part in zip(columns, block, strict=True)}
+            yield self._without_cell_units(pd.DataFrame(frame))
+
+    def _without_cell_units(self, frame: pd.DataFrame) -> pd.DataFrame:
+        """Take the unit out of the cells of the columns in which it stands behind every number."""
+        for index, unit in self.layout.cell_units.items():
+            if index in frame and self.kinds[index] == "text":
+                frame[index] = without_unit(frame[index], unit)
+        return frame
+
+
+def open_parquet(source: LogFile) -> ParquetLog:
+    """Return the table of a Parquet file, of which only what it says of itself and the first rows are read.
+
+    Raises
+    ------
+    RoadTestError
+        where the file is damaged, holds no rows, or columns with several values in a cell.
+    """
+    ((_, told),) = _parts(source, (), limit=None)
+    columns, rows = told["columns"], told["rows"]
+    if not rows or not columns:
+        problem = Sentence("holds no rows: the logger wrote nothing")
+        raise RoadTestError(problem, place=Place(file=source.file))
+    _, (_, block) = _parts(source, range(len(columns)), limit=None, rows=_SAMPLE)
+    kinds = tuple(column["kind"] for column in columns)
+    cells = [_cells_of(part, kind) for part, kind in zip(block, kinds, strict=True)]
+    decimal = _decimal([text for texts, kind in zip(cells, kinds, strict=True) if kind == "text" for text in texts])
+    texts = [[text_of(cell, decimal) for cell in column] for column in cells]
+    names = [column["name"].strip() for column in columns]
+    units = {
+        index: unit
+        for index, (column, kind) in enumerate(zip(texts, kinds, strict=True))
+        if kind == "text" and (unit := unit_in_cells(column, decimal))
+    }
+    headings = tuple(
+        replace(heading, unit=units.get(heading.index) or column["unit"] or heading.unit)
+        for heading, column in zip(headings_of([names], len(names)), columns, strict=True)
+    )
+    has_header = names_columns([[name for name in names if not name.isdigit()]])
+    layout = Layout(0, len(names), headings, has_header, (), (names,), units)
+    sample = tuple([list(row) for row in zip(*texts, strict=True)])
+    return ParquetLog(source, layout, kinds, rows, sample, decimal)
+
+
+def head_of_parquet(source: str | Path | bytes, name: str) -> bytes:
+    """Return a small Parquet log with the first rows alone, by which it is told what its columns are.
+
+    Raises
+    ------
+    RoadTestError
+        where the file is damaged.
+    """
+    opened = open_source(source, name)
+    (head,) = read_apart(
+        parquet_head, _request(opened, (), rows=_SAMPLE), name, RoadTestError, PARQUET, size=opened.size
+    )
+    return head
+
+
+def _parts(
+    source: LogFile, columns: Sequence[int], *, limit: int | None, rows: int | None = None
+) -> list[tuple[str, Any]]:
+    request = _request(source, columns, limit=limit, rows=rows)
+    return read_apart(parquet_parts, request, source.file, RoadTestError, PARQUET, size=source.size)
+
+
+def _request(source: LogFile, columns: Sequence[int], *, limit: int | None = None, rows: int | None = None) -> bytes:
+    path = None if source.in_memory or source.path is None else str(source.path.absolute())
+    return request_of(source.data if path is None else None, path, columns, limit=limit, rows=rows)
+
+
+def _blocks(source: LogFile, columns: Sequence[int], limit: int | None) -> Iterator[list[Any]]:
+    request = _request(source, columns, limit=limit)
+    parts = read_apart_in_parts(parquet_parts, request, source.file, RoadTestError, PARQUET, source.size)
+    return (block for kind, block in parts if kind == "block")
+
+
+def _cells(part: Any, kind: str) -> np.ndarray | pd.Series:
+    """Return the cells of a column in a block."""
+    if kind == "text":
+        texts, places = part
+        return pd.Series(pd.array(texts, dtype="str").take(np.frombuffer(places, np.int32), allow_fill=True))
+    return np.frombuffer(part, "datetime64[ns]" if kind == "stamp" else np.float64)
+
+
+def _cells_of(part: Any, kind: str) -> list[object]:
+    """Return cells as they stand, None where they are blank."""
+    cells = pd.Series(_cells(part, kind))
+    return [None if blank else cell for cell, blank in zip(cells.tolist(), cells.isna(), strict=True)]
+
+
+def _decimal(cells: Sequence[object]) -> Decimal:
+    """Return the decimal sign of the numbers that are written as text."""
+    texts = [cell for cell in cells if isinstance(cell, str) and "," in cell]
+    commas = sum(kind_of(text, ",") == "number" for text in texts)
+    return "," if commas > 0.5 * len(texts) else "."

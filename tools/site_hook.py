@@ -1,0 +1,73 @@
+"""Let pages of the site lead to files outside ``docs/``, as they do on a code host: mkdocs loads this (``mkdocs.yml``).
+
+A link such as ``../CHANGELOG.md`` works in the checkout, but a site holds only what is in ``docs/``. Files that pages
+lead to, and those that these lead to, are added to the site in the folder ``files/``, and the links follow them. A link
+to a folder keeps its words and leads nowhere.
+"""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from pathlib import Path
+from typing import Any
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCS = "docs"
+ELSEWHERE = "files"  # where files from outside `docs/` stand in the site
+
+#: ``](target#anchor)`` of a relative link.
+_LINK = re.compile(r"(?P<words>\[[^\]\[]*\])\((?P<target>[^)#\s:]+)(?P<anchor>#[^)\s]*)?\)")
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add every file that pages lead to and that stands outside ``docs/``."""
+    waiting = [posixpath.join(DOCS, file.src_uri) for file in files.documentation_pages()]
+    seen = set(waiting)
+    while waiting:
+        path = waiting.pop()
+        for found in _LINK.finditer((ROOT / path).read_text(encoding="utf-8")):
+            target = _in_checkout(path, found["target"])
+            if target in seen or target.startswith(f"{DOCS}/") or not (ROOT / target).is_file():
+                continue
+            seen.add(target)
+            files.append(_file(target, config))
+            if target.endswith(".md"):
+                waiting.append(target)
+    return files
+
+
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Let links that lead out of ``docs/``, or into it from outside, lead to where the site has the same file."""
+    here = page.file.src_uri
+    path = here.removeprefix(f"{ELSEWHERE}/") if here.startswith(f"{ELSEWHERE}/") else posixpath.join(DOCS, here)
+
+    def led(found: re.Match[str]) -> str:
+        target = _in_checkout(path, found["target"])
+        if not (ROOT / target).exists():
+            return found[0]  # mkdocs says that it is missing
+        if (ROOT / target).is_dir():
+            return found["words"][1:-1]
+        place = posixpath.relpath(_in_site(target), posixpath.dirname(here) or ".")
+        return f"{found['words']}({place}{found['anchor'] or ''})"
+
+    return _LINK.sub(led, markdown)
+
+
+def _in_checkout(path: str, target: str) -> str:
+    return posixpath.normpath(posixpath.join(posixpath.dirname(path), target))
+
+
+def _in_site(path: str) -> str:
+    if path.startswith(f"{DOCS}/"):
+        return path.removeprefix(f"{DOCS}/")
+    return f"{ELSEWHERE}/{path}" if path.endswith(".md") else f"{ELSEWHERE}/{path}.txt"
+
+
+def _file(path: str, config: MkDocsConfig) -> Any:
+    source = ROOT / path
+    return File.generated(config, _in_site(path), content=source.read_text(encoding="utf-8"))
