@@ -121,6 +121,7 @@ def serve() -> None:
         faulthandler.dump_traceback_later(2 * request.seconds, exit=True)
         for answer in _answers(request, data):
             send(target, pickle.dumps(answer, protocol=5))
+            faulthandler.dump_traceback_later(2 * request.seconds, exit=True)  # anew: the parent may take its time
         faulthandler.cancel_dump_traceback_later()
         del packed_request, data, answer
 

@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from atleak.intake.native.child import Refused, of_library
+from atleak.intake.native.child import Damaged, Refused, of_library
 from atleak.sentence import Sentence
 
 ParquetPart = tuple[str, Any]
@@ -58,10 +58,14 @@ def parquet_parts(request: bytes) -> Iterator[ParquetPart]:
         first = asked["rows"]
         with of_library():
             batches = file.iter_batches(length if first is None else first, columns=names, use_threads=False)
+        left = rows
         while True:
             with of_library():
                 batch = next(batches, None)
                 cells = [] if batch is None else [_cells(batch.column(place)) for place in places]
+            left -= 0 if batch is None else batch.num_rows
+            if left < 0 or (batch is None and left):
+                raise Damaged(f"it has {rows - left} rows and says {rows}")
             if batch is None:
                 return
             yield "block", cells

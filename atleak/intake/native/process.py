@@ -14,13 +14,14 @@ import atexit
 import contextlib
 import datetime
 import io
+import math
 import os
 import pickle
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, Literal, TypeVar, cast
@@ -33,6 +34,8 @@ from atleak.intake.native.child import Request, receive, send
 from atleak.sentence import Sentence
 
 Item = TypeVar("Item")
+Answers = Generator[Any, None, tuple[str, Any]]
+"""The items of an answer; at the end, how it ended, and what came with its end."""
 
 CHILDREN = 2
 """Files read at the same time; a third waits. Each may take the memory of its budget."""
@@ -137,10 +140,45 @@ def read_apart(
         of type ``error``: where the function refuses the file, a library fails on it or atleak itself does, where
         reading it takes more than its budget or ends the child, and where no child can be started.
     """
+    return list(_answers(function, data, file, error, budget, explain, size, streamed=False))
+
+
+def read_apart_in_parts(
+    function: Callable[[bytes], Iterator[Item]],
+    data: bytes,
+    file: str,
+    error: type[InputError],
+    budget: Budget,
+    size: int,
+) -> Iterator[Item]:
+    """Call a reading function in a child process and yield what it yields, as it comes.
+
+    It does what `read_apart` does, but a file may be larger than memory: each part has the budget of the whole, and
+    the child waits until the part before is taken. Whoever does not take all of them closes the iterator.
+
+    Raises
+    ------
+    InputError
+        as `read_apart`.
+    """
+    return _answers(function, data, file, error, budget, None, size, streamed=True)
+
+
+def _answers(
+    function: Callable[[bytes], Iterator[Item]],
+    data: bytes,
+    file: str,
+    error: type[InputError],
+    budget: Budget,
+    explain: Callable[[bytes], Iterator[object]] | None,
+    size: int | None,
+    *,
+    streamed: bool,
+) -> Iterator[Item]:
     memory, seconds = budget.limits(len(data) if size is None else size)
     place = Place(file)
     try:
-        items, ending, answer = _pool.read(_request(function, memory, seconds), data)
+        ending, answer = yield from _pool.read(_request(function, memory, seconds), data, streamed=streamed)
     except _ChildGone as gone:
         answer = None if explain is None or gone.reason == "time" else _explained_refusal(explain, data, memory)
         if answer is None:
@@ -185,7 +223,6 @@ def read_apart(
             "this {kind} is damaged or of a kind that cannot be read ({reason})", kind=budget.kind, reason=answer
         )
         raise error(problem, place=place, expected=budget.expected)
-    return items
 
 
 def _request(function: Callable[[bytes], Iterator[Any]], memory: int, seconds: float) -> Request:
@@ -195,9 +232,19 @@ def _request(function: Callable[[bytes], Iterator[Any]], memory: int, seconds: f
 def _explained_refusal(explain: Callable[[bytes], Iterator[Any]], data: bytes, memory: int) -> Any:
     """Return how ``explain`` ended and the reason for which it refuses the file; None where it gives none."""
     with contextlib.suppress(_ChildGone, OSError):
-        _, ending, answer = _pool.read(_request(explain, memory, EXPLAIN), data)
+        ending, answer = _ending_of(_pool.read(_request(explain, memory, EXPLAIN), data))
         return (ending, answer) if ending in ("refused", "fault") else None
     return None
+
+
+def _ending_of(answers: Answers) -> tuple[str, Any]:
+    """Return how answers end."""
+    while True:
+        try:
+            next(answers)
+        except StopIteration as end:
+            ending: tuple[str, Any] = end.value
+            return ending
 
 
 class FaultOfChild(Exception):
@@ -224,6 +271,13 @@ class _PlainUnpickler(pickle.Unpickler):
         if (module, name) in self._PLAIN:
             return self._PLAIN[module, name]
         raise pickle.UnpicklingError(f"{module}.{name} is no plain data")
+
+
+@dataclass
+class _Deadline:
+    """When a child is to have answered, by the monotonic clock [s]."""
+
+    at: float
 
 
 class _Child:
@@ -295,47 +349,51 @@ class _Child:
         """Leave the child alone, in a process forked off the parent, which alone may end it."""
         self.process.returncode = 0
 
-    def read(self, request: Request, data: bytes) -> tuple[list[Any], str, Any]:
-        """Read a file: return all items of the answer, how it ended, and what came with its end.
+    def read(self, request: Request, data: bytes, *, streamed: bool) -> Answers:
+        """Read a file. The limits are those of the whole answer, or of each item where these are taken one by one.
 
         Raises
         ------
         _ChildGone
             where the child ends before it has answered in full.
         """
-        items: list[Any] = []
-        with self._limits(request.memory, request.seconds):
+        with self._limits(request.memory, request.seconds) as deadline:
             send(self._input, pickle.dumps(request))
             send(self._input, data)
             left = request.memory
             while True:
                 frame = receive(self._output, left)
-                left -= len(frame)
+                left -= 0 if streamed else len(frame)
                 kind, content = _plain_data(frame)
                 if kind == "memory":
                     raise _ChildGone("memory")
                 if kind != "item":
-                    return items, kind, content
-                items.append(content)
+                    return kind, content
+                del frame
+                if streamed:
+                    deadline.at = math.inf  # while others work on it, the child waits
+                yield content
+                if streamed:
+                    deadline.at = time.monotonic() + request.seconds
 
     @contextlib.contextmanager
-    def _limits(self, memory: int, seconds: float) -> Iterator[None]:
+    def _limits(self, memory: int, seconds: float) -> Iterator[_Deadline]:
         """End the child when it passes a limit; the exchange with it then fails with `_ChildGone`."""
         done = threading.Event()
         passed: list[Literal["time", "memory"]] = []
-        deadline = time.monotonic() + seconds
+        deadline = _Deadline(time.monotonic() + seconds)
 
         def watch() -> None:
             while not done.wait(CHECK_INTERVAL):
-                if self.memory() > memory or time.monotonic() > deadline:
-                    passed.append("time" if time.monotonic() > deadline else "memory")
+                if self.memory() > memory or time.monotonic() > deadline.at:
+                    passed.append("time" if time.monotonic() > deadline.at else "memory")
                     self.kill()
                     return
 
         watcher = threading.Thread(target=watch, name="atleak reading limits", daemon=True)
         watcher.start()
         try:
-            yield
+            yield deadline
         except OverflowError as fault:
             raise _ChildGone("memory") from fault
         except (EOFError, OSError, pickle.UnpicklingError) as fault:
@@ -361,7 +419,7 @@ class _Pool:
         self._places = threading.BoundedSemaphore(CHILDREN)
         self._idle: list[_Child] = []
 
-    def read(self, request: Request, data: bytes) -> tuple[list[Any], str, Any]:
+    def read(self, request: Request, data: bytes, *, streamed: bool = False) -> Answers:
         """Read a file as `_Child.read` does, with a child that is free.
 
         Raises
@@ -372,7 +430,7 @@ class _Pool:
             where no child can be started.
         """
         with self._borrowed() as child:
-            return child.read(request, data)
+            return (yield from child.read(request, data, streamed=streamed))
 
     @contextlib.contextmanager
     def _borrowed(self) -> Iterator[_Child]:

@@ -192,7 +192,7 @@ def _with_memory(job: Job, signature: str) -> tuple[dict[str, str], dict[str, st
 
 def _parquet(job: Job) -> Understood:
     table = open_parquet(job.source)
-    return _one_table(table, _blank(job, table, "Parquet"), job)
+    return _one_table(table, blank_of(job, table, "Parquet"), job)
 
 
 # --- workbooks ----------------------------------------------------------------------------------------------
@@ -207,26 +207,26 @@ def _workbook(job: Job) -> Understood:
             expected=Sentence("a sheet with a header and rows of numbers"),
         )
     if len(sheets) == 1:
-        return _one_table(sheets[0], _blank(job, sheets[0], "workbook"), job)
+        return _one_table(sheets[0], blank_of(job, sheets[0], "workbook"), job)
     titled = [replace(sheet, titled=True) for sheet in sheets]
     good = [reading for sheet in titled if (reading := _read_sheet(sheet, job)) is not None]
     if not good:
         first = max(sheets, key=lambda sheet: sheet.cells.rows)
-        return _one_table(first, _blank(job, first, "workbook"), job)
+        return _one_table(first, blank_of(job, first, "workbook"), job)
     with_several_signals = [reading for reading in good if len(reading.assigner.signals) >= 2]
     if with_several_signals or len(good) == 1:
         best = max(
             with_several_signals or good, key=lambda reading: (len(reading.assigner.signals), reading.result.rows)
         )
         others = [sheet.name for sheet in sheets if sheet.name != best.sheet.name]
-        understood = _one_table(best.sheet, _blank(job, best.sheet, "workbook"), job)
+        understood = _one_table(best.sheet, blank_of(job, best.sheet, "workbook"), job)
         text = Sentence("sheet {name!r} is read; also there: {others}", name=best.sheet.name, others=tuple(others))
         note = Message("info", "sheet_chosen", text)
         return replace(understood, messages=(*understood.messages, note))
     return _sheet_per_signal(job, good)
 
 
-def _blank(job: Job, table: LogTable, form: str) -> Understood:
+def blank_of(job: Job, table: LogTable, form: str) -> Understood:
     """Return what is known of a table that is no text before its columns are read."""
     return Understood(
         job.source.file, "", form, None, None, None, table.headings,
@@ -257,7 +257,7 @@ def _sheet_per_signal(job: Job, good: list[_SheetReading]) -> Understood:
     """Put sheets that hold one signal each, with a time of its own, on one time axis."""
     headings = tuple(heading for reading in good for heading in reading.sheet.headings)
     signature = memory.signature(labels_of(headings))
-    blank = replace(_blank(job, good[0].sheet, "workbook"), headings=headings, signature=signature)
+    blank = replace(blank_of(job, good[0].sheet, "workbook"), headings=headings, signature=signature)
     main = Assigner(job.source.file, job.units, ())
     offered: dict[str, list[_SheetReading]] = {}
     for reading in good:

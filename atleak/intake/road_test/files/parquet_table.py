@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ import pandas as pd
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.native.parquet_tables import parquet_head, parquet_parts, request_of
-from atleak.intake.native.process import PARQUET, read_apart
+from atleak.intake.native.process import PARQUET, read_apart, read_apart_in_parts
 from atleak.intake.road_test.files.cells import Decimal, kind_of, unit_in_cells, without_unit
 from atleak.intake.road_test.files.headings import Heading, Row, headings_of, names_columns
 from atleak.intake.road_test.files.layout import Layout, OfLayout
@@ -54,11 +54,33 @@ class ParquetLog(OfLayout):
             where the file is damaged, or unfolds to more than its reading may take.
         """
         limit = _LARGEST + int(PARQUET.memory_per_byte * self.source.size)
-        blocks = [block for kind, block in _parts(self.source, columns, limit=limit) if kind == "block"]
-        series = (_joined([block[place] for block in blocks], self.kinds[index]) for place, index in enumerate(columns))
-        return self.without_cell_units(pd.DataFrame(dict(zip(columns, series, strict=True))))
+        numbers: dict[int, np.ndarray] = {}
+        texts: dict[int, list[pd.Series]] = {}
+        done = 0
+        for block in _blocks(self.source, columns, limit):
+            for index, part in zip(columns, block, strict=True):
+                cells = _cells(part, self.kinds[index])
+                if isinstance(cells, pd.Series):
+                    texts.setdefault(index, []).append(cells)
+                else:
+                    numbers.setdefault(index, np.empty(self.rows, cells.dtype))[done : done + len(cells)] = cells
+            done += len(cells)
+        together = {index: pd.concat(parts, ignore_index=True) for index, parts in texts.items()}
+        return self._without_cell_units(pd.DataFrame({index: {**numbers, **together}[index] for index in columns}))
 
-    def without_cell_units(self, frame: pd.DataFrame) -> pd.DataFrame:
+    def blocks(self, columns: Sequence[int]) -> Generator[pd.DataFrame]:
+        """Yield these columns block by block, as `read` gives the whole.
+
+        Raises
+        ------
+        RoadTestError
+            where the file is damaged.
+        """
+        for block in _blocks(self.source, columns, None):
+            frame = {index: _cells(part, self.kinds[index]) for index, part in zip(columns, block, strict=True)}
+            yield self._without_cell_units(pd.DataFrame(frame))
+
+    def _without_cell_units(self, frame: pd.DataFrame) -> pd.DataFrame:
         """Take the unit out of the cells of the columns in which it stands behind every number."""
         for index, unit in self.layout.cell_units.items():
             if index in frame and self.kinds[index] == "text":
@@ -115,11 +137,6 @@ def head_of_parquet(source: str | Path | bytes, name: str) -> bytes:
     return head
 
 
-def frames_of(block: Sequence[Any], kinds: Sequence[str], columns: Sequence[int]) -> pd.DataFrame:
-    """Return some columns of a block of rows."""
-    return pd.DataFrame({index: _joined([part], kinds[index]) for index, part in zip(columns, block, strict=True)})
-
-
 def _parts(
     source: LogFile, columns: Sequence[int], *, limit: int | None, rows: int | None = None
 ) -> list[tuple[str, Any]]:
@@ -132,21 +149,23 @@ def _request(source: LogFile, columns: Sequence[int], *, limit: int | None = Non
     return request_of(source.data if path is None else None, path, columns, limit=limit, rows=rows)
 
 
-def _joined(parts: Sequence[Any], kind: str) -> pd.Series:
-    """Return the cells of a column."""
+def _blocks(source: LogFile, columns: Sequence[int], limit: int | None) -> Iterator[list[Any]]:
+    request = _request(source, columns, limit=limit)
+    parts = read_apart_in_parts(parquet_parts, request, source.file, RoadTestError, PARQUET, source.size)
+    return (block for kind, block in parts if kind == "block")
+
+
+def _cells(part: Any, kind: str) -> np.ndarray | pd.Series:
+    """Return the cells of a column in a block."""
     if kind == "text":
-        arrays = [
-            pd.array(texts, dtype="str").take(np.frombuffer(codes, np.int32), allow_fill=True) for texts, codes in parts
-        ]
-        return pd.concat([pd.Series(array) for array in arrays], ignore_index=True)
-    if kind == "stamp":
-        return pd.Series(np.concatenate([np.frombuffer(part, "datetime64[ns]") for part in parts]))
-    return pd.Series(np.concatenate([np.frombuffer(part) for part in parts]))
+        texts, places = part
+        return pd.Series(pd.array(texts, dtype="str").take(np.frombuffer(places, np.int32), allow_fill=True))
+    return np.frombuffer(part, "datetime64[ns]" if kind == "stamp" else np.float64)
 
 
 def _cells_of(part: Any, kind: str) -> list[object]:
     """Return cells as they stand, None where they are blank."""
-    cells = _joined([part], kind)
+    cells = pd.Series(_cells(part, kind))
     return [None if blank else cell for cell, blank in zip(cells.tolist(), cells.isna(), strict=True)]
 
 

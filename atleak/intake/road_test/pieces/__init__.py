@@ -11,18 +11,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 from atleak.columns import DiskColumn
 from atleak.doors import own_errors_only
 from atleak.errors import Place, RoadTestError
+from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.files.decoding import to_text
 from atleak.intake.road_test.files.log_file import HEAD, LogFile, open_source
+from atleak.intake.road_test.files.parquet_table import open_parquet
 from atleak.intake.road_test.files.rows import one_line_end
-from atleak.intake.road_test.importer import Job, assigner_for, located, read_as
+from atleak.intake.road_test.importer import Job, assigner_for, blank_of, located, read_as
 from atleak.intake.road_test.outcome import Understood, finish
 from atleak.intake.road_test.pieces.channels import large_channels
 from atleak.intake.road_test.pieces.spool import Spool, too_large_for
-from atleak.intake.road_test.pieces.table import read_in_pieces
+from atleak.intake.road_test.pieces.table import Blocks, read_in_pieces
 from atleak.intake.road_test.pieces.text_blocks import blocks_of_text
 from atleak.large_log import PIECE, LargeLog
 from atleak.road_test import Channel
@@ -30,6 +33,15 @@ from atleak.sentence import Sentence
 
 LARGE = 200 << 20
 """Bytes from which on a log is read in pieces where nobody looks at its samples; held, it takes six times that."""
+
+
+class _Located(NamedTuple):
+    """A table that was found but not read, what is known of it, what gives its blocks, and how many rows it has."""
+
+    table: LogTable
+    blank: Understood
+    blocks: Blocks
+    rows: float  # more or less
 
 
 def read_large_log(
@@ -93,17 +105,15 @@ def understand_in_pieces(
 
 
 def _understood(job: Job, spool: Spool) -> Understood:
-    _refuse_other_text(job.source)
+    find = {"text": _located_text, "parquet": _located_parquet}.get(job.source.form)
+    if find is None:
+        what = Sentence("a workbook") if job.source.form == "workbook" else Sentence("an MDF file")
+        raise too_large_for(job.source.file, what, Sentence("the log as .csv or as Parquet"))
     job.source.digest.start()
-    table, blank = located(job, held=False)
-    if job.source.path is None:  # a small one that came packed
-        table = replace(table, source=replace(job.source, path=spool.file_with(job.source.data)))
+    table, blank, blocks, rows = find(job, spool)
     assigner, mapping = assigner_for(table, blank, job)
-    rows = job.source.size / _bytes_a_row(job.source)
     try:
-        reading, timeline = read_in_pieces(
-            table, lambda columns: blocks_of_text(table, columns), assigner, mapping, spool, rows
-        )
+        reading, timeline = read_in_pieces(table, blocks, assigner, mapping, spool, rows)
     except RoadTestError as error:
         return replace(blank, messages=tuple(assigner.messages), problem=error, ambiguous=tuple(assigner.ambiguous))
     columns: dict[str, DiskColumn] = {}
@@ -117,6 +127,20 @@ def _understood(job: Job, spool: Spool) -> Understood:
     assert understood.road_test is not None
     large = LargeLog(understood.road_test, timeline.time, columns, timeline.begins, PIECE, spool.folder)
     return replace(understood, large=large)
+
+
+def _located_text(job: Job, spool: Spool) -> _Located:
+    _refuse_other_text(job.source)
+    table, blank = located(job, held=False)
+    if job.source.path is None:  # a small one that came packed
+        table = replace(table, source=replace(job.source, path=spool.file_with(job.source.data)))
+    rows = job.source.size / _bytes_a_row(job.source)
+    return _Located(table, blank, lambda columns: blocks_of_text(table, columns), rows)
+
+
+def _located_parquet(job: Job, _: Spool) -> _Located:
+    table = open_parquet(job.source)
+    return _Located(table, blank_of(job, table, "Parquet"), table.blocks, table.rows)
 
 
 def _refuse_other_text(source: LogFile) -> None:

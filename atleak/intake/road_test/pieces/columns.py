@@ -93,8 +93,10 @@ class TimeColumn:
             stamps = cells.dropna()
             if self._first is None and len(stamps):
                 self._first = stamps.iloc[0]
-            seconds = (cells - self._first).dt.total_seconds() if self._first is not None else cells.astype(float)
-            self._column.append(np.round(seconds.to_numpy(), 9))
+            seconds = np.full(len(cells), np.nan)
+            if self._first is not None:
+                seconds = np.round((cells - self._first).dt.total_seconds().to_numpy(), 9)
+            self._column.append(seconds)
         else:
             values, words, _ = numbers(frame, self.candidate.heading.index, table.decimal)
             self._unreadable += len(words)

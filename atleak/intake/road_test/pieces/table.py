@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
@@ -31,7 +32,7 @@ from atleak.intake.road_test.pieces.timelines import PIECE, LargeTimeline
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
-Blocks = Callable[[Sequence[int]], Iterator[pd.DataFrame]]
+Blocks = Callable[[Sequence[int]], Generator[pd.DataFrame]]
 """Gives some columns of a table block by block, each as `LogTable.read` gives the whole."""
 
 
@@ -66,8 +67,9 @@ def read_in_pieces(
         raise too_large_for(assigner.file, what, one_column_each)
     read = _Reading(table, times, channels, assigner, spool)
     spool.check_room(rows, len(read.columns) + 1)
-    for frame in blocks(read.columns):
-        read.add(frame)
+    with closing(blocks(read.columns)) as frames:  # what reads them goes on with other files
+        for frame in frames:
+            read.add(frame)
     return read.result()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import replace
 
 import pandas as pd
@@ -18,7 +18,7 @@ BLOCK = 16 << 20
 _LONGEST = 64 << 20  # bytes of a line
 
 
-def blocks_of_text(table: Delimited, columns: Sequence[int]) -> Iterator[pd.DataFrame]:
+def blocks_of_text(table: Delimited, columns: Sequence[int]) -> Generator[pd.DataFrame]:
     """Yield columns of a table whose text is not held, as `Delimited.read` gives them, block by block.
 
     Raises
