@@ -6,6 +6,7 @@ import pickle
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import cast
 
 import pyarrow as pa
@@ -15,7 +16,7 @@ from atleak.fleet.columns import DataSet, ErrorKind
 from atleak.fleet.rows import Rows
 from atleak.fleet.units import FleetUnit
 from atleak.fleet.watchdog import ended_after
-from atleak.fleet.work import evaluate
+from atleak.fleet.work import Room, evaluate
 from atleak.verdicts import Verdict
 from atleak.version import __version__
 
@@ -91,7 +92,8 @@ def on_worker(
         worker.log_event(BEGUN, {"name": name})
         time.sleep(_OUT)
     with ended_after(time_limit, lambda: worker.log_event(OVERDUE, {"name": name, "worker": worker.address})):
-        return Packed.of(evaluate(pickle.loads(unit), tries=tries))
+        room = Room(worker.memory_manager.memory_limit or None, Path(worker.local_directory))
+        return Packed.of(evaluate(pickle.loads(unit), tries=tries, room=room))
 
 
 def _written(table: pa.Table) -> bytes:
