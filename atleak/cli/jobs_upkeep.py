@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import add_force, add_job_id, check_targets, say_differences, say_written
+from atleak.cli.shared import add_force, add_job_id, check_targets, job_files, say_differences, say_written
 from atleak.errors import AtleakError, InputError, Place
 from atleak.sentence import Sentence
 
@@ -88,9 +87,8 @@ def _import(options: argparse.Namespace) -> int:
     from atleak.jobs.book import open_book
     from atleak.jobs.exchange import import_job
 
-    book, failed, empty = open_book(), 0, True
-    for path in _job_files(options.files):
-        empty = False
+    book, failed = open_book(), 0
+    for path in job_files(options.files):
         try:
             taken = import_job(book, path)
         except AtleakError as error:  # one file that cannot be used does not stop the others
@@ -100,18 +98,7 @@ def _import(options: argparse.Namespace) -> int:
         said = "is in the book already" if taken.known else "taken in"
         print(f"{path.name}: {said}: {taken.id}, {taken.verdict}")
         say_differences(path.name, taken.result_by, taken.differs)
-    if empty:
-        expected = Sentence("job files (zip)")
-        raise InputError(Sentence("no job file is there"), value=", ".join(options.files), expected=expected)
     return 2 if failed else 0
-
-
-def _job_files(names: list[str]) -> Iterator[Path]:
-    for path in map(Path, names):
-        if path.is_dir():
-            yield from sorted(path.glob("*.zip"))
-        else:
-            yield path
 
 
 # --- units

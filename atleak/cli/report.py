@@ -12,6 +12,7 @@ from atleak.cli.shared import (
     add_force,
     add_print,
     check_targets,
+    job_files,
     print_font,
     print_options,
     say_differences,
@@ -29,7 +30,8 @@ def add_parser(commands: Any) -> None:
         "the reports of job files",
         examples=("report jobs/2026-0417.zip -o reports", "report *.zip -o reports --formats pdf,xlsx --language pl"),
     )
-    parser.add_argument("jobs", metavar="JOB.zip", nargs="+", help="as diagnose --job-file writes them")
+    what = "as diagnose --job-file writes them, or folders of them"
+    parser.add_argument("jobs", metavar="JOB.zip", nargs="+", help=what)
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", required=True, help="where they go, named as their job files"
     )
@@ -49,9 +51,9 @@ def run(options: argparse.Namespace) -> int:
 
     printed = print_options(options, options.formats, "--formats {}")
     font = print_font(options, options.formats, "--formats pdf")
-    sources = [Path(name) for name in options.jobs]
+    sources = job_files(options.jobs)
     planned = report_paths(sources, Path(options.output), options.formats)
-    check_targets(options, options.jobs, ((KINDS[form], str(path)) for of in planned for form, path in of.items()))
+    check_targets(options, map(str, sources), ((KINDS[form], str(path)) for of in planned for form, path in of.items()))
     with Progress(console=TerminalConsole(sys.stderr), transient=True, disable=getattr(options, "quiet", False)) as bar:
         task = bar.add_task("reports", total=len(sources))
         reported = write_reports(

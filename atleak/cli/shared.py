@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +48,33 @@ def add_job_id(parser: Options, count: str | None = None) -> None:
     """Add the argument that names a job of the book, or several, which `atleak.jobs.named.named_job` finds."""
     help = "id of a job, its first characters, or the job's number"
     parser.add_argument("job" if count is None else "jobs", metavar="ID", nargs=count, help=help)
+
+
+def job_files(names: Sequence[str]) -> list[Path]:
+    """Return the job files that are named: each by itself, all of a folder, or by a pattern as ``jobs/*.zip``.
+
+    A shell of Windows hands a pattern on as it was typed.
+
+    Raises
+    ------
+    InputError
+        no job file is there.
+    """
+    found: list[Path] = []
+    for name in names:
+        path = Path(name)
+        if path.is_dir():
+            found += sorted(path.glob("*.zip"))
+        else:
+            found += [path] if path.exists() else sorted(_alike(path)) or [path]
+    if not found:
+        raise InputError(Sentence("no job file is there"), value=", ".join(names), expected=Sentence("job files (zip)"))
+    return found
+
+
+def _alike(pattern: Path) -> Iterator[Path]:
+    folder = pattern.parent
+    yield from (each for each in (folder.iterdir() if folder.is_dir() else ()) if fnmatch(each.name, pattern.name))
 
 
 def add_force(parser: Options) -> None:

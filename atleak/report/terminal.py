@@ -26,6 +26,7 @@ from atleak.variants import VariantResult
 from atleak.verdicts import Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
+from atleak.views.first_sentence import shown_verdict
 from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
@@ -85,7 +86,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     for message in readings.messages if readings is not None else ():
         if message.code in (LENGTHS_MEASURED, REPAIR_FITTED):
             console.print(Text(message.text))
-    console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
+    console.print(Text(_verdict(diagnosis), style=look_of(shown_verdict(diagnosis)).style))
     for line in (*caveats(diagnosis, say), readings_in_doubt(diagnosis, say)):
         if line is not None:
             console.print(Text(line))
@@ -246,8 +247,10 @@ def _between(record: dict[str, Any], name: str, digits: int) -> str:
 
 def _verdict(diagnosis: Diagnosis) -> str:
     """Return the verdict of the unit, and which land or total gave it."""
-    decided_by, marks = diagnosis.decided_by, caveat_marks(diagnosis, wording("en"))
-    sentence = f"unit: {signed(diagnosis.verdict)}" + (f" ({', '.join(marks)})" if marks else "")
+    decided_by, marks, level = diagnosis.decided_by, caveat_marks(diagnosis, wording("en")), shown_verdict(diagnosis)
+    within = level != diagnosis.verdict  # nothing is past a limit, and something is open or in doubt
+    word = f"{look_of(level).sign} {wording('en')('diagnosis.open')}" if within else signed(level)
+    sentence = f"unit: {word}" + (f" ({', '.join(marks)})" if marks else "")
     if decided_by is None:
         alone = diagnosis.without_sheet and diagnosis.verdict != Verdict.NOT_MEASURED
         return f"{sentence}, by the main pressure of {_measured_by(diagnosis)} alone" if alone else sentence

@@ -19,7 +19,7 @@ from atleak.workshop_units import DM3_MIN, KPA, PERCENT, UM
 LAND_COLUMNS = (
     Column("verdict", "verdict", width=92),
     Column("was"),
-    Column("pair", width=126),
+    Column("pair", width=176),
     *(Column(f"clearance_{side}", "clearance", 1) for side in ("before", "after")),
     Column("change", words_of="clearance"),
     Column("changed"),

@@ -63,6 +63,13 @@ def draw(controller: Controller) -> Job:
                 key=key("measuring-temperature"),
                 optional=True,
             )
+        third = st.columns(4)
+        for place, (title, (table, names)) in zip(third, _TEXTS.items(), strict=True):
+            place.markdown(f"**{say(f'job_form.{title}')}**")
+            values[table] = getattr(record, table).model_dump() | {
+                name: _text(place, f"{table}-{name}", name, getattr(getattr(record, table), name)) for name in names
+            }
+        with third[-1]:  # the pump is the transmission's
             for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
                 values[f"pump_{side}_clearance_um"] = fields.number(
                     say(f"job_form.pump_{side}"),
@@ -71,11 +78,6 @@ def draw(controller: Controller) -> Job:
                     key=key(f"pump-{side}"),
                     optional=True,
                 )
-        for place, (title, (table, names)) in zip(st.columns(4), _TEXTS.items(), strict=True):
-            place.markdown(f"**{say(f'job_form.{title}')}**")
-            values[table] = getattr(record, table).model_dump() | {
-                name: _text(place, f"{table}-{name}", name, getattr(getattr(record, table), name)) for name in names
-            }
     with fields.fold(say("job_form.as_found"), key=key("fold-found")):
         values |= _as_found(record)
     with fields.fold(say("job_form.tables"), key=key("fold-tables")):

@@ -106,7 +106,7 @@ def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
     def chosen(name: str) -> None:
         now, picked = _typed(session().case), st.session_state[f"{owner}-{name}"]
         plan = replace(now.plan, lands=tuple(picked)) if name == "lands" else replace(now.plan, **{name: picked})
-        _put(replace(now, plan=plan))
+        _choose(replace(now, plan=plan))
 
     def ask(place: Any, name: str, options: list[Any], shown: Any = str) -> None:
         place.selectbox(
@@ -130,7 +130,7 @@ def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
             units,
             units.index(typed.unit),
             key=f"{owner}-unit",
-            on_change=lambda: _put(_typed(session().case).in_unit(st.session_state[f"{owner}-unit"])),
+            on_change=lambda: _choose(_typed(session().case).in_unit(st.session_state[f"{owner}-unit"])),
         )
         most = max(len(land.planes) for land in controller.lands)
         if most > 1:
@@ -150,6 +150,16 @@ def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
             args=("lands",),
             placeholder=say("measuring.all"),
         )
+
+
+def _choose(typed: Typed) -> None:
+    """Put another choice into the job.
+
+    A browser can send the choices of a tab that has just been left once more, as if somebody had made them anew: then
+    nothing changes, and the job's sheet stays the file that it is.
+    """
+    if typed != _typed(session().case):
+        _put(typed)
 
 
 def _judged(typed: Typed, case: PageCase) -> Judged:

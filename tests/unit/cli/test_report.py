@@ -38,6 +38,23 @@ def test_one_bad_job_does_not_stop_the_others(run: Run, sample_readings: Path, t
     assert (tmp_path / "out" / "good.json").is_file()
 
 
+def test_a_folder_and_a_pattern_name_the_job_files_in_them(
+    run: Run, small_sheet: Callable[..., Path], tmp_path: Path
+) -> None:
+    jobs = tmp_path / "jobs"
+    jobs.mkdir()
+    for name in ("one.zip", "two.zip", "other.zip"):
+        status, _, _ = run("diagnose", small_sheet(), "--controller", "minimal_example", "--job-file", jobs / name)
+        assert status == 0
+    status, out, _ = run("report", jobs / "[ot][nw]*.zip", "-o", tmp_path / "some", "--formats", "json")
+    assert (status, sorted(path.name for path in (tmp_path / "some").iterdir())) == (0, ["one.json", "two.json"])
+    status, out, _ = run("report", jobs, "-o", tmp_path / "all", "--formats", "json")
+    assert (status, out.count("written:")) == (0, 3)
+    status, _, err = run("report", tmp_path / "some", "-o", tmp_path / "none", "--formats", "json")
+    assert status == 2
+    assert "no job file is there" in err
+
+
 def test_unknown_report_format_is_refused(run: Run, tmp_path: Path) -> None:
     status, _, err = run("report", tmp_path / "x.zip", "-o", tmp_path, "--formats", "docx")
     assert status == 2

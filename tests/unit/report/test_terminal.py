@@ -84,3 +84,17 @@ def test_the_first_line_names_the_pressure_that_decided(
     said = printed(diagnosis, capsys)
     assert "because of the pressure lost by clutch C1 at “hot idle”:" in said
     assert "Look first at 2/1 valve of clutch C1" in said
+
+
+def test_a_unit_of_which_anything_is_open_is_not_called_ok(
+    four_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Callable, capsys: pytest.CaptureFixture[str]
+) -> None:
+    new = {
+        land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * land.new_clearance) for land in four_speed.lands
+    }
+    whole = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, new))
+    assert "unit: ● ok" in printed(whole, capsys)
+    some = dict(list(new.items())[:3])
+    said = printed(diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, some)), capsys)
+    assert "unit: ○ not all is sure" in said
+    assert "unit: ● ok" not in said
