@@ -7,26 +7,15 @@ from pathlib import Path
 
 from atleak.doors import own_errors_only
 from atleak.errors import RoadTestError
-from atleak.intake.road_test.files.log_file import LogFile, open_source
+from atleak.intake.road_test.files.log_file import LogFile, fitting, open_source
 from atleak.intake.road_test.files.parquet_table import cells_of_parquet
 from atleak.intake.road_test.importer import Job, read_as, understand, understood_whole
 from atleak.intake.road_test.outcome import Understood
 from atleak.intake.road_test.pieces import LARGE, in_pieces
 from atleak.intake.road_test.pieces.spool import NotInPiecesError
 
-TIMES, BESIDE = 6, 200 << 20
-"""How many times its size a text takes at most while it is read whole, and how many bytes beside."""
 _IN_PIECES = ("text", "parquet")  # forms of files
 _CELL = 8  # bytes of text that a number takes, more or less
-
-
-def fitting(memory: int) -> int:
-    """Return how many bytes of text a process reads whole that may take so much memory.
-
-    >>> fitting(1_000_000_000) >> 20
-    125
-    """
-    return max((memory - BESIDE) // TIMES, 0)
 
 
 def _size_as_text(source: LogFile) -> int:
