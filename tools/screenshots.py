@@ -196,7 +196,7 @@ def what_if(page: Page) -> Part:
     idle(page)
     wear = page.get_by_role("slider").first
     wear.focus()
-    while float(wear.get_attribute("aria-valuenow") or "9") < WORN:
+    while float(wear.input_value()) < WORN:
         page.keyboard.press("ArrowRight")
     page.keyboard.press("Tab")
     expect(page.get_by_text(re.compile(r"Tried:.*wear × 1\.5"))).to_be_visible()
@@ -327,12 +327,14 @@ def first_page(pdf: bytes) -> Image.Image:
 
 
 @contextmanager
-def served(folder: Path) -> Iterator[Dashboard]:
+def served(folder: Path, with_fleet: bool) -> Iterator[Dashboard]:
     """Start a dashboard whose job book and fleet hold samples alone; end it by its own process group."""
     home, elsewhere = folder / "home", folder / "elsewhere"
     elsewhere.mkdir()
     with made.user_folder(home):
-        jobs, fleet_folder = made.fill_book(), made.make_fleet(folder)
+        jobs, fleet_folder = made.fill_book(), folder / made.FLEET
+        if with_fleet:
+            made.make_fleet(folder)
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
         port = listener.getsockname()[1]
@@ -390,7 +392,12 @@ def difference(now: Image.Image, kept: Image.Image) -> str:
 def make(names: set[str], target: Path) -> dict[str, str]:
     """Make the pictures of these names in a folder; return by name why some cannot be made."""
     faults = {}
-    with tempfile.TemporaryDirectory() as folder, served(Path(folder)) as dashboard, sync_playwright() as driver:
+    with_fleet = any(name.startswith("fleet") for name in names)
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        served(Path(folder), with_fleet) as dashboard,
+        sync_playwright() as driver,
+    ):
         executable = next((path for path in CHROMIUM if Path(path).is_file()), shutil.which("chromium"))
         browser = driver.chromium.launch(executable_path=executable, args=["--no-sandbox"])
         of_pages = {name: lambda shot=shot: taken(browser, dashboard, shot) for name, shot in SHOTS.items()}
