@@ -51,7 +51,7 @@ TALL = 4400  # [px] of the window, so that whatever is shown is drawn
 EDGE, ABOVE = 14, 4  # [px] around what is shown, and above it
 PAGE_WIDTH = 900  # [px] of a report's page
 WORN = 1.5  # times as measured, of what is tried
-COLOURS = 128  # of a picture
+COLOURS = 256  # of a picture
 LARGEST = 150_000  # bytes
 START = 180.0  # [s] until the server must answer
 SOON = 90_000  # [ms] until the page must show what was asked of it
@@ -373,7 +373,7 @@ def _wait(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
 def written(picture: Image.Image) -> bytes:
     """Return a picture as a small PNG."""
     target = io.BytesIO()
-    few = picture.quantize(COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    few = picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     few.save(target, "PNG", optimize=True)
     return target.getvalue()
 
