@@ -185,7 +185,7 @@ def diagnosis_land(page: Page) -> Part:
 
 
 def diagnosis_narrow(page: Page) -> Part:
-    return Part(page.locator("button[data-pair='17']"))
+    return Part(page.locator("button[data-pair='17']").first)
 
 
 def what_if(page: Page) -> Part:
