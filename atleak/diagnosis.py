@@ -21,9 +21,9 @@ from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import (
     Projection,
     model_new,
+    model_unworn,
     project,
     project_beside,
-    project_unworn,
 )
 from atleak.engine.repaired import Losses, pressure_losses
 from atleak.engine.road_bands import TemperatureClass
@@ -70,10 +70,11 @@ class Diagnosis:
     mileage: float | None  # [km]
     model: LeakageModel = field(repr=False)  # the engine with the clearances as measured
     as_new: LeakageModel = field(repr=False)  # and with every land new
+    as_unworn: LeakageModel = field(repr=False)  # and as wide as its readings may have been when new
     lands: tuple[LandDiagnosis, ...]  # in the controller's order
     projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
     new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
-    unworn_projections: tuple[Projection, ...]  # as wide as its readings may have been when new; growth is judged by it
+    unworn_projections: tuple[Projection, ...]  # of the unworn unit, likewise; growth is judged by it
     losses: tuple[Losses, ...]  # of the line and every circuit, which lands cost it what, at the same conditions
     road: RoadLeakage | None  # None without a log, and where no leakage can be computed over it
     log: RoadFindings | None  # what the log says by itself; None without one
@@ -188,7 +189,7 @@ class Diagnosis:
     @property
     def temperature_classes(self) -> tuple[TemperatureClass, ...]:
         """Return for how long the log stays in each class of fluid temperature, and what it holds there."""
-        return classes_over(self.road, self.model, [land.state for land in self.lands], self.limits)
+        return classes_over(self.road, self.as_unworn if self.judged else None, self.limits)
 
     def band(self, projection: Projection) -> Band | None:
         """Return the band that the total share of one of the projections has reached; None where nothing was measured.
@@ -239,7 +240,7 @@ class Diagnosis:
         every: list[LandDiagnosis | Rule] = [*self.lands, *self.unit_rules]
         return max((self._decision_on(each) for each in every), key=_certainty, default=None)
 
-    @property
+    @cached_property
     def provisional(self) -> tuple[Basis, ...]:
         """Return which representative values the verdict rests on; none where it is not provisional.
 
@@ -322,7 +323,7 @@ class Diagnosis:
         rules = self.pressure_rules_at(projection)
         return next((rule for rule in rules if rule.kind is kind and rule.circuit == circuit), None)
 
-    @property
+    @cached_property
     def verdict(self) -> Verdict:
         """Return the worst of any measured land, totals, gauges and log; ``not_measured`` where none of them is there.
 
@@ -360,12 +361,12 @@ class Diagnosis:
             return self.verdict == Verdict.OK
         return self.verdict == Verdict.OK and not self.unmeasured and not self.in_doubt
 
-    @property
+    @cached_property
     def judged(self) -> int:
         """Count the lands that were measured, on both parts or on one, but for those that a ring seals."""
         return sum(land.state.judged for land in self.lands)
 
-    @property
+    @cached_property
     def measured(self) -> int:
         """Count the lands of which both parts were measured."""
         return sum(land.state.status == "measured" for land in self.lands)
@@ -448,11 +449,13 @@ def diagnose(
     as_new = model_new(states, model)
     measured = [state.land.key for state in states if state.measured]
     when_new = tuple(project_beside(as_new, each) for each in projections)
-    unworn = project_unworn(states, model, projections)
+    as_unworn = model_unworn(states, model)
+    unworn = tuple(project_beside(as_unworn, each) for each in projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     drive = None
     if road_test is not None:
-        drive = driven(road_test, model, states, condition, limits, assumptions, guard_factor)
+        over = as_unworn if any(state.judged for state in states) else None
+        drive = driven(road_test, model, over, condition, limits, assumptions, guard_factor)
     log, road = None if drive is None else drive.log, None if drive is None else drive.road
     rules = unit_rules(states, projections, unworn, limits)
     uncertainty: UnitUncertainty | None = None
@@ -503,6 +506,7 @@ def diagnose(
         mileage=mileage,
         model=model,
         as_new=as_new,
+        as_unworn=as_unworn,
         lands=lands,
         projections=tuple(projections),
         new_projections=when_new,

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Limits
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.projection import model_unworn
 from atleak.engine.road_bands import TemperatureClass, temperature_classes
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.engine.road_pieces import RoadLeakageInPieces, evaluate_in_pieces
 from atleak.errors import Message, RoadTestError
 from atleak.keeping import kept_with
 from atleak.large_log import LargeLog
-from atleak.readings import LandClearance
 from atleak.road_findings import RoadFindings, findings_in_pieces, road_findings
 from atleak.road_test import RoadTest
 from atleak.sentence import Sentence
@@ -38,7 +35,7 @@ class Driven:
 def driven(
     road_test: RoadTest | LargeLog,
     model: LeakageModel,
-    states: Sequence[LandClearance],
+    unworn: LeakageModel | None,
     condition: OperatingPoint,
     limits: Limits,
     assumptions: Assumptions,
@@ -48,8 +45,9 @@ def driven(
 
     Parameters
     ----------
-    model, states
-        the engine with the unit's clearances, and the clearance of every land.
+    model, unworn
+        the engine with the unit's clearances, and with those that it may have had when new (`model_unworn`); None of a
+        unit that was not measured.
     condition
         which stands for what the log does not hold.
     limits, assumptions, guard_factor
@@ -59,7 +57,6 @@ def driven(
     try:
         if isinstance(road_test, LargeLog):
             log = findings_in_pieces(model.controller, road_test, *judged)
-            unworn = _unworn(states, model)
             events, shares = log.events, limits.total_share
             return Driven(log, evaluate_in_pieces(model, road_test, condition, events, shares, unworn), None)
         log = road_findings(model.controller, road_test, *judged)
@@ -92,17 +89,10 @@ def evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoin
     return RoadLeakage(road_test=road_test, assumed=condition, **last[1])
 
 
-def classes_over(
-    road: RoadLeakage | None, model: LeakageModel, states: Sequence[LandClearance], limits: Limits
-) -> tuple[TemperatureClass, ...]:
+def classes_over(road: RoadLeakage | None, unworn: LeakageModel | None, limits: Limits) -> tuple[TemperatureClass, ...]:
     """Return the classes of fluid temperature that a log passes through; none without leakage over it."""
     if road is None:
         return ()
     if isinstance(road, RoadLeakageInPieces):
         return road.classes
-    return temperature_classes(road, limits.total_share, _unworn(states, model))
-
-
-def _unworn(states: Sequence[LandClearance], model: LeakageModel) -> LeakageModel | None:
-    """Return the unit over which growth is judged; None where nothing was measured."""
-    return model_unworn(states, model) if any(state.judged for state in states) else None
+    return temperature_classes(road, limits.total_share, unworn)

@@ -220,6 +220,16 @@ def one_of(known: Iterable[str]) -> Sentence | None:
     return Sentence("one of {names}", names=names) if names else None
 
 
+def extra_installed(name: str) -> Sentence:
+    """Return how the libraries of one of atleak's extras are installed, as what is expected.
+
+    >>> extra_installed("mdf")
+    'python -m pip install ".[mdf]" in the folder from which atleak was installed'
+    """
+    command = f'python -m pip install ".[{name}]"'
+    return Sentence("{command} in the folder from which atleak was installed", command=command)
+
+
 MessageLevel = Literal["info", "warning"]
 
 

@@ -7,14 +7,15 @@ with some rows more on either side, and keeps what it finds in its middle.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
-from atleak.columns import Column, median_of, positive, spans, steps_of
+from atleak.columns import Column, DiskColumn, median_of, positive, spans, steps_of
 from atleak.road_test import Channel, RoadTest, Segment
 
 PIECE = 1 << 18
@@ -110,6 +111,27 @@ class LargeLog:
             else:
                 high = middle
         return low
+
+    def with_channel(self, channel: Channel, parts: Iterable[np.ndarray]) -> LargeLog:
+        """Return the log with one channel more.
+
+        Parameters
+        ----------
+        channel
+            without samples.
+        parts
+            these, one part behind the other; they are put where the others are.
+        """
+        column: Column
+        if self.folder is None:
+            column = np.concatenate([np.empty(0), *parts])
+        else:
+            column = DiskColumn(Path(self.folder.name) / f"{channel.quantity}.column")
+            for part in parts:
+                column.append(part)
+        channels = MappingProxyType({**self.head.channels, channel.quantity: channel})
+        head = replace(self.head, channels=channels, _held={})
+        return replace(self, head=head, columns={**self.columns, channel.quantity: column})
 
     def begin_mask(self, start: int, stop: int) -> np.ndarray:
         """Return which of some rows are the first of their stretch."""

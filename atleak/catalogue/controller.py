@@ -113,7 +113,10 @@ class Land:
         A reading within what new pairs have is no wear, so it is taken as it is; a wider one is taken as worn from the
         widest new pair.
         """
-        return np.clip(clearance, self.new_clearance, self.widest_new)
+        new, widest = self.new_clearance, self.widest_new
+        if isinstance(clearance, float):
+            return min(max(clearance, new), widest)
+        return np.clip(clearance, new, widest)
 
     @property
     def part_name(self) -> Sentence:

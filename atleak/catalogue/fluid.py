@@ -385,4 +385,7 @@ class FluidFile(Entry):
 
 
 _SHELF = Shelf("fluids", FluidFile, _fluid)
-load_fluid, checked_fluid, fluids = _SHELF.load, _SHELF.checked, _SHELF.usable
+load_fluid = _SHELF.load
+"""Load a fluid by its id, shipped or of the workshop's own, or from a file by its path: see `Shelf.load`."""
+
+checked_fluid, fluids = _SHELF.checked, _SHELF.usable

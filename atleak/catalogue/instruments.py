@@ -145,4 +145,7 @@ class InstrumentFile(Entry):
 
 
 _SHELF = Shelf("instruments", InstrumentFile, _instrument)
-load_instrument, checked_instrument, instruments = _SHELF.load, _SHELF.checked, _SHELF.usable
+load_instrument = _SHELF.load
+"""Load an instrument by its id, shipped or of the workshop's own, or from a file by its path: see `Shelf.load`."""
+
+checked_instrument, instruments = _SHELF.checked, _SHELF.usable

@@ -430,4 +430,7 @@ class LimitsFile(Entry):
 
 
 _SHELF = Shelf("limits", LimitsFile, _limits)
-load_limits, checked_limits, limit_sets = _SHELF.load, _SHELF.checked, _SHELF.usable
+load_limits = _SHELF.load
+"""Load a set of limits by its id, shipped or of the workshop's own, or from a file by its path: see `Shelf.load`."""
+
+checked_limits, limit_sets = _SHELF.checked, _SHELF.usable

@@ -18,7 +18,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 from atleak.cli.parser import add_command
-from atleak.errors import InputError
+from atleak.errors import InputError, extra_installed
 from atleak.network import ALLOWED, answered_names, is_here_alone
 from atleak.sentence import Sentence
 from atleak.system.home import home
@@ -78,8 +78,7 @@ def _reach(options: argparse.Namespace) -> _Reach:
     from atleak.admission import read_allowed, read_sign_in
 
     if find_spec("authlib") is None or find_spec("httpx") is None:
-        expected = Sentence("{command}", command='python -m pip install "Authlib>=1.6" httpx')
-        raise InputError(Sentence("signing in needs Authlib and httpx"), expected=expected)
+        raise InputError(Sentence("signing in needs Authlib and httpx"), expected=extra_installed("auth"))
     secrets = (options.secrets or home() / _SECRETS).resolve()
     allowed = (options.allowed or home() / _ALLOWED).resolve()
     name = read_sign_in(secrets)

@@ -104,7 +104,7 @@ class Network:
         ]
         restrictions = [branch.restriction for branch in gaps]
         columns = ([each.conductance for each in restrictions], [each.bend for each in restrictions], drops)
-        if not gaps or any(len({np.shape(value) for value in column}) != 1 for column in columns):
+        if not gaps or any(len({getattr(value, "shape", ()) for value in column}) != 1 for column in columns):
             return [branch.restriction.flow(drop) for branch, drop in zip(gaps, drops, strict=True)]
         stacked = [np.array(column, float) for column in columns]
         deepest = max(column.ndim for column in stacked)

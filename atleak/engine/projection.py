@@ -296,10 +296,7 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
 def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:
     """Return the same unit with some lands brought back to the clearance of new pairs, the same all around."""
     chosen = set(lands)
-    return tuple(
-        replace(_with_clearance(state, state.land.new_clearance), stations=()) if state.land.key in chosen else state
-        for state in clearances
-    )
+    return tuple(_even(state, state.land.new_clearance) if state.land.key in chosen else state for state in clearances)
 
 
 def model_new(states: Iterable[LandClearance], model: LeakageModel) -> LeakageModel:
@@ -323,14 +320,11 @@ def model_unworn(states: Iterable[LandClearance], model: LeakageModel) -> Leakag
     This is what growth is judged against: where only a range or a type's value is known of new pairs, a reading within
     it is no wear. Where each pair's own clearance is known, it is the unit of `model_new`.
     """
-    unworn = (
-        _with_clearance(state, float(state.land.unworn(state.radial_clearance)))
-        if state.measured
-        else _with_clearance(state, state.land.new_clearance)
+    clearances = (
+        _even(state, state.land.unworn(state.radial_clearance) if state.measured else state.land.new_clearance)
         for state in states
     )
-    clearances = tuple(replace(state, stations=()) for state in unworn)
-    return replace(model, controller=model.controller.with_new_pump, clearances=clearances)
+    return replace(model, controller=model.controller.with_new_pump, clearances=tuple(clearances))
 
 
 def project_unworn(
@@ -344,3 +338,9 @@ def project_unworn(
 def _with_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:
     sleeve = state.spool_diameter + 2.0 * radial_clearance
     return replace(state, radial_clearance=radial_clearance, sleeve_diameter=sleeve)
+
+
+def _even(state: LandClearance, radial_clearance: float) -> LandClearance:
+    """Return a land with another clearance, the same all around."""
+    sleeve = state.spool_diameter + 2.0 * radial_clearance
+    return replace(state, radial_clearance=radial_clearance, sleeve_diameter=sleeve, stations=())

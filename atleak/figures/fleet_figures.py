@@ -93,7 +93,7 @@ def _stacked(
         for verdict in (Verdict.CRITICAL, Verdict.REPLACE, Verdict.WATCH)
         if any(counts.verdicts[verdict] for _, counts in rows)
     )
-    whole = [counts.verdicts[Verdict.OK] - counts.ok_in_part for _, counts in rows]
+    whole = [counts.ok_throughout for _, counts in rows]
     if any(whole):
         yield say.signed(Verdict.OK), whole, _shade(Verdict.OK)
     in_part = [counts.ok_in_part for _, counts in rows]

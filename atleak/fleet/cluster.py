@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
-from atleak.errors import FleetError, Message
+from atleak.errors import FleetError, Message, extra_installed
 from atleak.sentence import Sentence
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def connected(
         import distributed  # noqa: F401
     except ImportError as error:
         problem = Sentence("a fleet run needs dask.distributed, which is not installed")
-        raise FleetError(problem, expected=Sentence("python -m pip install atleak[fleet]")) from error
+        raise FleetError(problem, expected=extra_installed("fleet")) from error
     with _quiet(), _same_environment(), dask.config.set(SETTINGS):
         if scheduler is None:
             with _started_here(workers, memory_limit) as client:

@@ -99,7 +99,13 @@ def _body(results: Results, controller: str, visits: Visits, lands: Lands) -> Va
         conditions=conditions_of(results, controller, visits),
         comparison=compared(units, of_units),
         messages=tuple(_body_messages(units)),
+        name=_name(visits.rows["controller_name"]),
     )
+
+
+def _name(names: pd.Series) -> str | None:
+    """Return what a valve body is called in most results; of several, the first of the alphabet."""
+    return next(iter(sorted(names.dropna().mode())), None)
 
 
 def _version(rows: pd.DataFrame) -> str:

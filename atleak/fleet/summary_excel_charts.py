@@ -14,7 +14,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.fleet.summary_sheets import SummarySheet
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summed import ValveBody
-from atleak.look import CHART_GRID, CURVES, LOOKS, PAPER, Look
+from atleak.look import CHART_GRID, CURVES, LOOKS, OK_IN_PART, PAPER, Look
 from atleak.report.printed_charts.fleet import STACKED
 from atleak.report.xlsx.book import Book, span
 from atleak.rules import LandKey
@@ -66,16 +66,21 @@ def add_verdicts(book: Book, sheet: Worksheet, row: int, words: FleetWords, shee
     if source is None:
         return
     chart = book.workbook.add_chart({"type": "bar", "subtype": "percent_stacked"})
-    for verdict in STACKED:
-        key = f"verdict_{verdict}"
+    parts = [(f"verdict_{verdict}", book.say.signed(verdict), LOOKS[verdict]) for verdict in STACKED]
+    ok = STACKED.index(Verdict.OK)  # what is ok in part is not green
+    parts[ok : ok + 1] = [
+        ("ok_throughout", book.say.signed(Verdict.OK), LOOKS[Verdict.OK]),
+        ("ok_in_part", source.heading("ok_in_part"), OK_IN_PART),
+    ]
+    for key, name, look in parts:
         chart.add_series(
             {
-                "name": book.say.signed(verdict),
+                "name": name,
                 "categories": source.cells("body"),
                 "values": source.cells(key),
                 "gap": 60,
-                "data_labels": {"value": True, "font": {"color": LOOKS[verdict].on_fill}, "num_format": "#,##0;;"},
-                **_filled(LOOKS[verdict]),
+                "data_labels": {"value": True, "font": {"color": look.on_fill}, "num_format": "#,##0;;"},
+                **_filled(look),
             }
         )
     chart.set_y_axis({"reverse": True})

@@ -75,6 +75,7 @@ def _counts(each: VerdictCounts) -> dict[str, Any]:
         "decisions": {decision or "none": count for decision, count in each.decisions.items()},
         "provisional": each.provisional,
         "ok_in_part": each.ok_in_part,
+        "without_sheet": each.without_sheet,
         "rates": {level: _rate(of_level) for level, of_level in each.rates.items()},
     }
 
@@ -91,6 +92,7 @@ def _group(each: Group) -> dict[str, Any]:
 def _body(body: ValveBody) -> dict[str, Any]:
     return {
         "controller": body.controller,
+        "name": body.name,
         "visits": body.visits,
         "counts": _counts(body.counts),
         "deciders": [{**asdict(each), "units": _rate(each.units)} for each in body.deciders],

@@ -236,7 +236,9 @@ def _verdicts(words: FleetWords) -> SummarySheet:
     columns.count("judged", lambda row: row.counts.judged)
     for verdict in FLAGGED:
         columns.rate(f"past_{verdict}", _rate_of(verdict), whole=False)
+    columns.count("ok_throughout", lambda row: row.counts.ok_throughout)
     columns.count("ok_in_part", lambda row: row.counts.ok_in_part)
+    columns.count("without_sheet", lambda row: row.counts.without_sheet)
     columns.count("provisional", lambda row: row.counts.provisional)
     for decision in DECISIONS:
         columns.count(f"decision_{decision}", _decided(decision), say(f"decisions.{decision}"))

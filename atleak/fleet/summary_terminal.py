@@ -42,20 +42,43 @@ def print_summary(summary: FleetSummary) -> None:
 
 def _head(summary: FleetSummary) -> Iterator[str | Text | Table]:
     counts = summary.counts
-    yield f"{summary.folder}: {counts.units} units, {summary.visits} results of atleak {summary.atleak}"
+    results = _counted(summary.visits, "result")
+    yield f"{summary.folder}: {_counted(counts.units, 'unit')}, {results} of atleak {summary.atleak}"
     yield _verdicts("Units by verdict", ((body.controller, body.counts) for body in summary.bodies), counts)
     if counts.ok_in_part:
         ok = counts.verdicts[Verdict.OK]
-        yield f"{counts.ok_in_part} of the {ok} units that are ok are so in part: not all of their lands were measured."
+        yield (
+            f"Of {_counted(ok, 'unit')} with the verdict ok, {counts.ok_in_part} {_are(counts.ok_in_part)} so in part: "
+            "not all lands were measured."
+        )
+    if counts.without_sheet:
+        judged = f"{_counted(counts.without_sheet, 'unit')} without a measuring sheet {_are(counts.without_sheet)}"
+        yield f"{judged} judged by logs and gauges alone, and in no rate."
     if counts.provisional:
-        yield f"The verdicts of {counts.provisional} units rest on representative values."
+        verdicts = "verdict rests" if counts.provisional == 1 else "verdicts rest"
+        yield f"Of {_counted(counts.provisional, 'unit')} the {verdicts} on representative values."
     if summary.groups:
         yield _verdicts(f"Units by {summary.by}", ((group.name, group.counts) for group in summary.groups), counts)
         if summary.not_stated:
-            yield f"{summary.not_stated} units state no {summary.by} and are in no group."
+            state = "states" if summary.not_stated == 1 else "state"
+            are = _are(summary.not_stated)
+            yield f"{_counted(summary.not_stated, 'unit')} {state} no {summary.by} and {are} in no group."
     elif summary.headings:
         yield f"Groups of units can be compared by {', '.join(summary.headings)}: --by {summary.headings[0]}"
     yield from _said(summary.messages)
+
+
+def _counted(number: int, noun: str) -> str:
+    """Return a number with what it counts.
+
+    >>> _counted(1, "unit"), _counted(12, "unit")
+    ('1 unit', '12 units')
+    """
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def _are(number: int) -> str:
+    return "is" if number == 1 else "are"
 
 
 def _verdicts(title: str, rows: Iterable[tuple[str, VerdictCounts]], all_of_them: VerdictCounts) -> Table:
@@ -80,7 +103,8 @@ def _said(messages: Iterable[Message]) -> Iterator[str]:
 def _bodies(summary: FleetSummary) -> Iterator[str | Text | Table]:
     for body in summary.bodies:
         yield ""
-        yield Text(f"{body.controller}: {body.counts.units} units, {body.visits} results", style="bold")
+        units, results = _counted(body.counts.units, "unit"), _counted(body.visits, "result")
+        yield Text(f"{body.controller}: {units}, {results}", style="bold")
         yield from _said(body.messages)
         yield from _deciders(body.deciders)
         yield from _pairs(body)

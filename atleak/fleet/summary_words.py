@@ -50,8 +50,8 @@ class _Point:
 class FleetWords:
     """The words of one summary, for one reader.
 
-    Valve bodies, lands and circuits are named as the catalogue of this computer names them; those of a valve body that
-    it does not have, by their ids and numbers.
+    Valve bodies, lands and circuits are named as the catalogue of this computer names them. A valve body that it does
+    not have is named as the results name it, and its lands and circuits by their numbers and ids.
     """
 
     def __init__(self, summary: FleetSummary, say: Wording) -> None:
@@ -61,7 +61,11 @@ class FleetWords:
     def body(self, controller: str) -> str:
         """Name a valve body."""
         known = self._known.get(controller)
-        return controller if known is None else self.say.name(known.name)
+        if known is None:
+            return (
+                next((body.name for body in self.summary.bodies if body.controller == controller), None) or controller
+            )
+        return self.say.name(known.name)
 
     def land_number(self, controller: str, key: LandKey) -> str:
         """Name a land in short: ``25/1``."""
@@ -166,6 +170,8 @@ class FleetWords:
         if counts.verdicts[Verdict.NOT_MEASURED]:
             count = say.number(counts.verdicts[Verdict.NOT_MEASURED], 0)
             yield say("fleet_summary.unmeasured", count=count)
+        if counts.without_sheet:
+            yield say("fleet_summary.without_sheet", count=say.number(counts.without_sheet, 0))
         if counts.ok_in_part:
             yield say("fleet_summary.ok_in_part", count=say.number(counts.ok_in_part, 0))
         if counts.provisional:

@@ -29,7 +29,8 @@ MOST_GROUPS = 200  # under one heading; what differs more is no group of units: 
 class VerdictCounts:
     """How many units have which verdict; each unit once, as it was evaluated last.
 
-    A unit of which nothing was measured is ``not_measured`` and in no rate: what was not measured is not *ok*.
+    A unit of which nothing was measured is ``not_measured`` and in no rate: what was not measured is not *ok*. One that
+    has no measuring sheet has the verdict of its log and gauges, and is in no rate either.
     """
 
     units: int
@@ -38,11 +39,17 @@ class VerdictCounts:
     provisional: int  # units whose verdict rests on representative values
     ok_in_part: int  # units that are ok as far as they were measured: not all of their lands were
     rates: Mapping[Verdict, Rate]  # at this verdict or past it, of the judged units: watch, replace, critical
+    without_sheet: int = 0  # units with a verdict by log or gauges alone: no land of theirs was judged
 
     @property
     def judged(self) -> int:
-        """Return how many units have a verdict: what the rates are of."""
-        return self.units - self.verdicts[Verdict.NOT_MEASURED]
+        """Return how many units have a verdict of their lands: what the rates are of."""
+        return self.units - self.verdicts[Verdict.NOT_MEASURED] - self.without_sheet
+
+    @property
+    def ok_throughout(self) -> int:
+        """Return how many units are ok at every land."""
+        return self.verdicts[Verdict.OK] - self.ok_in_part
 
 
 @dataclass(frozen=True)
@@ -282,6 +289,7 @@ class ValveBody:
     conditions: tuple[ConditionSpread, ...]  # as the valve body states them
     comparison: GroupComparison | None  # None where the summary is by nothing, or fewer than two groups have a unit
     messages: tuple[Message, ...]
+    name: str | None = None  # as its description calls it; None where no result says
 
 
 @dataclass(frozen=True)

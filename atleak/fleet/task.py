@@ -6,16 +6,17 @@ import pickle
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import cast
 
 import pyarrow as pa
 from distributed import get_worker
 
-from atleak.fleet.columns import DataSet, ErrorKind
+from atleak.fleet.columns import DataSet, ErrorKind, columns_of
 from atleak.fleet.rows import Rows
 from atleak.fleet.units import FleetUnit
 from atleak.fleet.watchdog import ended_after
-from atleak.fleet.work import evaluate
+from atleak.fleet.work import Room, evaluate
 from atleak.verdicts import Verdict
 from atleak.version import __version__
 
@@ -30,7 +31,7 @@ class OtherVersionError(Exception):
 
 @dataclass(frozen=True)
 class Packed:
-    """The rows of one unit as they travel: the tables as Arrow's own bytes."""
+    """The rows of one unit as they travel: tables as Arrow's own bytes, without columns, which both sides know."""
 
     controller: str | None
     input_sha256: str
@@ -50,7 +51,7 @@ class Packed:
     @property
     def rows(self) -> Rows:
         """Return the rows as they were."""
-        tables = {data_set: pa.ipc.open_stream(content).read_all() for data_set, content in self.tables.items()}
+        tables = {data_set: _read(content, data_set) for data_set, content in self.tables.items()}
         return Rows(self.controller, self.input_sha256, self.reference, self.verdict, tables)
 
 
@@ -91,11 +92,14 @@ def on_worker(
         worker.log_event(BEGUN, {"name": name})
         time.sleep(_OUT)
     with ended_after(time_limit, lambda: worker.log_event(OVERDUE, {"name": name, "worker": worker.address})):
-        return Packed.of(evaluate(pickle.loads(unit), tries=tries))
+        room = Room(worker.memory_manager.memory_limit or None, Path(worker.local_directory))
+        return Packed.of(evaluate(pickle.loads(unit), tries=tries, room=room))
 
 
 def _written(table: pa.Table) -> bytes:
-    sink = pa.BufferOutputStream()
-    with pa.ipc.new_stream(sink, table.schema) as stream:
-        stream.write_table(table)
-    return sink.getvalue().to_pybytes()
+    (batch,) = table.combine_chunks().to_batches()
+    return batch.serialize().to_pybytes()
+
+
+def _read(content: bytes, data_set: DataSet) -> pa.Table:
+    return pa.Table.from_batches([pa.ipc.read_record_batch(pa.py_buffer(content), columns_of(data_set))])

@@ -64,8 +64,13 @@ class FleetUnit:
         """Return whether it is the row of a table."""
         return self.reference.startswith(TABLE)
 
-    def opened(self) -> tuple[Case, Job]:
+    def opened(self, folder: Path | None = None) -> tuple[Case, Job]:
         """Return the case to diagnose and the record of the job.
+
+        Parameters
+        ----------
+        folder
+            where a large log of a job file is unpacked; unless given, it is held.
 
         Raises
         ------
@@ -78,7 +83,7 @@ class FleetUnit:
             _check_unchanged(file)
         if self.job_file is not None:
             source = self.job_file
-            kept = read_job_file(source.content, name=source.name)
+            kept = read_job_file(source.given, name=source.name, folder=folder)
             return kept.case, kept.job
         return self.case or Case(), self.job or Job()
 

@@ -19,8 +19,9 @@ def counts_of(units: pd.DataFrame) -> VerdictCounts:
     said, decided = units["verdict"].value_counts().to_dict(), units["decision"].value_counts().to_dict()
     verdicts = {verdict: int(said.get(verdict, 0)) for verdict in VERDICTS}
     decisions: dict[Decision | None, int] = {decision: int(decided.get(decision, 0)) for decision in DECISIONS}
-    judged = len(units) - verdicts[Verdict.NOT_MEASURED]
-    past = {level: sum(n for each, n in verdicts.items() if each.rank >= level.rank) for level in FLAGGED}
+    with_verdict = units["verdict"] != Verdict.NOT_MEASURED
+    by_lands = with_verdict & ((units["lands_measured"] > 0) | units["readings_sha256"].notna())
+    ranks = units["verdict"][by_lands].map({str(verdict): verdict.rank for verdict in Verdict})
     in_part = (units["verdict"] == Verdict.OK) & (units["lands_measured"] < units["lands_total"])
     return VerdictCounts(
         units=len(units),
@@ -28,7 +29,8 @@ def counts_of(units: pd.DataFrame) -> VerdictCounts:
         decisions={**decisions, None: len(units) - sum(decisions.values())},
         provisional=int(units["provisional"].sum()),
         ok_in_part=int(in_part.sum()),
-        rates={level: rate(past[level], judged) for level in FLAGGED},
+        rates={level: rate(int((ranks >= level.rank).sum()), len(ranks)) for level in FLAGGED},
+        without_sheet=int((with_verdict & ~by_lands).sum()),
     )
 
 

@@ -20,7 +20,8 @@ from atleak.sentence import Sentence
 _COLUMNS = (
     *(HASH, PARTITION, "reference", "name", GROUP, "atleak", "evaluated_at"),
     *("number", "date", "measured_on", "vin", "serial", "mileage_km"),
-    *("controller_sha256", "limits_sha256", "fluid_sha256", "profile", "lands_measured", "lands_total"),
+    *("controller_name", "controller_sha256", "limits_sha256", "fluid_sha256", "profile"),
+    *("readings_sha256", "lands_measured", "lands_total"),
     *("verdict", "decision", "provisional"),
     *("decided_by_kind", "decided_by_component", "decided_by_land", "decided_by_circuit"),
     *("road_rows", "max_share_percent"),

@@ -2,25 +2,72 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from atleak.doors import unexpected
 from atleak.errors import AtleakError, InputError
 from atleak.fleet.rows import Rows, error_rows, rows_of
 from atleak.fleet.units import FleetUnit
-from atleak.job.case import Choice, Reader, Slot
+from atleak.intake.road_test import Understood, default_path
+from atleak.intake.road_test.pieces.any_size import understand_of_any_size
+from atleak.job.case import Case, Choice, Reader, Slot
 from atleak.job.of_sheet import with_sheet
 
 _KEPT = 64  # entries of the catalogue
 
 
+@dataclass(frozen=True)
+class Room:
+    """What a unit may take of the machine that it is evaluated on."""
+
+    memory: int | None = None  # bytes; None: as much as a log wants that is read whole
+    folder: Path | None = None  # where the samples of a large log lie meanwhile; None: with temporary files
+
+
 class _Reader(Reader):
-    """Read every file of a job anew, but keep what jobs take from the catalogue: a fleet is of few valve bodies."""
+    """Read every file of a job anew, but keep what jobs take from the catalogue: a fleet is of few valve bodies.
+
+    A large log is read in pieces, whose samples lie on the disk until the unit is done.
+    """
 
     def __init__(self) -> None:
         self._entries: dict[tuple[str, str, str], Any] = {}
+        self._room, self._done = Room(), ExitStack()
+
+    @contextmanager
+    def within(self, room: Room) -> Iterator[Path]:
+        """Give a folder in which to unpack one unit, and delete it and the samples of its log at the end."""
+        with tempfile.TemporaryDirectory(prefix="atleak-", dir=room.folder) as folder, ExitStack() as self._done:
+            self._room = room
+            yield Path(folder)
+
+    def log(self, case: Case) -> Understood:
+        """Read the job's log, a large one in pieces.
+
+        Raises
+        ------
+        RoadTestError
+            for a file that is no log.
+        """
+        file = case.road_test
+        assert file is not None
+        understood = understand_of_any_size(
+            file.given,
+            memory=self._room.memory,
+            folder=self._room.folder,
+            name=file.name,
+            remembered=default_path() if case.remember else None,
+            **case.log_choices,
+        )
+        if understood.large is not None:
+            self._done.callback(understood.large.close)
+        return understood
 
     def entry(self, slot: Slot, choice: Choice) -> Any:
         """Return an entry as it was loaded before, where it is of the same bytes."""
@@ -36,7 +83,7 @@ class _Reader(Reader):
 _READER = _Reader()
 
 
-def evaluate(unit: FleetUnit, *, tries: int = 1) -> Rows:
+def evaluate(unit: FleetUnit, *, tries: int = 1, room: Room | None = None) -> Rows:
     """Return the rows of a unit: those of its diagnosis, or the one row that says why there is none; never raises.
 
     A unit for which the memory did not suffice is of the kind ``ended``, as one whose worker was ended for it.
@@ -47,13 +94,16 @@ def evaluate(unit: FleetUnit, *, tries: int = 1) -> Rows:
         to be diagnosed, exactly as `atleak.job.case.Case.diagnose` does.
     tries
         how many times it was begun, this time with it.
+    room
+        what it may take; without one a large log is read in pieces, too.
     """
     begun = time.perf_counter()
     try:
-        case, job = unit.opened()
-        diagnosis = case.diagnose(_READER)
-        job = with_sheet(job, diagnosis.readings) or job
-        return rows_of(unit, diagnosis, job, seconds=time.perf_counter() - begun, tries=tries)
+        with _READER.within(room or Room()) as unpacked:
+            case, job = unit.opened(unpacked)
+            diagnosis = case.diagnose(_READER)
+            job = with_sheet(job, diagnosis.readings) or job
+            return rows_of(unit, diagnosis, job, seconds=time.perf_counter() - begun, tries=tries)
     except AtleakError as error:
         if isinstance(error, InputError):
             unit.name_within(error)

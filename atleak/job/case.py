@@ -31,7 +31,11 @@ from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import find_repairs
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.doors import DAMAGE, reason_in_short
-from atleak.engine.assumed_pressure import OPERATING_POINTS, with_assumed_pressure
+from atleak.engine.assumed_pressure import (
+    OPERATING_POINTS,
+    with_assumed_pressure,
+    with_assumed_pressure_in_pieces,
+)
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
 from atleak.errors import AtleakError, InputError, Message, Place, RoadTestError
@@ -40,6 +44,7 @@ from atleak.intake.plain_words import words
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import NOT_LOGGED, Understood, default_path, recall, understand
 from atleak.keeping import kept_with
+from atleak.large_log import LargeLog
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.road_test import RoadTest
@@ -344,9 +349,11 @@ class Case:
         )
         return replace(diagnosis, repairs=find_repairs(controller.repairs, self.repairs, controller.name))
 
-    def _driven(self, log: Understood, controller: Controller) -> RoadTest:
+    def _driven(self, log: Understood, controller: Controller) -> RoadTest | LargeLog:
         """Return the road test of a log, with the main pressure that is assumed for it."""
         road_test = _road_test(log)
+        if log.large is not None:
+            return with_assumed_pressure_in_pieces(controller, log.large) if self.assumes_pressure else log.large
         if not self.assumes_pressure:
             return road_test
         make = partial(with_assumed_pressure, controller, road_test)

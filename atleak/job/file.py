@@ -8,7 +8,7 @@ import tomllib
 import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from atleak.diagnosis import Diagnosis
 from atleak.doors import DAMAGE, own_errors_only, own_line
@@ -33,6 +33,7 @@ _LIMITS = {  # bytes of a file of the job's own, unpacked, where it is no table;
 _TABLE_LIMIT, _CATALOGUE_LIMIT = 200 << 20, 4 << 20
 # A log packs to a tenth or fiftieth of its size, a megabyte of one sign to a thousandth.
 _SPARE, _TIGHTEST = 32 << 20, 200  # bytes that any file may unpack to, and how many times its packed size at most
+_LARGE = 16 << 20  # bytes of a log from which on it is unpacked to the disk where there is a folder for it
 _STEP = 1 << 20  # bytes that are unpacked at once
 _ENTRIES = 1000
 _STAMP = (1980, 1, 1, 0, 0, 0)  # date of every file in the zip, fixed so that the same job gives the same bytes
@@ -129,8 +130,10 @@ def packed_job(
 
 
 @own_errors_only(InputError, "source", "name")
-def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_limit: int = SIZE_LIMIT) -> JobFile:
-    """Read a job from its zip; nothing is written to disk and no path of the zip is followed.
+def read_job_file(
+    source: str | Path | bytes, *, name: str = "job file", size_limit: int = SIZE_LIMIT, folder: Path | None = None
+) -> JobFile:
+    """Read a job from its zip; no path of the zip is followed.
 
     Parameters
     ----------
@@ -138,6 +141,8 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
         a path, or the zip's bytes (then ``name`` names it in messages).
     size_limit
         bytes that it may unpack to.
+    folder
+        in which a large log is unpacked; unless given, nothing is written to disk.
 
     Raises
     ------
@@ -148,14 +153,14 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
     name = name if isinstance(source, bytes) else Path(source).name
     place = Place(file=name)
     try:
-        content = source if isinstance(source, bytes) else Path(source).read_bytes()
+        content = io.BytesIO(source) if isinstance(source, bytes) else Path(source).open("rb")  # noqa: SIM115  below
     except (OSError, ValueError) as error:
         reason = reason_of(error) if isinstance(error, OSError) else str(error)
         problem = Sentence("cannot be read: {reason}", reason=reason)
         raise InputError(problem, place=place, expected=Sentence("a job file (zip)")) from error
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as bundle:
-            entries = dict(_entries(bundle, name, size_limit))
+        with content, zipfile.ZipFile(content) as bundle:
+            entries = dict(_entries(bundle, name, size_limit, folder))
     except AtleakError:
         raise
     except DAMAGE as error:
@@ -166,17 +171,18 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
     return _job_file(entries, name)
 
 
-def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
-    if "job.json" not in entries:
+def _job_file(entries: dict[str, bytes | Path], name: str) -> JobFile:
+    held = {entry: content for entry, content in entries.items() if isinstance(content, bytes)}
+    if "job.json" not in held:
         problem = Sentence("holds no job.json")
         raise InputError(problem, place=Place(file=name), expected=Sentence("a job file of atleak"))
-    result = json_of(entries.get("result.json", b"{}"), Sentence("{name}: {file}", name=name, file="result.json"))
+    result = json_of(held.get("result.json", b"{}"), Sentence("{name}: {file}", name=name, file="result.json"))
     named = {entry_of(slot): slot for slot in (*OWN_FILES, *SLOTS)}
     sources = {named[entry]: content for entry, content in entries.items() if entry in named}
     pictures = {
-        entry.removeprefix("pictures/"): content for entry, content in entries.items() if entry.startswith("pictures/")
+        entry.removeprefix("pictures/"): content for entry, content in held.items() if entry.startswith("pictures/")
     }
-    return JobFile.of(entries["job.json"], sources, pictures, result if isinstance(result, dict) else {}, name=name)
+    return JobFile.of(held["job.json"], sources, pictures, result if isinstance(result, dict) else {}, name=name)
 
 
 # --- in and out of the zip
@@ -189,7 +195,9 @@ def _add(bundle: zipfile.ZipFile, name: str, content: bytes) -> None:
     bundle.writestr(entry, content)
 
 
-def _entries(bundle: zipfile.ZipFile, name: str, size_limit: int) -> Iterator[tuple[str, bytes]]:
+def _entries(
+    bundle: zipfile.ZipFile, name: str, size_limit: int, folder: Path | None
+) -> Iterator[tuple[str, bytes | Path]]:
     infos = bundle.infolist()
     place = Place(file=name)
     if len(infos) > _ENTRIES:
@@ -212,23 +220,28 @@ def _entries(bundle: zipfile.ZipFile, name: str, size_limit: int) -> Iterator[tu
             raise InputError(problem, place=place, value=info.filename, expected=Sentence("deflate"))
         if (limit := _entry_limit(info.filename)) is None:
             raise InputError(Sentence("holds a file that no job has"), place=place, value=info.filename)
-        yield info.filename, _unpacked(bundle, info, limit, place)
+        if folder is not None and info.filename == entry_of("road_test") and info.file_size > _LARGE:
+            path = folder / info.filename
+            with path.open("wb") as target:
+                _unpack(bundle, info, limit, place, target)
+            yield info.filename, path
+            continue
+        held = io.BytesIO()
+        _unpack(bundle, info, limit, place, held)
+        yield info.filename, held.getvalue()
 
 
-def _unpacked(bundle: zipfile.ZipFile, info: zipfile.ZipInfo, limit: int, place: Place) -> bytes:
-    """Return the content of an entry; refuse it as soon as it is longer than such a file can be."""
-    most = min(limit, _SPARE + _TIGHTEST * info.compress_size)
-    content = bytearray()
+def _unpack(bundle: zipfile.ZipFile, info: zipfile.ZipInfo, limit: int, place: Place, target: IO[bytes]) -> None:
+    """Write the content of an entry; refuse it as soon as it is longer than such a file can be."""
+    most, size = min(limit, _SPARE + _TIGHTEST * info.compress_size), 0
     with bundle.open(info) as stream:
-        while info.file_size <= most and (part := stream.read(_STEP)):
-            content += part
-            if len(content) > most:
-                break
-    if max(info.file_size, len(content)) > most:
+        while max(info.file_size, size) <= most and (part := stream.read(_STEP)):
+            target.write(part)
+            size += len(part)
+    if max(info.file_size, size) > most:
         expected = Sentence("at most {size} bytes unpacked", size=most)
         problem = Sentence("{file}: too large", file=info.filename)
-        raise InputError(problem, place=place, value=max(info.file_size, len(content)), expected=expected)
-    return bytes(content)
+        raise InputError(problem, place=place, value=max(info.file_size, size), expected=expected)
 
 
 def _entry_limit(name: str) -> int | None:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -268,7 +269,7 @@ class JobFile:
     def of(
         cls,
         choices: bytes,
-        sources: Mapping[str, bytes],
+        sources: Mapping[str, bytes | Path],
         pictures: Mapping[str, bytes],
         result: dict[str, Any],
         *,
@@ -281,7 +282,7 @@ class JobFile:
         choices
             the content of ``job.json``.
         sources
-            the content of its files, by slot.
+            the content of its files, by slot, or where it lies.
         pictures
             the content of its pictures, by the names in the record.
         result
@@ -313,7 +314,10 @@ class JobFile:
             if slot not in sources:
                 problem = Sentence("holds no {file}, which its record names", file=entry_of(slot))
                 raise InputError(problem, place=Place(file=name))
-            files[slot] = SourceFile(called, sources[slot])
+            content = sources[slot]
+            files[slot] = (
+                SourceFile(called, content) if isinstance(content, bytes) else SourceFile(called, None, content)
+            )
         missing = [name for name, slot in SLOTS.items() if slot.required and name not in files]
         if missing:
             problem = Sentence("names no {part}", part=missing[0])

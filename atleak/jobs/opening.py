@@ -12,7 +12,7 @@ from typing import Any
 import sqlalchemy as sa
 from sqlalchemy import exc
 
-from atleak.errors import BookError, Place
+from atleak.errors import BookError, Place, extra_installed
 from atleak.jobs.tables import REVISION, about, metadata
 from atleak.sentence import Sentence
 from atleak.system.home import home, made
@@ -88,8 +88,7 @@ def opened_engine(url: sa.URL) -> sa.Engine:
             engine = sa.create_engine(url, **_options(url))
         except ImportError as error:
             problem = Sentence("cannot be opened: the driver of PostgreSQL is not installed")
-            expected = Sentence("python -m pip install psycopg[binary], or atleak with its extra postgres")
-            raise BookError(problem, place=Place(file=name), expected=expected) from error
+            raise BookError(problem, place=Place(file=name), expected=extra_installed("postgres")) from error
         if url.get_backend_name() == "sqlite":
             sa.event.listen(engine, "connect", _prepare_sqlite)
             sa.event.listen(engine, "begin", _begin_sqlite)

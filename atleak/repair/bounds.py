@@ -103,7 +103,7 @@ class Target:
         for gap in self.at.gaps:
             which = pick(gap.restriction.conductance)
             one = Gap(float(gap.restriction.conductance[which]), float(gap.restriction.bend[which]))
-            lands.append(replace(gap, restriction=one))
+            lands.append(gap.with_restriction(one))
         return replace(network, lands=tuple(lands)).balance(sections).pressures
 
     def _draw(self, sections: Mapping[str, Any], most: float) -> Sum | None:

@@ -196,10 +196,13 @@ def _repeats(
         return None, ()
     for parts in ((first,), tuple(measured)):
         lowest = min(land.plans[part].repeats for part in parts)
-        for count in range(lowest + 1, _MOST_REPEATS + 1):
+
+        def enough(count: int, parts: tuple[Part, ...] = parts) -> bool:
             repeats = {part: max(count, land.plans[part].repeats) for part in parts}
-            if land.variance_with(repeats=repeats) <= allowed:
-                return count, parts
+            return land.variance_with(repeats=repeats) <= allowed
+
+        if lowest < _MOST_REPEATS and enough(_MOST_REPEATS):  # where these are too few, so are fewer
+            return next(count for count in range(lowest + 1, _MOST_REPEATS + 1) if enough(count)), parts
     return None, ()
 
 

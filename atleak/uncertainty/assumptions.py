@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
+from atleak.equations.uncertainty import rectangular
 from atleak.errors import InputError, unknown
 from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
@@ -37,6 +39,11 @@ class Assumptions:
     volumetric_efficiency: float = 0.02  # where the profile takes it as constant
     slip_coefficient: float = 0.2  # relative, where the profile lets the pump slip
     pump_clearance: float = 5e-6  # [m] of each clearance of the pump that was measured in the job
+
+    @cached_property
+    def u_room_temperature(self) -> float:
+        """Return the standard uncertainty of the temperature of measuring [K]."""
+        return float(rectangular(self.room_temperature))
 
     def of_contact_length(self, *, measured: bool) -> float:
         """Return the standard uncertainty of a contact length [m]: measured on this unit, or as the file states it."""

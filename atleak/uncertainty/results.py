@@ -90,7 +90,7 @@ class LandUncertainty:
         """Return the interval of the share at the stated condition, as a fraction."""
         return self.conditions[0].share_interval if self.conditions else None
 
-    @property
+    @cached_property
     def deciding(self) -> RuleDecision | None:
         """Return the rule with the worst verdict; of several, the likeliest to be over its limit."""
         return max(self.rules, key=lambda rule: rule.severity, default=None)

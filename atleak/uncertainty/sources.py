@@ -10,7 +10,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -104,7 +104,7 @@ class RepeatSpread:
     def persistent_variance(self) -> float:
         """Return the variance of the rounding error that repeats of one place do not average out [m²]."""
         s = self.standard_deviation / math.sqrt(self.roundings)
-        return self.roundings * float(persistent_rounding_variance(self.resolution, s))
+        return self.roundings * _persistent_rounding(self.resolution, s)
 
     @cached_property
     def averaged_variance(self) -> float:
@@ -218,8 +218,11 @@ class LandSources:
         """
         chosen = Instruments(**{part: (instruments or {}).get(part, self.instruments.of(part)) for part in PARTS})
         changed: list[UncertaintySource] = []
+        otherwise = {*(repeats or ()), *(instruments or ()), *four_directions}
+        if chosen.err_alike != self.instruments.err_alike:
+            otherwise = set(PARTS)  # errors that both parts share, or share no longer
         for part in PARTS:
-            if part not in self.plans:
+            if part not in self.plans or part not in otherwise:
                 changed += [source for source in self.sources if source.part == part]
                 continue
             plan, spread, instrument = self.plans[part], self.spreads[part], chosen.of(part)
@@ -377,7 +380,7 @@ def _temperature_source(
     """Return what an error of the measuring temperature does: part and gauge expand, and their difference is read."""
     diameter = state.spool_diameter if part == "spool" else state.sleeve_diameter
     rate = (state.land.expansion_of(part) - instrument.expansion) * diameter  # [m/K]
-    u = slope * rate * rectangular(assumptions.room_temperature)
+    u = slope * rate * assumptions.u_room_temperature
     return UncertaintySource("measuring temperature", part, u, MEASURING_TEMPERATURE, "rectangular")
 
 
@@ -443,6 +446,11 @@ def _two_lobe(directions: Sequence[float | None]) -> float:
 
 
 # --- repeats, pooled over the unit
+
+
+@lru_cache(maxsize=256)  # of few instruments, each tried for every land
+def _persistent_rounding(resolution: float, standard_deviation: float) -> float:
+    return float(persistent_rounding_variance(resolution, standard_deviation))
 
 
 def _spread(

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from atleak.uncertainty.assumptions import DEFAULTS
+
 PAGES = ("CONTRIBUTING.md", "docs/architecture.md", "docs/nomenclature.md")
 FOLDERS = ("atleak", "tests", "pages", "docs", "benchmarks")
 KEY = re.compile(r"`(\w+_(?:um|mm|kpa|percent|dm3_min|rpm|c|mm2_s|g_cm3|mm3|per_k))`")
@@ -30,3 +32,8 @@ def test_every_key_with_a_unit_in_the_nomenclature_is_one_of_the_program(root: P
     files = [path for form in ("*.py", "*.toml") for path in (root / "atleak").rglob(form)]
     known = "\n".join(path.read_text(encoding="utf-8") for path in files)
     assert not {key for key in keys if key not in known}
+
+
+def test_every_assumption_that_can_be_set_is_named(root: Path) -> None:
+    text = (root / "docs" / "uncertainty.md").read_text(encoding="utf-8")
+    assert {name for name in DEFAULTS.settings if f"`{name}`" not in text} == set()

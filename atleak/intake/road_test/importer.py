@@ -76,7 +76,9 @@ def understand(
         ``problem`` says what is needed.
     """
     opened = open_source(source, name)
-    return read_as(Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered), _understand)
+    return read_as(
+        Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered), understood_whole
+    )
 
 
 def read_as(job: Job, read: Callable[[Job], Understood]) -> Understood:
@@ -105,7 +107,14 @@ def read_as(job: Job, read: Callable[[Job], Understood]) -> Understood:
     return replace(understood, sha256=digest, road_test=replace(test, sha256=digest) if test else None)
 
 
-def _understand(job: Job) -> Understood:
+def understood_whole(job: Job) -> Understood:
+    """Return what is understood of a log that is held in memory.
+
+    Raises
+    ------
+    RoadTestError
+        as `understand`.
+    """
     opened = job.source
     if opened.form == "workbook":
         return _workbook(job)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.errors import Place, RoadTestError
+from atleak.errors import Place, RoadTestError, extra_installed
 from atleak.intake.native.measurements import mdf_parts
 from atleak.intake.native.process import MDF, read_apart
 from atleak.intake.road_test.channels.assign import Assigner, Candidate, find_candidates, map_columns
@@ -177,7 +177,7 @@ def _load(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
         raise RoadTestError(
             Sentence("is an MDF file: reading it needs the extra 'mdf'"),
             place=Place(file=source.file),
-            expected=Sentence("atleak installed as atleak[mdf]"),
+            expected=extra_installed("mdf"),
         )
     if source.data[64:66] != b"HD" and source.data[64:68] != b"##HD":
         raise RoadTestError(Sentence("is a damaged MDF file: its header is missing"), place=Place(file=source.file))

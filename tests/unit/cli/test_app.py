@@ -108,7 +108,7 @@ def test_signing_in_without_its_libraries_says_what_to_install(
     monkeypatch.setattr(app, "find_spec", lambda name: None if name == "authlib" else name)
     status, _, err = run("app", "--address", "0.0.0.0")
     assert (status, served.commands) == (2, [])
-    assert "pip install" in err
+    assert 'python -m pip install ".[auth]"' in err
     assert "Authlib" in err
 
 

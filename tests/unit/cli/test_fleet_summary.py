@@ -64,6 +64,18 @@ def test_a_unit_with_nothing_but_its_verdict_is_as_the_schema_says(run: Run, tmp
     closed("fleet-summary").validate(json.loads(out))
 
 
+def test_one_unit_is_said_in_the_singular_and_one_without_a_sheet_as_in_no_rate(run: Run, tmp_path: Path) -> None:
+    results_of(tmp_path, [Unit("log", verdict=Verdict.OK, own={"provisional": True})])
+    status, printed, _ = run("fleet", "summary", tmp_path)
+    out = " ".join(printed.split())
+    assert status == 0
+    assert "1 unit, 1 result of atleak" in out
+    assert "body_a: 1 unit, 1 result" in out
+    assert "1 unit without a measuring sheet is judged by logs and gauges alone, and in no rate." in out
+    assert "Of 1 unit the verdict rests on representative values." in out
+    assert not [word for word in ("1 units", "1 results") if word in out]
+
+
 def test_it_is_printed_for_people(run: Run, folder: Path) -> None:
     status, out, _ = run("fleet", "summary", folder, "--by", "group")
     assert status == 0

@@ -7,6 +7,7 @@ import os
 import sys
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 from atleak.fleet.units import FleetUnit
 from atleak.job.case import Case, SourceFile
@@ -34,21 +35,21 @@ def bad_unit(number: int) -> FleetUnit:
 class Faulty(FleetUnit):
     """A unit at which atleak has a fault."""
 
-    def opened(self) -> tuple[Case, Job]:
+    def opened(self, folder: Path | None = None) -> tuple[Case, Job]:
         raise ZeroDivisionError("of atleak's own")
 
 
 class Short(FleetUnit):
     """A unit for which the memory does not suffice, as the system says."""
 
-    def opened(self) -> tuple[Case, Job]:
+    def opened(self, folder: Path | None = None) -> tuple[Case, Job]:
         raise MemoryError
 
 
 class Slow(FleetUnit):
     """A unit that takes for ever, in Python."""
 
-    def opened(self) -> tuple[Case, Job]:
+    def opened(self, folder: Path | None = None) -> tuple[Case, Job]:
         while True:
             time.sleep(0.01)
 
@@ -56,7 +57,7 @@ class Slow(FleetUnit):
 class Stuck(FleetUnit):
     """A unit that hangs in compiled code, which lets no other code of Python's run."""
 
-    def opened(self) -> tuple[Case, Job]:
+    def opened(self, folder: Path | None = None) -> tuple[Case, Job]:
         if sys.platform == "win32":
             ctypes.PyDLL("kernel32").Sleep(600_000)
         else:
@@ -67,14 +68,14 @@ class Stuck(FleetUnit):
 class Deadly(FleetUnit):
     """A unit at which a process ends, as a library's fault would end it."""
 
-    def opened(self) -> tuple[Case, Job]:
+    def opened(self, folder: Path | None = None) -> tuple[Case, Job]:
         os._exit(13)
 
 
 class Greedy(FleetUnit):
     """A unit that takes more and more memory."""
 
-    def opened(self) -> tuple[Case, Job]:
+    def opened(self, folder: Path | None = None) -> tuple[Case, Job]:
         taken = []
         while True:
             taken.append(b"1" * (8 << 20))
@@ -87,7 +88,7 @@ class OnceDeadly(FleetUnit):
 
     mark: str = ""  # path of a file that is made then
 
-    def opened(self) -> tuple[Case, Job]:
+    def opened(self, folder: Path | None = None) -> tuple[Case, Job]:
         try:
             os.close(os.open(self.mark, os.O_CREAT | os.O_EXCL))
         except FileExistsError:

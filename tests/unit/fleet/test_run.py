@@ -358,7 +358,7 @@ def test_a_client_that_cannot_be_made_is_closed(monkeypatch: pytest.MonkeyPatch)
 
 def test_without_dask_the_run_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(FleetError, match=r"pip install atleak\[fleet\]"):
+    with pytest.raises(FleetError, match=r'python -m pip install "\.\[fleet\]" in the folder'):
         connected().__enter__()
 
 

@@ -16,9 +16,11 @@ from atleak.errors import FleetError, InputError
 from atleak.fleet.results import Results
 from atleak.fleet.rows import rows_of
 from atleak.fleet.summary import summed_up
+from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summed import FleetSummary, ValveBody
 from atleak.spreads import PARTS, Rate, Spread
 from atleak.verdicts import Verdict
+from atleak.wording import wording
 
 from .few_units import Measured, Unit, condition, results_of, temperature_class
 from .made_up import CONTROLLERS, ERRORS, GROUPS, WORSE, WORSE_BY, made_up_results
@@ -355,6 +357,28 @@ def test_what_was_not_measured_is_in_no_rate_and_not_ok(tmp_path: Path) -> None:
     wear = {each.key: each.latest_percent for each in body.wear}
     assert wear[keys[2]] is None, "a ring seals it"
     assert [each.units for each in (wear[keys[0]], wear[keys[1]]) if each is not None] == [2, 1]
+
+
+def test_a_unit_with_a_log_alone_is_in_no_rate_and_is_counted(tmp_path: Path) -> None:
+    lands = {("1", 1): WORN}
+    units = [
+        Unit("worn", lands),
+        Unit("log", verdict=Verdict.OK, own={"road_rows": 1200}),
+        Unit("slack", verdict=Verdict.WATCH, own={"decided_by_kind": "permissible_pressure", "road_rows": 1200}),
+        Unit("half", {("1", 1): replace(WORN, status="not_measured")}, own={"readings_sha256": "a" * 64}),
+    ]
+    counts = summed_up(results_of(tmp_path, units)).counts
+    assert (counts.units, counts.judged, counts.without_sheet) == (4, 2, 2)
+    assert (counts.rates[Verdict.WATCH].count, counts.rates[Verdict.WATCH].of) == (2, 2)
+    assert (counts.verdicts[Verdict.OK], counts.verdicts[Verdict.WATCH]) == (1, 1)
+
+
+def test_a_valve_body_that_the_catalogue_does_not_have_is_named_as_the_results_name_it(tmp_path: Path) -> None:
+    units = [Unit(f"{n}", {("1", 1): Measured()}, own={"controller_name": f"Own {n % 3 // 2}"}) for n in range(5)]
+    words = FleetWords(summed_up(results_of(tmp_path, units)), wording("en"))
+    assert words.body("body_a") == "Own 0"
+    nameless = summed_up(results_of(tmp_path / "nameless", [Unit("a", {("1", 1): Measured()})]))
+    assert FleetWords(nameless, wording("en")).body("body_a") == "body_a"
 
 
 def test_few_units_have_counts_and_no_interval(tmp_path: Path) -> None:

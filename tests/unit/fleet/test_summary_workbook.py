@@ -127,6 +127,21 @@ def test_every_chart_draws_cells_that_hold_something() -> None:
     assert any("Pairs!" in reference for reference in drawn)
 
 
+def test_units_that_are_ok_in_part_stand_apart_in_the_chart_of_verdicts() -> None:
+    _, content = written()
+    spaces = {"c": "http://schemas.openxmlformats.org/drawingml/2006/chart"}
+    with zipfile.ZipFile(io.BytesIO(content)) as parts:
+        tree = ElementTree.fromstring(parts.read("xl/charts/chart1.xml"))
+    headings = [cell.value for cell in opened()["Verdicts"][1]]
+    columns = [
+        headings[range_boundaries(cells.text.partition("!")[2].replace("$", ""))[0] - 1]
+        for cells in tree.iterfind(".//c:val//c:f", spaces)
+        if cells.text
+    ]
+    assert columns == ["ok at every land", "ok in part", *columns[2:]]
+    assert wording("en").level(Verdict.OK) not in columns
+
+
 def test_nothing_that_somebody_typed_is_a_formula_or_a_link() -> None:
     typed = ["=1+1", "http://example.org", "\x07bell", "'quoted"]
     made = summary(groups=typed[:2], units=30, lands=3, name="=HYPERLINK(1)/{}")

@@ -47,6 +47,7 @@ def as_workbook(text: bytes) -> bytes:
         (b'number = "2026-0417"\n[customer]\nname = "A"\n', Kind.RECORD),
         (b'{"number": "2026-0417"}', Kind.RECORD),
     ],
+    ids=lambda given: given.value if isinstance(given, Kind) else "",  # a workbook's bytes name the second it is of
 )
 def test_a_file_is_told_by_its_content(minimal: Controller, content: bytes, kind: Kind) -> None:
     assert kind_of(SourceFile("anything.dat", content), minimal) is kind

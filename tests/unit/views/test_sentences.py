@@ -99,7 +99,7 @@ def test_a_verdict_on_pairs_tighter_than_new_says_so_at_once(
         for land in four_speed.lands
     }
     tight = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, half))
-    said = "47 measured lands are tighter than new ones, which wear cannot do: they are not passed."
+    said = "Measured lands tighter than new ones: 47. Wear cannot do that, so they are not passed"
     assert (readings_in_doubt(tight, wording("en")) or "").startswith(said)
     assert "47" in (readings_in_doubt(tight, wording("de")) or "")
     print_diagnosis(tight)

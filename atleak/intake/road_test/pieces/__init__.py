@@ -90,8 +90,23 @@ def understand_in_pieces(
         as `read_large_log`.
     """
     opened = open_source(Path(source), name)
-    job = Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered)
-    spool = Spool(opened.file)
+    return in_pieces(Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered))
+
+
+def in_pieces(job: Job, folder: Path | None = None) -> Understood:
+    """Return what is understood of a log that is opened, as `understand_in_pieces` does.
+
+    Parameters
+    ----------
+    folder
+        in which its columns are put; that of temporary files unless given.
+
+    Raises
+    ------
+    RoadTestError
+        as `read_large_log`.
+    """
+    spool = Spool(job.source.file, folder)
     try:
         understood = read_as(job, lambda each: _understood(each, spool))
     except BaseException:

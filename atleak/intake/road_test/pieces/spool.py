@@ -18,12 +18,16 @@ _SPARE = 1.1  # of the room that columns are thought to need
 _WIDTH = 8  # bytes of a number
 
 
+class NotInPiecesError(RoadTestError):
+    """A log is of a form that is not read in pieces, or there is no room for these: it may still be read whole."""
+
+
 class Spool:
     """A folder with columns, deleted when it is closed."""
 
-    def __init__(self, file: str) -> None:
+    def __init__(self, file: str, within: Path | None = None) -> None:
         self.file = file
-        self.folder = tempfile.TemporaryDirectory(prefix="atleak-log-")
+        self.folder = tempfile.TemporaryDirectory(prefix="atleak-log-", dir=within)
         self._numbers = count()
 
     def column(self, dtype: Any = np.float64) -> DiskColumn:
@@ -45,12 +49,12 @@ class Spool:
 
         Raises
         ------
-        RoadTestError
+        NotInPiecesError
             saying how much is needed, and where.
         """
         needed, free = rows * columns * _WIDTH * _SPARE, shutil.disk_usage(self.folder.name).free
         if needed > free:
-            raise RoadTestError(
+            raise NotInPiecesError(
                 Sentence(
                     "is read in pieces, for which {folder} needs {needed:.1f} GB and has {free:.1f}",
                     folder=str(Path(self.folder.name).parent),
@@ -62,7 +66,7 @@ class Spool:
             )
 
 
-def too_large_for(file: str, what: Sentence, expected: Sentence) -> RoadTestError:
+def too_large_for(file: str, what: Sentence, expected: Sentence) -> NotInPiecesError:
     """Return the error for a large log of a form that is not read in pieces."""
     problem = Sentence("is too large to be held in memory, and {what} is not read in pieces", what=what)
-    return RoadTestError(problem, place=Place(file=file), expected=expected)
+    return NotInPiecesError(problem, place=Place(file=file), expected=expected)
