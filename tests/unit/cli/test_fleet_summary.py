@@ -190,7 +190,7 @@ def test_the_workshop_of_a_job_record_stands_at_the_head_of_the_pdf_and_nobody_e
 ) -> None:
     record, printed = tmp_path / "record.toml", tmp_path / "fleet.pdf"
     record.write_text(
-        'number = "N 4711"\n[workshop]\nname = "Hall of Test Stands"\nlogo = "logo.png"\n[customer]\nname = "Bo Berg"\n',
+        'number = "N 4711"\n[workshop]\nname = "Hall of Stands"\nlogo = "logo.png"\n[customer]\nname = "Bo Berg"\n',
         encoding="utf-8",
     )
     Image.new("RGB", (40, 20), "navy").save(tmp_path / "logo.png")
@@ -200,6 +200,6 @@ def test_the_workshop_of_a_job_record_stands_at_the_head_of_the_pdf_and_nobody_e
         first = document[0].get_textpage().get_text_range()
         kinds = [each.type for each in document[0].get_objects()]
         text = " ".join(page.get_textpage().get_text_range() for page in document)
-    assert first.startswith("Hall of Test Stands")
+    assert first.startswith("Hall of Stands")
     assert pypdfium2.raw.FPDF_PAGEOBJ_IMAGE in kinds
     assert not [word for word in ("Bo Berg", "4711") if word in text]
