@@ -21,10 +21,10 @@ from atleak.report.pdf.compiling import common_data, compile_pdf
 from atleak.report.pictures import write_pictures
 from atleak.report.printed_charts import TwoBars, two_visits_chart
 from atleak.verdicts import Band
-from atleak.views.caveats import caveats
 from atleak.views.comparison_words import (
     differing_sentence,
     how_sure,
+    visit_caveats,
     with_uncertainty,
 )
 from atleak.views.measured_words import measured_sentence
@@ -79,8 +79,7 @@ def write_comparison_pdf(
     page = _Page(comparison, before, after, say)
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         letterhead = after if not after.workshop.empty else before
-        only_logo = {name: file for name, file in letterhead.pictures.items() if name == letterhead.workshop.logo}
-        pictures = write_pictures(letterhead.with_pictures(only_logo), Path(folder))
+        pictures = write_pictures(letterhead.letterhead, Path(folder))
         data = {
             **common_data(say("comparison.title"), say("comparison.subject"), letterhead, size, say, pictures),
             "facts": page.facts(),
@@ -385,7 +384,7 @@ class _Page:
         say, comparison = self.say, self.comparison
         said: Sequence[str | None] = [
             differing_sentence(comparison, say),
-            *dict.fromkeys([*caveats(comparison.before, say), *caveats(comparison.after, say)]),
+            *visit_caveats(comparison, say),
         ]
         items = [each for each in said if each is not None]
         if items:
