@@ -155,8 +155,8 @@ class Facts:
         probes, stamps = [np.empty(0)], [np.empty(0)]
         for each in own:
             probed = slice(-each.first % stride, None, stride)
-            probes.append(self.clean(own.signal, each.raw[probed]))
-            stamps.append(each.time[probed])
+            probes.append(self.clean(own.signal, each.raw[probed].copy()))  # not a view, which would hold all samples
+            stamps.append(each.time[probed].copy())
         many = self.count > 2 * stride
         if not suspects.shows_long_run(np.concatenate(probes), np.concatenate(stamps), self.span[1], seconds, many):
             return
