@@ -267,7 +267,8 @@ def middle_of(own: OwnSamples, count: int) -> np.ndarray:
     for each in own:
         if each.first >= high:
             break
-        parts.append(each.raw[max(low - each.first, 0) : max(high - each.first, 0)])
+        if each.first + len(each.raw) > low:  # an empty view would hold all samples before, too
+            parts.append(each.raw[max(low - each.first, 0) : high - each.first])
     return np.concatenate(parts)
 
 
