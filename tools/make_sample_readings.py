@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from atleak.catalogue.controller import Controller, Land
@@ -46,6 +47,9 @@ FOUR_SPEED_WEAR_PERCENT = {
 }
 
 
+# Lands whose bores have new sleeves on the sheet of the same unit after its repair.
+REPAIRED = (("25", 1), ("26", 2))
+
 # Radial clearances of the five-speed's sample [µm]: two lands of the forward clutch are worn, every other one is
 # somewhere within what new valves have.
 FIVE_SPEED_WORN_UM = {("manual_valve", 3): 46.0, ("forward_engagement", 1): 48.0}
@@ -57,6 +61,8 @@ def main() -> None:
     controller = load_controller("four_speed_2023")
     readings = [reading for land in controller.lands for reading in _four_speed_land(land, chance)]
     _write("measuring_sheet_four_speed.xlsx", controller, readings, {"Mileage": "106 315 km"})
+    again = list(_measured_again(controller, readings, random.Random(SEED + 1)))
+    _write("measuring_sheet_four_speed_repaired.xlsx", controller, again, {"Mileage": "106 320 km"})
     controller = load_controller("five_speed_2005")
     readings = [reading for land in controller.lands for reading in _five_speed_land(land, chance)]
     known = {
@@ -85,6 +91,19 @@ def _four_speed_land(land: Land, chance: random.Random) -> Iterator[Reading]:
                 pair = (start, round(start - diameter, 3))
                 yield _reading(land, "spool", direction, repeat, pair[0] - pair[1], pair)
     yield from _sleeve(land, land.new_clearance * 1e3 * (1.0 + wear), lean, chance)
+
+
+def _measured_again(controller: Controller, readings: list[Reading], chance: random.Random) -> Iterator[Reading]:
+    """Read the unit once more: new sleeves in two bores, as wide as when new, and all else as it was."""
+    for reading in readings:
+        land = next(
+            each for each in controller.lands if (each.component, each.planes[0]) == (reading.component, reading.plane)
+        )
+        diameter = reading.diameter
+        if reading.part == "sleeve" and land.key in REPAIRED:
+            diameter = land.nominal_diameter + 2.0 * land.new_clearance
+        read = round(diameter + _reading_error(chance) * 1e-3, 6)
+        yield replace(reading, diameter=read, coordinates=None)
 
 
 def _five_speed_land(land: Land, chance: random.Random) -> Iterator[Reading]:

@@ -207,7 +207,7 @@ def _said(results: Results, found: FoundUnits, finished: Finished, options: argp
     units = results.table("units", columns=["input_sha256", "verdict"])
     counts = _counts(units, "verdict")
     new = sum(finished.errors.values()) + finished.evaluated
-    print(f"{_units(new)} in {finished.seconds:.0f} s; {sum(counts.values())} with a result in {options.out}:")
+    print(f"{_units(new)} tried in {finished.seconds:.0f} s; {sum(counts.values())} with a result in {options.out}:")
     for level in sorted(map(Verdict, counts), key=lambda each: each.rank, reverse=True):
         print(f"  {counts[level.value]:6}  {signed(level)}")
     others = sum(sha256 not in found.seen for sha256 in units["input_sha256"].to_pylist())

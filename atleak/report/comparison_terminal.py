@@ -11,7 +11,6 @@ from rich.text import Text
 from atleak.comparison import Comparison
 from atleak.look import look_of
 from atleak.report.terminal import TerminalConsole
-from atleak.views.caveats import caveats
 from atleak.views.columns import Column
 from atleak.views.comparison_rows import (
     CONDITION_COLUMNS,
@@ -21,7 +20,7 @@ from atleak.views.comparison_rows import (
     event_rows,
     land_rows,
 )
-from atleak.views.comparison_words import changed_sentence, total_sentence, verdicts_sentence
+from atleak.views.comparison_words import changed_sentence, total_sentence, verdicts_sentence, visit_caveats
 from atleak.wording import Wording, signed, wording
 
 _ON_TERMINAL = ("pair", "was", "verdict", "clearance_before", "clearance_after", "change", "changed")
@@ -35,7 +34,7 @@ def print_comparison(comparison: Comparison) -> None:
     for sentence in (changed_sentence(comparison, say), total_sentence(comparison, say)):
         if sentence is not None:
             console.print(Text(sentence))
-    for line in dict.fromkeys([*caveats(comparison.before, say), *caveats(comparison.after, say)]):
+    for line in visit_caveats(comparison, say):
         console.print(Text(line))
     shown = [*comparison.flagged, *(land for land in comparison.changed if not land.flagged)]
     if shown:

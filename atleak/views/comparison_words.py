@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from atleak.comparison import Change, Comparison, EventPair, LandComparison
 from atleak.comparison.choices import ChoiceName
+from atleak.views.caveats import caveats
 from atleak.views.land_names import land_words
 from atleak.wording import Wording
 from atleak.workshop_units import UM
@@ -13,6 +14,16 @@ def verdicts_sentence(comparison: Comparison, say: Wording) -> str:
     """Say the verdict of the unit at both visits, with their signs."""
     before, after = (say.signed(each.verdict) for each in (comparison.before, comparison.after))
     return say("comparison.verdicts", before=before, after=after)
+
+
+def visit_caveats(comparison: Comparison, say: Wording) -> list[str]:
+    """Say what each verdict rests on; what is so at one visit alone, or differs, begins with whose it is."""
+    before, after = caveats(comparison.before, say), caveats(comparison.after, say)
+    return [
+        *(line for line in before if line in after),
+        *(f"{say('comparison.before')}: {line}" for line in before if line not in after),
+        *(f"{say('comparison.after')}: {line}" for line in after if line not in before),
+    ]
 
 
 def changed_sentence(comparison: Comparison, say: Wording) -> str:

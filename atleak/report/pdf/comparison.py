@@ -21,10 +21,10 @@ from atleak.report.pdf.compiling import common_data, compile_pdf
 from atleak.report.pictures import write_pictures
 from atleak.report.printed_charts import TwoBars, two_visits_chart
 from atleak.verdicts import Band
-from atleak.views.caveats import caveats
 from atleak.views.comparison_words import (
     differing_sentence,
     how_sure,
+    visit_caveats,
     with_uncertainty,
 )
 from atleak.views.measured_words import measured_sentence
@@ -385,7 +385,7 @@ class _Page:
         say, comparison = self.say, self.comparison
         said: Sequence[str | None] = [
             differing_sentence(comparison, say),
-            *dict.fromkeys([*caveats(comparison.before, say), *caveats(comparison.after, say)]),
+            *visit_caveats(comparison, say),
         ]
         items = [each for each in said if each is not None]
         if items:

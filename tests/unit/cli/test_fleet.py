@@ -77,7 +77,7 @@ def test_a_run_counts_verdicts_and_tells_what_is_there_twice(
     out = tmp_path / "results"
     status, printed, told = run("fleet", "run", jobs, "--out", out, "--workers", 3)
     assert status == 0
-    assert printed.splitlines() == [f"2 units in 2 s; 2 with a result in {out}:", "       2  ○ not measured"]
+    assert printed.splitlines() == [f"2 units tried in 2 s; 2 with a result in {out}:", "       2  ○ not measured"]
     assert f"{jobs / 'south' / 'again.zip'}: the same as {jobs / 'south' / '2.zip'}, which is evaluated once" in told
     assert asked == {
         "scheduler": None, "workers": 3, "units": 3, "time_limit": 1800.0, "retry_errors": False,
@@ -85,7 +85,7 @@ def test_a_run_counts_verdicts_and_tells_what_is_there_twice(
     assert pq.read_table(out / "units")["group"].to_pylist() == ["north", "south"]
     assert [each.path for each in known_folders()] == [out.resolve()]  # which the dashboard offers
     status, printed, _ = run("fleet", "run", jobs, "--out", out, "--time-limit", 0)
-    assert (status, printed.splitlines()[0]) == (0, f"0 units in 2 s; 2 with a result in {out}:")
+    assert (status, printed.splitlines()[0]) == (0, f"0 units tried in 2 s; 2 with a result in {out}:")
     assert asked["time_limit"] is None
 
 
@@ -96,7 +96,7 @@ def test_a_bad_file_stops_no_other_and_ends_with_status_2(
     (jobs / "bad.zip").write_bytes(b"no job at all")
     for new in (3, 0):  # the same again, though nothing is done again
         status, printed, told = run("fleet", "run", jobs, "--out", out)
-        assert (status, printed.splitlines()[0]) == (2, f"{new} units in 2 s; 2 with a result in {out}:")
+        assert (status, printed.splitlines()[0]) == (2, f"{new} units tried in 2 s; 2 with a result in {out}:")
         assert "atleak: 1 without a result (refused):" in told
         assert f"  {jobs / 'bad.zip'}: is no sound zip" in told
         assert f"every error stands in {out / 'errors'}; --retry-errors tries them again" in told
@@ -221,7 +221,7 @@ def test_units_of_earlier_runs_are_counted_and_an_error_comes_before_a_level(
 ) -> None:
     out, given = tmp_path / "results", jobs / "north" / "1.zip"
     _, printed, _ = run("fleet", "run", given, "--out", out)
-    assert printed.splitlines() == [f"1 unit in 2 s; 1 with a result in {out}:", "       1  ○ not measured"]
+    assert printed.splitlines() == [f"1 unit tried in 2 s; 1 with a result in {out}:", "       1  ○ not measured"]
     _, printed, _ = run("fleet", "run", jobs / "south", "--out", out)
     assert printed.splitlines()[-1] == "1 unit of these was not given this time"
     (jobs / "bad.zip").write_bytes(b"no job at all")

@@ -18,8 +18,13 @@ import pytest
 from atleak import cli
 
 from .pages import OTHER_PROGRAMS, ROOT, Block, Command, commands, pages, programs, split, text_of
+from .quotes import samples, unsaid
 
 PAGES = pages()
+
+#: Pages whose answers are those of their commands. Where commands need files that the reader makes, a test of that page
+#: makes them: `tests/unit/cli/test_my_first_transmission.py`.
+QUOTING = [page for page in PAGES if page.startswith("docs/tutorials/") and "my-first-transmission" not in page]
 
 #: What a block may be marked as; the last three are files of other programs, which are shown and not checked.
 LANGUAGES = ("python", "sh", "toml", "json", "text", "csv", "dockerfile", "nginx", "caddy")
@@ -57,12 +62,14 @@ def test_every_block_is_what_it_is_marked_as(page: str, capsys: pytest.CaptureFi
         assert [fault for command in commands(block) if (fault := fault_of(command, capsys))] == [], place
 
 
-def run_page(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Run what a page tells people to type, in the order in which they read it."""
+def run_page(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> str:
+    """Run what a page tells people to type, in the order in which they read it, and return what all of it printed."""
     shutil.copytree(ROOT / "sample_data", folder / "sample_data")
     monkeypatch.chdir(folder)
     monkeypatch.setenv("ATLEAK_HOME", str(folder.parent / f"{folder.name}-home"))
+    monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.delenv("ATLEAK_DATABASE_URL", raising=False)
+    heard: list[str] = []
     names: dict[str, Any] = {"__name__": "__main__"}
     for block in blocks(page):
         if block.language == "python":
@@ -70,12 +77,14 @@ def run_page(page: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: p
             exec(compile("\n" * block.line + block.text, page, "exec", dont_inherit=True), names)
         elif block.language == "sh":
             for command in filter(lambda command: command.runs, commands(block)):
-                capsys.readouterr()
+                heard += capsys.readouterr()
                 status = cli.main(command.here())
                 said = capsys.readouterr()
+                heard += said
                 assert status in command.statuses, f"{page}, {command}\n{said.err}"
                 if command.into:
                     Path(command.into).write_text(said.out, encoding="utf-8")
+    return "\n".join([*heard, *capsys.readouterr()])
 
 
 def runs(page: str, language: str) -> bool:
@@ -89,15 +98,27 @@ def runs(page: str, language: str) -> bool:
 def test_python_on_a_page_runs(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run_page(page, tmp_path / "here", monkeypatch, capsys)
+    said = run_page(page, tmp_path / "here", monkeypatch, capsys)
+    assert page not in QUOTING or unsaid(blocks(page), said + samples()) == []
 
 
 @pytest.mark.slow  # the test of every block shows in no time that each of these command lines is one
+@pytest.mark.usefixtures("all_draws")  # intervals that a page shows are those that its reader sees
 @pytest.mark.parametrize("page", [page for page in PAGES if runs(page, "sh")])
 def test_command_lines_on_a_page_run(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run_page(page, tmp_path / "here", monkeypatch, capsys)
+    said = run_page(page, tmp_path / "here", monkeypatch, capsys)
+    assert page not in QUOTING or unsaid(blocks(page), said + samples()) == []
+
+
+def test_an_answer_that_no_command_gave_is_found() -> None:
+    _, shown = split(
+        "```text\nunit: ■ replace\n… 24.2 % │ amber\natleak diagnose SHEET\n```\n\n```text\n24.3 %\nred\n```\n"
+    )
+    assert unsaid(shown, "unit: ■ replace\n 24.2 %\n  amber; red") == ["24.3 %"]
+    _, quoted = split("```text\nunit: ■ replace\n… 24.2 % │ amber\n```\n")
+    assert unsaid(quoted, "unit: ■\nreplace\n 24.2 %\n  amber") == []
 
 
 def test_a_command_line_that_atleak_does_not_take_is_found(capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,6 +17,7 @@ from atleak.job.record import Job
 from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.report.printed_charts import TwoBars, two_visits_chart
 from atleak.verdicts import Band, Verdict
+from atleak.views import comparison_words
 from atleak.wording import languages, wording
 
 BEFORE = Job(number="17", date="2026-03-02", customer={"name": "Łucja Example"}, complaint="Slips when hot.")
@@ -55,6 +56,17 @@ def text_of(content: bytes) -> str:
     with pypdfium2.PdfDocument(content) as document:
         assert len(document) == 1
         return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in document))
+
+
+def test_a_caveat_of_one_visit_says_which_and_one_of_both_stands_once(
+    repaired: Comparison, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before, after = ["on clearances", "on lengths"], ["on clearances", "on the pump"]
+    monkeypatch.setattr(
+        comparison_words, "caveats", lambda diagnosis, _: before if diagnosis is repaired.before else after
+    )
+    said = comparison_words.visit_caveats(repaired, wording("de"))
+    assert said == ["on clearances", "Vorher: on lengths", "Nachher: on the pump"]
 
 
 @pytest.mark.parametrize("language", languages())
