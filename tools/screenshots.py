@@ -51,7 +51,7 @@ TALL = 4400  # [px] of the window, so that whatever is shown is drawn
 EDGE, ABOVE = 14, 4  # [px] around what is shown, and above it
 PAGE_WIDTH = 900  # [px] of a report's page
 WORN = 1.5  # times as measured, of what is tried
-COLOURS = 128  # of a picture
+COLOURS = 256  # of a picture
 LARGEST = 150_000  # bytes
 START = 180.0  # [s] until the server must answer
 SOON = 90_000  # [ms] until the page must show what was asked of it
@@ -185,7 +185,7 @@ def diagnosis_land(page: Page) -> Part:
 
 
 def diagnosis_narrow(page: Page) -> Part:
-    return Part(page.locator("button[data-pair='17']"))
+    return Part(page.locator("button[data-pair='17']").first)
 
 
 def what_if(page: Page) -> Part:
@@ -196,7 +196,7 @@ def what_if(page: Page) -> Part:
     idle(page)
     wear = page.get_by_role("slider").first
     wear.focus()
-    while float(wear.get_attribute("aria-valuenow") or "9") < WORN:
+    while float(wear.input_value()) < WORN:
         page.keyboard.press("ArrowRight")
     page.keyboard.press("Tab")
     expect(page.get_by_text(re.compile(r"Tried:.*wear × 1\.5"))).to_be_visible()
@@ -327,12 +327,14 @@ def first_page(pdf: bytes) -> Image.Image:
 
 
 @contextmanager
-def served(folder: Path) -> Iterator[Dashboard]:
+def served(folder: Path, with_fleet: bool) -> Iterator[Dashboard]:
     """Start a dashboard whose job book and fleet hold samples alone; end it by its own process group."""
     home, elsewhere = folder / "home", folder / "elsewhere"
     elsewhere.mkdir()
     with made.user_folder(home):
-        jobs, fleet_folder = made.fill_book(), made.make_fleet(folder)
+        jobs, fleet_folder = made.fill_book(), folder / made.FLEET
+        if with_fleet:
+            made.make_fleet(folder)
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
         port = listener.getsockname()[1]
@@ -371,7 +373,7 @@ def _wait(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
 def written(picture: Image.Image) -> bytes:
     """Return a picture as a small PNG."""
     target = io.BytesIO()
-    few = picture.quantize(COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    few = picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     few.save(target, "PNG", optimize=True)
     return target.getvalue()
 
@@ -390,7 +392,12 @@ def difference(now: Image.Image, kept: Image.Image) -> str:
 def make(names: set[str], target: Path) -> dict[str, str]:
     """Make the pictures of these names in a folder; return by name why some cannot be made."""
     faults = {}
-    with tempfile.TemporaryDirectory() as folder, served(Path(folder)) as dashboard, sync_playwright() as driver:
+    with_fleet = any(name.startswith("fleet") for name in names)
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        served(Path(folder), with_fleet) as dashboard,
+        sync_playwright() as driver,
+    ):
         executable = next((path for path in CHROMIUM if Path(path).is_file()), shutil.which("chromium"))
         browser = driver.chromium.launch(executable_path=executable, args=["--no-sandbox"])
         of_pages = {name: lambda shot=shot: taken(browser, dashboard, shot) for name, shot in SHOTS.items()}

@@ -1,0 +1,75 @@
+"""Every picture that is kept is shown, every one that is shown is kept, and diagrams are what is drawn today."""
+
+from __future__ import annotations
+
+import re
+import struct
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from types import ModuleType
+
+import pytest
+
+from .pages import ROOT, links, pages, text_of
+
+PICTURES = ROOT / "docs" / "pictures"
+KEPT = sorted(path for path in PICTURES.iterdir() if path.suffix in (".png", ".svg"))
+LARGEST = 150_000  # bytes of a photograph of the screen
+LARGEST_DRAWING = 60_000  # bytes
+WIDEST = 1200  # [px]
+
+
+@pytest.fixture
+def tool(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], ModuleType]:
+    """Imports one of the tools as it is when it runs."""
+    monkeypatch.syspath_prepend(str(ROOT / "tools"))
+
+    def load(name: str) -> ModuleType:
+        for each in ("picture_jobs", name):
+            monkeypatch.delitem(sys.modules, each, raising=False)
+        return import_module(name)
+
+    return load
+
+
+def shown() -> set[str]:
+    """The names of all pictures of the folder that pages show."""
+    found = (re.search(r"(?:^|/)pictures/([\w.-]+)$", link) for page in pages() for link in links(text_of(page)))
+    return {name[1] for name in found if name}
+
+
+def test_pages_show_all_pictures_that_are_kept_and_no_others() -> None:
+    assert {path.name for path in PICTURES.iterdir()} == shown()
+    assert len(KEPT) > 20
+
+
+@pytest.mark.parametrize("path", KEPT, ids=lambda path: path.name)
+def test_a_picture_is_small_and_no_wider_than_a_page(path) -> None:
+    content = path.read_bytes()
+    if path.suffix == ".svg":
+        assert len(content) <= LARGEST_DRAWING
+        assert b"<svg" in content[:600]
+        assert b"#FFFFFF" in content[:1200]  # its own ground, so that it can be read on a dark page
+        return
+    width, height = struct.unpack(">II", content[16:24])
+    assert len(content) <= LARGEST
+    assert 300 <= width <= WIDEST
+    assert 100 <= height <= 2600
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param("eccentricity", marks=pytest.mark.slow), "gap", "spool-measuring", "pressure-distribution"]
+)
+def test_a_diagram_is_drawn_again_as_it_is_kept(tool: Callable[[str], ModuleType], name: str) -> None:
+    diagrams = tool("diagrams")
+    assert diagrams.same(diagrams.DIAGRAMS[name](), (PICTURES / f"{name}.svg").read_text(encoding="utf-8"))
+
+
+def test_drawings_with_another_word_or_another_place_are_not_the_same(tool: Callable[[str], ModuleType]) -> None:
+    same = tool("diagrams").same
+    drawing = '<text x="10.02" y="5">6.6 %</text>'
+    assert same(drawing, drawing.replace("10.02", "10.04"))
+    assert not same(drawing, drawing.replace("10.02", "11.02"))
+    assert not same(drawing, drawing.replace("6.6", "6.8"))
+    assert not same(drawing, drawing.replace("%", "dm"))
