@@ -6,6 +6,7 @@ import gc
 import importlib
 import io
 import os
+import sys
 import tempfile
 import zipfile
 from collections.abc import Callable, Generator, Iterator
@@ -44,6 +45,9 @@ WHOLE = (
     "e2e", "unit/cli", "unit/pages", "unit/report", "unit/intake/native",
     *(f"unit/test_{name}.py" for name in ("files", "marks", "rounds", "verdicts")),
 )  # fmt: skip
+
+# A page that is tested leaves itself behind as the main module, which every process that a later test spawns would run.
+_MAIN = sys.modules["__main__"]
 
 # What is set in every language is set in these each time, and in the others in the longer round.
 LANGUAGES = ("en", "pl")
@@ -97,6 +101,10 @@ def drawing(draws: int, of_circuits: int) -> Iterator[None]:
         patch.setattr(module, "DRAWS", draws)
         patch.setattr(module, "DRAWS_OF_CIRCUITS", of_circuits)
         yield
+
+
+def pytest_runtest_setup() -> None:
+    sys.modules["__main__"] = _MAIN
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -23,6 +23,7 @@ from atleak.errors import OutputError
 if TYPE_CHECKING:
     from atleak.fleet.results import Results
     from atleak.fleet.summed import FleetSummary
+    from atleak.job.record import Job
     from atleak.report.own_font import OwnFont
     from atleak.system.marks import Kind
 
@@ -50,6 +51,11 @@ def add_summary(group: Any) -> None:
     parser.add_argument("--errors", action="store_true", help="list instead every unit without a result, and why")
     parser.add_argument("--pdf", metavar="FILE.pdf", help="the summary on a few pages, with charts")
     parser.add_argument("--xlsx", metavar="FILE.xlsx", help="everything of the summary as a workbook, with charts")
+    parser.add_argument(
+        "--job",
+        metavar="RECORD",
+        help="a job record (.toml or .json) whose workshop, with its logo, stands at the head of the PDF",
+    )
     add_print(parser)
     add_json(parser)
     add_force(parser)
@@ -69,11 +75,13 @@ def run(options: argparse.Namespace) -> int:
     from atleak.fleet.summary_record import summary_record
     from atleak.fleet.summary_terminal import print_summary
     from atleak.fleet.summed import LISTED
+    from atleak.job.file import load_job
 
     targets: list[tuple[Kind, str | None]] = [("PDF", options.pdf), ("report workbook", options.xlsx)]
-    check_targets(options, [], [("record", options.json), *targets])
+    check_targets(options, [options.job], [("record", options.json), *targets])
     formats = [name for name in ("pdf", "xlsx") if getattr(options, name) is not None]
     printed, font = print_options(options, formats), print_font(options, formats)
+    letterhead = None if options.job is None else load_job(options.job)
     results = Results.open(options.results)
     if options.errors and options.json is None and not formats:
         _list_errors(results)
@@ -82,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
     summary = summed_up(results, by=options.by, controller=options.controller, listed=listed)
     with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
         note(options.results)
-    written = _write_papers(summary, options, printed, font)
+    written = _write_papers(summary, options, printed, font, letterhead)
     if options.json is not None:  # written last: standard output stays empty when another file fails
         written += write_json(options.json, summary_record(summary))
     if options.json != "-":
@@ -102,7 +110,11 @@ def _list_errors(results: Results) -> None:
 
 
 def _write_papers(
-    summary: FleetSummary, options: argparse.Namespace, printed: dict[str, str], font: OwnFont | None
+    summary: FleetSummary,
+    options: argparse.Namespace,
+    printed: dict[str, str],
+    font: OwnFont | None,
+    letterhead: Job | None,
 ) -> list[str]:
     """Write the PDF and the workbook where they are asked for; return the names of the files written."""
     written: list[str] = []
@@ -113,5 +125,5 @@ def _write_papers(
     if options.pdf is not None:
         from atleak.fleet.summary_pdf import write_summary_pdf
 
-        written += write(options.pdf, write_summary_pdf(summary, **printed, font=font))
+        written += write(options.pdf, write_summary_pdf(summary, **printed, font=font, letterhead=letterhead))
     return written

@@ -19,6 +19,7 @@ from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.own_font import OwnFont
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, grouped_table, joined, table, text, with_notes
 from atleak.report.pdf.compiling import common_data, compile_pdf
+from atleak.report.pictures import write_pictures
 from atleak.report.printed_charts.fleet import STACKED, VerdictRow, verdicts_chart
 from atleak.verdicts import Verdict
 from atleak.views.drawing import shortened
@@ -37,6 +38,7 @@ def write_summary_pdf(
     paper: str = DEFAULT_PAPER,
     units: str = "metric",
     font: OwnFont | None = None,
+    letterhead: Job | None = None,
 ) -> bytes:
     """Return the bytes of the PDF.
 
@@ -52,11 +54,13 @@ def write_summary_pdf(
         one of `atleak.unit_systems.SYSTEMS`.
     font
         for characters that the bundled fonts lack.
+    letterhead
+        a job record whose workshop stands at the head, with its logo; nothing else of it is printed.
 
     Raises
     ------
     InputError
-        if the language, the paper or the system of units is unknown.
+        if the language, the paper or the system of units is unknown, or the logo cannot be read.
 
     Notes
     -----
@@ -65,9 +69,17 @@ def write_summary_pdf(
     """
     say, size = wording(language, units), find_paper(paper)
     printed = _Printed(FleetWords(summary, say))
+    head = Job() if letterhead is None else letterhead.letterhead
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         data = {
-            **common_data(say("fleet_summary.title"), say("fleet_summary.subject"), Job(), size, say, {}),
+            **common_data(
+                say("fleet_summary.title"),
+                say("fleet_summary.subject"),
+                head,
+                size,
+                say,
+                write_pictures(head, Path(folder)),
+            ),
             **printed.data(),
         }
         return compile_pdf("fleet", Path(folder), data, None, say, font)

@@ -314,6 +314,12 @@ class Job(Record):
         names = [self.workshop.logo, *(photo.file for photo in self.photos), *(s.photo for s in self.scratches)]
         return tuple(dict.fromkeys(name for name in names if name))
 
+    @property
+    def letterhead(self) -> Job:
+        """Return the workshop with its logo, and nothing else of the job."""
+        logo = {name: content for name, content in self.pictures.items() if name == self.workshop.logo}
+        return Job(workshop=self.workshop).with_pictures(logo)
+
     def with_pictures(self, pictures: Mapping[str, bytes]) -> Job:
         """Return the same record with the bytes of its pictures; those it does not name are left out."""
         job = self.model_copy()

@@ -15,9 +15,9 @@ from atleak.job.parts import job_parts
 from atleak.job.record import Job
 from atleak.sentence import Sentence
 from atleak.system.home import home
-from pages.shared import reader
+from pages.shared import fleet_job, reader
 from pages.shared.cases import case_with_columns, diagnosis_of, opened_case
-from pages.shared.state import JOB, InBook, Refusal, Session, job, session, show_job
+from pages.shared.state import JOB, OF_FLEET, InBook, Refusal, Session, job, session, show_job
 
 if TYPE_CHECKING:
     from atleak.jobs.book import Book
@@ -55,6 +55,7 @@ def follow_address() -> None:
     in_book = session().in_book
     if wanted is None:
         in_book.left = None
+        fleet_job.follow_address()
     elif wanted == in_book.left:
         del st.query_params[JOB]
     elif wanted not in (in_book.id, in_book.unknown):
@@ -92,8 +93,9 @@ def keep(page: str) -> bool:
     before = in_book.news
     if in_book.state is None and not in_book.new:
         in_book.state = state  # as it was opened, its widgets drawn
-    if in_book.id is not None and (st.query_params.get(JOB), in_book.page) != (in_book.id, page):
-        st.query_params[JOB] = in_book.id
+    name, of_job = (OF_FLEET, in_book.of_fleet) if in_book.id is None else (JOB, in_book.id)
+    if of_job and (st.query_params.get(name), in_book.page) != (of_job, page):
+        st.query_params[name] = of_job
     in_book.page = page
     try:
         if state == in_book.state:
@@ -121,7 +123,8 @@ def _save(now: Session, id: str | None, version: int | None) -> None:
     parts = job_parts(diagnosis_of(now.good), record, case_with_columns(now.good))
     saved = book().save(parts, id=id, version=version, sample=now.good.sample)
     in_book.id, in_book.version, in_book.state = saved.id, saved.version, state
-    in_book.new, in_book.conflict = False, None
+    in_book.new, in_book.conflict, in_book.of_fleet = False, None, ""
+    st.query_params.pop(OF_FLEET, None)
     st.query_params[JOB] = saved.id
 
 

@@ -24,6 +24,7 @@ from atleak.verdicts import FLAGGED
 from atleak.views.columns import Column
 from atleak.wording import Wording
 from pages.shared import address, files, font_form, reader, show
+from pages.shared.state import job
 
 FOLDER, BODY, BY = "fleet", "body", "by"  # parameters of the address
 COMMAND = "atleak fleet run jobs/ --out results/"
@@ -229,7 +230,9 @@ def draw_files(words: FleetWords) -> None:
         say("take_along.paper"), list(PAPERS), format_func=lambda name: PAPERS[name].label, key="fleet-paper"
     )
     name = files.named("fleet", words.summary.folder.replace("\\", "/").rpartition("/")[2])
-    of_pdf = partial(write_summary_pdf, words.summary, language=language, paper=paper, units=say.units)
+    of_pdf = partial(
+        write_summary_pdf, words.summary, language=language, paper=paper, units=say.units, letterhead=job()
+    )
     workbook = partial(write_summary_workbook, words.summary, language=language, units=say.units)
     with st.container(horizontal=True):
         st.download_button(

@@ -17,18 +17,15 @@ from atleak.fleet.results import Results
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summed import GROUP, SummedUnit
 from atleak.fleet.units import BOOK
-from atleak.job.judged_anew import differs
-from atleak.job.of_sheet import with_sheet
 from atleak.uncertainty import DECISIONS
 from atleak.verdicts import BANDS, Verdict, level_named
 from atleak.views.columns import Column
-from atleak.views.diagnosis_record import diagnosis_record
 from atleak.wording import Wording
 from pages.shared import fields, reader, show
 from pages.shared.book import open_from_book
-from pages.shared.cases import diagnosis_of, opened_case
 from pages.shared.fleet import heading_words, reads
-from pages.shared.state import InBook, remember, show_job
+from pages.shared.fleet_job import show_unit
+from pages.shared.state import remember
 
 PAGE = 50  # rows
 _OPENED = "fleet-opened"  # set where the last click opened a job
@@ -246,7 +243,7 @@ def draw(folder: KnownFolder, unit: SummedUnit, words: FleetWords) -> None:
         st.button(
             say("fleet.open"),
             on_click=_open,
-            args=(kept,),
+            args=(kept, folder),
             type="primary",
             key="fleet-open",
             help=say("fleet.open_help"),
@@ -320,28 +317,18 @@ def _condition(row: Any, say: Wording) -> dict[str, Any]:
     }
 
 
-def _open(kept: KeptUnit) -> None:
+def _open(kept: KeptUnit, folder: KnownFolder) -> None:
     """Open a unit's own job in this session, or keep why that is not possible; for a callback."""
     row = kept.unit
     st.session_state.pop(_FAULT, None)
+    done = reader.say()("done.opened", name=row["number"] or row["name"][len(_folder_of(row["name"])) :])
     try:
-        given, record = kept.opened()
-        case = opened_case(given)
-        diagnosis = diagnosis_of(case)
+        if row["reference"].startswith(BOOK):
+            kept.opened()
+            remember(done)
+            st.session_state[_OPENED] = open_from_book(row["reference"].removeprefix(BOOK))
+        else:
+            show_unit(kept, folder.id, done=done)
+            st.session_state[_OPENED] = True
     except AtleakError as error:
         st.session_state[_FAULT] = row["reference"], error
-        return
-    remember(reader.say()("done.opened", name=row["number"] or row["name"][len(_folder_of(row["name"])) :]))
-    if row["reference"].startswith(BOOK):
-        st.session_state[_OPENED] = open_from_book(row["reference"].removeprefix(BOOK))
-        return
-    otherwise = differs(kept.result, _without_circuits(diagnosis_record(diagnosis)))
-    in_book = InBook(result_by=row["atleak"], judged_otherwise=otherwise)  # kept in the book once it is changed
-    show_job(case, with_sheet(record, diagnosis.readings) or record, in_book)
-    st.session_state[_OPENED] = True
-
-
-def _without_circuits(record: dict[str, Any]) -> dict[str, Any]:
-    """Return a record without what the rows of a unit do not hold."""
-    conditions = [{**each, "circuits": []} for each in record["conditions"]]
-    return {**record, "conditions": conditions}

@@ -40,6 +40,7 @@ from pages.shared.cases import (
 FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
 JOB = "job"  # the parameter of the address that names a job of the job book
+OF_FLEET = "fleet-unit"  # the one that names a unit of a fleet whose own job is shown, as long as the book has none
 RECORD = "job-record"  # where the session keeps it; no parameter of the address may have this name
 RESULTS = 2  # that a session keeps
 UNDOABLE = 10  # steps back that a session keeps
@@ -74,7 +75,8 @@ class InBook:
     new: bool = False  # to be saved as it stands, before anything changes
     conflict: AtleakError | None = None  # somebody else has saved it since
     fault: AtleakError | None = None  # why it could not be saved
-    unknown: str = ""  # id in the address that could not be opened
+    of_fleet: str = ""  # as which unit of a fleet the address names it while it has no id
+    unknown: str = ""  # id, or unit of a fleet, in the address that could not be opened
     left: str | None = None  # id in the address, of the job that was shown before this one: not to be opened again
     page: str = ""  # on which the address was given the id last
     archived: bool = False
@@ -225,7 +227,8 @@ def show_job(case: PageCase, record: Job, in_book: InBook) -> None:
     st.session_state["atleak"] = Session(
         case, case, {}, start=case, generation=now.generation + 1, in_book=in_book, undo=now.undo
     )
-    st.query_params.pop(JOB, None)
+    for name in (JOB, OF_FLEET):
+        st.query_params.pop(name, None)
     put_job(record)
 
 

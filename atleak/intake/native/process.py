@@ -1,7 +1,7 @@
 """Calls a reading function in a child process, within limits of time and memory.
 
-Children keep running for the next file and serve one thread at a time. When one dies, or is ended at a limit, the file
-it was reading is refused; the next file gets a new child.
+Children keep running for the next file of the same kind and serve one thread at a time. When one dies, or is ended at a
+limit, the file it was reading is refused; the next file gets a new child.
 
 To have another kind of file read there, write a function that takes the file's bytes and yields plain data (None,
 numbers, texts, sentences, bytes, bytearrays, dates, times, and lists, tuples and dicts of them), in a module that
@@ -39,6 +39,8 @@ Answers = Generator[Any, None, tuple[str, Any]]
 
 CHILDREN = 2
 """Files read at the same time; a third waits. Each may take the memory of its budget."""
+IDLE = 4
+"""Children that are kept for the next file, of all kinds together."""
 KEPT = 300 << 20
 """Bytes of memory above which a child is ended after its file instead of kept: memory once used is not given back."""
 START = 30.0
@@ -283,7 +285,9 @@ class _Deadline:
 class _Child:
     """One child process."""
 
-    def __init__(self) -> None:
+    def __init__(self, module: str) -> None:
+        # what a library has taken of the addresses stays taken, and of those each kind of file has a number of its own
+        self.module = module
         if not sys.executable or getattr(sys, "frozen", False):
             raise OSError(f"this Python names no interpreter to start (sys.executable is {sys.executable!r})")
         path = [entry or str(Path.cwd()) for entry in sys.path]
@@ -294,7 +298,7 @@ class _Child:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+            env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "ARROW_IO_THREADS": "1"},
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
         )
         self._input, self._output = cast(BinaryIO, self.process.stdin), cast(BinaryIO, self.process.stdout)
@@ -418,6 +422,7 @@ class _Pool:
     def __init__(self) -> None:
         self._places = threading.BoundedSemaphore(CHILDREN)
         self._idle: list[_Child] = []
+        self._lock = threading.Lock()
 
     def read(self, request: Request, data: bytes, *, streamed: bool = False) -> Answers:
         """Read a file as `_Child.read` does, with a child that is free.
@@ -429,14 +434,14 @@ class _Pool:
         OSError
             where no child can be started.
         """
-        with self._borrowed() as child:
+        with self._borrowed(request.module) as child:
             return (yield from child.read(request, data, streamed=streamed))
 
     @contextlib.contextmanager
-    def _borrowed(self) -> Iterator[_Child]:
+    def _borrowed(self, module: str) -> Iterator[_Child]:
         """Provide a child for one file; keep it afterwards if it answered in full and stayed small."""
         with self._places:
-            child = self._take()
+            child = self._take(module)
             try:
                 yield child
             except BaseException:  # the rest of its answer is not read, so it cannot be used again
@@ -444,16 +449,24 @@ class _Pool:
                 child.end()
                 raise
             if child.usable() and child.memory() < KEPT:
-                self._idle.append(child)
+                self._keep(child)
             else:
                 child.end()
 
-    def _take(self) -> _Child:
+    def _keep(self, child: _Child) -> None:
+        with self._lock:
+            self._idle.append(child)
+            surplus = [self._idle.pop(0) for _ in range(len(self._idle) - IDLE)]
+        for each in surplus:
+            each.end()
+
+    def _take(self, module: str) -> _Child:
         while True:
-            try:
-                child = self._idle.pop()  # the one used last; the list's own pop is one step to all threads
-            except IndexError:
-                return _Child()
+            with self._lock:  # the one used last
+                places = [place for place, each in enumerate(self._idle) if each.module == module]
+                child = self._idle.pop(places[-1]) if places else None
+            if child is None:
+                return _Child(module)
             if child.usable():
                 return child
             child.end()
@@ -461,7 +474,8 @@ class _Pool:
     def close(self) -> None:
         """End the idle children."""
         while self._idle:
-            self._idle.pop().end()
+            with contextlib.suppress(IndexError):
+                self._idle.pop().end()
 
     def disown(self) -> None:
         """Forget the children, which belong to the process this one was forked off."""

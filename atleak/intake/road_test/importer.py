@@ -19,7 +19,7 @@ from atleak.intake.road_test.channels.reader import read_table
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.delimited import Delimited, open_delimited
-from atleak.intake.road_test.files.log_file import HEAD, LogFile, open_source
+from atleak.intake.road_test.files.log_file import BESIDE, HEAD, TIMES, LogFile, fitting, open_source
 from atleak.intake.road_test.files.log_sheets import LogSheet, open_sheets
 from atleak.intake.road_test.files.other_files import of_measured_parts, without_a_table
 from atleak.intake.road_test.files.parquet_table import open_parquet
@@ -27,6 +27,7 @@ from atleak.intake.road_test.mdf import understand_mdf
 from atleak.intake.road_test.names import memory
 from atleak.intake.road_test.outcome import Understood, finish, labels_of
 from atleak.sentence import Sentence
+from atleak.system.memory import of_machine
 from atleak.written_numbers import INTERVAL
 
 
@@ -115,6 +116,25 @@ def understood_whole(job: Job) -> Understood:
     RoadTestError
         as `understand`.
     """
+    opened, memory = job.source, of_machine()
+    if opened.form == "text" and memory is not None and opened.size > fitting(memory):
+        problem = Sentence(
+            "takes up to {needed:.1f} GB of memory where it is read whole, and this computer has {memory:.1f} GB",
+            needed=(TIMES * opened.size + BESIDE) / 1e9,
+            memory=memory / 1e9,
+        )
+        raise RoadTestError(problem, place=Place(file=opened.file), expected=_IN_A_FLEET)
+    try:
+        return _by_form(job)
+    except MemoryError as error:
+        problem = Sentence("is too large for the memory of this computer")
+        raise RoadTestError(problem, place=Place(file=opened.file), expected=_IN_A_FLEET) from error
+
+
+_IN_A_FLEET = Sentence("less of the drive, or the unit as one of a fleet: atleak fleet run reads large logs in pieces")
+
+
+def _by_form(job: Job) -> Understood:
     opened = job.source
     if opened.form == "workbook":
         return _workbook(job)

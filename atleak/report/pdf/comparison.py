@@ -79,8 +79,7 @@ def write_comparison_pdf(
     page = _Page(comparison, before, after, say)
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         letterhead = after if not after.workshop.empty else before
-        only_logo = {name: file for name, file in letterhead.pictures.items() if name == letterhead.workshop.logo}
-        pictures = write_pictures(letterhead.with_pictures(only_logo), Path(folder))
+        pictures = write_pictures(letterhead.letterhead, Path(folder))
         data = {
             **common_data(say("comparison.title"), say("comparison.subject"), letterhead, size, say, pictures),
             "facts": page.facts(),

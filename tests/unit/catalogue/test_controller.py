@@ -432,7 +432,7 @@ def test_the_document_says_what_its_circuit_holds(
 def examples(root: Path, folder: Path) -> dict[str, Path]:
     """Write the document's files, and the controller with the circuit that is added to it, each by its name."""
     text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
-    controller, circuit, fluid, limits = re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)
+    controller, _, circuit, fluid, limits = re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)
     contents = {
         "my_box": controller,
         "my_box with circuits": controller + circuit,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pypdfium2
 import pytest
+from PIL import Image
 from python_calamine import CalamineWorkbook
 
 from atleak.fleet.known import known_folders
@@ -182,3 +183,23 @@ def test_the_folder_is_offered_on_the_pages_and_a_home_that_cannot_be_written_st
     monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "file"))
     status, out, _ = run("fleet", "summary", folder, "--json", "-")
     assert (status, json.loads(out)["counts"]["units"]) == (0, 60)
+
+
+def test_the_workshop_of_a_job_record_stands_at_the_head_of_the_pdf_and_nobody_else_of_it(
+    run: Run, folder: Path, tmp_path: Path
+) -> None:
+    record, printed = tmp_path / "record.toml", tmp_path / "fleet.pdf"
+    record.write_text(
+        'number = "N 4711"\n[workshop]\nname = "Hall of Stands"\nlogo = "logo.png"\n[customer]\nname = "Bo Berg"\n',
+        encoding="utf-8",
+    )
+    Image.new("RGB", (40, 20), "navy").save(tmp_path / "logo.png")
+    status, _, said = run("fleet", "summary", folder, "--pdf", printed, "--job", record)
+    assert (status, said) == (0, "")
+    with pypdfium2.PdfDocument(printed) as document:
+        first = document[0].get_textpage().get_text_range()
+        kinds = [each.type for each in document[0].get_objects()]
+        text = " ".join(page.get_textpage().get_text_range() for page in document)
+    assert first.startswith("Hall of Stands")
+    assert pypdfium2.raw.FPDF_PAGEOBJ_IMAGE in kinds
+    assert not [word for word in ("Bo Berg", "4711") if word in text]

@@ -112,10 +112,9 @@ def test_every_command_of_the_page_does_what_it_says(
         if "-o" in command:
             assert (tmp_path / command[command.index("-o") + 1]).is_file()
     assert [command[0] for command in listed].count("controller") == 6
-    assert said["controller check"] in page
-    first = re.search(r"^Mounting clearances of .*", page, re.MULTILINE)
-    assert first is not None
-    assert first.group() in learnt[0]
+    shown = re.sub(r"\s+", " ", page)  # a page breaks long lines
+    for answer in (said["controller check"], learnt[0].splitlines()[0]):
+        assert re.sub(r"\s+", " ", answer).strip() in shown
     learned = load_controller("my_unit_learned.toml")
     assert {land.learned_from_units for land in learned.lands} == {3}
     assert [land.nominal_diameter * 1e3 for land in learned.lands[:3]] == pytest.approx(

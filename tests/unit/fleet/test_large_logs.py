@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -9,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow.csv
+import pyarrow.parquet as pq
 import pytest
 
 from atleak.engine.assumed_pressure import OPERATING_POINTS
@@ -163,6 +166,19 @@ def test_a_row_of_a_table_may_name_a_large_log(tmp_path: Path) -> None:
     whole, parts = both(unit, tmp_path)
     assert_same(parts, whole)
     assert the(parts, "units")["road_in_pieces"]
+
+
+def test_a_parquet_log_is_as_large_as_it_unfolds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    table, path = pyarrow.csv.read_csv(io.BytesIO(log_of(*_COLUMNS))), tmp_path / "log.parquet"
+    pq.write_table(table, path, row_group_size=130)
+    unit = unit_of(SourceFile.at(path))
+    whole, parts = both(unit, tmp_path)
+    assert_same(parts, whole)
+    assert the(parts, "units")["road_in_pieces"]
+    monkeypatch.setattr("atleak.intake.road_test.pieces.any_size.LARGE", 8 * table.num_rows * table.num_columns - 1)
+    assert the(evaluate(unit), "units")["road_in_pieces"]
+    monkeypatch.setattr("atleak.intake.road_test.pieces.any_size.LARGE", 8 * table.num_rows * table.num_columns)
+    assert not the(evaluate(unit), "units")["road_in_pieces"]
 
 
 def test_a_log_that_is_not_read_in_pieces_is_read_whole_where_there_is_memory(

@@ -150,6 +150,26 @@ def test_a_unit_is_opened_as_its_own_job_and_that_can_be_undone(app: AppTest, ev
     assert len(units(app).value) == 2
 
 
+def test_the_address_of_an_opened_unit_opens_it_again_after_a_reload(app: AppTest, evaluated: Path) -> None:
+    shown(app, evaluated)
+    pick(app, 1)
+    app.button(key="fleet-open").click().run()
+    address = app.query_params["fleet-unit"]
+    del app.session_state["atleak"]  # a reload begins a session of its own
+    del app.session_state["job-record"]
+    go(app, "4_Diagnosis")
+    assert not app.exception
+    assert app.session_state["job-record"].number == "N1"
+    assert app.session_state["atleak"].good.readings.name == "1.csv"
+    assert app.query_params["fleet-unit"] == address
+    (evaluated.parent / "jobs" / "south_1.zip").unlink()
+    del app.session_state["atleak"]
+    go(app, "4_Diagnosis")
+    assert not app.exception
+    assert "the unit of a fleet that the address names" in texts(app)
+    assert app.session_state["atleak"].good.sample
+
+
 def test_a_unit_whose_file_has_changed_says_so_and_its_results_stay(app: AppTest, evaluated: Path) -> None:
     job_file(evaluated.parent / "jobs" / "north_0.zip", 5)
     shown(app, evaluated)

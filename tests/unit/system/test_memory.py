@@ -6,12 +6,13 @@ import gc
 import subprocess
 import sys
 import threading
+from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 from atleak.system import memory
-from atleak.system.memory import collect_soon, give_back, set_imports_aside
+from atleak.system.memory import collect_soon, give_back, of_machine, set_imports_aside
 
 SCRIPT = """
 import psutil
@@ -71,3 +72,16 @@ def test_a_collection_that_many_ask_for_is_made_once(monkeypatch: pytest.MonkeyP
 def test_what_was_freed_goes_back() -> None:
     said = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True).stdout
     assert float(said) > 150.0  # of 200 MB
+
+
+def test_the_memory_of_a_machine_is_what_it_has_and_of_a_container_what_it_may_take(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    psutil = pytest.importorskip("psutil")
+    none, unlimited, limited = tmp_path / "none", tmp_path / "unlimited", tmp_path / "limited"
+    unlimited.write_text("max\n", encoding="ascii")
+    limited.write_text("1000000\n", encoding="ascii")
+    monkeypatch.setattr(memory, "_CONTAINERS", (none, unlimited))
+    assert of_machine() == pytest.approx(psutil.virtual_memory().total, rel=0.01, abs=0.0)
+    monkeypatch.setattr(memory, "_CONTAINERS", (unlimited, limited))
+    assert of_machine() == 1_000_000

@@ -122,6 +122,18 @@ def open_parquet(source: LogFile) -> ParquetLog:
     return ParquetLog(source, layout, kinds, rows, sample, decimal)
 
 
+def cells_of_parquet(source: LogFile) -> int:
+    """Return how many cells the table of a Parquet file has, as the file says.
+
+    Raises
+    ------
+    RoadTestError
+        where it is damaged.
+    """
+    ((_, told),) = _parts(source, (), limit=None)
+    return int(told["rows"]) * len(told["columns"])
+
+
 def head_of_parquet(source: str | Path | bytes, name: str) -> bytes:
     """Return a small Parquet log with the first rows alone, by which it is told what its columns are.
 

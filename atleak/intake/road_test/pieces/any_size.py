@@ -7,24 +7,26 @@ from pathlib import Path
 
 from atleak.doors import own_errors_only
 from atleak.errors import RoadTestError
-from atleak.intake.road_test.files.log_file import open_source
+from atleak.intake.road_test.files.log_file import LogFile, fitting, open_source
+from atleak.intake.road_test.files.parquet_table import cells_of_parquet
 from atleak.intake.road_test.importer import Job, read_as, understand, understood_whole
 from atleak.intake.road_test.outcome import Understood
 from atleak.intake.road_test.pieces import LARGE, in_pieces
 from atleak.intake.road_test.pieces.spool import NotInPiecesError
 
-TIMES, BESIDE = 6, 200 << 20
-"""How many times its size a text takes at most while it is read whole, and how many bytes beside."""
-_IN_PIECES = ("text",)  # forms of files
+_IN_PIECES = ("text", "parquet")  # forms of files
+_CELL = 8  # bytes of text that a number takes, more or less
 
 
-def fitting(memory: int) -> int:
-    """Return how many bytes of text a process reads whole that may take so much memory.
-
-    >>> fitting(1_000_000_000) >> 20
-    125
-    """
-    return max((memory - BESIDE) // TIMES, 0)
+def _size_as_text(source: LogFile) -> int:
+    """Return how many bytes a log takes as text: of Parquet, by the number of its cells."""
+    if source.form != "parquet":
+        return source.size
+    try:
+        return cells_of_parquet(source) * _CELL
+    except BaseException:
+        source.close()
+        raise
 
 
 @own_errors_only(RoadTestError, "name", "source")
@@ -59,8 +61,9 @@ def understand_of_any_size(
     """
     opened = open_source(source, name)
     job = Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered)
-    fits = opened.size if memory is None else fitting(memory)
-    if opened.form not in _IN_PIECES or opened.size <= min(fits, LARGE):
+    size = _size_as_text(opened)
+    fits = size if memory is None else fitting(memory)
+    if opened.form not in _IN_PIECES or size <= min(fits, LARGE):
         return read_as(job, understood_whole)
     try:
         understood = in_pieces(job, folder)
@@ -69,6 +72,6 @@ def understand_of_any_size(
         refused = understood.problem
     except NotInPiecesError as error:
         refused = error
-    if opened.size > fits:
+    if size > fits:
         raise refused
     return understand(source, name=name, mapping=mapping, units=units, constants=constants, remembered=remembered)

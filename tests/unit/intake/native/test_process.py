@@ -20,7 +20,7 @@ from atleak.doors import is_own_fault
 from atleak.errors import InputError, ReadingsError, RoadTestError
 from atleak.intake import workbook_marks
 from atleak.intake.native import process
-from atleak.intake.native.process import MDF, PARQUET, WORKBOOK, Budget, read_apart
+from atleak.intake.native.process import MDF, PARQUET, WORKBOOK, Budget, read_apart, read_apart_in_parts
 from atleak.intake.road_test import read_road_test
 
 HERE = Path(__file__).parent
@@ -57,6 +57,13 @@ def refused() -> Callable[..., InputError]:
 def number(readers: ModuleType) -> int:
     """The number of the child that reads."""
     return read_apart(readers.number_and_size, b"", "some.file", ReadingsError, SMALL)[0][0]
+
+
+def other_number() -> int:
+    """The number of the child that reads files of another kind."""
+    import of_another_kind
+
+    return read_apart(of_another_kind.number, b"", "some.file", ReadingsError, SMALL)[0]
 
 
 def ended(pid: int, within: float = 15.0) -> bool:
@@ -171,6 +178,30 @@ def test_a_child_that_has_grown_is_not_kept(readers, monkeypatch):
     first = number(readers)
     assert ended(first)
     assert number(readers) != first
+
+
+def test_a_child_reads_files_of_one_kind_alone(readers):
+    """Libraries keep the addresses that they once had, of which every kind of file has a budget of its own."""
+    first = number(readers)
+    pid = other_number()
+    assert pid != first
+    assert number(readers) == first
+    assert other_number() == pid
+
+
+def test_no_more_children_wait_than_are_kept(readers, monkeypatch):
+    monkeypatch.setattr(process, "IDLE", 1)
+    first = number(readers)
+    other_number()
+    assert ended(first)
+
+
+def test_parts_come_one_by_one_however_many_they_are(readers):
+    parts = read_apart_in_parts(readers.talkative, bytes(20 << 20), "some.file", ReadingsError, SMALL, 0)
+    assert [len(next(parts)) for _ in range(8)] == [20 << 20] * 8  # more together than a whole answer may have
+    parts.close()
+    assert process._pool._idle == []  # what was not taken cannot be answered any more
+    assert number(readers)
 
 
 def test_four_threads_read_at_once_by_no_more_children_than_there_may_be(readers):

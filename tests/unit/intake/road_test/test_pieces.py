@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 
 from atleak import columns as all_columns
 from atleak.errors import RoadTestError
-from atleak.intake.road_test import understand
+from atleak.intake.road_test import importer, understand
+from atleak.intake.road_test.files.log_file import BESIDE, TIMES
 from atleak.intake.road_test.outcome import Understood
 from atleak.intake.road_test.pieces import (
     columns,
@@ -264,3 +265,31 @@ def test_a_large_log_gives_parts_like_any_road_test(tmp_path: Path) -> None:
     np.testing.assert_array_equal(part.values("engine_speed"), log.values("engine_speed", 10, 20))
     assert (log.back(20, 0.25), log.onward(20, 0.25)) == (18, 23)
     log.close()
+
+
+def test_a_log_that_the_memory_does_not_hold_is_refused_and_where_it_can_be_read_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "log.csv"
+    path.write_bytes(CASES["utf-8 with mark"].bytes)
+    size = path.stat().st_size
+    monkeypatch.setattr(importer, "of_machine", lambda: TIMES * size + BESIDE)
+    assert understand(path).road_test is not None
+    monkeypatch.setattr(importer, "of_machine", lambda: TIMES * (size - 1) + BESIDE)
+    with pytest.raises(RoadTestError, match=r"log\.csv: takes up to 0\.2 GB of memory.*atleak fleet run reads large"):
+        understand(path)
+    read_large_log(path).close()
+
+
+def test_a_log_for_which_the_memory_does_not_suffice_says_where_it_can_be_read(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def short(*given: Any, **options: Any) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(importer, "read_table", short)
+    with pytest.raises(
+        RoadTestError, match=r"is too large for the memory of this computer.*atleak fleet run"
+    ) as caught:
+        understand(CASES["utf-8 with mark"].bytes)
+    assert isinstance(caught.value.__cause__, MemoryError)

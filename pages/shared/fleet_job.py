@@ -1,0 +1,84 @@
+"""Open the own job of a fleet's unit in this session; the address names it as long as nothing of it is in the book."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import streamlit as st
+
+from atleak.errors import AtleakError, FleetError, Place
+from atleak.job.judged_anew import differs
+from atleak.job.of_sheet import with_sheet
+from atleak.sentence import Sentence
+from atleak.views.diagnosis_record import diagnosis_record
+from pages.shared import reader
+from pages.shared.cases import diagnosis_of, opened_case
+from pages.shared.state import OF_FLEET, InBook, Refusal, remember, session, show_job
+
+if TYPE_CHECKING:
+    from atleak.fleet.kept_unit import KeptUnit
+
+
+def show_unit(kept: KeptUnit, folder: str, *, done: str = "") -> None:
+    """Show the own job of a unit; the job book has it once it is changed.
+
+    Parameters
+    ----------
+    folder
+        id of the folder of results, as addresses name it.
+    done
+        what was done, by which the way back to the job shown before is offered; no way back unless given.
+
+    Raises
+    ------
+    AtleakError
+        it cannot be opened any more.
+    """
+    from atleak.fleet.columns import HASH
+
+    given, record = kept.opened()
+    case = opened_case(given)
+    diagnosis = diagnosis_of(case)
+    otherwise = differs(kept.result, _without_circuits(diagnosis_record(diagnosis)))
+    in_book = InBook(result_by=kept.unit["atleak"], judged_otherwise=otherwise, of_fleet=f"{folder}-{kept.unit[HASH]}")
+    if done:
+        remember(done)
+    show_job(case, with_sheet(record, diagnosis.readings) or record, in_book)
+
+
+def follow_address() -> None:
+    """Open the unit that the address names, where that is another one: after a reload, in a second tab."""
+    wanted = st.query_params.get(OF_FLEET)
+    now = session()
+    if wanted is None or wanted in (now.in_book.of_fleet, now.in_book.unknown):
+        return
+    try:
+        kept, folder = _kept(wanted)
+        show_unit(kept, folder)
+    except AtleakError as error:
+        now.refused["job"] = Refusal(reader.say()("fleet.of_address"), error)
+        now.in_book.unknown = wanted
+
+
+def _kept(wanted: str) -> tuple[KeptUnit, str]:
+    from atleak.fleet.columns import HASH, PARTITION
+    from atleak.fleet.kept_unit import kept_unit
+    from atleak.fleet.known import known_folders
+    from atleak.fleet.results import Results
+
+    id, _, sha256 = wanted.partition("-")
+    folder = next((each for each in known_folders() if each.id == id), None)
+    if folder is None:
+        problem = Sentence("the folder of results that the address names is not known on this computer")
+        raise FleetError(problem, expected=Sentence("the folder that 'atleak fleet run' was given for its results"))
+    results = Results.open(folder.path)
+    rows = results.table("units", [HASH, "reference", PARTITION], hashes={sha256}).to_pylist()
+    if not rows:
+        raise FleetError(Sentence("holds no result of this unit any more"), place=Place(file=str(folder.path)))
+    return kept_unit(results, rows[0][PARTITION], rows[0]["reference"]), folder.id
+
+
+def _without_circuits(record: dict[str, Any]) -> dict[str, Any]:
+    """Return a record without what the rows of a unit do not hold."""
+    conditions = [{**each, "circuits": []} for each in record["conditions"]]
+    return {**record, "conditions": conditions}
