@@ -375,7 +375,7 @@ def _wait(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
 
 def written(picture: Image.Image) -> bytes:
     """Return a picture as a small PNG: in its own colours, or in fewer where that is too large."""
-    few = picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few = picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, kmeans=4, dither=Image.Dither.NONE)
     content = b""
     for each in (picture, few):
         target = io.BytesIO()
