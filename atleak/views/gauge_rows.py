@@ -12,6 +12,7 @@ from atleak.gauges.patterns import BELOW_LINE, Pattern
 from atleak.pressure_table import LINE, Cell, tap_name
 from atleak.sentence import Sentence
 from atleak.views.condition_record import finite, scaled, unit_rule_record
+from atleak.views.land_names import land_words
 from atleak.wording import Wording, wording
 from atleak.workshop_units import KPA, RPM
 
@@ -73,11 +74,11 @@ def _pattern(pattern: Pattern, controller: Controller) -> dict[str, Any]:
 
 
 def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
-    """Return a pattern as a sentence in a language, with where to look first."""
+    """Return a pattern as sentences in a language, with where to look first."""
     worst, amount = pattern.worst, pattern.amount or 0.0
     circuits = ", ".join(tap_name(controller, name) for name in pattern.circuits)
     key = f"{pattern.kind}_named" if pattern.kind == "one_range_low" and circuits else pattern.kind
-    return say(
+    sentence = say(
         f"patterns.{key}",
         ranges=", ".join(pattern.ranges),
         others=", ".join(pattern.others),
@@ -87,6 +88,12 @@ def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
         percent=say.percent(amount, 0),
         kpa=say.value(amount * KPA, "pressure", 0),
         limit=say.value(BELOW_LINE * KPA, "pressure", 0),
+    )
+    leaks = dict.fromkeys(gap.key for gap in controller.gaps if gap.high.section in pattern.circuits)
+    if not leaks:
+        return sentence
+    return (
+        f"{sentence} {say('patterns.lands_first', lands=', '.join(land_words(controller, key, say) for key in leaks))}"
     )
 
 

@@ -276,3 +276,11 @@ def test_comparisons_say_their_absolute_tolerance(path: Path) -> None:
         and not any(keyword.arg == "abs" for keyword in call.keywords)
     ]
     assert not silent, f"approx() without abs= in lines {silent}; abs=0.0 where the expected value is not 0"
+
+
+def test_the_folders_of_tests_are_those_of_the_package() -> None:
+    beside = {"pages", "docs", "benchmarks"}  # what is tested besides the package
+    package = {path.name for path in (ROOT / "atleak").iterdir() if (path / "__init__.py").is_file()}
+    folders = {path.name for path in (ROOT / "tests" / "unit").iterdir() if any(path.glob("**/test_*.py"))}
+    assert folders - package - beside == set()
+    assert len(folders & package) > 20

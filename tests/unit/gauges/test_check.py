@@ -17,11 +17,13 @@ from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.projection import project
 from atleak.gauges.check import CheckedReading
+from atleak.gauges.patterns import Pattern
 from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable
 from atleak.report.terminal import print_diagnosis
 from atleak.uncertainty import DEFAULTS
 from atleak.verdicts import Verdict
 from atleak.views.gauge_rows import gauge_record, gauge_rows, pattern_text
+from atleak.views.land_names import land_words
 from atleak.wording import languages, wording
 
 SLOW, FAST, STALL = Engine.SLOW_IDLE, Engine.FAST_IDLE, Engine.STALL
@@ -264,6 +266,21 @@ def test_a_terminal_shows_gauges_and_patterns_beside_what_is_permissible(unit, j
     assert "not judged P fast idle" in shown
     assert "from 400" in shown
     assert "→ Main pressure is low in all ranges at slow idle (D, 3, 2)" in shown
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_circuit_far_below_the_line_names_the_lands_that_leak_from_it(unit, judged, language: str) -> None:
+    shipped, say = load_controller("five_speed_2005"), wording(language)
+    cell = at("D", SLOW, 735.0).cell
+    pattern = Pattern("below_line", "ford", (cell,), circuits=("forward_clutch",), worst=cell, amount=210e3)
+    leaking = (("manual_valve", 3), ("forward_engagement", 1), ("forward_accumulator", 1))
+    lands = ", ".join(land_words(shipped, key, say) for key in leaking)
+    assert pattern_text(pattern, shipped, say).endswith(f": {lands}.")
+    own = with_circuit(unit)
+    (told,) = judged(own, at("D", SLOW, 500.0), at("D", SLOW, 390.0, "clutch_c1")).pressures.patterns
+    first = say("patterns.lands_first", lands="")[:20]
+    assert first not in pattern_text(told, own, say), "its file names no land that leaks from it"
+    assert first in pattern_text(pattern, shipped, say)
 
 
 def test_every_pattern_has_its_sentence_in_every_language(unit, judged) -> None:

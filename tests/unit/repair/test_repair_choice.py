@@ -30,7 +30,7 @@ from atleak.rules import LandKey, unit_rules
 from atleak.wording import wording
 
 Build = Callable[..., Readings]
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(scope="module")
