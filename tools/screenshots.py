@@ -53,7 +53,7 @@ TALL = 4400  # [px] of the window, so that whatever is shown is drawn
 EDGE, ABOVE = 14, 4  # [px] around what is shown, and above it
 PAGE_WIDTH = 900  # [px] of a report's page
 WORN = 1.5  # times as measured, of what is tried
-COLOURS = 256  # of a picture that is too large in its own
+COLOURS = 256  # of a picture
 LARGEST = 150_000  # bytes
 START = 180.0  # [s] until the server must answer
 SOON = 90_000  # [ms] until the page must show what was asked of it
@@ -374,16 +374,11 @@ def _wait(address: str, process: subprocess.Popen[bytes], log: Path) -> None:
 
 
 def written(picture: Image.Image) -> bytes:
-    """Return a picture as a small PNG: in its own colours, or in fewer where that is too large."""
+    """Return a picture as a small PNG: its colours drawn together to as many as the eye tells apart in it."""
+    target = io.BytesIO()
     few = picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, kmeans=4, dither=Image.Dither.NONE)
-    content = b""
-    for each in (picture, few):
-        target = io.BytesIO()
-        each.save(target, "PNG", optimize=True)
-        content = target.getvalue()
-        if len(content) <= LARGEST:
-            break
-    return content
+    few.save(target, "PNG", optimize=True)
+    return target.getvalue()
 
 
 def difference(now: Image.Image, kept: Image.Image) -> str:
