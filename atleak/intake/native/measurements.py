@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import warnings
 from collections.abc import Iterator
 from typing import Any
@@ -30,29 +31,97 @@ def mdf_parts(data: bytes) -> Iterator[MdfPart]:
                 yield "frames", frames
 
 
-def _channels(mdf: Any) -> Iterator[dict[str, Any]]:
-    import numpy as np
+def mdf_contents(request: bytes) -> Iterator[MdfPart]:
+    """Yield what an MDF file holds that lies at a path, without its numbers.
 
-    before = None
+    ``file`` with its ``version``, then each ``channel`` that holds numbers, with ``label``, ``unit`` or None, its
+    ``group`` and ``index``, by which `mdf_ranges` finds it, and its ``count`` of samples; then the ``count`` of
+    ``frames`` of each group of a CAN bus.
+
+    Parameters
+    ----------
+    request
+        JSON, with the file's ``path``, in full.
+    """
+    from asammdf import MDF
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with MDF(json.loads(request)["path"]) as mdf:
+            yield "file", {"version": str(mdf.version)}
+            for number, index, channel in _named(mdf):
+                first = mdf.get(group=number, index=index, record_offset=0, record_count=1)
+                if _holds_numbers(first):
+                    count = int(mdf.groups[number].channel_group.cycles_nr)
+                    where = {"group": number, "index": index, "count": count}
+                    yield "channel", {"label": channel.name, "unit": first.unit or None, **where}
+            for group in mdf.groups:
+                if "CAN_DataFrame.ID" in {channel.name for channel in group.channels}:
+                    yield "frames", {"count": int(group.channel_group.cycles_nr)}
+
+
+def mdf_ranges(request: bytes) -> Iterator[MdfPart]:
+    """Yield the samples of some channels, range by range: ``range`` with ``group``, ``stamps`` [s] and ``values``.
+
+    The values of every channel that is asked for, and the stamps, are the bytes of floats.
+
+    Parameters
+    ----------
+    request
+        JSON, with the file's ``path``, in full, and the ``indexes`` of the channels by the number of their group.
+    """
+    import numpy as np
+    from asammdf import MDF
+
+    asked = json.loads(request)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with MDF(asked["path"]) as mdf:
+            for group, indexes in asked["indexes"].items():
+                chosen = [(None, int(group), index) for index in indexes]
+                count = int(mdf.groups[int(group)].channel_group.cycles_nr)
+                for start in range(0, count, asked["length"]):
+                    signals = mdf.select(chosen, record_offset=start, record_count=min(asked["length"], count - start))
+                    stamps = np.asarray(signals[0].timestamps, float)
+                    values = [bytearray(np.asarray(signal.samples).astype(float)) for signal in signals]
+                    yield "range", {"group": int(group), "stamps": bytearray(stamps), "values": values}
+
+
+def _named(mdf: Any) -> Iterator[tuple[int, int, Any]]:
+    """Yield the channels that may hold a quantity, with the numbers of their groups and their own in them."""
     for number, group in enumerate(mdf.groups):
         if not group.channel_group.cycles_nr:
             continue
         for index, channel in enumerate(group.channels):
             if ("Frame" in channel.name and "_" in channel.name) or channel.name.lower() in ("timestamp", "time", "t"):
                 continue
-            signal = mdf.get(group=number, index=index)
-            samples = np.asarray(signal.samples)
-            if samples.dtype.names or samples.ndim != 1 or samples.dtype.kind not in "fiub" or not len(samples):
-                continue
-            stamps = np.asarray(signal.timestamps, float)
-            same = before is not None and np.array_equal(stamps, before)
-            before = stamps
-            yield {
-                "label": channel.name,
-                "unit": signal.unit or None,
-                "stamps": None if same else bytearray(stamps),
-                "values": bytearray(samples.astype(float)),
-            }
+            yield number, index, channel
+
+
+def _holds_numbers(signal: Any) -> bool:
+    import numpy as np
+
+    samples = np.asarray(signal.samples)
+    return not samples.dtype.names and samples.ndim == 1 and samples.dtype.kind in "fiub" and len(samples) > 0
+
+
+def _channels(mdf: Any) -> Iterator[dict[str, Any]]:
+    import numpy as np
+
+    before = None
+    for number, index, channel in _named(mdf):
+        signal = mdf.get(group=number, index=index)
+        if not _holds_numbers(signal):
+            continue
+        stamps = np.asarray(signal.timestamps, float)
+        same = before is not None and np.array_equal(stamps, before)
+        before = stamps
+        yield {
+            "label": channel.name,
+            "unit": signal.unit or None,
+            "stamps": None if same else bytearray(stamps),
+            "values": bytearray(np.asarray(signal.samples).astype(float)),
+        }
 
 
 def _frames(mdf: Any) -> Iterator[dict[str, Any]]:

@@ -152,7 +152,7 @@ def read_apart_in_parts(
     error: type[InputError],
     budget: Budget,
     size: int,
-) -> Iterator[Item]:
+) -> Generator[Item]:
     """Call a reading function in a child process and yield what it yields, as it comes.
 
     It does what `read_apart` does, but a file may be larger than memory: each part has the budget of the whole, and
@@ -176,7 +176,7 @@ def _answers(
     size: int | None,
     *,
     streamed: bool,
-) -> Iterator[Item]:
+) -> Generator[Item]:
     memory, seconds = budget.limits(len(data) if size is None else size)
     place = Place(file)
     try:

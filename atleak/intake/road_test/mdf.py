@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -108,9 +109,37 @@ def understand_mdf(
         when asammdf is not installed, the file is damaged, or it holds bus frames that need a database.
     """
     channels, frames, version = _load(source)
-    file_format = f"MDF {version}"
     headings = tuple(channel.heading for channel in channels)
-    if not channels:
+    blank, assigner, candidates = prepared(source.file, headings, frames, version, mapping, units)
+    for quantity in QUANTITIES:
+        offered = [_offer(candidate, channels) for candidate in candidates if candidate.quantity == quantity]
+        if offered:
+            assigner.decide(quantity, offered)
+    main = assigner.signals.get("engine_speed") or next(iter(assigner.signals.values()), None)
+    stamps = main.stamps if main is not None else max(channels, key=lambda channel: len(channel.time)).time
+    assert stamps is not None
+    timeline = build_timeline(stamps)
+    reading = TableResult(len(stamps), timeline, "", Clock(stamps, "s"))
+    return finish(blank, assigner, reading, constants)
+
+
+def prepared(
+    file: str,
+    headings: tuple[Heading, ...],
+    frames: int,
+    version: str,
+    mapping: Mapping[str, str],
+    units: Mapping[str, str],
+) -> tuple[Understood, Assigner, list[Candidate]]:
+    """Return what is known of an MDF file without its samples, what is to decide on them, and what they may be.
+
+    Raises
+    ------
+    RoadTestError
+        where it holds no channels.
+    """
+    file_format = f"MDF {version}"
+    if not headings:
         if frames:
             raise RoadTestError(
                 Sentence(
@@ -118,11 +147,11 @@ def understand_mdf(
                     "quantities needs the car's database (DBC)",
                     frames=frames,
                 ),
-                place=Place(file=source.file),
+                place=Place(file=file),
                 expected=Sentence("the logger's export with decoded (physical) channels"),
             )
-        raise RoadTestError(Sentence("holds no channels"), place=Place(file=source.file))
-    assigner = Assigner(source.file, units, [heading.unit for heading in headings if heading.unit])
+        raise RoadTestError(Sentence("holds no channels"), place=Place(file=file))
+    assigner = Assigner(file, units, [heading.unit for heading in headings if heading.unit])
     assigner.leave_out(mapping)
     if frames:
         assigner.say(
@@ -130,7 +159,7 @@ def understand_mdf(
             Sentence("{format}: OBD2 answers were decoded from {frames} CAN frames", format=file_format, frames=frames),
         )
     blank = Understood(
-        source.file,
+        file,
         "",
         file_format,
         None,
@@ -142,17 +171,8 @@ def understand_mdf(
     )
     named_columns = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
     candidates = [candidate for candidate in find_candidates(headings) if candidate.quantity != "time"]
-    candidates = map_columns(candidates, headings, named_columns, source.file)
-    for quantity in QUANTITIES:
-        offered = [_offer(candidate, channels) for candidate in candidates if candidate.quantity == quantity]
-        if offered:
-            assigner.decide(quantity, offered)
-    main = assigner.signals.get("engine_speed") or next(iter(assigner.signals.values()), None)
-    stamps = main.stamps if main is not None else max(channels, key=lambda channel: len(channel.time)).time
-    assert stamps is not None
-    timeline = build_timeline(stamps)
-    reading = TableResult(len(stamps), timeline, "", Clock(stamps, "s"))
-    return finish(blank, assigner, reading, constants)
+    candidates = map_columns(candidates, headings, named_columns, file)
+    return blank, assigner, candidates
 
 
 def mdf_columns(source: LogFile) -> list[tuple[Heading, np.ndarray]]:
@@ -173,22 +193,14 @@ def _offer(candidate: Candidate, channels: list[_MdfChannel]) -> tuple[Candidate
 
 def _load(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
     """Return the channels, with those decoded from OBD2 answers, the number of CAN frames and the version."""
-    if importlib.util.find_spec("asammdf") is None:
-        raise RoadTestError(
-            Sentence("is an MDF file: reading it needs the extra 'mdf'"),
-            place=Place(file=source.file),
-            expected=extra_installed("mdf"),
-        )
-    if source.data[64:66] != b"HD" and source.data[64:68] != b"##HD":
-        raise RoadTestError(Sentence("is a damaged MDF file: its header is missing"), place=Place(file=source.file))
+    check_readable(source)
     channels: list[_MdfChannel] = []
     frames, bus, version = 0, [], ""
     for kind, part in read_apart(mdf_parts, source.data, source.file, RoadTestError, MDF):
         if kind == "file":
             version = part["version"]
         elif kind == "channel":
-            name = split_unit(part["label"].split("\\")[0])
-            heading = Heading(len(channels), part["label"], (name.text,), part["unit"] or name.unit)
+            heading = heading_of(len(channels), part)
             time = channels[-1].time if part["stamps"] is None else np.frombuffer(part["stamps"])
             channels.append(_MdfChannel(heading, time, np.frombuffer(part["values"])))
         else:
@@ -200,6 +212,30 @@ def _load(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
         label = f"{pid.name} (OBD2 01 {code:02X})"
         channels.append(_MdfChannel(Heading(len(channels), label, (pid.name,), pid.unit or None), time, values))
     return channels, frames, version
+
+
+def check_readable(source: LogFile) -> None:
+    """Refuse an MDF file that is cut off, or that nothing is there to read.
+
+    Raises
+    ------
+    RoadTestError
+        saying what is missing.
+    """
+    if importlib.util.find_spec("asammdf") is None:
+        raise RoadTestError(
+            Sentence("is an MDF file: reading it needs the extra 'mdf'"),
+            place=Place(file=source.file),
+            expected=extra_installed("mdf"),
+        )
+    if source.head[64:66] != b"HD" and source.head[64:68] != b"##HD":
+        raise RoadTestError(Sentence("is a damaged MDF file: its header is missing"), place=Place(file=source.file))
+
+
+def heading_of(number: int, part: Mapping[str, Any]) -> Heading:
+    """Return the heading of a channel."""
+    name = split_unit(part["label"].split("\\")[0])
+    return Heading(number, part["label"], (name.text,), part["unit"] or name.unit)
 
 
 def _obd2(bus: Sequence[Mapping[str, bytearray]]) -> dict[int, tuple[np.ndarray, np.ndarray]]:

@@ -36,7 +36,7 @@ TIMES, BESIDE = 6, 200 << 20
 """How many times its size a text takes at most while it is read whole, and how many bytes beside."""
 
 Form = Literal["text", "workbook", "mdf", "parquet"]
-_READ_FROM_DISK = ("text", "parquet")  # forms of which a large file is not held
+_READ_FROM_DISK = ("text", "parquet", "mdf")  # forms of which a large file is not held
 Look = Callable[[memoryview], object]
 """What looks at a file's bytes, a piece at a time."""
 

@@ -16,7 +16,8 @@ from typing import NamedTuple
 from atleak.columns import DiskColumn
 from atleak.doors import own_errors_only
 from atleak.errors import Place, RoadTestError
-from atleak.intake.road_test.channels.protocol import LogTable
+from atleak.intake.road_test.channels.assign import Assigner
+from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.files.decoding import to_text
 from atleak.intake.road_test.files.log_file import HEAD, LogFile, open_source
 from atleak.intake.road_test.files.parquet_table import open_parquet
@@ -24,9 +25,11 @@ from atleak.intake.road_test.files.rows import one_line_end
 from atleak.intake.road_test.importer import Job, assigner_for, blank_of, located, read_as
 from atleak.intake.road_test.outcome import Understood, finish
 from atleak.intake.road_test.pieces.channels import large_channels
+from atleak.intake.road_test.pieces.mdf_ranges import read_mdf_in_pieces
 from atleak.intake.road_test.pieces.spool import Spool, too_large_for
 from atleak.intake.road_test.pieces.table import Blocks, read_in_pieces
 from atleak.intake.road_test.pieces.text_blocks import blocks_of_text
+from atleak.intake.road_test.pieces.timelines import LargeTimeline
 from atleak.large_log import PIECE, LargeLog
 from atleak.road_test import Channel
 from atleak.sentence import Sentence
@@ -120,17 +123,26 @@ def in_pieces(job: Job, folder: Path | None = None) -> Understood:
 
 
 def _understood(job: Job, spool: Spool) -> Understood:
+    job.source.digest.start()
+    if job.source.form == "mdf":
+        read = read_mdf_in_pieces(job, spool)
+        return _finished(job, read.blank, read.assigner, read.reading, read.timeline, spool)
     find = {"text": _located_text, "parquet": _located_parquet}.get(job.source.form)
     if find is None:
-        what = Sentence("a workbook") if job.source.form == "workbook" else Sentence("an MDF file")
-        raise too_large_for(job.source.file, what, Sentence("the log as .csv or as Parquet"))
-    job.source.digest.start()
+        raise too_large_for(job.source.file, Sentence("a workbook"), Sentence("the log as .csv or as Parquet"))
     table, blank, blocks, rows = find(job, spool)
     assigner, mapping = assigner_for(table, blank, job)
     try:
         reading, timeline = read_in_pieces(table, blocks, assigner, mapping, spool, rows)
     except RoadTestError as error:
         return replace(blank, messages=tuple(assigner.messages), problem=error, ambiguous=tuple(assigner.ambiguous))
+    return _finished(job, blank, assigner, reading, timeline, spool)
+
+
+def _finished(
+    job: Job, blank: Understood, assigner: Assigner, reading: TableResult, timeline: LargeTimeline, spool: Spool
+) -> Understood:
+    """Make the road test of signals and clock, its samples on disk."""
     columns: dict[str, DiskColumn] = {}
 
     def make() -> Mapping[str, Channel]:

@@ -14,14 +14,15 @@ from atleak.intake.road_test.outcome import Understood
 from atleak.intake.road_test.pieces import LARGE, in_pieces
 from atleak.intake.road_test.pieces.spool import NotInPiecesError
 
-_IN_PIECES = ("text", "parquet")  # forms of files
+_IN_PIECES = ("text", "parquet", "mdf")  # forms of files
+_PACKED = 4  # bytes of text that a byte of an MDF file may be, which may be packed
 _CELL = 8  # bytes of text that a number takes, more or less
 
 
 def _size_as_text(source: LogFile) -> int:
     """Return how many bytes a log takes as text: of Parquet, by the number of its cells."""
     if source.form != "parquet":
-        return source.size
+        return source.size * (_PACKED if source.form == "mdf" else 1)
     try:
         return cells_of_parquet(source) * _CELL
     except BaseException:
