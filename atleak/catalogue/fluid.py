@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import numpy as np
@@ -385,7 +386,15 @@ class FluidFile(Entry):
 
 
 _SHELF = Shelf("fluids", FluidFile, _fluid)
-load_fluid = _SHELF.load
-"""Load a fluid by its id, shipped or of the workshop's own, or from a file by its path: see `Shelf.load`."""
-
 checked_fluid, fluids = _SHELF.checked, _SHELF.usable
+
+
+def load_fluid(id_or_path: str | Path) -> Fluid:
+    """Load a fluid by its id, shipped or of the workshop's own, or from a file by its path.
+
+    Raises
+    ------
+    CatalogueError
+        if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
+    """
+    return _SHELF.load(id_or_path)

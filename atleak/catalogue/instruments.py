@@ -145,7 +145,15 @@ class InstrumentFile(Entry):
 
 
 _SHELF = Shelf("instruments", InstrumentFile, _instrument)
-load_instrument = _SHELF.load
-"""Load an instrument by its id, shipped or of the workshop's own, or from a file by its path: see `Shelf.load`."""
-
 checked_instrument, instruments = _SHELF.checked, _SHELF.usable
+
+
+def load_instrument(id_or_path: str | Path) -> Instrument:
+    """Load an instrument by its id, shipped or of the workshop's own, or from a file by its path.
+
+    Raises
+    ------
+    CatalogueError
+        if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
+    """
+    return _SHELF.load(id_or_path)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -430,7 +431,15 @@ class LimitsFile(Entry):
 
 
 _SHELF = Shelf("limits", LimitsFile, _limits)
-load_limits = _SHELF.load
-"""Load a set of limits by its id, shipped or of the workshop's own, or from a file by its path: see `Shelf.load`."""
-
 checked_limits, limit_sets = _SHELF.checked, _SHELF.usable
+
+
+def load_limits(id_or_path: str | Path) -> Limits:
+    """Load a set of limits by its id, shipped or of the workshop's own, or from a file by its path.
+
+    Raises
+    ------
+    CatalogueError
+        if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
+    """
+    return _SHELF.load(id_or_path)

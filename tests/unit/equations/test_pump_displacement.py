@@ -274,7 +274,8 @@ def test_a_face_with_its_teeth_leaks_nearly_what_its_land_does(
 def test_a_round_tip_has_about_the_land_that_the_docstring_says(radius: float, clearance: float) -> None:
     along = np.linspace(-0.6, 0.6, 200_001) * radius
     gap = clearance + radius - np.sqrt(radius**2 - along**2)
-    resistance = float(np.trapezoid(gap**-3.0, along))
+    slices = (gap[1:] ** -3.0 + gap[:-1] ** -3.0) / 2.0 * np.diff(along)
+    resistance = float(slices.sum())
     assert resistance * clearance**3 == pytest.approx(1.2 * math.sqrt(2.0 * radius * clearance), rel=0.03, abs=0.0)
 
 

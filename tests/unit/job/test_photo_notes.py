@@ -17,7 +17,7 @@ SECRET = b"Secret Camera"
 def noted(form: str, turned: int | None, mode: str = "RGB", **options: Any) -> bytes:
     exif = Image.Exif()
     exif[0x010F] = SECRET.decode()
-    exif.get_ifd(PLACE)[1] = "N"
+    exif[PLACE] = {1: "N"}  # get_ifd(PLACE)[1] does not reach it in early versions
     if turned is not None:
         exif[0x0112] = turned
     if form == "PNG":

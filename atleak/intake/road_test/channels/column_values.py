@@ -198,7 +198,9 @@ def words_for_time(frame: pd.DataFrame, times: list[Candidate], table: LogTable)
     """Return the lines with a word in place of the time: remarks, or a header in the middle of the log."""
     for candidate in times[:1]:
         column = frame[candidate.heading.index]
-        if column.dtype.kind == "M" or column.dtype == object or holds_clocks(table, candidate.heading):
+        # before its version 3 pandas keeps text as objects, too
+        objects = column.dtype == object and pd.api.types.infer_dtype(column) != "string"
+        if column.dtype.kind == "M" or objects or holds_clocks(table, candidate.heading):
             continue
         return words_of(frame, candidate.heading.index, table.decimal).index.to_numpy()
     return np.empty(0, int)

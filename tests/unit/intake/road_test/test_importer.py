@@ -265,7 +265,7 @@ def test_mdf_physical_channels() -> None:
 
 def test_without_the_extra_the_way_to_get_it_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "asammdf", None)
-    with pytest.raises(RoadTestError, match=r'install "\.\[mdf\]"'):
+    with pytest.raises(RoadTestError, match=r'pip install "\.\[mdf\]"'):
         read_road_test(b"MDF     4.10    " + bytes(48) + b"##HD" + bytes(400), name="log.mf4")
 
 
