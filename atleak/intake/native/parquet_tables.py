@@ -56,8 +56,7 @@ def parquet_parts(request: bytes) -> Iterator[ParquetPart]:
         places = [there.index(numbers[place]) for place in wanted]
         length = max(_BLOCK // 8 // len(wanted), _FEWEST)
         first = asked["rows"]
-        with of_library():
-            batches = file.iter_batches(length if first is None else first, columns=names, use_threads=False)
+        batches = _batches(file, length if first is None else first, names)
         left = rows
         while True:
             with of_library():
@@ -71,6 +70,21 @@ def parquet_parts(request: bytes) -> Iterator[ParquetPart]:
             yield "block", cells
             if first is not None:
                 return
+
+
+def _batches(file: Any, length: int, names: Sequence[str]) -> Iterator[Any]:
+    """Yield the rows of a file, some groups of them at a time: what reads groups keeps something of each."""
+    import pyarrow as pa
+
+    groups: list[int] = []
+    rows = 0
+    for group in range(file.num_row_groups):
+        groups.append(group)
+        rows += file.metadata.row_group(group).num_rows
+        if rows >= length or group + 1 == file.num_row_groups:
+            yield from file.iter_batches(length, groups, columns=names, use_threads=False)
+            pa.default_memory_pool().release_unused()
+            groups, rows = [], 0
 
 
 def parquet_head(request: bytes) -> Iterator[bytes]:

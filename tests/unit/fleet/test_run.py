@@ -23,7 +23,7 @@ from distributed import Client, get_worker
 from distributed.scheduler import KilledWorker
 
 from atleak.errors import FleetError
-from atleak.fleet import cluster, running
+from atleak.fleet import cluster, running, task
 from atleak.fleet.cluster import HERE, SETTINGS, connected
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress, run_fleet
@@ -44,6 +44,14 @@ def client() -> Iterator[Client]:
         as client,
     ):  # fmt: skip
         yield client
+
+
+@pytest.fixture(autouse=True)
+def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What waits for something to be said waits a little, as all of it is said in this process."""
+    monkeypatch.setattr(running, "_TICK", 0.05)
+    monkeypatch.setattr(running, "_TOLD_WITHIN", 0.05)
+    monkeypatch.setattr(task, "_OUT", 0.05)
 
 
 @pytest.fixture
@@ -147,11 +155,8 @@ def test_errors_are_tried_again_where_that_is_asked_for(
     assert _rows(results) == {"unit 1": "ok"}
 
 
-def test_units_of_a_worker_that_ended_are_tried_again_alone(
-    client: Client, results: Results, failing: Failing, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_units_of_a_worker_that_ended_are_tried_again_alone(client: Client, results: Results, failing: Failing) -> None:
     """Unit 2 takes its neighbours along; they end well as soon as it is not with them."""
-    monkeypatch.setattr(running, "_TOLD_WITHIN", 0.0)
 
     def killed(unit: FleetUnit, tries: int) -> BaseException | None:
         return _killed() if unit.name == "unit 2" or tries == 1 else None
@@ -178,11 +183,10 @@ def test_a_unit_for_which_the_memory_does_not_suffice_is_tried_again_alone(clien
 
 
 def test_a_worker_that_was_ended_for_its_memory_is_named_as_that(
-    client: Client, results: Results, failing: Failing, monkeypatch: pytest.MonkeyPatch
+    client: Client, results: Results, failing: Failing
 ) -> None:
     client.log_event("worker-restart-memory", {"worker": "tcp://gone:2", "pid": 1, "rss": 2_340_000_000})
     failing(lambda unit, tries: _killed("tcp://gone:2"))
-    monkeypatch.setattr(running, "_TOLD_WITHIN", 0.0)
     run_fleet([small_unit(1)], results, client)
     (row,) = results.table("errors").to_pylist()
     assert row["message"] == "unit 1: needs more memory than a worker may take: it had 2.3 GB when it was ended"
@@ -220,7 +224,6 @@ def test_the_time_of_a_unit_alone_counts_from_where_its_worker_begins_it(
         raise _killed()
 
     monkeypatch.setattr(running, "on_worker", ending)
-    monkeypatch.setattr(running, "_TOLD_WITHIN", 0.0)
     assert run_fleet([small_unit(1)], results, client, time_limit=0.2).errors == {kind: 1}
 
 
