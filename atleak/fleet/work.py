@@ -30,22 +30,17 @@ class Room:
     folder: Path | None = None  # where the samples of a large log lie meanwhile; None: with temporary files
 
 
+_ENTRIES: dict[tuple[str, str, str], Any] = {}
+
+
 class _Reader(Reader):
     """Read every file of a job anew, but keep what jobs take from the catalogue: a fleet is of few valve bodies.
 
     A large log is read in pieces, whose samples lie on the disk until the unit is done.
     """
 
-    def __init__(self) -> None:
-        self._entries: dict[tuple[str, str, str], Any] = {}
-        self._room, self._done = Room(), ExitStack()
-
-    @contextmanager
-    def within(self, room: Room) -> Iterator[Path]:
-        """Give a folder in which to unpack one unit, and delete it and the samples of its log at the end."""
-        with tempfile.TemporaryDirectory(prefix="atleak-", dir=room.folder) as folder, ExitStack() as self._done:
-            self._room = room
-            yield Path(folder)
+    def __init__(self, room: Room, done: ExitStack) -> None:
+        self._room, self._done = room, done
 
     def log(self, case: Case) -> Understood:
         """Read the job's log, a large one in pieces.
@@ -73,14 +68,18 @@ class _Reader(Reader):
         """Return an entry as it was loaded before, where it is of the same bytes."""
         own = slot.own_file(choice)
         key = (slot.name, str(choice), "") if own is None else (slot.name, own.name, own.sha256)
-        if key not in self._entries:
-            self._entries[key] = super().entry(slot, choice)
-            for oldest in list(self._entries)[:-_KEPT]:
-                del self._entries[oldest]
-        return self._entries[key]
+        if key not in _ENTRIES:
+            _ENTRIES[key] = super().entry(slot, choice)
+            for oldest in list(_ENTRIES)[:-_KEPT]:
+                del _ENTRIES[oldest]
+        return _ENTRIES[key]
 
 
-_READER = _Reader()
+@contextmanager
+def _reading(room: Room) -> Iterator[tuple[_Reader, Path]]:
+    """Give what reads the files of one unit, and a folder to unpack it in; nothing of either stays on the disk."""
+    with tempfile.TemporaryDirectory(prefix="atleak-", dir=room.folder) as folder, ExitStack() as done:
+        yield _Reader(room, done), Path(folder)
 
 
 def evaluate(unit: FleetUnit, *, tries: int = 1, room: Room | None = None) -> Rows:
@@ -99,9 +98,9 @@ def evaluate(unit: FleetUnit, *, tries: int = 1, room: Room | None = None) -> Ro
     """
     begun = time.perf_counter()
     try:
-        with _READER.within(room or Room()) as unpacked:
-            case, job = unit.opened(unpacked)
-            diagnosis = case.diagnose(_READER)
+        with _reading(room or Room()) as (reader, folder):
+            case, job = unit.opened(folder)
+            diagnosis = case.diagnose(reader)
             job = with_sheet(job, diagnosis.readings) or job
             return rows_of(unit, diagnosis, job, seconds=time.perf_counter() - begun, tries=tries)
     except AtleakError as error:

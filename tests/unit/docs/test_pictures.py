@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import struct
-import sys
 from collections.abc import Callable
 from importlib import import_module
 from types import ModuleType
@@ -24,13 +23,7 @@ WIDEST = 1200  # [px]
 def tool(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], ModuleType]:
     """Imports one of the tools as it is when it runs."""
     monkeypatch.syspath_prepend(str(ROOT / "tools"))
-
-    def load(name: str) -> ModuleType:
-        for each in ("picture_jobs", name):
-            monkeypatch.delitem(sys.modules, each, raising=False)
-        return import_module(name)
-
-    return load
+    return import_module
 
 
 def shown() -> set[str]:
@@ -73,3 +66,19 @@ def test_drawings_with_another_word_or_another_place_are_not_the_same(tool: Call
     assert not same(drawing, drawing.replace("10.02", "11.02"))
     assert not same(drawing, drawing.replace("6.6", "6.8"))
     assert not same(drawing, drawing.replace("%", "dm"))
+
+
+def test_a_picture_of_something_else_differs_clearly_and_a_little_noise_does_not(
+    tool: Callable[[str], ModuleType],
+) -> None:
+    pytest.importorskip("playwright.sync_api")
+    image = pytest.importorskip("PIL.Image")
+    difference = tool("screenshots").difference
+    kept = image.new("RGB", (320, 240), "#FFFFFF")
+    kept.paste("#102030", (20, 40, 200, 60))
+    moved, noisy = kept.copy(), kept.copy()
+    moved.paste("#102030", (20, 140, 60, 160))
+    noisy.paste("#FDFDFD", (0, 100, 320, 200))
+    assert difference(noisy, kept) == ""
+    assert "255 shades" in difference(moved, kept)
+    assert "height" in difference(kept.resize((320, 280)), kept)

@@ -7,6 +7,7 @@ import math
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from atleak.engine.assumed_pressure import OPERATING_POINTS
+from atleak.fleet import task
 from atleak.fleet.rows import Rows
 from atleak.fleet.table_units import TableUnits
 from atleak.fleet.units import FleetUnit
@@ -25,6 +27,7 @@ from atleak.job import file as job_file
 from atleak.job.case import Case, SourceFile
 from atleak.job.file import write_job_file
 from atleak.job.record import Job
+from atleak.version import __version__
 from tests.unit.drives import drive
 from tests.unit.intake.road_test.messy_logs import messy_log
 
@@ -197,3 +200,17 @@ def test_nothing_is_left_with_temporary_files_either(tmp_path: Path, monkeypatch
     unit = unit_of(SourceFile("log.csv", log_of(*_COLUMNS)))
     assert the(evaluate(unit, room=Room(LITTLE)), "units")["road_in_pieces"]
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_worker_reads_in_pieces_what_its_memory_does_not_hold(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "scratch").mkdir()
+    memory = SimpleNamespace(memory_limit=LITTLE)
+    worker = SimpleNamespace(memory_manager=memory, local_directory=str(tmp_path / "scratch"))
+    monkeypatch.setattr(task, "get_worker", lambda: worker)
+    unit = task.packed_unit(unit_of(on_disk(tmp_path, log_of(*_COLUMNS))))
+    for limit, in_pieces in ((LITTLE, True), (LITTLE + (1 << 30), False), (0, False)):
+        memory.memory_limit = limit
+        assert the(task.on_worker(unit, "unit", 1, None, __version__).rows, "units")["road_in_pieces"] == in_pieces
+    assert list((tmp_path / "scratch").iterdir()) == []

@@ -26,6 +26,8 @@ def browser(*, key, data, on_batch_change):
     if (batch := st.session_state.pop("sent", None)) is not None:
         st.session_state[key] = {"batch": batch}
         on_batch_change()
+    if (unit := st.session_state.pop("chosen", None)) is not None:
+        measuring_form._choose(measuring_form._typed(session().case).in_unit(unit))
 
 measuring_form._GRID = browser
 if st.session_state.setdefault("first", START) is not None:
@@ -135,3 +137,13 @@ def test_the_samples_readings_can_only_be_looked_at(opened: Opened) -> None:
     send(app, 1, put(["5", "spool", "1", 0, 1], "1"))
     assert sheet_of(app) == before
     assert app.button[0].label == "Begin an empty job"
+
+
+def test_a_choice_that_is_sent_once_more_leaves_the_sheet_the_file_that_it_is(opened: Opened) -> None:
+    app = opened("None")
+    before = sheet_of(app)
+    for unit, same in (("mm", True), ("inch", False)):
+        app.session_state["chosen"] = unit
+        app.run().run()
+        assert not app.exception
+        assert (sheet_of(app) == before) is same

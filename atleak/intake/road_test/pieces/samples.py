@@ -155,8 +155,8 @@ class Facts:
         probes, stamps = [np.empty(0)], [np.empty(0)]
         for each in own:
             probed = slice(-each.first % stride, None, stride)
-            probes.append(self.clean(own.signal, each.raw[probed]))
-            stamps.append(each.time[probed])
+            probes.append(self.clean(own.signal, each.raw[probed].copy()))  # not a view, which would hold all samples
+            stamps.append(each.time[probed].copy())
         many = self.count > 2 * stride
         if not suspects.shows_long_run(np.concatenate(probes), np.concatenate(stamps), self.span[1], seconds, many):
             return
@@ -267,7 +267,8 @@ def middle_of(own: OwnSamples, count: int) -> np.ndarray:
     for each in own:
         if each.first >= high:
             break
-        parts.append(each.raw[max(low - each.first, 0) : max(high - each.first, 0)])
+        if each.first + len(each.raw) > low:  # an empty view would hold all samples before, too
+            parts.append(each.raw[max(low - each.first, 0) : high - each.first])
     return np.concatenate(parts)
 
 

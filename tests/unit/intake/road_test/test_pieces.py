@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import tempfile
+import tracemalloc
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +17,7 @@ from hypothesis import strategies as st
 
 from atleak import columns as all_columns
 from atleak.errors import RoadTestError
-from atleak.intake.road_test import importer, understand
+from atleak.intake.road_test import importer, pieces, understand
 from atleak.intake.road_test.files.log_file import BESIDE, TIMES
 from atleak.intake.road_test.outcome import Understood
 from atleak.intake.road_test.pieces import (
@@ -293,3 +294,24 @@ def test_a_log_for_which_the_memory_does_not_suffice_says_where_it_can_be_read(
     ) as caught:
         understand(CASES["utf-8 with mark"].bytes)
     assert isinstance(caught.value.__cause__, MemoryError)
+
+
+def test_what_is_held_of_samples_that_are_looked_through_does_not_grow_with_the_log(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cut(monkeypatch, 100_000, 2_000)
+    path, most, large_channels = tmp_path / "log.csv", [], pieces.large_channels
+
+    def traced(*given: Any) -> Any:
+        tracemalloc.start()
+        made = large_channels(*given)
+        most.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        return made
+
+    monkeypatch.setattr(pieces, "large_channels", traced)
+    for count in (30_000, 80_000):  # more than are looked at in the middle
+        lines = (f"{row / 100:.2f},{60 + row // 100 % 7}\n" for row in range(count))
+        path.write_text("Time (s),ATF Temp (C)\n" + "".join(lines), encoding="utf-8")
+        read_large_log(path).close()
+    assert most[1] - most[0] < 50_000 * 8 / 4, "a quarter of one column"
