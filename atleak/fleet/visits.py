@@ -86,7 +86,7 @@ def read_visits(results: Results, *, by: str | None, controller: str | None) -> 
     keys = [key_of_numbers(serial, vin) for serial, vin in numbers]
     told = pd.Series(keys, dtype=object).fillna("row:" + rows[HASH])
     rows["told"] = [key is not None for key in keys]
-    rows["unit"] = pd.factorize(pd.MultiIndex.from_arrays([rows[PARTITION], told]))[0]
+    rows["unit"] = rows.groupby([PARTITION, told], sort=False, dropna=False).ngroup()
     rows["day"] = pd.to_datetime(rows["date"].fillna(rows["measured_on"]))
     rows["driven"] = rows["mileage_km"].fillna(_FIRST_MILEAGE)
     rows = rows.sort_values(
