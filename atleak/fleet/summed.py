@@ -29,8 +29,8 @@ MOST_GROUPS = 200  # under one heading; what differs more is no group of units: 
 class VerdictCounts:
     """How many units have which verdict; each unit once, as it was evaluated last.
 
-    A unit of which nothing was measured is ``not_measured`` and in no rate: what was not measured is not *ok*. One that
-    has no measuring sheet has the verdict of its log and gauges, and is in no rate either.
+    A unit of which nothing was measured is ``not_measured`` and in no rate: what was not measured is not *ok*. One of
+    which no land was judged has the verdict of its log and gauges, and is in no rate either.
     """
 
     units: int

@@ -373,6 +373,20 @@ def test_a_unit_with_a_log_alone_is_in_no_rate_and_is_counted(tmp_path: Path) ->
     assert (counts.verdicts[Verdict.OK], counts.verdicts[Verdict.WATCH]) == (1, 1)
 
 
+def test_a_unit_with_a_sheet_of_which_no_land_was_judged_is_in_no_rate(tmp_path: Path) -> None:
+    unmeasured = {("1", 1): NOT_MEASURED}
+    sheet = {"readings_sha256": "a" * 64, "road_rows": 1200}
+    units = [
+        Unit("worn", {("1", 1): WORN}, own={**sheet, "lands_judged": 1}),
+        Unit("half", {("1", 1): WORN}, own={**sheet, "lands_measured": 0, "lands_judged": 1}),
+        Unit("by its log", unmeasured, verdict=Verdict.WATCH, own={**sheet, "lands_judged": 0}),
+        Unit("a ring alone", {("1", 1): Measured(seal="ring")}, own={**sheet, "lands_judged": 0}),
+    ]
+    counts = summed_up(results_of(tmp_path, units)).counts
+    assert (counts.judged, counts.without_sheet, counts.rates[Verdict.WATCH].of) == (2, 2, 2)
+    assert counts.rates[Verdict.WATCH].count == 2
+
+
 def test_a_valve_body_that_the_catalogue_does_not_have_is_named_as_the_results_name_it(tmp_path: Path) -> None:
     units = [Unit(f"{n}", {("1", 1): Measured()}, own={"controller_name": f"Own {n % 3 // 2}"}) for n in range(5)]
     words = FleetWords(summed_up(results_of(tmp_path, units)), wording("en"))
