@@ -37,7 +37,7 @@ class VerdictCounts:
     verdicts: Mapping[Verdict, int]  # every verdict, also those of no unit; they add up to `units`
     decisions: Mapping[Decision | None, int]  # None: units without a decision; they add up to `units`
     provisional: int  # units whose verdict rests on representative values
-    ok_in_part: int  # units that are ok as far as they were measured: not all of their lands were
+    ok_in_part: int  # units that are ok as far as they were measured, or by log or gauges: not all of their lands were
     rates: Mapping[Verdict, Rate]  # at this verdict or past it, of the judged units: watch, replace, critical
     without_sheet: int = 0  # units with a verdict by log or gauges alone: no land of theirs was judged
 
