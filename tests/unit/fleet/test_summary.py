@@ -19,7 +19,7 @@ from atleak.fleet.summed import FleetSummary, ValveBody
 from atleak.spreads import PARTS, Rate, Spread
 from atleak.verdicts import Verdict
 
-from .few_units import Unit, results_of
+from .few_units import Measured, Unit, results_of
 from .made_up import CONTROLLERS, ERRORS, GROUPS, WORSE, WORSE_BY, made_up_results
 from .test_rows import JOB, Named
 from .writing import failed
