@@ -9,7 +9,7 @@ from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
 from atleak.gauges.check import CheckedReading, PressureCheck
 from atleak.gauges.patterns import BELOW_LINE, Pattern
-from atleak.pressure_table import LINE, Cell, tap_name
+from atleak.pressure_table import LINE, Cell, gear_in, tap_name
 from atleak.sentence import Sentence
 from atleak.views.condition_record import finite, scaled, unit_rule_record
 from atleak.views.land_names import land_words
@@ -89,7 +89,12 @@ def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
         kpa=say.value(amount * KPA, "pressure", 0),
         limit=say.value(BELOW_LINE * KPA, "pressure", 0),
     )
-    leaks = dict.fromkeys(gap.key for gap in controller.gaps if gap.high.section in pattern.circuits)
+    gears = {gear_in(cell.range, controller.gears) for cell in pattern.cells} - {None}
+    leaks = dict.fromkeys(
+        gap.key
+        for gap in controller.gaps
+        if gap.high.section in pattern.circuits and (not gears or not gears.isdisjoint(gap.gears))
+    )
     if not leaks:
         return sentence
     return (
