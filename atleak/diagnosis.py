@@ -23,7 +23,7 @@ from atleak.engine.projection import (
     model_new,
     model_unworn,
     project,
-    project_beside,
+    project_each_beside,
 )
 from atleak.engine.repaired import Losses, pressure_losses
 from atleak.engine.road_bands import TemperatureClass
@@ -448,9 +448,9 @@ def diagnose(
     projections = [project(model, point) for point in conditions]
     as_new = model_new(states, model)
     measured = [state.land.key for state in states if state.measured]
-    when_new = tuple(project_beside(as_new, each) for each in projections)
+    when_new = project_each_beside(as_new, projections)
     as_unworn = model_unworn(states, model)
-    unworn = tuple(project_beside(as_unworn, each) for each in projections)
+    unworn = project_each_beside(as_unworn, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     drive = None
     if road_test is not None:

@@ -5,7 +5,9 @@
     python tools/diagrams.py --check        # status 1 where one that is kept is not what is drawn today
 
 Each is an SVG on a white ground, so that it can be read on dark pages too. Drawings are equal where their words are
-equal and no number differs by more than `APART`.
+equal and no number differs by more than `APART`. Of a chart that matplotlib drew, words, lines and colours are compared
+so: how it writes a style, from which corner it draws an area, and how far from an axis or a corner it puts words and
+the legend differs from one of its versions to another.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import picture_jobs as made
@@ -42,7 +45,13 @@ APART = 0.06  # [px] that two drawings may differ by at any place
 PAIR = ("25", 1)  # land of the four-speed's sample that costs most
 WIDE = 200e-6  # [m] a gap far past every limit, at which the loss at its entry can be seen
 _ARROW = 7.0  # length of an arrow's head
+WORDS_APART = 8.0  # [px] that two versions of matplotlib may put the words and the legend of a chart apart
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
+_COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
+_CORNER = re.compile(r"[A-Za-z][^A-Za-z]*")
+_SVG = "{http://www.w3.org/2000/svg}"
+_SHOWN_TAGS = [_SVG + name for name in ("path", "use", "text", "rect")]
+_OF_MATPLOTLIB = '<g id="matplotlib.axis_1">'
 
 SAY: Wording = wording("en")
 BODY, SPOOL = SHEET_COLOURS["bore"], SHEET_COLOURS["spool"]
@@ -414,10 +423,58 @@ DIAGRAMS: dict[str, Callable[[], str]] = {
 
 def same(first: str, second: str) -> bool:
     """Tell whether two drawings are equal but for the last digits of their places."""
+    if _OF_MATPLOTLIB in first and _OF_MATPLOTLIB in second:
+        return _same_chart(first, second)
+    return _alike(first, second)
+
+
+def _alike(first: str, second: str, apart: float = APART) -> bool:
+    """Tell whether two texts are equal but for numbers that differ by no more than what is given."""
     if _NUMBER.sub("#", first) != _NUMBER.sub("#", second):
         return False
     pairs = zip(_NUMBER.findall(first), _NUMBER.findall(second), strict=True)
-    return all(abs(float(one) - float(other)) <= APART for one, other in pairs)
+    return all(abs(float(one) - float(other)) <= apart for one, other in pairs)
+
+
+def _same_chart(first: str, second: str) -> bool:
+    """Tell whether two charts of matplotlib, of any of its versions, say and show the same."""
+    ones, others = _shown(first), _shown(second)
+    return len(ones) == len(others) and all(
+        (one.what, one.colours, one.said) == (other.what, other.colours, other.said)
+        and _alike(one.line, other.line)
+        and _alike(one.place, other.place, WORDS_APART)
+        for one, other in zip(ones, others, strict=True)
+    )
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """What an element of a chart shows."""
+
+    what: str
+    colours: tuple[str, ...]
+    said: str
+    line: str
+    place: str
+
+
+def _shown(drawing: str) -> list[_Shown]:
+    root = ElementTree.fromstring(drawing)
+    legend = {each for group in root.iter(f"{_SVG}g") if group.get("id") == "legend_1" for each in group.iter()}
+    return [_as_shown(each, each in legend) for each in root.iter() if each.tag in _SHOWN_TAGS]
+
+
+def _as_shown(element: ElementTree.Element, in_legend: bool) -> _Shown:
+    given = element.attrib
+    style = " ".join(given.get(name, "") for name in ("style", "fill", "stroke"))
+    colours = tuple(sorted(_COLOUR.findall(style.casefold())))
+    corners = [corner.strip() for corner in _CORNER.findall(given.get("d", ""))]
+    if corners and corners[-1] == "z":
+        corners = sorted(corner.lstrip("ML") for corner in corners)
+    where = " ".join((*corners, *(given.get(name, "") for name in ("x", "y", "width", "height"))))
+    movable = in_legend or element.tag == f"{_SVG}text"
+    said = "".join(element.itertext()).strip()
+    return _Shown(element.tag, colours, said, "" if movable else where, where if movable else "")
 
 
 def main() -> int:

@@ -314,6 +314,11 @@ def project_beside(model: LeakageModel, now: Projection) -> Projection:
     return replace(project(model, now.condition), pump_capacity=now.pump_capacity)
 
 
+def project_each_beside(model: LeakageModel, projections: Iterable[Projection]) -> tuple[Projection, ...]:
+    """Project another state of a unit beside each projection of it as it is, as `project_beside` does."""
+    return tuple(project_beside(model, each) for each in projections)
+
+
 def model_unworn(states: Iterable[LandClearance], model: LeakageModel) -> LeakageModel:
     """Return the model of the same unit with every land as wide as it may have been when new, given its reading.
 
@@ -331,8 +336,7 @@ def project_unworn(
     states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
 ) -> tuple[Projection, ...]:
     """Project the unit of `model_unworn` beside the same unit as it is."""
-    other = model_unworn(states, model)
-    return tuple(project_beside(other, each) for each in projections)
+    return project_each_beside(model_unworn(states, model), projections)
 
 
 def _with_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:
@@ -342,5 +346,4 @@ def _with_clearance(state: LandClearance, radial_clearance: float) -> LandCleara
 
 def _even(state: LandClearance, radial_clearance: float) -> LandClearance:
     """Return a land with another clearance, the same all around."""
-    sleeve = state.spool_diameter + 2.0 * radial_clearance
-    return replace(state, radial_clearance=radial_clearance, sleeve_diameter=sleeve, stations=())
+    return replace(_with_clearance(state, radial_clearance), stations=())

@@ -67,6 +67,7 @@ _OF_UNIT = {
     "readings_sha256": _TEXT,
     "measured_on": _DAY,
     "lands_measured": _WHOLE,
+    "lands_judged": _WHOLE,  # of which a part was measured, but for those that a ring seals
     "lands_total": _WHOLE,
     # its verdict
     "verdict": _TEXT,

@@ -84,6 +84,7 @@ def rows_of(
         "seconds": seconds,
         **_written_down(job, record),
         **_diagnosed_with(record),
+        "lands_judged": diagnosis.judged,
         **_judged(record["unit"]),
         **_road(road, in_pieces=log is not None and log.road_test.in_pieces),
         "result_sha256": result_sha256(record),

@@ -52,7 +52,7 @@ def _head(summary: FleetSummary) -> Iterator[str | Text | Table]:
             "not all lands were measured."
         )
     if counts.without_sheet:
-        judged = f"{_counted(counts.without_sheet, 'unit')} without a measuring sheet {_are(counts.without_sheet)}"
+        judged = f"{_counted(counts.without_sheet, 'unit')} without a measured land {_are(counts.without_sheet)}"
         yield f"{judged} judged by logs and gauges alone, and in no rate."
     if counts.provisional:
         verdicts = "verdict rests" if counts.provisional == 1 else "verdicts rest"

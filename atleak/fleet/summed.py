@@ -29,15 +29,15 @@ MOST_GROUPS = 200  # under one heading; what differs more is no group of units: 
 class VerdictCounts:
     """How many units have which verdict; each unit once, as it was evaluated last.
 
-    A unit of which nothing was measured is ``not_measured`` and in no rate: what was not measured is not *ok*. One that
-    has no measuring sheet has the verdict of its log and gauges, and is in no rate either.
+    A unit of which nothing was measured is ``not_measured`` and in no rate: what was not measured is not *ok*. One of
+    which no land was judged has the verdict of its log and gauges, and is in no rate either.
     """
 
     units: int
     verdicts: Mapping[Verdict, int]  # every verdict, also those of no unit; they add up to `units`
     decisions: Mapping[Decision | None, int]  # None: units without a decision; they add up to `units`
     provisional: int  # units whose verdict rests on representative values
-    ok_in_part: int  # units that are ok as far as they were measured: not all of their lands were
+    ok_in_part: int  # units that are ok as far as they were measured, or by log or gauges: not all of their lands were
     rates: Mapping[Verdict, Rate]  # at this verdict or past it, of the judged units: watch, replace, critical
     without_sheet: int = 0  # units with a verdict by log or gauges alone: no land of theirs was judged
 

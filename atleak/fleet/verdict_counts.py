@@ -20,7 +20,7 @@ def counts_of(units: pd.DataFrame) -> VerdictCounts:
     verdicts = {verdict: int(said.get(verdict, 0)) for verdict in VERDICTS}
     decisions: dict[Decision | None, int] = {decision: int(decided.get(decision, 0)) for decision in DECISIONS}
     with_verdict = units["verdict"] != Verdict.NOT_MEASURED
-    by_lands = with_verdict & ((units["lands_measured"] > 0) | units["readings_sha256"].notna())
+    by_lands = with_verdict & units["by_lands"]
     ranks = units["verdict"][by_lands].map({str(verdict): verdict.rank for verdict in Verdict})
     in_part = (units["verdict"] == Verdict.OK) & (units["lands_measured"] < units["lands_total"])
     return VerdictCounts(

@@ -21,7 +21,7 @@ _COLUMNS = (
     *(HASH, PARTITION, "reference", "name", GROUP, "atleak", "evaluated_at"),
     *("number", "date", "measured_on", "vin", "serial", "mileage_km"),
     *("controller_name", "controller_sha256", "limits_sha256", "fluid_sha256", "profile"),
-    *("readings_sha256", "lands_measured", "lands_total"),
+    *("readings_sha256", "lands_measured", "lands_judged", "lands_total"),
     *("verdict", "decision", "provisional"),
     *("decided_by_kind", "decided_by_component", "decided_by_land", "decided_by_circuit"),
     *("road_rows", "max_share_percent"),
@@ -34,8 +34,9 @@ class Visits:
     """The rows of `units`, one for each visit, in the order of valve body, unit and time.
 
     Beside the columns of the data set they have ``unit``, a number of its own for each unit, ``label``, what it states
-    under the heading that is asked for, and two that say which visit of a unit counts: ``counts``, the last one at
-    which anything was measured, else the last of all; and ``last_log``, the last one with a log.
+    under the heading that is asked for, ``by_lands``, whether any of its lands was judged, and two that say which visit
+    of a unit counts: ``counts``, the last one at which anything was measured, else the last of all; and ``last_log``,
+    the last one with a log.
     """
 
     rows: pd.DataFrame
@@ -81,12 +82,14 @@ def read_visits(results: Results, *, by: str | None, controller: str | None) -> 
     heading = None if by is None else _heading(by, headings)
     rows["label"] = None if heading is None else _groups(table, heading)
     rows["lands_measured"] = rows["lands_measured"].fillna(0)
+    judged, by_sheet = rows["lands_judged"], rows["lands_measured"].gt(0) | rows["readings_sha256"].notna()
+    rows["by_lands"] = judged.gt(0).where(judged.notna(), by_sheet)  # an earlier version does not say how many
     rows["provisional"] = rows["provisional"].eq(True)
     numbers = zip(table["serial"].to_pylist(), table["vin"].to_pylist(), strict=True)
     keys = [key_of_numbers(serial, vin) for serial, vin in numbers]
     told = pd.Series(keys, dtype=object).fillna("row:" + rows[HASH])
     rows["told"] = [key is not None for key in keys]
-    rows["unit"] = pd.factorize(pd.MultiIndex.from_arrays([rows[PARTITION], told]))[0]
+    rows["unit"] = rows.groupby([PARTITION, told], sort=False, dropna=False).ngroup()
     rows["day"] = pd.to_datetime(rows["date"].fillna(rows["measured_on"]))
     rows["driven"] = rows["mileage_km"].fillna(_FIRST_MILEAGE)
     rows = rows.sort_values(

@@ -68,11 +68,12 @@ class _Reader(Reader):
         """Return an entry as it was loaded before, where it is of the same bytes."""
         own = slot.own_file(choice)
         key = (slot.name, str(choice), "") if own is None else (slot.name, own.name, own.sha256)
-        if key not in _ENTRIES:
-            _ENTRIES[key] = super().entry(slot, choice)
+        entry = _ENTRIES.get(key)
+        if entry is None:
+            entry = _ENTRIES[key] = super().entry(slot, choice)
             for oldest in list(_ENTRIES)[:-_KEPT]:
-                del _ENTRIES[oldest]
-        return _ENTRIES[key]
+                _ENTRIES.pop(oldest, None)  # another thread may have been first
+        return entry
 
 
 @contextmanager

@@ -322,7 +322,13 @@ class JobFile:
         if missing:
             problem = Sentence("names no {part}", part=missing[0])
             raise InputError(problem, place=Place(file=name), expected=Sentence("a complete job file"))
-        return cls(stated.record.with_pictures(pictures), stated.case(files), result, name)
+        try:
+            case = stated.case(files)
+        except InputError as error:
+            if _version(stated.atleak) > _version(__version__):
+                raise _made_by_newer(data, name) from error  # with a profile or option that this version does not know
+            raise
+        return cls(stated.record.with_pictures(pictures), case, result, name)
 
 
 def name_within(error: InputError, name: str) -> None:

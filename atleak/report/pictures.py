@@ -38,6 +38,7 @@ def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
     """
     try:
         with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of damaged notes of the camera: the picture can be seen all the same
             warnings.simplefilter("error", Image.DecompressionBombWarning)
             picture: Image.Image = Image.open(io.BytesIO(content), formats=("PNG", "JPEG", "WEBP"))
             if picture.width * picture.height > _PICTURE_LIMIT:

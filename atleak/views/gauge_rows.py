@@ -89,11 +89,9 @@ def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
         kpa=say.value(amount * KPA, "pressure", 0),
         limit=say.value(BELOW_LINE * KPA, "pressure", 0),
     )
-    gears = {gear_in(cell.range, controller.gears) for cell in pattern.cells} - {None}
+    gears = {gear_in(cell.range, controller.gears) for cell in pattern.cells}
     leaks = dict.fromkeys(
-        gap.key
-        for gap in controller.gaps
-        if gap.high.section in pattern.circuits and (not gears or not gears.isdisjoint(gap.gears))
+        gap.key for gap in controller.gaps if gap.high.section in pattern.circuits and not gears.isdisjoint(gap.gears)
     )
     if not leaks:
         return sentence

@@ -55,7 +55,7 @@ def follow_address() -> None:
     in_book = session().in_book
     if wanted is None:
         in_book.left = None
-        fleet_job.follow_address()
+        fleet_job.follow_address(open_from_book)
     elif wanted == in_book.left:
         del st.query_params[JOB]
     elif wanted not in (in_book.id, in_book.unknown):

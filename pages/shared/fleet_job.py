@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import streamlit as st
@@ -46,15 +47,27 @@ def show_unit(kept: KeptUnit, folder: str, *, done: str = "") -> None:
     show_job(case, with_sheet(record, diagnosis.readings) or record, in_book)
 
 
-def follow_address() -> None:
-    """Open the unit that the address names, where that is another one: after a reload, in a second tab."""
+def follow_address(open_from_book: Callable[[str], bool]) -> None:
+    """Open the unit that the address names, where that is another one: after a reload, in a second tab.
+
+    Parameters
+    ----------
+    open_from_book
+        opens a job of the book by its id: a unit from there has no job of its own beside the book's.
+    """
     wanted = st.query_params.get(OF_FLEET)
     now = session()
     if wanted is None or wanted in (now.in_book.of_fleet, now.in_book.unknown):
         return
+    from atleak.fleet.units import BOOK
+
     try:
         kept, folder = _kept(wanted)
-        show_unit(kept, folder)
+        reference = kept.unit["reference"]
+        if not reference.startswith(BOOK):
+            show_unit(kept, folder)
+        elif not open_from_book(reference.removeprefix(BOOK)):
+            now.in_book.unknown = wanted
     except AtleakError as error:
         now.refused["job"] = Refusal(reader.say()("fleet.of_address"), error)
         now.in_book.unknown = wanted

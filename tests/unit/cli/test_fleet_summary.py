@@ -72,7 +72,7 @@ def test_one_unit_is_said_in_the_singular_and_one_without_a_sheet_as_in_no_rate(
     assert status == 0
     assert "1 unit, 1 result of atleak" in out
     assert "body_a: 1 unit, 1 result" in out
-    assert "1 unit without a measuring sheet is judged by logs and gauges alone, and in no rate." in out
+    assert "1 unit without a measured land is judged by logs and gauges alone, and in no rate." in out
     assert "Of 1 unit the verdict rests on representative values." in out
     assert not [word for word in ("1 units", "1 results") if word in out]
 

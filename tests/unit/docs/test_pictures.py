@@ -68,6 +68,28 @@ def test_drawings_with_another_word_or_another_place_are_not_the_same(tool: Call
     assert not same(drawing, drawing.replace("%", "dm"))
 
 
+def test_a_chart_is_the_same_where_another_version_of_matplotlib_writes_it(tool: Callable[[str], ModuleType]) -> None:
+    same = tool("diagrams").same
+    chart = (
+        '<svg xmlns="http://www.w3.org/2000/svg"><g id="matplotlib.axis_1"><path d="M 52 196 L 490 12" '
+        'style="fill: none; stroke: #b8c2cb" clip-path="url(#one)"/>'
+        '<path d="M 10 20 \nL 10 5 \nL 30 5 \nL 30 20 \nz\n"/>'
+        '<text x="116.9" y="224.6" style="font-size: 9px; fill: #1b2733">1.5 %</text></g></svg>'
+    )
+    other = chart.replace("font-size: 9px; fill: #1b2733", "fill: #1b2733; font: 9px").replace("#one", "#other")
+    assert same(chart, other.replace("224.6", "221.8"))
+    assert same(chart, other.replace("L 10 5 \nL 30 5 \nL 30 20 ", "L 30 20 \nL 30 5 \nL 10 5 "))
+    for drawn, instead in (
+        ("490 12", "490 14"),
+        ("L 30 5", "L 30 9"),
+        ("#b8c2cb", "#b8c2cc"),
+        ("1.5 %", "1.6 %"),
+        ("224.6", "240.6"),
+    ):
+        assert drawn in other
+        assert not same(chart, other.replace(drawn, instead))
+
+
 def test_a_picture_of_something_else_differs_clearly_and_a_little_noise_does_not(
     tool: Callable[[str], ModuleType],
 ) -> None:

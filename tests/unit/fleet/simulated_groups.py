@@ -73,6 +73,7 @@ def simulated(
             "verdict": [str(VERDICTS[worst]) for worst in rank.max(axis=1)],
             "decision": "pass",
             "provisional": False,
+            "by_lands": True,
             "lands_measured": LANDS,
             "lands_total": LANDS,
         }

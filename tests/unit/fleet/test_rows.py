@@ -134,6 +134,7 @@ def test_the_row_of_a_unit_says_whose_it_is_and_what_became_of_it(rows: Rows, re
         "readings_sha256": record["readings"]["sha256"],
         "measured_on": record["readings"]["date"] and dt.date.fromisoformat(record["readings"]["date"]),
         "lands_measured": 47,
+        "lands_judged": 47,
         "lands_total": 47,
         "verdict": record["verdict"],
         "decision": record["unit"]["decision"],

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import io
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from atleak.catalogue.entries import catalogue_files
+from atleak.fleet import work
 from atleak.fleet.columns import DATA_SETS
 from atleak.fleet.task import Packed
 from atleak.fleet.units import FleetUnit
@@ -56,6 +58,31 @@ def test_an_entry_of_the_catalogue_is_kept_by_its_bytes_alone() -> None:
         names.append(rows.tables["units"].column("controller_name")[0].as_py())
     assert names[0] == names[2] == names[1].removeprefix("other ")
     assert names[0] != names[1]
+
+
+def test_threads_that_load_more_entries_than_are_kept_do_not_disturb_each_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Another thread drops, at the worst moment, what this one has just put there and what it is about to drop."""
+
+    class Disturbed(dict[Any, Any]):
+        def __setitem__(self, key: Any, value: Any) -> None:
+            super().__setitem__(key, value)
+            if len(self) > 1:
+                listed.append(key)
+
+        def __iter__(self) -> Iterator[Any]:
+            kept = list(super().__iter__())
+            if len(kept) > 1:
+                self.clear()
+            return iter(kept)
+
+    listed: list[Any] = []
+    monkeypatch.setattr(work, "_ENTRIES", Disturbed())
+    monkeypatch.setattr(work, "_KEPT", 1)
+    with_body = [evaluate(small_unit(number)) for number in range(2)]
+    assert [rows.controller for rows in with_body] == ["minimal_example"] * 2
+    assert listed, "more entries than are kept"
 
 
 def test_a_bad_file_is_an_error_in_the_words_that_a_person_would_have_got() -> None:

@@ -283,6 +283,19 @@ def test_a_circuit_far_below_the_line_names_the_lands_that_leak_from_it(unit, ju
     assert first in pattern_text(pattern, shipped, say)
 
 
+def test_the_lands_to_be_measured_first_leak_in_the_gear_of_the_cells() -> None:
+    shipped, say = load_controller("gm_4l60e"), wording("en")
+    cell = at("P", SLOW, 300.0).cell
+    pattern = Pattern("below_line", "ford", (cell,), circuits=("actuator_feed",), worst=cell, amount=210e3)
+    named = pattern_text(pattern, shipped, say).partition("measure these lands first: ")[2]
+    leaking, others = (
+        {land_words(shipped, gap.key, say) for gap in shipped.gaps if gap.high.section == "actuator_feed" and test(gap)}
+        for test in (lambda gap: 0 in gap.gears, lambda gap: 0 not in gap.gears)
+    )
+    assert others - leaking, "some lands of the circuit leak in other gears alone"
+    assert set(named.removesuffix(".").split(", ")) == leaking
+
+
 def test_every_pattern_has_its_sentence_in_every_language(unit, judged) -> None:
     slow = [at(each, SLOW, 300.0) for each in ("D", "3", "2", "1")]
     diagnosis = judged(with_circuit(unit), *slow, *(at(each, FAST, 500.0) for each in ("D", "3", "2", "1")))

@@ -262,12 +262,25 @@ def test_a_record_from_elsewhere_is_checked(content):
         read_job_file(with_choices(content, profile="mine")).diagnose()
 
 
-@pytest.mark.parametrize("newer", [{"format": FORMAT + 1}, {"format": FORMAT + 1, "tone": "x"}, {"tone": "x"}])
+@pytest.mark.parametrize(
+    "newer",
+    [
+        {"format": FORMAT + 1},
+        {"format": FORMAT + 1, "tone": "x"},
+        {"tone": "x"},
+        {"profile": "rally"},
+        {"options": {"entry_loss": "by_length"}},
+    ],
+)
 def test_a_job_file_of_a_newer_atleak_asks_for_an_update(content, newer):
     with pytest.raises(InputError) as refused:
         read_job_file(with_choices(content, atleak="99.1.0", **newer), name="job.zip")
     assert str(refused.value) == f"job.zip: made by atleak 99.1.0, newer than this {__version__}: update"
     assert "bitte aktualisieren" in wording("de").sentence(refused.value)
+
+
+def test_a_job_file_of_a_newer_atleak_is_read_where_nothing_in_it_is_new(content):
+    assert read_job_file(with_choices(content, atleak="99.1.0")).result_by == __version__
 
 
 def test_a_result_that_was_changed_is_told_with_what_differs(diagnosis, content):

@@ -14,6 +14,7 @@ from atleak.fleet.results import Results
 from atleak.fleet.sources import find_units
 from atleak.fleet.work import evaluate
 from atleak.job.file import write_job_file
+from atleak.job.parts import job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import open_book
 from atleak.jobs.search import Query
@@ -168,6 +169,25 @@ def test_the_address_of_an_opened_unit_opens_it_again_after_a_reload(app: AppTes
     assert not app.exception
     assert "the unit of a fleet that the address names" in texts(app)
     assert app.session_state["atleak"].good.sample
+
+
+def test_the_address_of_a_unit_from_the_job_book_opens_the_job_of_the_book(app: AppTest, tmp_path: Path) -> None:
+    with_book = open_book()
+    case, job = small_unit(3).opened()
+    saved = with_book.save(job_parts(case.diagnose(), job, case))
+    with Results.open(tmp_path / "fleet", for_writing=True) as results:
+        results.add([evaluate(unit) for unit in find_units([], book=Query())])
+    (row,) = Results.open(tmp_path / "fleet").table("units").to_pylist()
+    note(tmp_path / "fleet")
+    address = f"{known_folders()[0].id}-{row['input_sha256']}"
+    app.query_params["fleet-unit"] = address
+    go(app, "4_Diagnosis")
+    assert not app.exception
+    assert app.session_state["atleak"].in_book.id == saved.id, "no second job of the same unit"
+    assert app.query_params["job"] == saved.id
+    assert "fleet-unit" not in app.query_params
+    assert with_book.count(Query()) == 1
+    with_book.engine.dispose()
 
 
 def test_a_unit_whose_file_has_changed_says_so_and_its_results_stay(app: AppTest, evaluated: Path) -> None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import re
+import struct
 import unicodedata
+import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -383,6 +385,17 @@ def test_a_picture_loses_where_it_was_taken_and_stands_upright():
     shown = Image.open(io.BytesIO(content))
     assert shown.size == (100, 400)
     assert not shown.getexif()
+
+
+@pytest.mark.parametrize("form", ["JPEG", "PNG", "WEBP"])
+def test_damaged_notes_of_the_camera_cost_neither_the_picture_nor_a_warning(form):
+    entry = struct.pack(">HHII", 0x010F, 2, 80, 16)  # text that should stand behind the end of the notes
+    notes = b"Exif\0\0MM\0*" + struct.pack(">IH", 8, 2) + struct.pack(">HHIHH", 0x0112, 3, 1, 6, 0) + entry
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        _, content = printable_picture("a", picture(400, 100, form, exif=notes))
+    assert caught == []
+    assert Image.open(io.BytesIO(content)).size == (100, 400)
 
 
 @pytest.mark.parametrize(
