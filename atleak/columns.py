@@ -5,14 +5,21 @@ Nothing is mapped into memory: a mapped file's pages count as memory used for as
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
+from atleak.errors import InputError, Place
+from atleak.sentence import Sentence
+
+ROOM = Sentence("room there, or another folder for temporary files (TMPDIR, on Windows TEMP)")
+"""What is expected where a disk is full."""
+_FULL = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC))
 PIECE = 1 << 20
 """Numbers of a column that are held at once."""
 _FEW = 1 << 20  # numbers that are simply sorted
@@ -34,15 +41,23 @@ class DiskColumn:
 
     def append(self, values: np.ndarray) -> None:
         """Add numbers at the end."""
-        with self.path.open("ab") as stream:
-            np.ascontiguousarray(values, self.dtype).tofile(stream)
+        self._put(values, "ab")
         self._size += len(values)
 
     def write(self, start: int, values: np.ndarray) -> None:
         """Put numbers in place of those from ``start`` on."""
-        with self.path.open("r+b") as stream:
-            stream.seek(start * self.dtype.itemsize)
-            np.ascontiguousarray(values, self.dtype).tofile(stream)
+        self._put(values, "r+b", start)
+
+    def _put(self, values: np.ndarray, mode: Literal["ab", "r+b"], start: int = 0) -> None:
+        try:
+            with self.path.open(mode) as stream:
+                stream.seek(start * self.dtype.itemsize)
+                stream.write(np.ascontiguousarray(values, self.dtype).data)
+        except OSError as error:
+            if error.errno not in _FULL:
+                raise
+            problem = Sentence("has no room left for the samples of a large log, which is read in pieces")
+            raise InputError(problem, place=Place(file=str(self.path.parent.parent)), expected=ROOM) from error
 
     def __getitem__(self, part: slice | int) -> Any:
         """Return some of the numbers, those of a slice forwards, or a single one."""

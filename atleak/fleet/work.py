@@ -79,7 +79,8 @@ class _Reader(Reader):
 @contextmanager
 def _reading(room: Room) -> Iterator[tuple[_Reader, Path]]:
     """Give what reads the files of one unit, and a folder to unpack it in; nothing of either stays on the disk."""
-    with tempfile.TemporaryDirectory(prefix="atleak-", dir=room.folder) as folder, ExitStack() as done:
+    folders = tempfile.TemporaryDirectory(prefix="atleak-", dir=room.folder, ignore_cleanup_errors=True)
+    with folders as folder, ExitStack() as done:
         yield _Reader(room, done), Path(folder)
 
 

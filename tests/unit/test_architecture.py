@@ -51,10 +51,10 @@ FLOORS = (
         "thinning",
         "keeping",
         "spreads",
-        "columns",
     ),
     (
         "equations",
+        "columns",
         "faults",
         "doors",
         "system.files",

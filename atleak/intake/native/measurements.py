@@ -35,8 +35,8 @@ def mdf_contents(request: bytes) -> Iterator[MdfPart]:
     """Yield what an MDF file holds that lies at a path, without its numbers.
 
     ``file`` with its ``version``, then each ``channel`` that holds numbers, with ``label``, ``unit`` or None, its
-    ``group`` and ``index``, by which `mdf_ranges` finds it, and its ``count`` of samples; then the ``count`` of
-    ``frames`` of each group of a CAN bus.
+    ``group`` and ``index``, by which `mdf_ranges` finds it, its ``count`` of samples, and whether it is ``marked``:
+    the file says of each sample whether it is valid; then the ``count`` of ``frames`` of each group of a CAN bus.
 
     Parameters
     ----------
@@ -50,10 +50,13 @@ def mdf_contents(request: bytes) -> Iterator[MdfPart]:
         with MDF(json.loads(request)["path"]) as mdf:
             yield "file", {"version": str(mdf.version)}
             for number, index, channel in _named(mdf):
-                first = mdf.get(group=number, index=index, record_offset=0, record_count=1)
+                first = mdf.get(
+                    group=number, index=index, record_offset=0, record_count=1, ignore_invalidation_bits=True
+                )
                 if _holds_numbers(first):
                     count = int(mdf.groups[number].channel_group.cycles_nr)
-                    where = {"group": number, "index": index, "count": count}
+                    marked = first.invalidation_bits is not None
+                    where = {"group": number, "index": index, "count": count, "marked": marked}
                     yield "channel", {"label": channel.name, "unit": first.unit or None, **where}
             for group in mdf.groups:
                 if "CAN_DataFrame.ID" in {channel.name for channel in group.channels}:
@@ -61,9 +64,10 @@ def mdf_contents(request: bytes) -> Iterator[MdfPart]:
 
 
 def mdf_ranges(request: bytes) -> Iterator[MdfPart]:
-    """Yield the samples of some channels, range by range: ``range`` with ``group``, ``stamps`` [s] and ``values``.
+    """Yield the samples of some channels, range by range: ``range`` with ``group``, ``stamps`` [s] and ``channels``.
 
-    The values of every channel that is asked for, and the stamps, are the bytes of floats.
+    Of every channel that is asked for there are the ``values``, and the ``stamps`` of those that are valid, None where
+    all are. Stamps and values are the bytes of floats.
 
     Parameters
     ----------
@@ -83,8 +87,18 @@ def mdf_ranges(request: bytes) -> Iterator[MdfPart]:
                 for start in range(0, count, asked["length"]):
                     signals = mdf.select(chosen, record_offset=start, record_count=min(asked["length"], count - start))
                     stamps = np.asarray(signals[0].timestamps, float)
-                    values = [bytearray(np.asarray(signal.samples).astype(float)) for signal in signals]
-                    yield "range", {"group": int(group), "stamps": bytearray(stamps), "values": values}
+                    channels = [_valid(signal) for signal in signals]
+                    yield "range", {"group": int(group), "stamps": bytearray(stamps), "channels": channels}
+
+
+def _valid(signal: Any) -> dict[str, bytearray | None]:
+    """Return the values and stamps of the samples that are not marked as invalid, as a whole channel is read."""
+    import numpy as np
+
+    kept = signal.validate(copy=False)
+    every = len(kept.samples) == len(signal.samples)
+    stamps = None if every else bytearray(np.ascontiguousarray(kept.timestamps, float))
+    return {"values": bytearray(np.asarray(kept.samples).astype(float)), "stamps": stamps}
 
 
 def _named(mdf: Any) -> Iterator[tuple[int, int, Any]]:

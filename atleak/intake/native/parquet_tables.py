@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import json
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from atleak.intake.native.child import Damaged, Refused, of_library
@@ -35,8 +37,7 @@ def parquet_parts(request: bytes) -> Iterator[ParquetPart]:
     request
         what `request_of` makes.
     """
-    asked, file = _opened(request)
-    with file:
+    with _opened(request) as (asked, file):
         with of_library():
             schema, rows = file.schema_arrow, file.metadata.num_rows
         left_out = _twice(schema)
@@ -51,9 +52,9 @@ def parquet_parts(request: bytes) -> Iterator[ParquetPart]:
             problem = Sentence("unfolds to {rows} rows of {columns} columns", rows=rows, columns=len(wanted))
             raise Refused(problem, expected=Sentence("at most {size} MB of numbers", size=limit >> 20))
         names = [fields[place].name for place in wanted]
-        there = [place for place, field in enumerate(schema) if _is_asked_for(field.name, names)]
         numbers = [place for place in range(len(schema)) if place not in left_out]
-        places = [there.index(numbers[place]) for place in wanted]
+        chosen = [(schema.names[numbers[place]], schema.names[: numbers[place]]) for place in wanted]
+        keys = [(name, before.count(name)) for name, before in chosen]
         length = max(_BLOCK // 8 // len(wanted), _FEWEST)
         first = asked["rows"]
         batches = _batches(file, length if first is None else first, names)
@@ -61,7 +62,7 @@ def parquet_parts(request: bytes) -> Iterator[ParquetPart]:
         while True:
             with of_library():
                 batch = next(batches, None)
-                cells = [] if batch is None else [_cells(batch.column(place)) for place in places]
+                cells = [] if batch is None else [_cells(each) for each in _columns(batch, keys)]
             left -= 0 if batch is None else batch.num_rows
             if left < 0 or (batch is None and left):
                 raise Damaged(f"it has {rows - left} rows and says {rows}")
@@ -92,25 +93,29 @@ def parquet_head(request: bytes) -> Iterator[bytes]:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    asked, file = _opened(request)
-    with file, of_library():
+    with _opened(request) as (asked, file), of_library():
         rows = next(file.iter_batches(asked["rows"], use_threads=False), None)
         target = io.BytesIO()
         pq.write_table(pa.Table.from_batches([] if rows is None else [rows], file.schema_arrow), target)
     yield target.getvalue()
 
 
-def _opened(request: bytes) -> tuple[dict[str, Any], Any]:
-    """Return what is asked for, and the file."""
+@contextmanager
+def _opened(request: bytes) -> Iterator[tuple[dict[str, Any], Any]]:
+    """Give what is asked for, and the file."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     header, _, content = request.partition(b"\n")
     asked = json.loads(header)
     pa.set_memory_pool(pa.system_memory_pool())  # the others keep what they once had
-    with of_library():
-        source = io.BytesIO(content) if asked["path"] is None else asked["path"]
-        return asked, pq.ParquetFile(source, buffer_size=_BUFFER, pre_buffer=False)
+    with of_library():  # pyarrow itself opens no path that is not UTF-8
+        source = io.BytesIO(content) if asked["path"] is None else open(asked["path"], "rb")  # noqa: SIM115, PTH123
+    with source:
+        with of_library():
+            file = pq.ParquetFile(source, buffer_size=_BUFFER, pre_buffer=False)
+        with file:
+            yield asked, file
 
 
 def request_of(
@@ -133,10 +138,18 @@ def request_of(
     return header.encode("ascii") + b"\n" + (content or b"")
 
 
-def _is_asked_for(name: str, names: Sequence[str]) -> bool:
-    """Return whether a column comes where some are asked for: ``a`` also brings ``a.b``."""
-    parts = name.split(".")
-    return any(".".join(parts[:count]) in names for count in range(1, len(parts) + 1))
+def _columns(batch: Any, keys: Sequence[tuple[str, int]]) -> list[Any]:
+    """Return columns of a block by their names, and how many of the same name stand before.
+
+    Where ``a`` is asked for, some versions of pyarrow also bring ``a.b``.
+    """
+    names: list[str] = batch.schema.names
+    places: dict[tuple[str, int], int] = {}
+    counts: Counter[str] = Counter()
+    for place, name in enumerate(names):
+        places[name, counts[name]] = place
+        counts[name] += 1
+    return [batch.column(places[key]) for key in keys]
 
 
 def _twice(schema: Any) -> set[int]:

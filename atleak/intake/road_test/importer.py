@@ -90,7 +90,7 @@ def read_as(job: Job, read: Callable[[Job], Understood]) -> Understood:
     RoadTestError
         as the reader, whatever kind of wrong input it names.
     """
-    opened = job.source
+    opened, done = job.source, False
     try:
         understood = read(job)
     except InputError as error:
@@ -100,7 +100,11 @@ def read_as(job: Job, read: Callable[[Job], Understood]) -> Understood:
             error.problem, place=error.place if str(error.place) else Place(file=opened.file), value=error.value,
             expected=error.expected, nearest=error.nearest,
         ) from error  # fmt: skip
+    else:
+        done = True
     finally:
+        if not done:  # who is told so may delete the file
+            opened.digest.stop()
         opened.close()
     # the SHA-256 is computed beside all this; only here is it waited for
     digest = opened.sha256

@@ -277,7 +277,7 @@ def _plain_head(source: LogFile) -> LogText | None:
     """Return the head of a large file if the fast reader can take the file as it is, else None."""
     if source.in_memory or source.size <= LARGE:
         return None
-    head = to_text(source.head)
+    head = to_text(source.whole_lines)
     tail = source.part(source.size - HEAD, source.size)
     if head.codec != "utf-8" or not head.encoding.startswith("utf-8") or b"\n" not in source.head[:HEAD]:
         return None
@@ -293,7 +293,7 @@ def open_delimited(source: LogFile, *, held: bool = True) -> Delimited | None:
     """
     if source.size > LARGE and not any(end in source.head for end in (b"\n", b"\r")):
         return None  # one endless line
-    plain = _plain_head(source) if held else to_text(source.head)
+    plain = _plain_head(source) if held else to_text(source.whole_lines)
     whole = plain or _whole(source)
     text = plain or without_cut_cell(whole)
     head = text.data[:_LONG_HEAD].split(b"\n")

@@ -81,6 +81,7 @@ class Digest:
         self._start = 0
         self._nul = False
         self._error: Exception | None = None
+        self._stopped = False
         self.has_nul_unpacked = False
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._started = False
@@ -113,6 +114,12 @@ class Digest:
         if self._error is not None:
             raise self._error
 
+    def stop(self) -> None:
+        """Compute no further, where nobody needs it: the file is open no more."""
+        self._stopped = True
+        if self._started:
+            self._thread.join()
+
     def _run(self) -> None:
         try:
             self._read()
@@ -131,6 +138,8 @@ class Digest:
             if self._look is not None and before < len(piece):
                 self._look(piece[before:])
             before = max(before - len(piece), 0)
+            if self._stopped:
+                return
 
     def __str__(self) -> str:
         self.wait()
@@ -171,6 +180,11 @@ class LogFile:
             return self.content
         assert self.path is not None
         return self.path.read_bytes()
+
+    @property
+    def whole_lines(self) -> bytes:
+        """Return the first bytes up to the end of a line: no character of a text is cut there."""
+        return self.head if self.size <= len(self.head) else self.head[: self.head.rfind(b"\n") + 1] or self.head
 
     @property
     def in_memory(self) -> bool:

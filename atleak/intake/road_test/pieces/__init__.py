@@ -180,7 +180,7 @@ def _refuse_other_text(source: LogFile) -> None:
     """
     head = source.head.removesuffix(b"\r")
     other_ends = b"\r" in head and (b"\n" not in head[:HEAD] or one_line_end(head) is not head)
-    if other_ends or b"\x00" in head or to_text(head).encoding.startswith("utf-16"):
+    if other_ends or b"\x00" in head or to_text(source.whole_lines).encoding.startswith("utf-16"):
         expected = Sentence("UTF-8 or a code page of one byte a sign, with a line feed behind every line")
         raise too_large_for(source.file, Sentence("a text of this encoding, or with such line ends,"), expected)
 

@@ -24,7 +24,7 @@ from atleak.intake.road_test.mdf import check_readable, heading_of, prepared
 from atleak.intake.road_test.outcome import Understood
 from atleak.intake.road_test.pieces import timelines
 from atleak.intake.road_test.pieces.spool import Spool, too_large_for
-from atleak.intake.road_test.pieces.timelines import PIECE, LargeTimeline
+from atleak.intake.road_test.pieces.timelines import OF_CLOCK, PIECE, LargeTimeline
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
@@ -59,11 +59,12 @@ def read_mdf_in_pieces(job: Job, spool: Spool) -> MdfInPieces:
     wanted = sorted({candidate.heading.index for candidate in candidates})
     longest = max(range(len(channels)), key=lambda number: (channels[number]["count"], -number))
     read = wanted or [longest]
-    spool.check_room(sum(channels[number]["count"] for number in read), 2)
+    counts = [channels[number]["count"] for number in read]
+    spool.check_room(2 * sum(counts) + (len(read) + OF_CLOCK) * max(counts))  # with stamps; and on the common base
     stamps, values = _read(source, path, [(number, channels[number]) for number in read], spool)
     for quantity in QUANTITIES:
         offered = [
-            (each, values[each.heading.index], stamps[channels[each.heading.index]["group"]])
+            (each, values[each.heading.index], stamps[each.heading.index])
             for each in candidates
             if each.quantity == quantity
         ]
@@ -72,7 +73,7 @@ def read_mdf_in_pieces(job: Job, spool: Spool) -> MdfInPieces:
     main = assigner.signals.get("engine_speed") or next(iter(assigner.signals.values()), None)
     if main is None and longest not in values:
         stamps |= _read(source, path, [(longest, channels[longest])], spool)[0]
-    time = stamps[channels[longest]["group"]] if main is None else main.time
+    time = stamps[longest] if main is None else main.time
     assert isinstance(time, DiskColumn)
     timeline = timelines.build(time, spool)
     reading = TableResult(len(time), timeline.told, "", Clock(np.empty(0), "s"))
@@ -97,34 +98,57 @@ def _contents(source: LogFile, path: Path) -> tuple[str, list[Mapping[str, Any]]
 def _read(
     source: LogFile, path: Path, chosen: Sequence[tuple[int, Mapping[str, Any]]], spool: Spool
 ) -> tuple[dict[int, DiskColumn], dict[int, DiskColumn]]:
-    """Return the stamps of the groups of some channels, and the channels' numbers, by their places."""
+    """Return the stamps and the numbers of some channels, by their places.
+
+    Raises
+    ------
+    NotInPiecesError
+        where one of them has no valid sample.
+    """
     places: dict[int, list[int]] = {}
     indexes: dict[int, list[int]] = {}
     for number, channel in chosen:
         places.setdefault(channel["group"], []).append(number)
         indexes.setdefault(channel["group"], []).append(channel["index"])
-    stamps = {group: spool.column() for group in places}
+    marked = {number for number, channel in chosen if channel["marked"]}
+    own = {number: spool.column() for number in sorted(marked)}
+    stamps = {group: spool.column() for group, numbers in places.items() if not marked.issuperset(numbers)}
     values = {number: spool.column() for number, _ in chosen}
     asked = {"path": str(path.absolute()), "indexes": indexes, "length": RANGE}
     request = json.dumps(asked).encode("ascii")
     parts = read_apart_in_parts(mdf_ranges, request, source.file, RoadTestError, MDF, source.size)
     with closing(parts):
         for _, part in parts:
-            stamps[part["group"]].append(np.frombuffer(part["stamps"]))
-            for number, numbers in zip(places[part["group"]], part["values"], strict=True):
-                values[number].append(np.frombuffer(numbers))
-    return _shared(stamps), values
+            if part["group"] in stamps:
+                stamps[part["group"]].append(np.frombuffer(part["stamps"]))
+            for number, channel in zip(places[part["group"]], part["channels"], strict=True):
+                values[number].append(np.frombuffer(channel["values"]))
+                if number in own:
+                    own[number].append(
+                        np.frombuffer(part["stamps"] if channel["stamps"] is None else channel["stamps"])
+                    )
+    if not all(map(len, values.values())):
+        what, expected = Sentence("a channel without a valid sample"), Sentence("the log without this channel")
+        raise too_large_for(source.file, what, expected)
+    return _shared(
+        {number: own[number] if number in own else stamps[channel["group"]] for number, channel in chosen}
+    ), values
 
 
 def _shared(stamps: dict[int, DiskColumn]) -> dict[int, DiskColumn]:
-    """Return the stamps with one column for groups that follow each other and have the same ones."""
+    """Return the stamps with one column for channels that follow each other and have the same ones."""
+    shared: dict[int, DiskColumn] = {}
     before: DiskColumn | None = None
-    for group, column in stamps.items():
-        if before is not None and _equal(before, column):
+    for number in sorted(stamps):
+        column = stamps[number]
+        if before is not None and column is not before and _equal(before, column):
+            column = before
+        shared[number] = before = column
+    kept = {id(column) for column in shared.values()}
+    for column in stamps.values():
+        if id(column) not in kept:
             column.remove()
-            stamps[group] = before
-        before = stamps[group]
-    return stamps
+    return shared
 
 
 def _equal(one: DiskColumn, other: DiskColumn) -> bool:

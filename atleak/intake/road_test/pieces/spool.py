@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from atleak.columns import DiskColumn
+from atleak.columns import ROOM, DiskColumn
 from atleak.errors import Place, RoadTestError
 from atleak.sentence import Sentence
 
@@ -44,15 +44,20 @@ class Spool:
         """Delete all columns."""
         self.folder.cleanup()
 
-    def check_room(self, rows: float, columns: int) -> None:
+    def check_room(self, numbers: float) -> None:
         """Refuse a log whose columns the disk has no room for.
+
+        Parameters
+        ----------
+        numbers
+            how many stand there at most at once: those that are read, and what is made of them.
 
         Raises
         ------
         NotInPiecesError
             saying how much is needed, and where.
         """
-        needed, free = rows * columns * _WIDTH * _SPARE, shutil.disk_usage(self.folder.name).free
+        needed, free = numbers * _WIDTH * _SPARE, shutil.disk_usage(self.folder.name).free
         if needed > free:
             raise NotInPiecesError(
                 Sentence(
@@ -62,7 +67,7 @@ class Spool:
                     free=free / 1e9,
                 ),
                 place=Place(file=self.file),
-                expected=Sentence("room there, or another folder for temporary files (TMPDIR, on Windows TEMP)"),
+                expected=ROOM,
             )
 
 

@@ -28,7 +28,7 @@ from atleak.intake.road_test.files.delimited import counted_short, refuse_too_wi
 from atleak.intake.road_test.pieces import timelines
 from atleak.intake.road_test.pieces.columns import ChannelColumn, TimeColumn
 from atleak.intake.road_test.pieces.spool import Spool, too_large_for
-from atleak.intake.road_test.pieces.timelines import PIECE, LargeTimeline
+from atleak.intake.road_test.pieces.timelines import OF_CLOCK, PIECE, LargeTimeline
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
@@ -66,7 +66,7 @@ def read_in_pieces(
         what = Sentence("a table with a clock for each signal")
         raise too_large_for(assigner.file, what, one_column_each)
     read = _Reading(table, times, channels, assigner, spool)
-    spool.check_room(rows, len(read.columns) + 1)
+    spool.check_room(rows * (2 * len(channels) + OF_CLOCK * max(len(times), 1)))  # as they are read, and on the base
     with closing(blocks(read.columns)) as frames:  # what reads them goes on with other files
         for frame in frames:
             read.add(frame)
@@ -151,8 +151,8 @@ class _Reading:
             self._take_blank()
         self.left.blank = self._blank
         self.left.short = counted_short(self.left.short, self.lines, self.left.breaks_off)
-        self.left.say(assigner)
         refuse_too_wide(self.left.too_wide, self.lines, assigner.file)
+        self.left.say(assigner)
         if self.words_for_time >= REMARKS * max(self.lines, 1):
             raise no_time(table, assigner)
         used: list[str] = []

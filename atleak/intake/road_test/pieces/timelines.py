@@ -23,6 +23,8 @@ from atleak.sentence import Sentence
 
 PIECE = 1 << 19
 """Rows that are looked at together."""
+OF_CLOCK = 5
+"""Columns that a clock takes at most while the time base is made."""
 _FALLS = 1_000_000  # rows before a fall of the clock, at most
 _OUT_OF_TURN = 4_000_000  # rows that stand out of turn together, at most
 

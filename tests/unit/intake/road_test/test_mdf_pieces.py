@@ -97,6 +97,36 @@ def test_choices_count_as_for_the_whole() -> None:
     assert_same(whole, pieces)
 
 
+def marked(values: np.ndarray, invalid: slice, label: str, unit: str, time: np.ndarray = TIME) -> Any:
+    bits = np.zeros(len(values), bool)
+    bits[invalid] = True
+    return asammdf.Signal(values, time, name=label, unit=unit, invalidation_bits=bits)
+
+
+@pytest.mark.parametrize("invalid", [slice(100, 300), slice(0, 60), slice(0, 0), slice(410, 500, 3)])
+def test_samples_that_are_marked_as_invalid_are_no_values(invalid: slice) -> None:
+    oil = np.full(500, 80.0)
+    oil[invalid] = 20.0
+    load = asammdf.Signal(np.where(np.arange(500) < 250, 100.0, 400.0), TIME, name="Line Pressure", unit="kPa")
+    whole, pieces = read_both(mdf([[SPEED, marked(oil, invalid, "ATF Temperature", "°C"), load]]))
+    assert isinstance(whole, Understood)
+    assert whole.road_test is not None
+    assert np.nanmin(whole.road_test.values("atf_temperature")) == pytest.approx(80.0, rel=1e-12, abs=0.0)
+    assert_same(whole, pieces)
+
+
+def test_the_channel_of_the_clock_may_have_invalid_samples_too() -> None:
+    oil = asammdf.Signal(np.linspace(60.0, 80.0, 500), TIME, name="ATF Temperature", unit="°C")
+    speed = marked(900.0 + np.arange(500), slice(30, 400, 2), "Engine Speed", "rpm")
+    assert_same(*read_both(mdf([[speed, oil]])))
+
+
+def test_a_channel_without_a_valid_sample_is_refused_with_what_to_do() -> None:
+    _, pieces = read_both(mdf([[SPEED, marked(np.zeros(500), slice(None), "ATF Temperature", "°C")]]))
+    assert isinstance(pieces, str)
+    assert "a channel without a valid sample is not read in pieces" in pieces
+
+
 def test_a_packed_file_is_read_in_pieces_too(tmp_path: Path) -> None:
     path = tmp_path / "log.gz"
     path.write_bytes(gzip.compress(mdf([[SPEED]])))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime as dt
 import gzip
 import io
+import os
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -137,6 +138,27 @@ def test_columns_of_one_name_and_names_with_points() -> None:
         stream.getvalue(), name="a.parquet", mapping={**mapping, "engine_speed": "engine.speed [rpm]"}
     )
     assert test.values("engine_speed")[0] * 60 == pytest.approx(903.0, rel=1e-12, abs=0.0)
+
+
+@pytest.mark.parametrize("names", [("T.oil", "rpm", "T"), ("Oil Temp", "Engine Speed [rpm]", "Oil Temp. [C]")])
+@pytest.mark.parametrize("asked", [0, 1, 2])
+def test_a_name_may_be_the_first_part_of_another(names: tuple[str, ...], asked: int) -> None:
+    stream = io.BytesIO()
+    pq.write_table(pa.table([TIME, SPEED + 1, SPEED + 2, SPEED + 3], names=["time", *names]), stream)
+    mapping = {"engine_speed": names[asked], "vehicle_speed": "", "atf_temperature": ""}
+    test = read_road_test(stream.getvalue(), name="a.parquet", mapping=mapping, units={"engine_speed": "rpm"})
+    assert test.values("engine_speed")[0] * 60 == pytest.approx(901.0 + asked, rel=1e-12, abs=0.0)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="paths are Unicode there")
+def test_a_path_need_not_be_utf_8(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(log_file, "LARGE", 100)
+    path = tmp_path / os.fsdecode(b"l\xff.parquet")
+    try:
+        path.write_bytes(parquet({"time": TIME, "engine_speed [rpm]": SPEED}))
+    except OSError:
+        pytest.skip("this disk takes no such name")
+    assert read_road_test(path).values("engine_speed")[0] * 60 == pytest.approx(900.0, rel=1e-12, abs=0.0)
 
 
 def test_columns_without_names_need_them() -> None:

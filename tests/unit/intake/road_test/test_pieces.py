@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from atleak import columns as all_columns
 from atleak.errors import RoadTestError
 from atleak.intake.road_test import importer, pieces, understand
-from atleak.intake.road_test.files.log_file import BESIDE, TIMES
+from atleak.intake.road_test.files.log_file import BESIDE, LARGE, TIMES
 from atleak.intake.road_test.outcome import Understood
 from atleak.intake.road_test.pieces import (
     columns,
@@ -211,6 +211,21 @@ def test_rows_with_another_separator_are_left_out_and_counted() -> None:
     whole, pieces = read_both(data)
     assert isinstance(pieces, Understood)
     assert (pieces.rows_left_out, pieces.rows) == (10, 290)
+    assert_same(whole, pieces)
+
+
+@pytest.mark.parametrize("cut_off", [1, 2])
+def test_the_head_may_end_within_a_character(monkeypatch: pytest.MonkeyPatch, cut_off: int) -> None:
+    cut(monkeypatch, 100_000, 20_000)
+    head = "Time (s),RPM (rpm),ATF-Öltemperatur (°C),Note\n".encode()
+    rows = "".join(f"{row / 10:.1f},{800 + row % 900},80,\n" for row in range(20_000)).encode()[: LARGE - len(head)]
+    until = head + rows[: rows.rfind(b"\n", 0, -30) + 1]
+    filler = b"5000.0,900,80," + b"x" * 40
+    data = until + filler[: LARGE - cut_off - len(until)] + "€\n".encode() + b"5000.1,900,80,\n"
+    assert data[:LARGE].decode("utf-8", "replace").endswith("\ufffd")
+    whole, pieces = read_both(data)
+    assert isinstance(pieces, Understood)
+    assert [each.label for each in pieces.headings][2] == "ATF-Öltemperatur (°C)"
     assert_same(whole, pieces)
 
 
