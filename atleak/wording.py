@@ -41,6 +41,15 @@ def isolated(text: str) -> str:
     return f"\u2068{text}\u2069" if from_the_right else text
 
 
+def begun(sentence: str) -> str:
+    """Begin a sentence with a capital letter.
+
+    >>> begun("it is stated"), begun("")
+    ('It is stated', '')
+    """
+    return sentence[:1].upper() + sentence[1:]
+
+
 @runtime_checkable
 class Condition(Protocol):
     """What is named of an operating point."""

@@ -10,7 +10,7 @@ from atleak.catalogue.pump import Pump, PumpClearances, PumpGaps, TipGaps
 from atleak.catalogue.pump_tables import PumpKind, PumpTable
 from atleak.catalogue.reading import Reading
 from atleak.equations import pump as equations
-from atleak.errors import DomainError, one_of
+from atleak.errors import CatalogueError, DomainError, one_of
 from atleak.sentence import Sentence
 
 
@@ -77,6 +77,9 @@ _KINDS: Mapping[PumpKind, _Kind] = MappingProxyType(
 )
 _BY_MODULE = ("module_mm", "teeth", "width_mm", "tooth_height_mm")  # the arguments of `equations.displacement`
 _WITH_MODULE = (None, "external_gear", "crescent")  # kinds of which it holds
+_BEYOND: Mapping[str, tuple[str, str]] = MappingProxyType(  # dimensions of which the first is the larger
+    {"external_gear": ("tip_diameter_mm", "centre_distance_mm"), "gerotor": ("tip_diameter_mm", "root_diameter_mm")}
+)
 _DIMENSIONS = tuple(
     dict.fromkeys(key for kind in _KINDS.values() for key in (*_BY_MODULE, *kind.sizes, *kind.of_faces, *kind.of_tips))
 )
@@ -194,6 +197,10 @@ def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: Reading) 
         formula, keys = equations.displacement, _BY_MODULE
     missing = [key for key in keys if key not in sizes]
     if not missing:
+        misfit = None if formula is equations.displacement else _misfit(table, reading)
+        if misfit is not None:
+            reading.faults.append(misfit)
+            return None
         return float(formula(*(sizes[key] for key in keys)))
     if len(missing) == len(keys):
         problem = Sentence("nothing says what the pump displaces")
@@ -202,6 +209,59 @@ def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: Reading) 
         for key in missing:
             problem = Sentence("missing beside {keys}", keys=[known for known in keys if known in sizes])
             reading.faults.append(reading.fault(("pump", key), problem, expected=_ways(kind)))
+    return None
+
+
+def _misfit(table: PumpTable, reading: Reading) -> CatalogueError | None:
+    """Return the fault of dimensions that cannot be those of one pump, each in the unit of the file."""
+    if table.kind in _BEYOND:
+        outer, inner = _BEYOND[table.kind]
+        most, least = getattr(table, outer), getattr(table, inner)
+        if most > least:
+            return None
+        expected = Sentence("more than {key}, {least:g} mm: check both", key=inner, least=least)
+        return reading.fault(
+            ("pump", outer), Sentence("too small beside {key}", key=inner), value=most, expected=expected
+        )
+    if table.kind == "crescent":
+        return _meshing_misfit(table, reading)
+    return None
+
+
+def _meshing_misfit(table: PumpTable, reading: Reading) -> CatalogueError | None:
+    """Return the fault of a pinion or ring gear whose tips do not reach past the circle on which both roll."""
+    tip, ring_tip, apart = table.tip_diameter_mm, table.ring_tip_diameter_mm, table.centre_distance_mm
+    teeth, ring_teeth = table.teeth, table.ring_teeth
+    if tip is None or ring_tip is None or apart is None or teeth is None or ring_teeth is None or ring_teeth <= teeth:
+        return None
+    working, ring_working = (2.0 * apart * count / (ring_teeth - teeth) for count in (teeth, ring_teeth))
+    numbers = {"apart": apart, "teeth": teeth, "ring_teeth": ring_teeth}
+    if tip <= working:
+        problem = Sentence(
+            "the pinion's tips of {tip:g} mm, axes {apart:g} mm apart, and {teeth} and {ring_teeth} teeth do not fit "
+            "together",
+            tip=tip,
+            **numbers,
+        )
+        expected = Sentence(
+            "tips above {least:.2f} mm with these axes and teeth: check tip diameter, centre distance and numbers of "
+            "teeth",
+            least=working,
+        )
+        return reading.fault(("pump", "tip_diameter_mm"), problem, expected=expected)
+    if ring_tip >= ring_working:
+        problem = Sentence(
+            "the ring gear's tips of {tip:g} mm, axes {apart:g} mm apart, and {teeth} and {ring_teeth} teeth do not "
+            "fit together",
+            tip=ring_tip,
+            **numbers,
+        )
+        expected = Sentence(
+            "tips below {most:.2f} mm with these axes and teeth: check tip diameter, centre distance and numbers of "
+            "teeth",
+            most=ring_working,
+        )
+        return reading.fault(("pump", "ring_tip_diameter_mm"), problem, expected=expected)
     return None
 
 

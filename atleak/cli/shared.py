@@ -66,15 +66,29 @@ def job_files(names: Sequence[str]) -> list[Path]:
         if path.is_dir():
             found += sorted(path.glob("*.zip"))
         else:
-            found += [path] if path.exists() else sorted(_alike(path)) or [path]
+            alike = [path] if path.exists() or not _is_pattern(path) else sorted(_alike(path))
+            if not alike:
+                raise _no_job_file(name)
+            found += alike
     if not found:
-        raise InputError(Sentence("no job file is there"), value=", ".join(names), expected=Sentence("job files (zip)"))
+        raise _no_job_file(", ".join(names))
     return found
 
 
+def _no_job_file(named: str) -> InputError:
+    return InputError(Sentence("no job file is there"), value=named, expected=Sentence("job files (zip)"))
+
+
+def _is_pattern(path: Path) -> bool:
+    return any(sign in path.name for sign in "*?[")
+
+
 def _alike(pattern: Path) -> Iterator[Path]:
+    """Yield the job files of a pattern: no folder, and no other file that stands beside them."""
     folder = pattern.parent
-    yield from (each for each in (folder.iterdir() if folder.is_dir() else ()) if fnmatch(each.name, pattern.name))
+    for each in folder.iterdir() if folder.is_dir() else ():
+        if fnmatch(each.name, pattern.name) and each.is_file() and each.suffix.lower() == ".zip":
+            yield each
 
 
 def add_force(parser: Options) -> None:

@@ -261,7 +261,7 @@ def _middle(edges: tuple[float, float]) -> float:
 def _spread_words(spread: Spread | None, kind: str, say: Wording) -> str:
     if spread is None:
         return ""
-    units = say("fleet.units", count=say.number(spread.units, 0))
+    units = say("fleet.one_unit") if spread.units == 1 else say("fleet.units", count=say.number(spread.units, 0))
     median = say("fleet.median_of", value=say.quantity(spread.median, kind))
     if spread.quantiles is None:
         ends = say("fleet.from_to", ends=say.span([spread.least, spread.most], kind))

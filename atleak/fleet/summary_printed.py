@@ -88,9 +88,12 @@ class PrintedBody:
     def intro(self) -> Iterator[Block]:
         """Say how many units there are, what leads, and what to know about them."""
         say, counts = self.say, self.body.counts
+        key = "body_units"
+        if counts.units == 1:
+            key = "body_unit" if counts.judged else "body_unit_unmeasured"
         said = [
             say(
-                "fleet_summary.body_units",
+                f"fleet_summary.{key}",
                 units=say.number(counts.units, 0),
                 judged=say.number(counts.judged, 0),
                 visits=say.number(self.body.visits, 0),

@@ -47,7 +47,7 @@ from atleak.views.sentences import (
     reserve_sentence,
     when_new,
 )
-from atleak.wording import signed, wording
+from atleak.wording import begun, signed, wording
 from atleak.workshop_units import DM3_MIN, KPA, MM2_S, PERCENT, RPM, UM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
@@ -218,7 +218,7 @@ def _log(diagnosis: Diagnosis, log: RoadFindings) -> Iterator[str]:
         yield f"  {sentence}"
     if diagnosis.road is not None:
         new = "" if diagnosis.judged else f"{say('findings.unmeasured')} "
-        yield f"  {new}{_road(diagnosis.road, diagnosis.uncertainty)}"
+        yield f"  {new}{begun(_road(diagnosis.road, diagnosis.uncertainty))}"
     checks = check_sentences(diagnosis, say)
     if checks:
         yield say("findings.check_next")

@@ -11,7 +11,7 @@ from atleak.engine.road_pressure import Departure
 from atleak.events import AccelerationTest, Event
 from atleak.next_checks import NextCheck, next_checks
 from atleak.road_findings import RoadFindings
-from atleak.wording import Wording
+from atleak.wording import Wording, begun
 from atleak.workshop_units import KPA, RPM
 
 
@@ -54,7 +54,7 @@ def permitted_sentence(log: RoadFindings, say: Wording) -> str:
     if permitted is None:
         refused = log.road_test.refused.get("main_pressure")
         if log.not_judged == "no_main_pressure" and refused is not None:
-            return say("findings.no_usable_pressure", why=say.sentence(refused))
+            return say("findings.no_usable_pressure", why=begun(say.sentence(refused)))
         return say(f"findings.{log.not_judged}")
     judged, lowest = say.number(permitted.judged, 1), permitted.lowest
     if lowest is None or decided is None:
@@ -124,7 +124,10 @@ def log_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
         yield say("findings.no_temperature")
     else:
         low, high = (say.value(each, "temperature", 0) for each in log.temperatures)
-        yield say("findings.temperatures", low=low, high=high)
+        if low == high:
+            yield say("findings.temperature", temperature=low)
+        else:
+            yield say("findings.temperatures", low=low, high=high)
     if not log.gears:
         yield say("findings.no_gears")
     else:

@@ -156,7 +156,8 @@ def draw_whole(words: FleetWords) -> None:
         with st.expander(say("fleet.rates")):
             counts_table(say("columns.controller"), rows, words)
     show.messages(summary.messages, say("about.fleet"), opened=True)
-    st.caption(show.plain(say("fleet.made_by", visits=say.number(summary.visits, 0), version=summary.atleak)))
+    made_by = "fleet.made_by_one" if summary.visits == 1 else "fleet.made_by"
+    st.caption(show.plain(say(made_by, visits=say.number(summary.visits, 0), version=summary.atleak)))
 
 
 def counts_table(heading: str, rows: Sequence[tuple[str, VerdictCounts]], words: FleetWords) -> None:
@@ -197,7 +198,8 @@ def choose_body(words: FleetWords) -> ValveBody:
 
 
 def _of_body(body: ValveBody, words: FleetWords) -> str:
-    units = words.say("fleet.units", count=words.say.number(body.counts.units, 0))
+    count = body.counts.units
+    units = words.say("fleet.one_unit") if count == 1 else words.say("fleet.units", count=words.say.number(count, 0))
     return f"{words.body(body.controller)} · {units}"
 
 

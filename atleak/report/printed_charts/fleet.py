@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from atleak.fleet.summed import MileageClass, TemperatureClass
 from atleak.look import LOOKS, OK_IN_PART, PAPER, SPREADS, Look, look_of
@@ -33,6 +33,7 @@ from atleak.wording import Wording
 STACKED = (*(verdict for verdict in VERDICTS if verdict is not Verdict.NOT_MEASURED), Verdict.NOT_MEASURED)
 _LEFT, _RIGHT = 48.0, 14.0  # [pt] of a field: for its values and title, and to the edge
 _ACROSS, _BETWEEN = 2, 14.0  # fields of wear beside one another
+_TICKS, _THOUSAND = 5, 1000.0  # of mileage: written whole, numbers of neighbouring fields would run into one another
 _TITLE, _UNITS, _WEAR = 15.0, 11.0, 62.0  # [pt] heights: a field's title, the numbers of units below it, the field
 _FIELDS = {"share": 92.0, "pressure": 74.0, "bands": 54.0, "units": 34.0}  # [pt] heights over temperature
 _LOW = 0.7  # of these heights, where there is little room
@@ -161,10 +162,11 @@ def wear_chart(fields: Sequence[WearField], say: Wording) -> str:
             axes.set_ylim(bottom, top)
             plotting.number_axes(axes, say, "x", "y", most=5)
             last = number + _ACROSS >= len(fields)
-            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: say.number(value, 0)))
+            axes.xaxis.set_major_locator(MaxNLocator(_TICKS, steps=(1, 2, 5, 10)))
+            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: say.plain(value / _THOUSAND, 5)))
             axes.tick_params(labelbottom=last, labelleft=column == 0)
             if last:
-                axes.set_xlabel(say("fleet_summary.chart_mileage"))
+                axes.set_xlabel(say("fleet_summary.chart_mileage_thousand", thousand=say.number(_THOUSAND, 0)))
             if column == 0:
                 _title(axes, say("fleet_summary.chart_wear"))
             name = fitting(field.name, SIZE, wide)

@@ -113,7 +113,26 @@ def test_each_kind_displaces_what_its_dimensions_say(pump: dict[str, Any], displ
         ({"module_mm": 4.5, "teeth": 12, "width_mm": 12.0}, ("pump", "tooth_height_mm"), ("missing beside module_mm",)),
         ({**GEROTOR, "vanes": 9}, ("pump", "vanes"), ("no dimension of a gerotor", "root_diameter_mm")),
         ({"displacement_mm3": 17e3, "vanes": 9}, ("pump", "kind"), ("no kind of pump", "gerotor, vane")),
-        ({**GEROTOR, "root_diameter_mm": 61.0}, ("pump",), ("tip diameter must be above the root diameter",)),
+        (
+            {**GEROTOR, "root_diameter_mm": 61.0},
+            ("pump", "tip_diameter_mm"),
+            ("too small beside root_diameter_mm", "found 60", "more than root_diameter_mm, 61 mm"),
+        ),
+        (
+            {**GEAR, "centre_distance_mm": 55.0},
+            ("pump", "tip_diameter_mm"),
+            ("too small beside centre_distance_mm", "more than centre_distance_mm, 55 mm"),
+        ),
+        (
+            {**CRESCENT, "tip_diameter_mm": 63.2, "centre_distance_mm": 8.1, "teeth": 19, "ring_teeth": 23},
+            ("pump", "tip_diameter_mm"),
+            ("tips of 63.2 mm, axes 8.1 mm apart, and 19 and 23 teeth", "tips above 76.95 mm", "check tip diameter"),
+        ),
+        (
+            {**CRESCENT, "ring_tip_diameter_mm": 90.0},
+            ("pump", "ring_tip_diameter_mm"),
+            ("tips of 90 mm, axes 7.5 mm apart, and 24 and 29 teeth", "tips below 87.00 mm", "centre distance"),
+        ),
         ({**CRESCENT, "ring_teeth": 24}, ("pump",), ("above the pinion's",)),
         ({**GEROTOR, **NEW, "tip_clearance_limit_um": 90.0}, ("pump", "tip_clearance_limit_um"), ("at least 110 µm",)),
         ({**VANE, "tip_clearance_um": 30.0}, ("pump", "tip_clearance_um"), ("vanes lie against the ring",)),

@@ -8,6 +8,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+from atleak.cli.shared import job_files
+from atleak.errors import InputError
+
 Run = Callable[..., tuple[int, str, str]]
 RecordOf = Callable[..., dict[str, Any]]
 
@@ -53,6 +58,16 @@ def test_a_folder_and_a_pattern_name_the_job_files_in_them(
     status, _, err = run("report", tmp_path / "some", "-o", tmp_path / "none", "--formats", "json")
     assert status == 2
     assert "no job file is there" in err
+
+
+def test_a_pattern_names_job_files_alone(tmp_path: Path) -> None:
+    (tmp_path / "folder.zip").mkdir()
+    for name in ("one.zip", "two.ZIP", "notes.txt"):
+        (tmp_path / name).write_text("", encoding="utf-8")
+    assert [path.name for path in job_files([str(tmp_path / "*")])] == ["one.zip", "two.ZIP"]
+    for name in ("f*", "n*.txt", "missing*.zip"):
+        with pytest.raises(InputError, match="no job file is there"):
+            job_files([str(tmp_path / "one.zip"), str(tmp_path / name)])
 
 
 def test_unknown_report_format_is_refused(run: Run, tmp_path: Path) -> None:

@@ -6,11 +6,14 @@ import io
 import re
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from typing import Any
+from unittest.mock import patch
 
 import pikepdf
 import pypdfium2
 import pytest
+from matplotlib.figure import Figure
 
 from atleak.fleet.summary_pdf import UNITS, write_summary_pdf
 from atleak.fleet.summary_printed import DETAILED
@@ -18,7 +21,15 @@ from atleak.fleet.summary_words import TERMS, FleetWords, within
 from atleak.fleet.summary_workbook import write_summary_workbook
 from atleak.fleet.summed import FleetSummary, VerdictCounts
 from atleak.look import OK_IN_PART
-from atleak.report.printed_charts.fleet import STACKED, VerdictRow, temperatures_chart, verdicts_chart
+from atleak.report.printed_charts.fleet import (
+    STACKED,
+    VerdictRow,
+    WearField,
+    temperatures_chart,
+    verdicts_chart,
+    wear_chart,
+)
+from atleak.report.printed_charts.plotting import WIDTH
 from atleak.verdicts import FLAGGED, Verdict
 from atleak.wording import Wording, languages, wording
 
@@ -221,6 +232,38 @@ def unjudged(counted: VerdictCounts, units: int) -> VerdictCounts:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("language", languages())
+def test_one_unit_is_not_counted_as_several(language: str) -> None:
+    said = {"en": "1 unit with a verdict; results: 1.", "de": "1 Gerät mit Befund; Ergebnisse: 1.",
+            "pl": "1 egzemplarz z oceną; wyniki: 1."}  # fmt: skip
+    text = text_of(write_summary_pdf(summary(units=1, groups=(), errors=False, lands=3), language=language))
+    assert said[language] in text
+
+
+@pytest.mark.parametrize("units", ["metric", "us"])
+def test_numbers_of_mileage_do_not_run_into_one_another(units: str) -> None:
+    classes = summary(units=40, lands=1).bodies[0].wear[0].classes
+    fields = [WearField(name, classes) for name in ("one", "two")]
+    reaches = []
+    with patch(
+        "atleak.report.printed_charts.plotting.svg", side_effect=lambda figure: reaches.extend(_reaches(figure))
+    ):
+        wear_chart(fields, wording("en", units))
+    assert len(reaches) > 6
+    assert all(left_end + 2.0 < right for (_, left_end), (right, _) in pairwise(sorted(reaches)))
+    assert max(end for _, end in reaches) < WIDTH
+
+
+def _reaches(figure: Figure) -> list[tuple[float, float]]:
+    """Return from where to where numbers of mileage stand [pt]."""
+    figure.canvas.draw()
+    boxes = [
+        label.get_window_extent() for axes in figure.axes for label in axes.get_xticklabels()
+        if axes.get_xlim()[0] <= label.get_position()[0] <= axes.get_xlim()[1]
+    ]  # fmt: skip
+    return [(box.x0 * 72.0 / figure.dpi, box.x1 * 72.0 / figure.dpi) for box in boxes]
+
+
 def test_names_that_look_like_markup_are_printed_as_they_are() -> None:
     names = ("#let x = 1", "*bold* $x$", "<svg/>&amp;")
     content = write_summary_pdf(summary(units=30, groups=names, lands=3))

@@ -119,6 +119,12 @@ def test_what_ticked_repairs_bring_is_said_at_every_condition(worn: Diagnosis, l
     assert all(f"{land.key[0]}/{land.key[1]}" in left[-1] for land in worn.flagged)
 
 
+@pytest.mark.parametrize(("language", "said"), [("en", "With 1 repair "), ("de", "Mit 1 Reparatur "), ("pl", "Po 1 ")])
+def test_one_repair_is_not_counted_as_several(worn: Diagnosis, language: str, said: str) -> None:
+    repairs = OfferedRepairs(worn)
+    assert next(effect_sentences(repairs, {repairs.all[0].key}, (), wording(language))).startswith(said)
+
+
 def test_an_offered_repair_says_its_land_and_what_it_brings_alone(worn: Diagnosis) -> None:
     first = OfferedRepairs(worn).all[0]
     words = offered_words(worn, first, EN)

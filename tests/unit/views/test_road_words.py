@@ -22,6 +22,7 @@ from atleak.report.pdf import write_pdf
 from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
 from atleak.road_test import RoadTest
+from atleak.sentence import Sentence
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.views.road_words import event_name, event_remark, log_sentences, permitted_sentence, pressure_sentences
 from atleak.wording import languages, wording
@@ -78,6 +79,19 @@ def test_what_is_not_judged_says_why(alone: Alone, without: tuple[str, ...], sai
     assert said in permitted_sentence(alone(without=without).log, ENGLISH)
 
 
+def test_a_sentence_after_a_full_stop_begins_with_a_capital_letter(alone: Alone) -> None:
+    built = alone(without=("main_pressure",))
+    refused = {"main_pressure": Sentence("it is stated that no column of this log holds it")}
+    log = replace(built.log, road_test=replace(built.log.road_test, refused=refused, _held={}))
+    assert permitted_sentence(log, ENGLISH).endswith("is not known. It is stated that no column of this log holds it")
+
+
+def test_a_fluid_that_grew_warm_is_told_from_and_to(alone: Alone) -> None:
+    log = replace(alone().log, temperatures=(79.6, 91.2))
+    for language, said in (("en", "Fluid 80 to 91 °C."), ("de", "Öl 80 bis 91 °C."), ("pl", "Olej od 80 do 91 °C.")):
+        assert next(iter(log_sentences(log, wording(language)))) == said
+
+
 def test_a_valve_body_that_permits_nothing_is_told(alone: Alone, four_speed: Controller) -> None:
     silent = alone(controller=replace(four_speed, permissible=()))
     assert silent.verdict == "not_measured"
@@ -86,7 +100,7 @@ def test_a_valve_body_that_permits_nothing_is_told(alone: Alone, four_speed: Con
 
 def test_gears_temperatures_and_events_are_told(alone: Alone) -> None:
     assert list(log_sentences(alone().log, ENGLISH)) == [
-        "Fluid 80 to 80 °C.",
+        "Fluid 80 °C.",
         "Time in gears: 1: 0.9 s, 2: 4.2 s, 3: 3.4 s, 4: 3.5 s.",
         "Events: 1 × minimum-acceleration test, 3 × shift.",
     ]
