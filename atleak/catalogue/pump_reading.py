@@ -214,7 +214,7 @@ def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: Reading) 
 
 def _misfit(table: PumpTable, reading: Reading) -> CatalogueError | None:
     """Return the fault of dimensions that cannot be those of one pump, each in the unit of the file."""
-    if table.kind in _BEYOND:
+    if table.kind is not None and table.kind in _BEYOND:
         outer, inner = _BEYOND[table.kind]
         most, least = getattr(table, outer), getattr(table, inner)
         if most > least:
