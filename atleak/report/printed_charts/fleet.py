@@ -32,12 +32,13 @@ from atleak.wording import Wording
 
 STACKED = (*(verdict for verdict in VERDICTS if verdict is not Verdict.NOT_MEASURED), Verdict.NOT_MEASURED)
 _LEFT, _RIGHT = 48.0, 14.0  # [pt] of a field: for its values and title, and to the edge
-_ACROSS, _BETWEEN = 2, 14.0  # fields of wear beside one another
+_ACROSS, _BETWEEN = 2, 20.0  # fields of wear beside one another
 _TICKS, _THOUSAND = 5, 1000.0  # of mileage: written whole, numbers of neighbouring fields would run into one another
 _TITLE, _UNITS, _WEAR = 15.0, 11.0, 62.0  # [pt] heights: a field's title, the numbers of units below it, the field
 _FIELDS = {"share": 92.0, "pressure": 74.0, "bands": 54.0, "units": 34.0}  # [pt] heights over temperature
 _LOW = 0.7  # of these heights, where there is little room
 _GROUND = {"boxstyle": "square,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.85}  # behind words on a grid
+_BOLD = 1.1  # how much wider bold letters are than plain ones, at most
 _GAP = 12.0  # [pt] between fields that stand below one another
 _MARKS = {Verdict.WATCH: 0.27, Verdict.REPLACE: 0.0, Verdict.CRITICAL: -0.27}  # where a group's rates stand in its row
 
@@ -169,7 +170,7 @@ def wear_chart(fields: Sequence[WearField], say: Wording) -> str:
                 axes.set_xlabel(say("fleet_summary.chart_mileage_thousand", thousand=say.number(_THOUSAND, 0)))
             if column == 0:
                 _title(axes, say("fleet_summary.chart_wear"))
-            name = fitting(field.name, SIZE, wide)
+            name = fitting(field.name, SIZE, wide / _BOLD)
             words(axes, (low, top), name, (0.0, _UNITS + 6.0), fontweight="bold", va="center")
             for each in field.classes:
                 begin, end = (say.convert(limit, "distance") for limit in (each.low_km, each.high_km))

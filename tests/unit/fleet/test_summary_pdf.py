@@ -242,7 +242,10 @@ def test_one_unit_is_not_counted_as_several(language: str) -> None:
 
 @pytest.mark.parametrize("units", ["metric", "us"])
 def test_numbers_of_mileage_do_not_run_into_one_another(units: str) -> None:
-    classes = summary(units=40, lands=1).bodies[0].wear[0].classes
+    of_each = summary(units=40, lands=1).bodies[0].wear[0].classes[:4]  # whose ends stand at the ends of the axis
+    mile = 1.0 if units == "metric" else 1.609344
+    limits = [(low * mile, (low + 5e3) * mile) for low in (100e3, 105e3, 110e3, 115e3)]
+    classes = [replace(each, low_km=low, high_km=high) for each, (low, high) in zip(of_each, limits, strict=True)]
     fields = [WearField(name, classes) for name in ("one", "two")]
     reaches = []
     with patch(

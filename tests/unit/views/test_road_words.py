@@ -86,6 +86,11 @@ def test_a_sentence_after_a_full_stop_begins_with_a_capital_letter(alone: Alone)
     assert permitted_sentence(log, ENGLISH).endswith("is not known. It is stated that no column of this log holds it")
 
 
+def test_the_leakage_of_a_new_unit_begins_its_own_sentence(alone: Alone, capsys: pytest.CaptureFixture[str]) -> None:
+    print_diagnosis(alone())
+    assert "with every pair new. Largest leakage, sustained" in " ".join(capsys.readouterr().out.split())
+
+
 def test_a_fluid_that_grew_warm_is_told_from_and_to(alone: Alone) -> None:
     log = replace(alone().log, temperatures=(79.6, 91.2))
     for language, said in (("en", "Fluid 80 to 91 °C."), ("de", "Öl 80 bis 91 °C."), ("pl", "Olej od 80 do 91 °C.")):
