@@ -282,8 +282,8 @@ class Diagnosis:
 
     @property
     def upper_bound(self) -> bool:
-        """Tell whether leakage is an upper bound, as the controller's file does not say where its lands leak."""
-        return not self.controller.gaps_described
+        """Tell whether leakage is an upper bound, as the controller's file does not say where all of its lands leak."""
+        return bool(self.controller.gaps_not_described)
 
     def _decision_on(self, each: LandDiagnosis | Rule) -> Decision | None:
         if not isinstance(each, Rule):

@@ -159,13 +159,13 @@ def messages_of(
     if controller.representative:
         text = Sentence("{controller}: {what}", controller=Name(controller.name), what=Name(controller.representative))
         messages.append(Message("warning", "controller_representative", text))
-    leaking = {gap.key for gap in controller.gaps}
-    silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking and not land.seal]
-    if silent:
+    without = [land for land in controller.lands if land.key in controller.gaps_not_described]
+    if 0 < len(without) < sum(not land.seal for land in controller.lands):
         text = Sentence(
-            "{controller} names no gap of lands {lands}: they are taken to leak nothing.",
+            "{controller} names no gap of lands {lands}: they are taken to leak from main pressure to the sump in "
+            "every gear, which is an upper bound.",
             controller=Name(controller.name),
-            lands=silent,
+            lands=[f"{land.component}/{land.land}" for land in without],
         )
         messages.append(Message("warning", "land_without_gap", text))
     sealed = [f"{land.component}/{land.land}" for land in controller.lands if land.seal]

@@ -22,7 +22,7 @@ from atleak.catalogue.circuits import (
     SetPressure,
     StandingPressure,
 )
-from atleak.catalogue.complaints import Complaint, find_complaint
+from atleak.catalogue.complaints import Complaint, LandKey, find_complaint
 from atleak.catalogue.controller_tables import PART_NAMES, SEALS, ControllerFile, NewOrigin, PartKind, Seal
 from atleak.catalogue.entries import Origin
 from atleak.catalogue.evidence import Evidence
@@ -261,7 +261,7 @@ class Controller:
     permissible: tuple[PermissiblePressure, ...] = ()  # of main pressure
     standing: tuple[StandingPressure, ...] = ()  # of main pressure, for gauge readings of a standing vehicle
     repairs: tuple[Repair, ...] = ()
-    gaps_described: bool = True  # else every land is taken to leak from main pressure to the sump: an upper bound
+    gaps_not_described: frozenset[LandKey] = frozenset()  # taken to leak from main pressure to the sump: an upper bound
     entry: ControllerFile | None = field(default=None, repr=False, compare=False)  # the tables that it was read from
     doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)  # values that are possible and unusual
 

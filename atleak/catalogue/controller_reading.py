@@ -6,7 +6,7 @@ and faults of meaning, of keys that do not fit each other, in one list, each wit
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -126,7 +126,10 @@ def _read(
     lands = tuple(_lands(entry, reading))
     known = [(component.id, table.land) for component in entry.components for table in component.lands]
     sealed = {land.key for land in lands if land.seal}
-    gaps = tuple(gap for gap in _gaps(entry, lands, known, reading) if gap.key not in sealed)
+    described = [gap for gap in _gaps(entry, known, reading) if gap.key not in sealed]
+    leaking = {gap.key for gap in described}
+    without = [land for land in lands if land.key not in leaking | sealed]
+    gaps = (*described, *_gaps_not_described(entry, without))
     points = tuple(_operating_points(entry, reading))
     standing = read_standing(entry.permissible_pressure, reading)
     controller = Controller(
@@ -153,7 +156,7 @@ def _read(
         permissible=permissible_in_gear(standing),
         standing=standing,
         repairs=tuple(_repairs(entry.repairs, lands, known, reading)),
-        gaps_described=bool(entry.gaps),
+        gaps_not_described=frozenset(land.key for land in without),
         entry=entry,
     )
     if not reading.faults:
@@ -314,13 +317,7 @@ def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Re
     )
 
 
-def _gaps(entry: ControllerFile, lands: tuple[Land, ...], known: Sequence[LandKey], reading: Reading) -> list[Gap]:
-    if not entry.gaps:  # in a minimal description every land leaks from main pressure to the drain in every gear
-        every_gear = frozenset(entry.gears)
-        drain = Pressure(0.0, None)
-        return [
-            Gap(land.component, land.land, "p_g", Pressure(1.0, "p_g"), drain, every_gear, True, None) for land in lands
-        ]
+def _gaps(entry: ControllerFile, known: Sequence[LandKey], reading: Reading) -> list[Gap]:
     gaps: list[Gap] = []
     for number, table in enumerate(entry.gaps):
         with reading.gathering():
@@ -332,6 +329,14 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], known: Sequence[LandKe
                     raise reading.fault(at, problem, value=min(both))
             gaps.append(gap)
     return gaps
+
+
+def _gaps_not_described(entry: ControllerFile, lands: Iterable[Land]) -> Iterator[Gap]:
+    """Take lands to leak from main pressure to the drain in every gear, which is an upper bound."""
+    every_gear = frozenset(entry.gears)
+    drain = Pressure(0.0, None)
+    for land in lands:
+        yield Gap(land.component, land.land, "p_g", Pressure(1.0, "p_g"), drain, every_gear, True, None)
 
 
 def _gap(table: GapTable, known: Sequence[LandKey], where: Steps, reading: Reading) -> Gap:

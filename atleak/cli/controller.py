@@ -147,10 +147,11 @@ def _check(options: argparse.Namespace) -> int:
     print(f"{_summary(controller)}; nothing is wrong with it")
     for doubt in controller.doubts:
         print(f"in doubt: {doubt.place}: {doubt.text}")
-    if not controller.gaps_described:
-        print(
-            "no gap is described: every land is taken to leak from main pressure to the sump, which is an upper bound"
-        )
+    if without := controller.gaps_not_described:
+        leaking = [land for land in controller.lands if not land.seal]
+        lands = ", ".join(f"{land.component}/{land.land}" for land in leaking if land.key in without)
+        who = "no gap is described: every land is" if len(without) == len(leaking) else f"no gap of {lands}: each is"
+        print(f"{who} taken to leak from main pressure to the sump, which is an upper bound")
     counts = evidence_counts(controller)
     print("values: " + ", ".join(f"{count} {known.replace('_', ' ')}" for known, count in counts.items()))
     if to_measure := still_to_measure(controller):
@@ -163,7 +164,7 @@ def _summary(controller: Controller) -> str:
     counts = {
         "components": len(controller.components),
         "lands": len(controller.lands),
-        "gaps": len(controller.gaps) if controller.gaps_described else 0,
+        "gaps": sum(gap.key not in controller.gaps_not_described for gap in controller.gaps),
         "circuits": len(controller.circuits),
         "operating points": len(controller.operating_points),
     }

@@ -98,9 +98,8 @@ def _saved(valve: WornValve) -> float:
 
 
 def _paths(diagnosis: Diagnosis, keys: set[LandKey]) -> tuple[Path, ...]:
-    if not diagnosis.controller.gaps_described:
-        return ()
-    gaps = [gap for gap in diagnosis.controller.gaps if gap.key in keys]
+    described = keys - diagnosis.controller.gaps_not_described
+    gaps = [gap for gap in diagnosis.controller.gaps if gap.key in described]
     return tuple(dict.fromkeys((gap.high.section, _end(gap)) for gap in gaps if gap.high.section is not None))
 
 

@@ -410,11 +410,31 @@ def test_messages_are_not_repeated(sample: Diagnosis) -> None:
     assert {"controller_representative", "mirrored_repeats", "fluid_note"} <= codes(sample)
 
 
-def test_a_land_that_no_gap_names_is_said(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
-    fewer = replace(four_speed, gaps=tuple(gap for gap in four_speed.gaps if gap.key != ("25", 1)))
-    codes = {message.code: message.text for message in diagnose(fewer, hipol, limits).messages}
-    assert "25/1" in codes["land_without_gap"]
-    assert "land_without_gap" not in {message.code for message in diagnose(four_speed, hipol, limits).messages}
+def test_lands_that_no_gap_names_leak_as_much_as_they_can_and_are_said(
+    root: Path, tmp_path: Path, hipol: Fluid, limits: Limits
+) -> None:
+    """Else a description that is begun with some gaps makes a worn unit green."""
+    text = (root / "atleak" / "catalogue" / "controllers" / "minimal_example.toml").read_text(encoding="utf-8")
+    path = tmp_path / "begun.toml"
+    gap = '[[gaps]]\ncomponent = "accumulator"\nland = 1\nfrom = "p_g"\nto = "drain"\ngears = [1]\n'
+    path.write_text(f"{text}\n{gap}", encoding="utf-8")
+    none, some = (diagnose(load_controller(each), hipol, limits) for each in ("minimal_example", path))
+    assert none.upper_bound
+    assert some.upper_bound
+    said = {message.code: message.text for message in some.messages}["land_without_gap"]
+    assert "tcc_regulator/1" in said
+    assert "accumulator/1" not in said
+    assert "land_without_gap" not in codes(none)
+    for one, other in zip(none.lands, some.lands, strict=True):
+        assert other.leakage == one.leakage or one.key == ("accumulator", 1)
+    every = {land.key for land in none.controller.lands}
+    assert some.controller.gaps_not_described == every - {("accumulator", 1)}
+
+
+def test_where_every_land_has_its_gap_nothing_is_an_upper_bound(sample: Diagnosis) -> None:
+    assert not sample.upper_bound
+    assert not sample.controller.gaps_not_described
+    assert "land_without_gap" not in codes(sample)
 
 
 # --- half a pair

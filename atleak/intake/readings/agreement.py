@@ -47,6 +47,10 @@ _UNITS = ("mm", "µm", "inch")  # that a clearance without a unit may be in
 _CONTROLLER = re.compile(
     r"\b(?:controller|schieberkasten|sterownik)\b[\s:=]*([A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+)?", re.IGNORECASE
 )
+# the line that the measuring forms of atleak bear, and at the very head what is typed at the bench: any id, also hv3
+_OF_A_FORM = re.compile(
+    r"(?:Controller|Schieberkasten|Sterownik(?: hydrauliczny)?) ([a-z0-9][a-z0-9_]*)(?:\. (?:Yellow|Gelbe|Wypełnia) |$)"
+)
 _ID = re.compile(r"[A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+")
 
 
@@ -355,11 +359,15 @@ def other_controller(
             match = _CONTROLLER.search(cell) if isinstance(cell, str) else None
             if not isinstance(cell, str) or match is None:
                 continue
-            named = match[1]
+            form = _OF_A_FORM.match(cell)
+            sure = form is not None and (form.end() < len(cell) or (row, index) == (0, 0))
+            named = form[1] if form is not None and sure else match[1]
             if named is None and not cell[match.end() :].strip(" .:"):
                 beside = text_of(sheet.cell(row, index + 1))
                 named = beside if _ID.fullmatch(beside) else None
-            if named is None or plain(named) in mine or (plain(named) not in known and "_" not in named):
+            if named is None or plain(named) in mine:
+                continue
+            if not sure and plain(named) not in known and "_" not in named:
                 continue
             error = OtherControllerError(
                 Sentence(

@@ -20,8 +20,8 @@ _HOW_TO = (
     (
         "Where to begin",
         "With the sheets whose tabs are dark: Head, Materials, Components, Lands, Pump, Operating points. That is "
-        "enough for a first verdict. Circuits, Feeds, Gaps and the rest sharpen it: without any gap every land is "
-        "taken to leak from main pressure to the drain, which is an upper bound.",
+        "enough for a first verdict. Circuits, Feeds, Gaps and the rest sharpen it: a land without "
+        "any gap is taken to leak from main pressure to the drain, which is an upper bound.",
     ),
     (
         "Units",

@@ -314,7 +314,8 @@ def test_faults_of_a_gap_name_it(old: str, new: str, key: str, words: tuple[str,
 def test_a_gap_given_twice_would_count_twice(edited: Edited) -> None:
     error = error_of(with_gap(edited, more=GAP.replace("[1, 2]", "[2, 3]")))
     assert (error.place.table, error.place.key, error.value) == ("gaps[2] (accumulator)", "gears", 2)
-    assert len(load_controller(with_gap(edited, more=GAP.replace("[1, 2]", "[3]"))).gaps) == 2
+    gaps = load_controller(with_gap(edited, more=GAP.replace("[1, 2]", "[3]"))).gaps
+    assert [gap.key for gap in gaps].count(("accumulator", 1)) == 2
 
 
 def test_a_gap_to_a_pressure_that_nothing_gives(edited: Edited) -> None:
@@ -426,7 +427,7 @@ def test_the_document_says_what_its_circuit_holds(
     new, worn = at_hot_idle(13e-6), at_hot_idle(35e-6)
     assert new.circuit("clutch_c1").pressure / 1e3 == pytest.approx(417, abs=0.5)
     assert worn.circuit("clutch_c1").pressure / 1e3 == pytest.approx(231, abs=0.5)
-    assert worn.share == pytest.approx(0.016, abs=0.0005)
+    assert worn.share == pytest.approx(0.017, abs=0.0005)
 
 
 def examples(root: Path, folder: Path) -> dict[str, Path]:

@@ -334,7 +334,7 @@ def test_a_run_of_the_command_with_workers_of_its_own(
     for new in (13, 0):
         done = process("fleet", "run", jobs, table, "--out", out, "--workers", 2, "--fail-on", "critical")
         assert done.returncode == 2
-        assert done.stdout.decode().startswith(f"{new} units in ")
+        assert done.stdout.decode().startswith(f"{new} units tried in ")
         assert f"; 12 with a result in {out}:" in done.stdout.decode()
         assert "bad.zip: is no sound zip" in done.stderr.decode()
         assert "Traceback" not in done.stderr.decode()

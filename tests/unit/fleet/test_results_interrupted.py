@@ -177,7 +177,7 @@ def test_whatever_is_added_ended_and_tidied_every_unit_has_one_row(steps: Any) -
 
 
 @pytest.mark.slow
-@settings(max_examples=400)
+@settings(max_examples=100)
 @given(steps)
 def test_whatever_else_is_added_ended_and_tidied_every_unit_has_one_row(steps: Any) -> None:
     follow(steps)

@@ -163,7 +163,22 @@ def test_a_sheet_of_another_controller_is_refused(controller, line):
 @pytest.mark.parametrize(
     "line",
     [
+        "Controller hv3",
+        "Controller hv3. Yellow cells are to be filled in. All dimensions in mm",
+        "Schieberkasten hv3. Gelbe Zellen sind auszufüllen. Alle Maße in mm",
+        "Sterownik hv3. Wypełnia się żółte komórki. Wszystkie wymiary w mm",
+    ],
+)
+def test_the_line_of_a_form_is_believed_whatever_the_id(controller, line):
+    with pytest.raises(ReadingsError, match="made for controller hv3, not for minimal_example"):
+        read(controller, line, "Valve;Land;Part;Diameter [mm]", "no_such_valve;1;piston;17.998")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
         "Controller minimal_example",
+        "Controller cleaned. Three valves were stuck",
         "Measurement of controller no. 3",
         "Controller: Mechatronik 0B5, no. 3",
         "Controller;third of May",

@@ -133,7 +133,7 @@ def test_logs_with_all_that_goes_wrong_are_understood_as_the_whole() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=150)
+@settings(max_examples=50)
 @given(st.integers(0, 1_000_000), st.integers(150, 5000), st.integers(2, 300), st.floats(3.0, 60.0))
 def test_any_messy_log_is_understood_as_the_whole(seed: int, block: int, piece: int, seconds: float) -> None:
     with pytest.MonkeyPatch.context() as patch:
