@@ -144,10 +144,14 @@ def test_rows_travel_as_they_are() -> None:
 def test_a_refusal_is_told_where_a_file_that_is_still_open_cannot_be_deleted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(*_: object, **__: object) -> None:
+    def kept(*_: object, **__: object) -> None:
         raise PermissionError
 
-    with pytest.raises(InputError, match="the refusal"), work._reading(Room(folder=tmp_path)) as (_, folder):
-        (folder / "log.csv").write_bytes(b"")
-        monkeypatch.setattr(os, "unlink", refuse)
-        raise InputError(Sentence("the refusal"))
+    def read() -> None:
+        with work._reading(Room(folder=tmp_path)) as (_, folder):
+            (folder / "log.csv").write_bytes(b"")
+            monkeypatch.setattr(os, "unlink", kept)
+            raise InputError(Sentence("the refusal"))
+
+    with pytest.raises(InputError, match="the refusal"):
+        read()

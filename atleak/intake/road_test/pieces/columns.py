@@ -75,14 +75,10 @@ class TimeColumn:
         self._words: list[str] = []
         self._last_words: deque[str] = deque(maxlen=50)
         self._unreadable = self._finite = 0
-        self._waiting = 0  # blank rows before the first cell, which tells what they are
 
     def add(self, frame: pd.DataFrame, table: LogTable) -> None:
-        """Add the cells of the next block; the first one with a cell tells what they are."""
+        """Add the cells of the next block; the first one tells what they are."""
         cells = frame[self.candidate.heading.index]
-        if self._column is None and cells.dtype.kind != "M" and not cells.notna().any():
-            self._waiting += len(cells)
-            return
         if self._column is None:
             self._begin(cells)
         assert self._column is not None
@@ -118,31 +114,23 @@ class TimeColumn:
         else:
             self._kind = "numbers"
         self._column = self._spool.column(_CLOCK_PARTS if self._kind == "strings" else np.float64)
-        self.add_blank(self._waiting)
-
-    def _settle(self) -> None:
-        """Take a column for numbers where no block had a cell."""
-        if self._column is None and self._waiting:
-            self._begin(pd.Series(dtype=float))
 
     def add_blank(self, rows: int) -> None:
         """Add rows without a cell."""
         if self._column is None:
-            self._waiting += rows
-            return
+            self._begin(pd.Series(dtype=float))
+        assert self._column is not None
         nothing = np.zeros(rows, _CLOCK_PARTS) if self._kind == "strings" else np.full(rows, np.nan)
         self._column.append(nothing)
 
     def unit_before(self, row: int) -> str:
         """Return in which unit the numbers before a row seem to be; nothing of clock strings and dates."""
-        self._settle()
         if self._kind != "numbers" or self._column is None:
             return ""
         return numeric_form(self._column.part(0, row), None).unit
 
     def clock(self, table: LogTable, assigner: Assigner, motions: Sequence[Motion]) -> Clock | None:
         """Return the clock; None where it cannot be read, which is said where a spreadsheet has spoilt it."""
-        self._settle()
         column = self._column
         if column is None:
             return None

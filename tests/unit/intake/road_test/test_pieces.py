@@ -275,16 +275,6 @@ def test_a_disk_without_room_is_named_before_anything_is_read(tmp_path: Path, mo
         read_large_log(path)
 
 
-@pytest.mark.parametrize("clock", ["10:00:{:06.3f}", "{:.1f}"])
-def test_a_clock_that_is_blank_at_first_is_read_as_of_the_whole(clock: str) -> None:
-    times = ["" if row < 60 else clock.format(row / 10) for row in range(400)]
-    lines = ["Time,RPM (rpm)", *(f"{time},{800 + row}" for row, time in enumerate(times))]
-    whole, pieces = read_both(("\n".join(lines) + "\n").encode())
-    assert isinstance(pieces, Understood)
-    assert pieces.road_test is not None, pieces.problem
-    assert_same(whole, pieces)
-
-
 def room_asked_and_taken(data: bytes) -> tuple[float, int]:
     """How many bytes are asked for before a log is read, and how many its columns take at most while it is."""
     taken, asked, put = [0], list[float](), all_columns.DiskColumn._put
