@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from atleak.version import __version__
+
 from atleak.uncertainty.assumptions import DEFAULTS
 
 PAGES = ("CONTRIBUTING.md", "docs/architecture.md", "docs/nomenclature.md")
@@ -37,3 +39,8 @@ def test_every_key_with_a_unit_in_the_nomenclature_is_one_of_the_program(root: P
 def test_every_assumption_that_can_be_set_is_named(root: Path) -> None:
     text = (root / "docs" / "uncertainty.md").read_text(encoding="utf-8")
     assert {name for name in DEFAULTS.settings if f"`{name}`" not in text} == set()
+
+
+def test_what_is_to_be_cited_is_this_version(root: Path) -> None:
+    lines = (root / "CITATION.cff").read_text(encoding="utf-8").splitlines()
+    assert f"version: {__version__}" in lines

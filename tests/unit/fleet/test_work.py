@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,16 +12,18 @@ from typing import Any
 import pytest
 
 from atleak.catalogue.entries import catalogue_files
+from atleak.errors import InputError
 from atleak.fleet import work
 from atleak.fleet.columns import DATA_SETS
 from atleak.fleet.task import Packed
 from atleak.fleet.units import FleetUnit
-from atleak.fleet.work import evaluate
+from atleak.fleet.work import Room, evaluate
 from atleak.job.case import Case, SourceFile
 from atleak.job.file import write_job_file
 from atleak.job.issued import issued_record
 from atleak.job.record import Job
 from atleak.report.batch import write_reports
+from atleak.sentence import Sentence
 
 from .small_units import Faulty, Short, bad_unit, small_unit
 
@@ -136,3 +139,19 @@ def test_rows_travel_as_they_are() -> None:
     }
     assert set(arrived.tables) <= set(DATA_SETS)
     assert Packed.of(evaluate(bad_unit(1))).error == "refused"
+
+
+def test_a_refusal_is_told_where_a_file_that_is_still_open_cannot_be_deleted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def kept(*_: object, **__: object) -> None:
+        raise PermissionError
+
+    def read() -> None:
+        with work._reading(Room(folder=tmp_path)) as (_, folder):
+            (folder / "log.csv").write_bytes(b"")
+            monkeypatch.setattr(os, "unlink", kept)
+            raise InputError(Sentence("the refusal"))
+
+    with pytest.raises(InputError, match="the refusal"):
+        read()

@@ -15,7 +15,7 @@ import pytest
 from atleak.intake.road_test.outcome import Understood
 from atleak.intake.road_test.pieces import mdf_ranges, read_large_log
 from tests.unit.drives import drive
-from tests.unit.intake.road_test.test_pieces import assert_same, cut, read_both
+from tests.unit.intake.road_test.test_pieces import assert_same, cut, read_both, room_asked_and_taken
 
 asammdf = pytest.importorskip("asammdf", reason="the extra mdf is not installed")
 CHANNELS = {
@@ -119,6 +119,13 @@ def test_the_channel_of_the_clock_may_have_invalid_samples_too() -> None:
     oil = asammdf.Signal(np.linspace(60.0, 80.0, 500), TIME, name="ATF Temperature", unit="°C")
     speed = marked(900.0 + np.arange(500), slice(30, 400, 2), "Engine Speed", "rpm")
     assert_same(*read_both(mdf([[speed, oil]])))
+
+
+def test_as_much_room_is_asked_for_as_is_taken() -> None:
+    oil = marked(np.full(500, 80.0), slice(100, 300), "ATF Temperature", "°C")
+    rare = [asammdf.Signal(TIME[::50], TIME[::50], name="Vehicle Speed", unit="km/h")]
+    asked, taken = room_asked_and_taken(mdf([[SPEED, oil], rare]))
+    assert taken <= asked <= 2.5 * taken
 
 
 def test_a_channel_without_a_valid_sample_is_refused_with_what_to_do() -> None:

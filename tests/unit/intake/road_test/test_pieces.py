@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gzip
 import tempfile
+import threading
+import time
 import tracemalloc
 from collections import Counter
 from collections.abc import Iterator
@@ -18,6 +20,7 @@ from hypothesis import strategies as st
 from atleak import columns as all_columns
 from atleak.errors import RoadTestError
 from atleak.intake.road_test import importer, pieces, understand
+from atleak.intake.road_test.files import log_file
 from atleak.intake.road_test.files.log_file import BESIDE, LARGE, TIMES
 from atleak.intake.road_test.outcome import Understood
 from atleak.intake.road_test.pieces import (
@@ -229,6 +232,15 @@ def test_the_head_may_end_within_a_character(monkeypatch: pytest.MonkeyPatch, cu
     assert_same(whole, pieces)
 
 
+def test_too_many_rows_that_are_too_wide_are_refused_alone() -> None:
+    rows = [f"{row / 10:.1f};{800 + row};{80 + row % 5};" for row in range(200)]
+    rows = [row if index % 3 else row.replace(".", ";", 1) + "1" for index, row in enumerate(rows)]
+    whole, pieces = read_both(("Time (s);RPM (rpm);ATF Temp (C);Note\n" + "\n".join(rows) + "\n").encode())
+    assert isinstance(pieces, Understood)
+    assert "more numbers than it has columns" in str(pieces.problem)
+    assert_same(whole, pieces)
+
+
 @pytest.mark.parametrize("rows", [300, 40_000])
 def test_a_packed_log_is_read_from_where_it_is_unpacked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rows: int
@@ -261,6 +273,70 @@ def test_a_disk_without_room_is_named_before_anything_is_read(tmp_path: Path, mo
     monkeypatch.setattr(spool.shutil, "disk_usage", lambda folder: type("Usage", (), {"free": 100})())
     with pytest.raises(RoadTestError, match=r"is read in pieces, for which .* needs 0\.0 GB and has 0\.0"):
         read_large_log(path)
+
+
+def room_asked_and_taken(data: bytes) -> tuple[float, int]:
+    """How many bytes are asked for before a log is read, and how many its columns take at most while it is."""
+    taken, asked, put = [0], list[float](), all_columns.DiskColumn._put
+
+    def measured(column: all_columns.DiskColumn, *given: Any) -> None:
+        put(column, *given)
+        taken.append(sum(each.stat().st_size for each in column.path.parent.glob("*.column")))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(all_columns.DiskColumn, "_put", measured)
+        patch.setattr(spool.Spool, "check_room", lambda _, numbers: asked.append(numbers * 8))
+        _, pieces = read_both(data)
+    assert isinstance(pieces, Understood)
+    assert pieces.large is not None
+    pieces.large.close()
+    return asked[0], max(taken)
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("kind", ["plain", "clock strings", "restarted clock"])
+def test_as_much_room_is_asked_for_as_is_taken(channels: int, kind: str) -> None:
+    lines = [",".join(["Time", "RPM (rpm)", "Speed (km/h)", "ATF (°C)"][: channels + 1])]
+    for row in range(400):
+        second = (row - 200 * (kind == "restarted clock" and row > 250)) / 10
+        time = f"10:00:{second:06.3f}" if kind == "clock strings" else f"{second:.1f}"
+        lines.append(",".join([time, str(800 + row), str(row % 50), "80"][: channels + 1]))
+    asked, taken = room_asked_and_taken(("\n".join(lines) + "\n").encode())
+    assert taken <= asked <= 2.5 * taken
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no disk here that is always full")
+def test_a_disk_that_is_full_is_told_as_such(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "log.csv"
+    path.write_bytes(CASES["utf-8 with mark"].bytes)
+    new = spool.Spool.column
+
+    def full(own: spool.Spool, dtype: Any = np.float64) -> all_columns.DiskColumn:
+        column = new(own, dtype)
+        column.path.unlink()
+        column.path.symlink_to("/dev/full")
+        return column
+
+    monkeypatch.setattr(spool.Spool, "column", full)
+    with pytest.raises(RoadTestError, match=r"has no room left for the samples .* another folder .* \(TMPDIR"):
+        read_large_log(path)
+
+
+def test_a_refused_log_is_open_no_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun = list[threading.Thread]()
+
+    def slowly(_: Path) -> Iterator[memoryview]:
+        begun.append(threading.current_thread())
+        for _ in range(100):
+            time.sleep(0.01)
+            yield memoryview(b"10:00")
+
+    monkeypatch.setattr(log_file, "pieces_of", slowly)
+    path = tmp_path / "log.csv"
+    path.write_bytes(("Time (s);RPM\n" + "1;800\n" * LARGE).encode("utf-16"))
+    with pytest.raises(RoadTestError, match="is not read in pieces"):
+        read_large_log(path)
+    assert [each.is_alive() for each in begun] == [False]
 
 
 def test_rows_out_of_turn_by_the_million_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
