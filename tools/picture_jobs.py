@@ -31,15 +31,16 @@ from atleak.report.measuring_sheet import write_readings
 
 SAMPLE_DATA = Path(__file__).resolve().parents[1] / "sample_data"
 FOUR_SPEED, FIVE_SPEED = "measuring_sheet_four_speed.xlsx", "measuring_sheet_five_speed.xlsx"
+FOUR_SPEED_REPAIRED = "measuring_sheet_four_speed_repaired.xlsx"
 LOG = "minimum_acceleration_test.csv"
 FIRST, SECOND = "SAMPLE-1", "SAMPLE-2"  # numbers of the two visits of one unit
-REPAIRED = {("25", 1), ("26", 2)}  # lands that are as new at the second visit
+REPAIRED = (("25", 1), ("26", 2))  # lands whose bores have a new sleeve at the second visit
 FLEET = "spring"  # name of the folder of a fleet's results
 FLEET_SIZE = 30  # units, half of them from either supplier
 SEED = 7667
 DAY = dt.date(2026, 4, 17)
 KEPT_AT = dt.datetime(2026, 4, 17, 9, 30, tzinfo=dt.UTC)  # when the book says that a job was changed
-MILEAGE = 106_315.0  # [km], as the sample's sheet states
+MILEAGE, MILEAGE_REPAIRED = 106_315.0, 106_320.0  # [km], as the sample's sheets state
 
 Key = tuple[str, int]
 
@@ -91,16 +92,16 @@ def record(number: str, day: dt.date, mileage: float, serial: str = "SAMPLE UNIT
 
 
 def visits() -> Iterator[tuple[Case, Diagnosis, Job]]:
-    """Return the two visits of the sample unit: as it is, and with two lands as new."""
+    """Return the two visits of the sample unit: as it came, and after the repair that a tutorial writes down."""
     first = sample_case()
     yield first, first.diagnose(), record(FIRST, DAY, MILEAGE)
-    repaired = sheet_with(MILEAGE + 40.0, lambda key, measured, new: new if key in REPAIRED else measured)
-    second = sample_case(repaired, "after_the_repair.xlsx")
+    second = sample_case(name=FOUR_SPEED_REPAIRED)
     done = tuple(
-        RepairDecision(component=component, land=land, work="sleeve fitted", decision="done")
-        for component, land in sorted(REPAIRED)
+        RepairDecision(component=component, land=land, work="new sleeve", decision="done")
+        for component, land in REPAIRED
     )
-    after = record(SECOND, DAY + dt.timedelta(days=5), MILEAGE + 40.0).model_copy(update={"repair_decisions": done})
+    after = record(SECOND, DAY + dt.timedelta(days=5), MILEAGE_REPAIRED)
+    after = after.model_copy(update={"repair_decisions": done})
     yield second, second.diagnose(), after
 
 

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from atleak.version import __version__
-
 from atleak.uncertainty.assumptions import DEFAULTS
+from atleak.version import __version__
 
 PAGES = ("CONTRIBUTING.md", "docs/architecture.md", "docs/nomenclature.md")
 FOLDERS = ("atleak", "tests", "pages", "docs", "benchmarks")

@@ -17,6 +17,7 @@ from atleak.provisional import Basis
 from atleak.readings import Reading
 from atleak.report.measuring_sheet import SHEET, UNWORN_END, write_readings
 from atleak.wording import wording
+from atleak.workshop_units import UM
 
 Run = Callable[..., tuple[int, str, str]]
 PAGE = Path(__file__).parents[3] / "docs" / "tutorials" / "my-first-transmission.md"
@@ -115,6 +116,13 @@ def test_every_command_of_the_page_does_what_it_says(
     shown = re.sub(r"\s+", " ", page)  # a page breaks long lines
     for answer in (said["controller check"], learnt[0].splitlines()[0]):
         assert re.sub(r"\s+", " ", answer).strip() in shown
+    table = [[cell.strip() for cell in line.split("│")] for line in learnt[0].splitlines() if "regulator/1" in line]
+    columns = re.findall(r"^\| \*\*(?:New|Sure to ±|95 % of pairs ±|Spread)\*\* \| ([\d.]+) µm \|", page, re.MULTILINE)
+    assert columns == table[0][2:6]
+    ranged = load_controller("my_unit.toml").lands[0]
+    assert f"| {ranged.nominal_sleeve_diameter * 1e3:.3f} mm |" in page
+    assert f"| {ranged.mounting_high * UM:.1f} µm (0.0016 in diametral) |" in page
+    assert f"{ranged.new_clearance * UM:.1f} µm of 6.35-20.3 µm" in page
     learned = load_controller("my_unit_learned.toml")
     assert {land.learned_from_units for land in learned.lands} == {3}
     assert [land.nominal_diameter * 1e3 for land in learned.lands[:3]] == pytest.approx(

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 import struct
+import tomllib
 from collections.abc import Callable
 from importlib import import_module
 from types import ModuleType
 
 import pytest
+
+from atleak.workshop_units import UM
 
 from .pages import ROOT, links, pages, text_of
 
@@ -57,6 +60,19 @@ def test_a_picture_is_small_and_no_wider_than_a_page(path) -> None:
 def test_a_diagram_is_drawn_again_as_it_is_kept(tool: Callable[[str], ModuleType], name: str) -> None:
     diagrams = tool("diagrams")
     assert diagrams.same(diagrams.DIAGRAMS[name](), (PICTURES / f"{name}.svg").read_text(encoding="utf-8"))
+
+
+def test_the_visits_that_pictures_compare_are_those_of_the_tutorial(tool: Callable[[str], ModuleType]) -> None:
+    page = text_of("docs/tutorials/before-and-after-a-repair.md")
+    jobs = tool("picture_jobs")
+    (_, before, _), (_, after, record) = jobs.visits()
+    for key in (*jobs.REPAIRED, ("17", 2)):
+        (was,), (now,) = ([land for land in unit.lands if land.key == key] for unit in (before, after))
+        widths = [f"{land.state.radial_clearance * UM:.1f} µm" for land in (was, now)]
+        assert re.search(rf"^\| {key[0]}/{key[1]} [^|]+ \| {widths[0]} \| {widths[1]} \|", page, re.MULTILINE), widths
+    (stated,) = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    done = [each.model_dump(exclude_unset=True) for each in record.repair_decisions]
+    assert done == tomllib.loads(stated)["repair_decisions"]
 
 
 def test_drawings_with_another_word_or_another_place_are_not_the_same(tool: Callable[[str], ModuleType]) -> None:
