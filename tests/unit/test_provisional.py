@@ -180,7 +180,7 @@ def test_a_unit_whose_gaps_are_not_described_is_an_upper_bound(
     print_diagnosis(diagnosis)
     said = " ".join(capsys.readouterr().out.split())
     assert "(provisional, upper bound)" in said
-    assert "each is taken to leak from main pressure to the sump" in said
+    assert "are taken to leak from main pressure to the sump in every gear" in said
 
 
 def test_every_basis_has_its_words_in_every_language(sample_diagnoses: dict[str, Diagnosis]) -> None:

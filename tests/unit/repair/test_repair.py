@@ -36,7 +36,7 @@ id = "with_reverse"
 name = "Unit with a reverse boost valve"
 source = "made for this test"
 date = "2026-11-21"
-gears = [-1, 1]
+gears = [-1, 1, 2]
 
 [materials.aluminium]
 expansion_per_k = 21.3e-6
@@ -113,6 +113,14 @@ section = "p_g"
 from = "p_g"
 to = "drain"
 gears = [1]
+
+[[gaps]]
+component = "spare"
+land = 1
+section = "p_g"
+from = "p_g"
+to = "drain"
+gears = [2]
 """
 
 
