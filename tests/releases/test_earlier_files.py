@@ -1,0 +1,120 @@
+"""What earlier versions wrote is opened, migrated and verified, and says no less than it did."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from atleak import cli
+
+RELEASE = Path(__file__).parent / "0.2.0"
+JOBS = {"A-1": "four_speed", "B-7": "five_speed"}
+Ran = Callable[..., str]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Ran:
+    """Runs a command, which must succeed, in a home of its own; what it printed."""
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path))
+
+    def command(*arguments: object) -> str:
+        status = cli.main([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        assert status == 0, err
+        return out
+
+    return command
+
+
+@pytest.fixture
+def book(tmp_path: Path) -> None:
+    """The book of the release, in the test's home."""
+    (tmp_path / "book.sqlite").write_bytes(gzip.decompress((RELEASE / "book.sqlite.gz").read_bytes()))
+
+
+def job_file(number: str) -> Path:
+    (found,) = RELEASE.glob(f"{number}_*.zip")
+    return found
+
+
+def keys(record: Any, at: str = "") -> Iterator[str]:
+    """Name every key of a record, the items of a list alike."""
+    if isinstance(record, Mapping):
+        for key, value in record.items():
+            yield f"{at}.{key}"
+            yield from keys(value, f"{at}.{key}")
+    elif isinstance(record, list):
+        for item in record:
+            yield from keys(item, at)
+
+
+@pytest.mark.usefixtures("book")
+def test_a_job_book_opens_and_every_job_of_it_is_whole(run: Ran) -> None:
+    assert run("jobs", "verify").startswith("5 jobs, every one whole")
+    listed = json.loads(run("jobs", "list", "--json", "-"))
+    assert {job["number"] for job in listed if job["vin"]} == {"A-1", "A-2", "B-7"}
+    assert len(listed) == 4  # one is archived
+
+
+@pytest.mark.usefixtures("book")
+def test_a_job_book_is_backed_up_and_restored(run: Ran, tmp_path: Path) -> None:
+    run("jobs", "backup", tmp_path / "copy.backup")
+    run("jobs", "restore", tmp_path / "copy.backup", "--force")
+    assert run("jobs", "verify").startswith("5 jobs, every one whole")
+
+
+@pytest.mark.parametrize("number", JOBS)
+def test_a_job_file_is_diagnosed_anew_and_says_no_less(run: Ran, number: str) -> None:
+    id = run("jobs", "import", job_file(number)).split()
+    assert id
+    (job,) = json.loads(run("jobs", "list", "--json", "-"))
+    now = json.loads(run("jobs", "show", job["id"], "--json", "-"))
+    earlier = json.loads(gzip.decompress((RELEASE / f"{JOBS[number]}.json.gz").read_bytes()))
+    assert earlier["atleak"] == "0.2.0"
+    assert set(keys(earlier)) <= set(keys(now))
+    assert [land["radial_clearance_um"] for land in now["lands"]] == pytest.approx(
+        [land["radial_clearance_um"] for land in earlier["lands"]], abs=1e-9
+    )
+    assert now["job"]["number"] == number
+
+
+def test_the_results_of_a_fleet_are_summed_up(run: Ran, tmp_path: Path) -> None:
+    shutil.copytree(RELEASE / "fleet", tmp_path / "fleet")
+    summary = json.loads(run("fleet", "summary", tmp_path / "fleet", "--json", "-"))
+    assert summary["counts"]["units"] == 3
+    assert summary["counts"]["verdicts"] == {
+        **dict.fromkeys(summary["counts"]["verdicts"], 0),
+        "watch": 1,
+        "replace": 2,
+    }
+
+
+def test_a_workbook_is_known_as_one_that_atleak_made(run: Ran, tmp_path: Path) -> None:
+    report = shutil.copy(RELEASE / "report.xlsx", tmp_path / "report.xlsx")
+    sheet = RELEASE / "sheet_en.xlsx"
+    run("diagnose", sheet, "--controller", "minimal_example", "--xlsx", report)  # without --force
+    assert Path(report).read_bytes() != (RELEASE / "report.xlsx").read_bytes()
+
+
+@pytest.mark.parametrize("sheet", ["sheet_en.xlsx", "sheet_de_us.xlsx", "typed_readings.csv"])
+def test_a_filled_sheet_is_read(run: Ran, sheet: str) -> None:
+    record = json.loads(run("diagnose", RELEASE / sheet, "--controller", "minimal_example", "--json", "-"))
+    assert record["readings"]["lands_measured"] == 5
+    assert max(land["radial_clearance_um"] for land in record["lands"]) < 30.0
+
+
+def test_a_workbook_describes_the_valve_body_that_it_did(run: Ran, tmp_path: Path) -> None:
+    own, described = tmp_path / "own.toml", RELEASE / "five_speed_2005.xlsx"
+    run("controller", "from-workbook", described, "-o", own)
+    sheet = Path(cli.__file__).parents[2] / "sample_data" / "measuring_sheet_five_speed.xlsx"
+    leakages = []
+    for controller in ("five_speed_2005", own):
+        record = json.loads(run("diagnose", sheet, "--controller", controller, "--json", "-"))
+        leakages.append([point["leakage_dm3_min"] for point in record["conditions"]])
+    assert leakages[1] == pytest.approx(leakages[0], abs=1e-12)
