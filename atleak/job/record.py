@@ -327,9 +327,14 @@ class Job(Record):
         return job
 
     def with_photo(self, name: str, content: bytes) -> Job:
-        """Return the same record with one more photo, or another one in the place of that with the same name."""
-        file = f"photos/{_file_name(name)}"
-        photos = self.photos if file in {photo.file for photo in self.photos} else (*self.photos, Photo(file=file))
+        """Return the same record with one more photo, under a name of its own; one that it holds is not added again."""
+        files = {photo.file for photo in self.photos}
+        if any(self.pictures.get(file) == content for file in files):
+            return self
+        stem, dot, suffix = f"photos/{_file_name(name)}".rpartition(".")
+        names = (f"{stem}{number}{dot}{suffix}" for number in ("", *(f"-{n}" for n in range(2, len(files) + 2))))
+        file = next(each for each in names if each not in files)
+        photos = (*self.photos, Photo(file=file))
         return self.model_copy(update={"photos": photos}).with_pictures({**self.pictures, file: content})
 
     def without_photo(self, file: str) -> Job:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -12,12 +11,25 @@ import streamlit as st
 from atleak.errors import AtleakError, ChangedElsewhere
 from atleak.job.judged_anew import judged_otherwise
 from atleak.job.parts import job_parts
-from atleak.job.record import Job
 from atleak.sentence import Sentence
 from atleak.system.home import home
 from pages.shared import fleet_job, reader
-from pages.shared.cases import case_with_columns, diagnosis_of, opened_case
-from pages.shared.state import JOB, OF_FLEET, InBook, Refusal, Session, job, session, show_job
+from pages.shared.cases import case_with_columns, diagnosis_of, held, opened_case
+from pages.shared.state import (
+    JOB,
+    OF_FLEET,
+    InBook,
+    Refusal,
+    Session,
+    job,
+    left,
+    session,
+    show_job,
+    state_of_job,
+    unsaved,
+    way_back,
+)
+from pages.shared.undo import Left, Step, Steps
 
 if TYPE_CHECKING:
     from atleak.jobs.book import Book
@@ -54,30 +66,71 @@ def follow_address() -> None:
     wanted = st.query_params.get(JOB)
     in_book = session().in_book
     if wanted is None:
-        in_book.left = None
         fleet_job.follow_address(open_from_book)
-    elif wanted == in_book.left:
-        del st.query_params[JOB]
     elif wanted not in (in_book.id, in_book.unknown):
         open_from_book(wanted)
 
 
-def open_from_book(id: str) -> bool:
-    """Open a job of the book in this session, with fresh widgets; return whether that was possible."""
+def open_from_book(id: str, steps: Steps | None = None) -> bool:
+    """Open a job of the book in this session, with fresh widgets; return whether that was possible.
+
+    Parameters
+    ----------
+    steps
+        of the job that can be taken back and done again; none unless given, but for the way back to a job of which
+        something is not in the book.
+    """
     now = session()
+    name = reader.say()("done.job_of_book", id=id)
+    if steps is None:
+        steps = way_back(reader.say()("done.opened", name=name)) if unsaved() else Steps()
     try:
         stored = book().load(id)
-        case = replace(opened_case(stored.file.case), sample=stored.sample)
+        case = held(replace(opened_case(stored.file.case), sample=stored.sample))
         parts = job_parts(diagnosis_of(case), stored.file.job, case_with_columns(case))
         otherwise = judged_otherwise(stored.file.result, parts.result)
     except AtleakError as error:
-        now.refused["job"] = Refusal(reader.say()("done.job_of_book", id=id), error)
+        now.refused["job"] = Refusal(name, error)
         now.in_book.unknown = id
         return False
     in_book = InBook(id, stored.version, archived=stored.archived_at is not None, result_by=stored.result_by)
     in_book.judged_otherwise = otherwise
-    show_job(case, stored.file.job, in_book)
+    show_job(case, stored.file.job, in_book, steps)
+    in_book.state = state_of_job()
     return True
+
+
+def undo() -> None:
+    """Take the last step back; for a callback."""
+    steps = session().steps
+    _travel(steps.past[-1], replace(steps, past=steps.past[:-1]), back=True)
+
+
+def redo() -> None:
+    """Do again what was taken back last; for a callback."""
+    steps = session().steps
+    _travel(steps.future[-1], replace(steps, future=steps.future[:-1]), back=False)
+
+
+def _travel(step: Step | Left, rest: Steps, *, back: bool) -> None:
+    """Take a step back, or do it again, and keep the way round; ``rest`` are the job's other steps."""
+
+    def with_way(steps: Steps, way: Step | Left) -> Steps:
+        return replace(steps, future=(*steps.future, way)) if back else replace(steps, past=(*steps.past, way))
+
+    if isinstance(step, Step):
+        case, record = step.taken_back(session().case, job())
+        try:
+            diagnosis_of(case)
+        except AtleakError:
+            case = step.case  # as what was chosen since fits only what the step did
+        show_job(case, record, session().in_book, with_way(rest, step.turned))
+        return
+    steps = with_way(step.steps, left(step.done, rest))
+    if not step.saved:
+        show_job(step.case, step.record, step.in_book, steps)
+    elif step.in_book.id is not None and not open_from_book(step.in_book.id, steps):
+        session().steps = rest
 
 
 def keep(page: str) -> bool:
@@ -89,7 +142,7 @@ def keep(page: str) -> bool:
         the page that was drawn: the browser drops what names the job from the address where another page is chosen.
     """
     now = session()
-    in_book, state = now.in_book, _state(now)
+    in_book, state = now.in_book, state_of_job()
     before = in_book.news
     if in_book.state is None and not in_book.new:
         in_book.state = state  # as it was opened, its widgets drawn
@@ -119,7 +172,7 @@ def _look_for_others(in_book: InBook) -> None:
 
 
 def _save(now: Session, id: str | None, version: int | None) -> None:
-    in_book, record, state = now.in_book, job(), _state(now)
+    in_book, record, state = now.in_book, job(), state_of_job()
     parts = job_parts(diagnosis_of(now.good), record, case_with_columns(now.good))
     saved = book().save(parts, id=id, version=version, sample=now.good.sample)
     in_book.id, in_book.version, in_book.state = saved.id, saved.version, state
@@ -158,16 +211,3 @@ def _save_or_say(now: Session, id: str | None) -> None:
         now.in_book.conflict = error
     except AtleakError as error:
         now.in_book.fault = error
-
-
-def unsaved() -> bool:
-    """Tell whether this session holds something that the book does not."""
-    now = session()
-    return now.in_book.state is not None and now.in_book.state != _state(now)
-
-
-def _state(now: Session) -> str:
-    """Return what tells two states of the job apart: files and choices, record, the bytes of the pictures."""
-    record: Job = job()
-    pictures = {name: hashlib.sha256(content).hexdigest() for name, content in record.pictures.items()}
-    return repr((now.good.key, record.model_dump_json(exclude_defaults=True), sorted(pictures.items())))

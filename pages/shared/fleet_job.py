@@ -14,7 +14,8 @@ from atleak.sentence import Sentence
 from atleak.views.diagnosis_record import diagnosis_record
 from pages.shared import reader
 from pages.shared.cases import diagnosis_of, opened_case
-from pages.shared.state import OF_FLEET, InBook, Refusal, remember, session, show_job
+from pages.shared.state import OF_FLEET, InBook, Refusal, session, show_job, way_back
+from pages.shared.undo import Steps
 
 if TYPE_CHECKING:
     from atleak.fleet.kept_unit import KeptUnit
@@ -42,9 +43,8 @@ def show_unit(kept: KeptUnit, folder: str, *, done: str = "") -> None:
     diagnosis = diagnosis_of(case)
     otherwise = differs(kept.result, _without_circuits(diagnosis_record(diagnosis)))
     in_book = InBook(result_by=kept.unit["atleak"], judged_otherwise=otherwise, of_fleet=f"{folder}-{kept.unit[HASH]}")
-    if done:
-        remember(done)
-    show_job(case, with_sheet(record, diagnosis.readings) or record, in_book)
+    steps = way_back(done) if done else Steps()
+    show_job(case, with_sheet(record, diagnosis.readings) or record, in_book, steps)
 
 
 def follow_address(open_from_book: Callable[[str], bool]) -> None:

@@ -25,7 +25,7 @@ from pages.shared import fields, reader, show
 from pages.shared.book import open_from_book
 from pages.shared.fleet import heading_words, reads
 from pages.shared.fleet_job import show_unit
-from pages.shared.state import remember
+from pages.shared.state import way_back
 
 PAGE = 50  # rows
 _OPENED = "fleet-opened"  # set where the last click opened a job
@@ -325,8 +325,7 @@ def _open(kept: KeptUnit, folder: KnownFolder) -> None:
     try:
         if row["reference"].startswith(BOOK):
             kept.opened()
-            remember(done)
-            st.session_state[_OPENED] = open_from_book(row["reference"].removeprefix(BOOK))
+            st.session_state[_OPENED] = open_from_book(row["reference"].removeprefix(BOOK), way_back(done))
         else:
             show_unit(kept, folder.id, done=done)
             st.session_state[_OPENED] = True

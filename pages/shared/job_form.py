@@ -20,7 +20,7 @@ from atleak.views.land_names import component_words
 from atleak.wording import Wording
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from pages.shared import drop_zone, fields, reader, show
-from pages.shared.state import RECORD, choose, job, job_generation, put_job, session
+from pages.shared.state import RECORD, choose, job, job_generation, put_job, remember, session
 
 __all__ = ["draw", "job", "key", "put_job"]
 
@@ -218,8 +218,8 @@ def _pictures(record: Job) -> dict[str, Any]:
         places[2].button(
             say("job_form.remove"),
             key=key(f"remove-{photo.file}"),
-            on_click=_put,
-            args=(record.without_photo(photo.file),),
+            on_click=_take_photo_away,
+            args=(photo.file,),
         )
         photos.append(photo.model_copy(update={"caption": caption}).model_dump())
     return {"photos": photos}
@@ -243,6 +243,7 @@ def _uploads(what: str, *, several: bool) -> None:
     fault_key = f"{key(what)}-fault"
 
     def take(pictures: Sequence[UploadedFile]) -> None:
+        remember(reader.say()("done.taken_in", name=", ".join(picture.name for picture in pictures)))
         for picture in pictures:
             name, content = picture.name, picture.getvalue()
             try:
@@ -255,6 +256,11 @@ def _uploads(what: str, *, several: bool) -> None:
     with st.container():
         if fault := st.session_state.pop(fault_key, None):
             st.error(show.plain(fault))
+
+
+def _take_photo_away(file: str) -> None:
+    remember(reader.say()("done.taken_away", name=file.rpartition("/")[2]))
+    _put(job().without_photo(file))
 
 
 def _put(record: Job) -> None:

@@ -22,6 +22,7 @@ from atleak.wording import Wording
 from pages.shared import reader, show
 from pages.shared.book import job_id, open_from_book
 from pages.shared.fields import kept
+from pages.shared.state import session
 
 PAGE = 50  # rows
 _TABLE = "job-list"
@@ -226,7 +227,9 @@ def erasing(book: Book) -> None:
 def _erase(book: Book, ids: Sequence[str]) -> str:
     st.session_state.pop(_ERASING)
     done = erase(book, ids)
+    session().steps = session().steps.without_jobs(ids)
     if job_id() in ids:
+        st.session_state["typed"] = {}
         open_from_book(str(job_id()))  # what this session shows is what the book holds now
     lost = sum(bool(each.lost) for each in done)
     left = sorted({name for each in done for name in each.left_in})

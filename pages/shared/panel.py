@@ -23,12 +23,10 @@ from pages.shared.state import (
     choose,
     current_diagnosis,
     job,
-    last_done,
     new_job,
     session,
     take_away,
     take_sample,
-    undo,
 )
 
 PAGES = Path(__file__).resolve().parents[1]
@@ -126,11 +124,13 @@ def _about(slot: str, result: Diagnosis, say: Wording) -> str:
 
 
 def _jobs() -> None:
-    """Offer a new job, the sample and the way back, and say under which name this one is kept."""
-    say, last = reader.say(), last_done()
+    """Offer a new job, the sample, the way back and forth, and say under which name this one is kept."""
+    say, steps = reader.say(), session().steps
     with st.container():
-        if last is not None:
-            st.button(show.plain(say("panel.undo", what=last)), on_click=undo, width="stretch", key="undo")
+        for name, way, done in (("undo", book.undo, steps.past), ("redo", book.redo, steps.future)):
+            if done:
+                what = show.plain(say(f"panel.{name}", what=done[-1].done))
+                st.button(what, on_click=way, width="stretch", key=name)
     cleared = say("panel.cleared")
     st.button(say("panel.new_job"), on_click=new_job, width="stretch", help=cleared)
     sample = session().case.sample

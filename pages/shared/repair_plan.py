@@ -16,7 +16,7 @@ from atleak.wording import Wording
 from pages.shared import address, fields, pairs, reader
 from pages.shared.cases import result_key
 from pages.shared.show import plain
-from pages.shared.state import job, job_generation, put_job, session
+from pages.shared.state import job, job_generation, put_job, remember, session
 
 _ADDRESS = "repairs"  # what is ticked, in the address
 _NOTHING = "none"  # there: every tick was taken away
@@ -73,6 +73,7 @@ def draw(diagnosis: Diagnosis) -> None:
     st.markdown(plain(" ".join(effect_sentences(repairs, chosen, effect, say))))
     decided = chosen == decided_repairs(repairs, job())
     if st.button(say("repair_plan.take"), help=say("repair_plan.take_help"), type="primary", key="take-repairs"):
+        remember(say("done.repairs"))
         put_job(with_repairs(repairs, job(), chosen))
         address.keep(_ADDRESS, "")  # from now on the ticks follow the decisions
         st.rerun()  # the whole page: the job's record has changed, and is saved

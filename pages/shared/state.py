@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import weakref
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -36,6 +37,7 @@ from pages.shared.cases import (
     opened_case,
     sample_case,
 )
+from pages.shared.undo import Left, Step, Steps
 
 FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
@@ -43,7 +45,6 @@ JOB = "job"  # the parameter of the address that names a job of the job book
 OF_FLEET = "fleet-unit"  # the one that names a unit of a fleet whose own job is shown, as long as the book has none
 RECORD = "job-record"  # where the session keeps it; no parameter of the address may have this name
 RESULTS = 2  # that a session keeps
-UNDOABLE = 10  # steps back that a session keeps
 
 
 @dataclass(frozen=True)
@@ -53,16 +54,6 @@ class Refusal:
     name: str
     error: AtleakError
     file: SourceFile | None = None
-
-
-@dataclass(frozen=True)
-class Before:
-    """The job as it was before something was done that can be undone."""
-
-    done: str  # what was done, for people
-    case: PageCase
-    record: Job
-    in_book: InBook
 
 
 @dataclass
@@ -77,7 +68,6 @@ class InBook:
     fault: AtleakError | None = None  # why it could not be saved
     of_fleet: str = ""  # as which unit of a fleet the address names it while it has no id
     unknown: str = ""  # id, or unit of a fleet, in the address that could not be opened
-    left: str | None = None  # id in the address, of the job that was shown before this one: not to be opened again
     page: str = ""  # on which the address was given the id last
     archived: bool = False
     result_by: str = ""  # version of atleak that gave the stored result
@@ -102,7 +92,7 @@ class Session:
     not_taken: tuple[Refusal, ...] = ()  # of the files that came in last, those that are no part of a job
     notices: tuple[str, ...] = ()  # what was done with the files that came in last
     follow: bool = False  # whether the sheet that is tried may choose the controller that its head names
-    undo: list[Before] = field(default_factory=list)
+    steps: Steps = field(default_factory=Steps)  # that can be taken back and done again
     windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # part shown [s], by the log's SHA-256
     over: SourceFile | None = None  # a second log, drawn over the job's
     offset: float = 0.0  # [s] by which it is shifted
@@ -186,46 +176,53 @@ def pick(slot: str, choice: Choice) -> None:
 
 
 def remember(done: str) -> None:
-    """Keep the job as it is, to come back to it from what is done next."""
+    """Keep the job as it is, so that what is done to it next can be taken back."""
     now = session()
-    now.undo = [*now.undo[1 - UNDOABLE :], Before(done, now.case, job(), now.in_book)]
+    now.steps = now.steps.with_step(Step(done, now.case, job()))
 
 
-def last_done() -> str | None:
-    """Return what can be undone; what left the job as it was, such as a file that was refused, is no part of it."""
+def unsaved() -> bool:
+    """Tell whether this session holds something that the book does not."""
+    in_book = session().in_book
+    return in_book.state is not None and in_book.state != state_of_job()
+
+
+def state_of_job() -> str:
+    """Return what tells two states of the job apart: files and choices, record, the bytes of the pictures."""
+    record = job()
+    pictures = {name: hashlib.sha256(content).hexdigest() for name, content in record.pictures.items()}
+    return repr((session().good.key, record.model_dump_json(exclude_defaults=True), sorted(pictures.items())))
+
+
+def left(done: str, steps: Steps) -> Left:
+    """Return the job on the screen, with its steps, as one that another takes the place of."""
     now = session()
-    while now.undo and (now.undo[-1].case, now.undo[-1].record) == (now.case, job()):
-        now.undo.pop()
-    return now.undo[-1].done if now.undo else None
+    saved = now.in_book.id is not None and not unsaved()
+    return Left(done, now.case, job(), now.in_book, saved, steps)
 
 
-def undo() -> None:
-    """Go back to the job before what was done last; for a callback."""
-    now = session()
-    last = now.undo.pop()
-    same = last.in_book.id is not None and last.in_book.id == now.in_book.id
-    show_job(last.case, last.record, now.in_book if same else last.in_book)
+def way_back(done: str) -> Steps:
+    """Return the steps of a job that is shown next: back to the one on the screen."""
+    return Steps().with_step(left(done, replace(session().steps, future=())))
 
 
 def take_sample() -> None:
     """Return to the sample job, with fresh widgets and an empty job record."""
-    remember(reader.say()("done.sample"))
-    show_job(sample_case(), Job(), InBook())
+    show_job(sample_case(), Job(), InBook(), way_back(reader.say()("done.sample")))
 
 
 def new_job() -> None:
     """Start an empty job; the controller, the instruments and the engine's options stay."""
     now = session()
-    remember(reader.say()("done.new"))
     case = PageCase(**{name: getattr(now.good, name) for name in KEPT} | chosen_by_id(now.good))
-    show_job(case, Job(), InBook())
+    show_job(case, Job(), InBook(), way_back(reader.say()("done.new")))
 
 
-def show_job(case: PageCase, record: Job, in_book: InBook) -> None:
-    """Show another job, with fresh widgets."""
+def show_job(case: PageCase, record: Job, in_book: InBook, steps: Steps) -> None:
+    """Show a job with fresh widgets, and what of its steps can be taken back and done again."""
     now = session()
     st.session_state["atleak"] = Session(
-        case, case, {}, start=case, generation=now.generation + 1, in_book=in_book, undo=now.undo
+        case, case, {}, start=case, generation=now.generation + 1, in_book=in_book, steps=steps
     )
     for name in (JOB, OF_FLEET):
         st.query_params.pop(name, None)
@@ -242,8 +239,8 @@ def open_job(name: str, content: bytes) -> bool:
     except AtleakError as error:
         now.refused["job"] = Refusal(name, error)
         return False
-    remember(reader.say()("done.opened", name=name))
-    show_job(case, job_file.job, InBook(new=True, result_by=job_file.result_by, judged_otherwise=otherwise))
+    in_book = InBook(new=True, result_by=job_file.result_by, judged_otherwise=otherwise)
+    show_job(case, job_file.job, in_book, way_back(reader.say()("done.opened", name=name)))
     return True
 
 
@@ -275,6 +272,7 @@ def current_diagnosis() -> Diagnosis:
         now.results = (*now.results[1 - RESULTS :], result)
     now.tried.clear()
     now.follow = False
+    now.steps = now.steps.settled(now.case, job())
     if is_large(now.good.road_test) and not now.gives_back:
         now.gives_back = True
         weakref.finalize(now, give_back_soon)  # a log's bytes go with the session

@@ -125,7 +125,7 @@ def test_a_sheet_that_was_given_is_gone_on_from_with_its_gauge_readings(opened: 
     case = app.session_state["atleak"].good
     assert case.readings.name == "typed readings.csv"
     assert b"D;slow idle;line;450;" in case.pressures.content
-    before = app.session_state["atleak"].undo[-1]
+    before = app.session_state["atleak"].steps.past[-1]
     assert (before.case.readings.name, before.done) == ("mine.xlsx", "Messwerte aus mine.xlsx von Hand fortgesetzt")
 
 
