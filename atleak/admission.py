@@ -44,10 +44,15 @@ class Allowed(BaseModel):
         return [name for name in names if name.strip()]
 
     def admits(self, claims: Mapping[str, Any]) -> bool:
-        """Tell whether somebody with these claims may come in; capitals count in groups, not in users.
+        """Tell whether somebody with these claims may come in; capitals from A to Z count in groups, not in users.
 
         >>> Allowed(users=["ana@shop.example"]).admits({"email": "Ana@shop.example"})
         True
+
+        A sign that only looks alike belongs to somebody else's address:
+
+        >>> Allowed(users=["ana@shop.example"]).admits({"email": "ana@\u017fhop.example"})
+        False
 
         An address that the provider itself has not confirmed is nobody's:
 
@@ -56,11 +61,16 @@ class Allowed(BaseModel):
         """
         user = claims.get(self.user_claim)
         confirmed = self.user_claim != _EMAIL or claims.get("email_verified", True) in (True, "true")
-        if isinstance(user, str) and confirmed and user.casefold() in {name.casefold() for name in self.users}:
+        if isinstance(user, str) and confirmed and _folded(user) in map(_folded, self.users):
             return True
         groups = claims.get(self.group_claim)
         groups = [groups] if isinstance(groups, str) else groups if isinstance(groups, list) else []
         return any(group in self.groups for group in groups)
+
+
+def _folded(name: str) -> str:
+    """Return a name with its letters from A to Z small, and every other sign as it is."""
+    return "".join(sign.lower() if sign.isascii() else sign for sign in name)
 
 
 class _Provider(BaseModel):

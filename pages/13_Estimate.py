@@ -6,7 +6,7 @@ import streamlit as st
 
 from atleak.report.estimate_words import EstimateWords
 from atleak.report.pdf import write_pdf
-from atleak.wording import languages, wording
+from atleak.wording import wording
 from pages.shared import estimate_form, files, font_form, panel, reader
 from pages.shared.state import job
 
@@ -22,20 +22,17 @@ st.write(say("estimate_page.intro"))
 made = estimate_form.draw(diagnosis)
 
 st.subheader(say("estimate_page.take_along"))
-named = {language: wording(language).texts["language"] for language in languages()}
-language = st.selectbox(
-    say("estimate_page.language"),
-    list(named),
-    list(named).index(say.language),
-    named.__getitem__,
-    key="estimate-language",
-)
+options = st.columns(2)
+language = reader.pick_language(options[0], "estimate-language")
+paper = reader.pick_paper(options[1], "estimate-paper")
 record = job()
 name = files.named("estimate", record.number)
 with st.container(horizontal=True):
     st.download_button(
         "PDF",
-        font_form.printing(partial(write_pdf, diagnosis, record, language=language, sections=_SECTIONS)),
+        font_form.printing(
+            partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=_SECTIONS, units=say.units)
+        ),
         f"{name}.pdf",
         key="estimate-pdf",
         on_click="ignore",

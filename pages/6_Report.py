@@ -7,7 +7,6 @@ import streamlit as st
 
 from atleak.job.file import write_job_file
 from atleak.job.issued import issued_record
-from atleak.paper import PAPERS
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.xlsx import write_workbook
@@ -26,9 +25,7 @@ conditions.undecided(diagnosis, closing=True)
 st.subheader(say("take_along.title"))
 options = st.columns(2)
 language = reader.pick_language(options[0], "report-language")
-paper = options[1].selectbox(
-    say("take_along.paper"), list(PAPERS), format_func=lambda name: PAPERS[name].label, key="report-paper"
-)
+paper = reader.pick_paper(options[1], "report-paper")
 picked = st.pills(
     say("take_along.sections"),
     SECTIONS,

@@ -17,7 +17,6 @@ from atleak.jobs.book import JobRow
 from atleak.jobs.compared import ComparedJobs, compare_jobs, compared_record
 from atleak.jobs.search import Query
 from atleak.jobs.unit_visits import unit_of_job
-from atleak.paper import PAPERS
 from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.verdicts import Verdict
 from atleak.views.columns import VERDICT
@@ -195,9 +194,7 @@ def downloads(found: ComparedJobs) -> None:
     """Offer the page for the customer, and the record."""
     say, columns = reader.say(), st.columns(2)
     language = reader.pick_language(columns[0], "compare-language")
-    paper = columns[1].selectbox(
-        say("take_along.paper"), list(PAPERS), format_func=lambda name: PAPERS[name].label, key="compare-paper"
-    )
+    paper = reader.pick_paper(columns[1], "compare-paper")
     printed = partial(
         write_comparison_pdf,
         found.comparison,

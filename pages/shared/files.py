@@ -20,12 +20,14 @@ def take_along(case: PageCase, diagnosis: Diagnosis, record: dict[str, Any]) -> 
     """Offer JSON and workbook, and show the basis of the result."""
     say = reader.say()
     st.subheader(say("take_along.title"))
-    language = reader.pick_language(st.container(), "workbook-language")
+    options = st.columns(2)
+    language = reader.pick_language(options[0], "workbook-language")
+    paper = reader.pick_paper(options[1], "workbook-paper")
     with st.container(horizontal=True, vertical_alignment="bottom"):
         source = case.readings or case.road_test
         name = named("diagnosis", job().number or (Path(source.name).stem if source else diagnosis.controller.id))
         st.download_button("JSON", lambda: to_json(record), f"{name}.json", on_click="ignore")
-        workbook = partial(write_workbook, diagnosis, language=language, units=say.units)
+        workbook = partial(write_workbook, diagnosis, job(), language=language, paper=paper, units=say.units)
         st.download_button(say("take_along.workbook"), workbook, f"{name}.xlsx", on_click="ignore")
     show.basis(diagnosis, record)
 

@@ -19,7 +19,6 @@ from atleak.fleet.summary_pdf import write_summary_pdf
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summary_workbook import write_summary_workbook
 from atleak.fleet.summed import GROUP, FleetSummary, ValveBody, VerdictCounts
-from atleak.paper import PAPERS
 from atleak.verdicts import FLAGGED
 from atleak.views.columns import Column
 from atleak.wording import Wording
@@ -228,9 +227,7 @@ def draw_files(words: FleetWords) -> None:
     """Offer the summary as PDF and workbook, each written when it is asked for."""
     say, columns = words.say, st.columns(2)
     language = reader.pick_language(columns[0], "fleet-language")
-    paper = columns[1].selectbox(
-        say("take_along.paper"), list(PAPERS), format_func=lambda name: PAPERS[name].label, key="fleet-paper"
-    )
+    paper = reader.pick_paper(columns[1], "fleet-paper")
     name = files.named("fleet", words.summary.folder.replace("\\", "/").rpartition("/")[2])
     of_pdf = partial(
         write_summary_pdf, words.summary, language=language, paper=paper, units=say.units, letterhead=job()

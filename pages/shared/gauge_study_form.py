@@ -82,7 +82,7 @@ def asked_study(say: Wording) -> GaugeStudy | None:
     if file is None:
         return None
     try:
-        return _study(file.sha256, file, unit or None, tolerance, alpha)
+        return _study((file.sha256, file.name), file, unit or None, tolerance, alpha)
     except InputError as error:
         st.error(f"**{show.plain(say('gauge_study.not_taken', file=file.name))}** {show.plain(error)}")
         return None
@@ -95,7 +95,9 @@ def _take_file() -> None:
 
 
 @st.cache_resource(max_entries=8, show_spinner=False)
-def _study(sha256: str, _file: SourceFile, unit: str | None, tolerance: float | None, alpha: float) -> GaugeStudy:
+def _study(
+    key: tuple[str, str], _file: SourceFile, unit: str | None, tolerance: float | None, alpha: float
+) -> GaugeStudy:
     readings = read_study(_file.content, name=_file.name, length_unit=unit)
     return analysed(readings, tolerance=None if tolerance is None else tolerance / UM, alpha=alpha)
 

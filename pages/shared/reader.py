@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 import streamlit as st
 from streamlit.delta_generator import DeltaGenerator
 
+from atleak.paper import DEFAULT_PAPER, PAPERS
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import Wording, languages, wording
 
@@ -59,6 +60,14 @@ def pick_language(place: DeltaGenerator, key: str) -> str:
     start = list(names).index(words.language)
     key = f"{key}-{words.language}"
     return str(place.selectbox(words("reader.language"), list(names), start, names.__getitem__, key=key))
+
+
+def pick_paper(place: DeltaGenerator, key: str) -> str:
+    """Ask on which paper a file is to be printed: on that of the reader's units unless another one is picked."""
+    words = say()
+    start = list(PAPERS).index("letter" if words.units == "us" else DEFAULT_PAPER)
+    label, key = words("take_along.paper"), f"{key}-{words.units}"
+    return str(place.selectbox(label, list(PAPERS), start, lambda name: PAPERS[name].label, key=key))
 
 
 def changes() -> int:

@@ -1,19 +1,21 @@
 """Let in what is meant for the dashboard alone, of all that a browser can be made to ask for.
 
 A page of somebody else's can make a browser ask this server something: under a name of its own that it has led here
-(DNS rebinding), or across sites. The first is known by the Host that the browser states, the second by the Origin.
+(DNS rebinding), or across sites. The first is known by the Host that the browser states, the second by the Origin. Nor
+may it show the dashboard in a frame of its own, where a click meant for that page would be one in the dashboard.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable
 from urllib.parse import urlsplit
 
-from starlette.datastructures import Headers
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.middleware import Middleware
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.responses import PlainTextResponse
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 
 class OwnPagesAlone:
@@ -29,10 +31,43 @@ class OwnPagesAlone:
         if scope["type"] in ("http", "websocket"):
             headers = Headers(scope=scope)
             origin = headers.get("origin")
-            if origin is not None and _place(origin) != headers.get("host"):
+            if origin is not None and _place(origin) != _without_usual_port(headers.get("host", ""), origin):
                 await PlainTextResponse("Another site's page", status_code=403)(scope, receive, send)
                 return
         await self.app(scope, receive, send)
+
+
+class NoForeignFrames:
+    """Let pages of the dashboard alone show it in a frame, and no page outside send it messages."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        told = scope["type"] == "http" and scope["path"].endswith("/_stcore/host-config")
+        start: Message = {}
+        body = b""
+
+        async def guarded(message: Message) -> None:
+            nonlocal start, body
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(raw=list(message["headers"]))
+                headers["Content-Security-Policy"] = "frame-ancestors 'self'"
+                headers["X-Frame-Options"] = "SAMEORIGIN"
+                start = {**message, "headers": headers.raw}
+                if not told:
+                    await send(start)
+            elif told and message["type"] == "http.response.body":
+                body += message.get("body", b"")
+                if not message.get("more_body"):
+                    content = _without_origins(body)
+                    MutableHeaders(raw=start["headers"])["Content-Length"] = str(len(content))
+                    await send(start)
+                    await send({"type": "http.response.body", "body": content})
+            else:
+                await send(message)
+
+        await self.app(scope, receive, guarded)
 
 
 class FilesOfVisitors:
@@ -63,6 +98,7 @@ def guards(names: Iterable[str], may_send: Callable[[str], bool]) -> list[Middle
     hosts = [bracketed(name) for name in names]
     return [
         Middleware(TrustedHostMiddleware, allowed_hosts=hosts, www_redirect=False),
+        Middleware(NoForeignFrames),
         Middleware(OwnPagesAlone),
         Middleware(FilesOfVisitors, may_send=may_send),
     ]
@@ -75,6 +111,19 @@ def bracketed(name: str) -> str:
 
 def _place(origin: str) -> str | None:
     try:
-        return urlsplit(origin).netloc
+        return _without_usual_port(urlsplit(origin).netloc, origin)
     except ValueError:
         return None
+
+
+def _without_usual_port(host: str, origin: str) -> str:
+    """Return a host without the port that its scheme has anyway: browsers leave it out, some proxies do not."""
+    return host.removesuffix({"https": ":443", "http": ":80"}.get(origin.partition(":")[0], ""))
+
+
+def _without_origins(config: bytes) -> bytes:
+    """Return what Streamlit tells a page about messages to it, with nobody who may send any."""
+    try:
+        return json.dumps({**json.loads(config), "allowedOrigins": []}).encode()
+    except (ValueError, TypeError):  # a refusal
+        return config

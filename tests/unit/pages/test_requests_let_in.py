@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -24,6 +25,27 @@ def behind(guards: list[Middleware]) -> ASGIApp:
     for guard in reversed(guards):
         served = guard.cls(served, *guard.args, **guard.kwargs)
     return served
+
+
+def told(path: str, body: bytes = b"") -> tuple[dict[str, str], bytes]:
+    """The headers and the content that a page is answered with."""
+    said: list[Message] = []
+
+    async def page(scope: Scope, receive: Receive, send: Send) -> None:
+        await send({"type": "http.response.start", "status": 200, "headers": [(b"content-length", b"%d" % len(body))]})
+        for piece in (body[:5], body[5:]):
+            await send({"type": "http.response.body", "body": piece, "more_body": piece == body[:5]})
+
+    async def send(message: Message) -> None:
+        said.append(message)
+
+    served: ASGIApp = page
+    for guard in reversed(guards(["localhost"], "inside".__eq__)):
+        served = guard.cls(served, *guard.args, **guard.kwargs)
+    scope: dict[str, Any] = {"type": "http", "path": path, "method": "GET", "headers": [(b"host", b"localhost")]}
+    awaited(served(scope, None, send))
+    headers = {name.decode().lower(): value.decode() for name, value in said[0]["headers"]}
+    return headers, b"".join(message["body"] for message in said[1:])
 
 
 def answers(path: str = "/", **headers: str) -> set[int]:
@@ -70,3 +92,36 @@ def test_only_who_was_let_in_sends_files() -> None:
     assert answers(sent.format("inside"), host="localhost") == {LET_IN}
     assert answers(sent.format("outside"), host="localhost") == {LET_IN, 403}  # of the two, the page
     assert answers(sent.format(""), host="localhost") == {LET_IN, 403}
+
+
+@pytest.mark.parametrize(
+    ("host", "origin"),
+    [("shop.example:443", "https://shop.example"), ("shop.example", "https://shop.example:443"),
+     ("shop.example:80", "http://shop.example")],
+)  # fmt: skip
+def test_the_usual_port_of_a_scheme_is_none(host: str, origin: str) -> None:
+    served = behind(guards(["shop.example"], "inside".__eq__))
+    said: list[Message] = []
+
+    async def send(message: Message) -> None:
+        said.append(message)
+
+    raw = [(b"host", host.encode()), (b"origin", origin.encode())]
+    awaited(served({"type": "websocket", "path": "/", "headers": raw, "query_string": b""}, None, send))
+    assert [message["status"] for message in said] == [LET_IN]
+    assert answers(host="localhost:8501", origin="https://localhost") == {403}
+
+
+@pytest.mark.parametrize("path", ["/", "/Job", "/_stcore/health"])
+def test_no_foreign_page_shows_the_dashboard_in_a_frame(path: str) -> None:
+    headers, body = told(path, b"a page in pieces")
+    assert (headers["content-security-policy"], headers["x-frame-options"]) == ("frame-ancestors 'self'", "SAMEORIGIN")
+    assert body == b"a page in pieces"
+
+
+def test_no_foreign_page_may_send_messages_to_the_dashboard() -> None:
+    config = {"allowedOrigins": ["https://*.streamlit.app"], "useExternalAuthToken": False}
+    headers, body = told("/_stcore/host-config", json.dumps(config).encode())
+    assert json.loads(body) == {**config, "allowedOrigins": []}
+    assert headers["content-length"] == str(len(body))
+    assert told("/_stcore/host-config", b"not found")[1] == b"not found"
