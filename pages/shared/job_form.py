@@ -9,6 +9,7 @@ from typing import Any, get_args
 import pandas as pd
 import streamlit as st
 from pydantic import ValidationError
+from streamlit.delta_generator import DeltaGenerator
 from streamlit.runtime.uploaded_file_manager import UploadedFile
 
 from atleak.catalogue.controller import Controller
@@ -81,23 +82,26 @@ def draw(controller: Controller) -> Job:
     with fields.fold(say("job_form.as_found"), key=key("fold-found")):
         values |= _as_found(record)
     with fields.fold(say("job_form.tables"), key=key("fold-tables")):
-        values |= _tables(record, controller)
+        tables, places = _tables(record, controller)
+        values |= tables
     with fields.fold(say("job_form.pictures"), key=key("fold-pictures")):
         values |= _pictures(record)
     values["notes"] = st.text_area(say("job_form.notes"), **fields.kept(key("notes"), record.notes))
-    place = st.container()
+    end = st.container()
     try:
         changed = Job.model_validate(values).with_pictures(record.pictures)
-    except ValidationError as error:
-        first_fault = error.errors(include_url=False)[0]
-        where = " ".join(map(str, first_fault["loc"]))
-        place.error(say("job_form.not_taken", problem=f"{where}: {first_fault['msg']}"))
-        return record
-    faults, typed = list(decision_faults(changed, controller)), changed.repair_decisions != record.repair_decisions
-    for fault in faults:
-        place.error(show.plain(say("job_form.not_taken", problem=fault) if typed else fault))
+    except ValidationError as error:  # what is at fault stays as it was, and all else is taken
+        for fault in error.errors(include_url=False):
+            name, *where = map(str, fault["loc"])
+            problem = f"{' '.join((name, *where))}: {fault['msg']}"
+            places.get(name, end).error(show.plain(say("job_form.not_taken", problem=problem)))
+            values[name] = getattr(record, name)
+        changed = Job.model_validate(values).with_pictures(record.pictures)
+    typed = changed.repair_decisions != record.repair_decisions
+    for fault in (faults := list(decision_faults(changed, controller))):
+        places["repair_decisions"].error(show.plain(say("job_form.not_taken", problem=fault) if typed else fault))
     if faults and typed:
-        return record
+        changed = changed.model_copy(update={"repair_decisions": record.repair_decisions})
     st.session_state[RECORD] = changed
     measured = {
         "measuring_temperature": changed.measuring_temperature_c,
@@ -152,7 +156,8 @@ def _choice(label: str, options: Iterable[int | str], say: Wording) -> Any:
     )
 
 
-def _tables(record: Job, controller: Controller) -> dict[str, Any]:
+def _tables(record: Job, controller: Controller) -> tuple[dict[str, Any], dict[str, DeltaGenerator]]:
+    """Show the tables to edit; return their rows, and the place below each for what is wrong with it."""
     say = reader.say()
     pairs = st.column_config.SelectboxColumn(
         say("job_table.component"),
@@ -170,13 +175,13 @@ def _tables(record: Job, controller: Controller) -> dict[str, Any]:
     }
     shared = {"component": pairs, "land": land, "decision": decision, "part": parts, "photo": None, **dates}
     shared |= dict.fromkeys(("repair", "price", "hours"))  # on the page Estimate
-    tables = {}
+    tables, places = {}, {}
     for name in ("repair_decisions", "scratches", "instruments"):
         st.markdown(f"**{say(f'job_form.{name}')}**")
         if name == "repair_decisions":
             st.caption(say("job_form.proposed"))
-        tables[name] = _table(record, name, shared)
-    return tables
+        tables[name], places[name] = _table(record, name, shared), st.container()
+    return tables, places
 
 
 def _table(record: Job, name: str, columns: dict[str, Any]) -> list[dict[str, Any]]:

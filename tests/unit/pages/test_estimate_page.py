@@ -50,3 +50,12 @@ def test_a_record_with_a_decision_on_a_land_that_the_valve_body_lacks_is_refused
     uploader(app).upload("job.toml", record, "application/toml").run()
     assert not app.session_state["job-record"].repair_decisions
     assert any("component 25 has no such land" in widget.value for widget in app.error)
+
+
+def test_the_paper_is_that_of_the_readers_units(app: AppTest) -> None:
+    (paper,) = fields(app, "Paper")
+    assert paper.value == "a4"
+    app.session_state["reader-units"] = "us"
+    app.run()
+    (paper,) = fields(app, "Paper")
+    assert paper.value == "letter"

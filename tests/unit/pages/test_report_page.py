@@ -84,6 +84,20 @@ def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
     assert app.session_state["job-record"].repair_decisions == job.repair_decisions
 
 
+def test_a_decision_at_fault_costs_nothing_else_that_was_typed(app: AppTest) -> None:
+    field(app, "Technician").set_value("bench 2")
+    rows = {"edited_rows": {}, "deleted_rows": []}
+    app.session_state["job0-repair_decisions"] = {**rows, "added_rows": [{"component": "25", "land": 9}]}
+    app.session_state["job0-scratches"] = {**rows, "added_rows": [{"component": "8", "description": "long"}]}
+    app.run()
+    job: Job = app.session_state["job-record"]
+    assert (job.technician, job.scratches[0].description, job.repair_decisions) == ("bench 2", "long", ())
+    assert sum("component 25 has no such land" in each.value for each in app.error) == 1
+    app.session_state["job0-scratches"] = {**rows, "added_rows": [{"land": 12, "description": "long"}]}
+    field(app, "Technician").set_value("bench 3").run()
+    assert app.session_state["job-record"].technician == "bench 3"
+
+
 def test_no_column_to_type_into_drops_a_decimal_comma(app: AppTest) -> None:
     """A column of numbers takes a pasted ``23,4`` for 234; one of text or choices keeps it."""
     kinds = {
