@@ -40,7 +40,7 @@ from atleak.intake.readings.checks import check
 from atleak.intake.readings.choice import Choice, choose, require_one_measurement
 from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.head import read_head
+from atleak.intake.readings.head import is_typed, read_head
 from atleak.intake.readings.headings import best_header
 from atleak.intake.readings.land_values import LandValues, read_land_values
 from atleak.intake.readings.one_unit import units_apart
@@ -59,7 +59,7 @@ from atleak.intake.units import Unit
 from atleak.intake.units import unit as unit_named
 from atleak.phrases import PART_WORDS
 from atleak.pressure_table import PressureTable
-from atleak.readings import TYPED_MARK, Reading, Readings
+from atleak.readings import Reading, Readings
 from atleak.sentence import Sentence, all_of, in_a_row
 
 __all__ = ["ReadingsRefused", "check", "read_readings"]
@@ -182,7 +182,7 @@ def read_readings(
             problems = [other]
     if problems:
         raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
-    if not (result.readings or result.unworn or _typed_in(sheets)) and pressures is None:
+    if not (result.readings or result.unworn or any(map(is_typed, sheets))) and pressures is None:
         raise _none_left(result) or _not_filled_in(first)
     return result
 
@@ -197,11 +197,6 @@ def _read_all(
             break
         read.append(read_rows(table, names, unit, where))
     return read
-
-
-def _typed_in(sheets: Sequence[Sheet]) -> bool:
-    """Return whether the readings are being typed in: then nothing of them need count yet."""
-    return any(TYPED_MARK in row for sheet in sheets for row in sheet.rows[:1])
 
 
 def _holds_numbers(sheet: Sheet) -> bool:

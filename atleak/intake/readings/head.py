@@ -16,6 +16,7 @@ from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import Vocabulary, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit, unit
+from atleak.readings import TYPED_MARK
 from atleak.sentence import Sentence, all_of
 from atleak.sheet_identity import SheetIdentity
 from atleak.written_numbers import (
@@ -114,7 +115,11 @@ def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
     first: dict[str | None, int] = {}
     for table in tables:
         first[table.sheet.name] = min(table.header.first, first.get(table.sheet.name, table.header.first))
-    heads = [(sheet, range(max(first[sheet.name], 0))) for sheet in sheets if sheet.name in first]
+    heads = [
+        (sheet, range(is_typed(sheet), max(first[sheet.name], 0)))  # the plan of what is typed is no field of the job
+        for sheet in sheets
+        if sheet.name in first
+    ]
     read = {quantity: _read(heads, quantity) for quantity in (_TEMPERATURE, _SIDE, _TIP)}
     dates = [each for sheet, rows in heads for each in stated_values(sheet, rows, (_DATE,), _BESIDE, "temperature")]
     date, doubts = _read_date(dates)
@@ -140,6 +145,11 @@ class _Read:
     stated: list[Stated]
     messages: list[Message]
     problems: list[ReadingsError]
+
+
+def is_typed(sheet: Sheet) -> bool:
+    """Return whether the readings of a sheet are being typed in: its first row says so, and holds their plan."""
+    return any(TYPED_MARK in row for row in sheet.rows[:1])
 
 
 def _read(heads: Sequence[tuple[Sheet, range]], quantity: _Quantity) -> _Read:

@@ -22,6 +22,7 @@ from atleak.measuring.typed import Typed
 from atleak.measuring.typed_file import TYPED_FILE, typed_in, written
 from atleak.own_lands import OwnLands, OwnLength
 from atleak.readings import Reading, Readings
+from atleak.sheet_identity import SheetIdentity
 
 SLIPS = (
     "150,01",
@@ -101,6 +102,14 @@ def test_the_plan_and_the_unit_come_back(minimal: Controller) -> None:
     assert back is not None
     assert (back.plan, back.unit, back.entries) == (plan, "inch", typed.entries)
     assert sheet.readings[0].diameter == pytest.approx(18e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize("order", list(Order))
+def test_the_plan_of_what_is_typed_is_no_number_of_the_job(minimal: Controller, order: Order) -> None:
+    cell = next(iter(Plan().cells(minimal)))
+    sheet, _ = kept(Typed(plan=Plan(order, lands=((cell.component, 1),))).put(cell, "15,000"), minimal)
+    assert sheet.identity == SheetIdentity()
+    assert not [message for message in sheet.messages if message.code == "head_unclear"]
 
 
 def test_no_entry_is_no_file(minimal: Controller) -> None:
