@@ -91,9 +91,9 @@ def draw(controller: Controller) -> Job:
     try:
         changed = Job.model_validate(values).with_pictures(record.pictures)
     except ValidationError as error:  # what is at fault stays as it was, and all else is taken
-        for fault in error.errors(include_url=False):
-            name, *where = map(str, fault["loc"])
-            problem = f"{' '.join((name, *where))}: {fault['msg']}"
+        for each in error.errors(include_url=False):
+            name, *where = map(str, each["loc"])
+            problem = f"{' '.join((name, *where))}: {each['msg']}"
             places.get(name, end).error(show.plain(say("job_form.not_taken", problem=problem)))
             values[name] = getattr(record, name)
         changed = Job.model_validate(values).with_pictures(record.pictures)
