@@ -12,7 +12,7 @@ from atleak.catalogue.controller import Controller
 from atleak.errors import AtleakError
 from atleak.history.visits import Visit
 from atleak.job.case import SLOTS, Loader, Reader
-from atleak.job.decisions import covered
+from atleak.job.decisions import covered, repaired_lands
 from atleak.job.record import RepairDecision, RepairState
 from atleak.jobs.book import Book, StoredJob
 from atleak.jobs.search import Query
@@ -105,11 +105,10 @@ def _visited(stored: StoredJob, loader: Loader) -> VisitedJob:
         job.mileage_or(case.mileage),
         str(stored.file.result["controller"]["id"]),
         lands,
+        repaired=frozenset() if controller is None else repaired_lands(job, controller),
         name=job.number,
     )
-    visited = VisitedJob(stored, controller, visit, problem)
-    repaired = frozenset(key for decision in visited.decided("done") for key in visited.covered(decision))
-    return replace(visited, visit=replace(visit, repaired=repaired))
+    return VisitedJob(stored, controller, visit, problem)
 
 
 def left_undone(visited: Sequence[VisitedJob]) -> tuple[tuple[VisitedJob, RepairDecision], ...]:
