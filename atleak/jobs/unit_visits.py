@@ -75,9 +75,9 @@ def visits_of_unit(book: Book, unit: int, loader: Loader | None = None) -> tuple
     BookError
         where the database cannot be used.
     """
-    stored = [book.load(row.id) for row in book.rows(Query(unit=unit, limit=None))]
+    stored = [(book.load(row.id), row.mileage_km) for row in book.rows(Query(unit=unit, limit=None))]
     found = sorted(
-        (_visited(each, loader or Reader()) for each in stored), key=lambda each: (each.date, each.stored.made_at)
+        (_visited(*each, loader or Reader()) for each in stored), key=lambda each: (each.date, each.stored.made_at)
     )
     sheets: dict[str, str] = {}
     for number, each in enumerate(found):
@@ -90,7 +90,7 @@ def visits_of_unit(book: Book, unit: int, loader: Loader | None = None) -> tuple
     return tuple(found)
 
 
-def _visited(stored: StoredJob, loader: Loader) -> VisitedJob:
+def _visited(stored: StoredJob, mileage: float | None, loader: Loader) -> VisitedJob:
     job, case = stored.file.job, stored.file.case
     controller: Controller | None = None
     lands: tuple[LandSources, ...] = ()
@@ -102,7 +102,7 @@ def _visited(stored: StoredJob, loader: Loader) -> VisitedJob:
         problem = error.sentence
     visit = Visit(
         job.date or stored.made_at.date(),
-        job.mileage_or(case.mileage),
+        mileage,
         str(stored.file.result["controller"]["id"]),
         lands,
         repaired=frozenset() if controller is None else repaired_lands(job, controller),
