@@ -20,6 +20,11 @@ def kept_with(owner: Any, name: str, key: Hashable, make: Callable[[], Made], mo
         ever be let go.
     name
         what is made: of each name the latest ``most`` keys are kept.
+
+    Raises
+    ------
+    ValueError
+        what is made is the owner itself.
     """
     if id(owner) not in _KEPT:
         _KEPT[id(owner)] = {}
@@ -29,6 +34,8 @@ def kept_with(owner: Any, name: str, key: Hashable, make: Callable[[], Made], mo
         made: Made = kept[key]
         return made
     made = make()
+    if made is owner:
+        raise ValueError(f"{name}: kept with itself, it would never be let go")
     kept[key] = made
     for old in list(kept)[:-most]:
         kept.pop(old, None)
