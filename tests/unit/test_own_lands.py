@@ -255,7 +255,7 @@ def test_a_pair_that_was_only_cleaned_is_the_worn_one_that_it_was(unit: str, hip
     assert found.lands[0].state == plain.lands[0].state
     assert found.lands[0].replace_mileage is not None
     [said] = [each.text for each in found.messages if each.code == "repair_fitted"]
-    assert "none counts as new" in said
+    assert "none is new" in said
 
 
 def test_a_fitted_repair_that_cannot_be_is_refused_with_its_cell(own_box: Controller) -> None:

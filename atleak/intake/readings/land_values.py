@@ -301,7 +301,7 @@ def _about_repairs(own: OwnLands, controller: Controller) -> Iterator[Message]:
         after = [land.with_repair(repair) for land in lands]
         if repair.keeps_clearance:
             text = Sentence(
-                "Component {component} was given {repair}, which leaves its lands as worn as they were: none counts as new.",
+                "Component {component} was given {repair}, which leaves its lands as worn as they were: none is new.",
                 component=each.component,
                 repair=Name(repair.label),
             )
