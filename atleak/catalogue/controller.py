@@ -134,7 +134,12 @@ class Land:
         return tuple(filter(None, said))
 
     def with_repair(self, repair: Repair) -> Land:
-        """Return the land as a repair leaves it: with the nominal diameter and mounting clearance that this states."""
+        """Return the land as a repair leaves it: with the nominal diameter and mounting clearance that this states.
+
+        One that is only cleaned is the same pair.
+        """
+        if repair.keeps_clearance:
+            return self
         diameter, new = repair.nominal_diameter, repair.mounting_clearance
         stated = {"nominal_diameter_mm": diameter, "mounting_clearance_um": new}
         changed = {name for name, value in stated.items() if value is not None}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Level, reaches
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel
+from atleak.engine.projection import repaired
 from atleak.errors import Message
 from atleak.history.land_wear import LandWear, WearHistory
 from atleak.rules import LandKey
@@ -80,7 +82,7 @@ def totals_over_mileage(history: WearHistory, diagnosis: Diagnosis) -> TotalsOve
     if present is None or not growing or not diagnosis.judged:
         return TotalsOverMileage((), growing, lands, ())
     mileages = np.linspace(present, min(present + AHEAD, max(FARTHEST, present + 1.0)), _STEPS + 1)
-    model = _worn(diagnosis.model, drawn_clearances(history, mileages))
+    model = _worn(diagnosis, drawn_clearances(history, mileages))
     totals = tuple(_total(diagnosis, model, place, mileages) for place in range(len(diagnosis.projections)))
     return TotalsOverMileage(totals, growing, lands, tuple(_messages(growing, lands)))
 
@@ -122,14 +124,14 @@ def _drawn(
     return None
 
 
-def _worn(model: LeakageModel, drawn: Mapping[LandKey, Draws]) -> LeakageModel:
-    """Return the model with arrays of clearances, all draws and mileages in one row."""
-    states = []
-    for state in model.clearances:
-        clearances = drawn.get(state.land.key)
-        cold = state.land.new_clearance if clearances is None else clearances.ravel()
-        states.append(replace(state, radial_clearance=cold))  # type: ignore[type-var]
-    return replace(model, clearances=tuple(states))
+def _worn(diagnosis: Diagnosis, drawn: Mapping[LandKey, Draws]) -> LeakageModel:
+    """Return the model with arrays of clearances, all draws and mileages in one row; a land without any is new."""
+    others = [land.key for land in diagnosis.lands if land.key not in drawn]
+    clearances: list[Any] = []
+    for state in repaired((land.state for land in diagnosis.lands), others):
+        cold: Any = drawn[state.land.key].ravel() if state.land.key in drawn else state.radial_clearance
+        clearances.append(replace(state, radial_clearance=cold))
+    return replace(diagnosis.model, clearances=tuple(clearances))
 
 
 def _total(diagnosis: Diagnosis, model: LeakageModel, place: int, mileages: Draws) -> TotalOverMileage:

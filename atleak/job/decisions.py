@@ -64,9 +64,10 @@ def covered(decision: RepairDecision, controller: Controller) -> frozenset[LandK
 
 
 def repaired_lands(job: Job, controller: Controller) -> frozenset[LandKey]:
-    """Return the lands of which the record says that their repair was done."""
-    done = (covered(each, controller) for each in job.repair_decisions if each.decision == "done")
-    return frozenset[LandKey]().union(*done)
+    """Return the lands that were repaired, by the record; one that was only cleaned keeps its wear."""
+    cleaned = {repair.id for repair in controller.repairs if repair.keeps_clearance}
+    done = (each for each in job.repair_decisions if each.decision == "done" and each.repair not in cleaned)
+    return frozenset[LandKey]().union(*(covered(each, controller) for each in done))
 
 
 def undecided(diagnosis: Diagnosis, job: Job, *, closing: bool = False) -> tuple[LandDiagnosis, ...]:

@@ -24,7 +24,7 @@ def record_doubts(job: Job, diagnosis: Diagnosis) -> tuple[Message, ...]:
     return (
         *_unknown_parts(job, diagnosis),
         *_other_instruments(job, diagnosis),
-        *sheet_doubts(job, diagnosis.readings),
+        *sheet_doubts(job, diagnosis.readings, diagnosis.mileage),
     )
 
 

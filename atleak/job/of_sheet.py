@@ -66,8 +66,11 @@ def taken_from_sheet(before: Job, filled: Job) -> tuple[str, ...]:
     return tuple(name for name, value in told[1].items() if value != told[0][name])
 
 
-def sheet_doubts(job: Job, readings: Readings | None) -> Iterator[Message]:
-    """Doubt that a sheet is of this job: its head names another unit, or another mileage, than the record does."""
+def sheet_doubts(job: Job, readings: Readings | None, mileage: float | None) -> Iterator[Message]:
+    """Doubt that a sheet is of this job: its head names another unit, or another mileage, than the job does.
+
+    ``mileage`` is the one [km] that counts, whoever stated it.
+    """
     if readings is None:
         return
     head = readings.identity
@@ -80,15 +83,18 @@ def sheet_doubts(job: Job, readings: Readings | None) -> Iterator[Message]:
             written=written,
         )
         yield Message("warning", "sheet_of_another_job", text)
-    own_km, written_km = job.vehicle.mileage_km, head.mileage
-    if own_km is not None and written_km is not None and abs(own_km - written_km) >= 1.0:
+    for km in (mileage, job.vehicle.mileage_km):
+        if km is None or mileage is None or head.mileage is None or abs(km - head.mileage) < 1.0:
+            continue
         text = Sentence(
-            "The record has a mileage of {own:g} {own.unit}, the head of the measuring sheet {written:g} "
-            "{written.unit}: the record counts.",
-            own=Quantity(own_km, "distance"),
-            written=Quantity(written_km, "distance"),
+            "The job has a mileage of {own:g} {own.unit}, the head of the measuring sheet {written:g} {written.unit}: "
+            "{counts:g} {counts.unit} counts.",
+            own=Quantity(km, "distance"),
+            written=Quantity(head.mileage, "distance"),
+            counts=Quantity(mileage, "distance"),
         )
         yield Message("warning", "mileages_differ", text)
+        return
 
 
 def _contradictions(job: Job, head: SheetIdentity) -> Iterator[tuple[Sentence, str, str]]:

@@ -214,6 +214,7 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
     log = _source(case.road_test, diagnosis.log.road_test if diagnosis.log else None, _LOG)
     own = dict(zip(OWN_FILES, (sheet, log, table), strict=True))
     uncertainty = diagnosis.uncertainty
+    head = diagnosis.readings.identity.mileage if diagnosis.readings else None
     choices = Choices(
         format=FORMAT,
         atleak=__version__,
@@ -221,7 +222,7 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
         profile=diagnosis.profile.name,
         options=diagnosis.profile.options,
         condition=Condition(**settings_of(diagnosis.projection.condition)),
-        mileage=diagnosis.mileage,
+        mileage=case.mileage if diagnosis.mileage == head else diagnosis.mileage,
         readings=_reading_choices(case) if sheet else ReadingChoices(),
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
         complaint=diagnosis.complaint.id if diagnosis.complaint else None,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import groupby, pairwise
 from typing import Any
 
@@ -79,7 +80,12 @@ def new_sheets(book: Book, controller: str) -> tuple[NewSheet, ...]:
     with book.reading() as connection:
         every = connection.execute(_measured(controller)).all()
         done = set(connection.execute(_done(controller)).scalars())
-    chosen = [found for _, rows in groupby(every, lambda row: row.unit) for found in _of_unit(list(rows), done)]
+
+    @cache
+    def renewed(job: str) -> frozenset[LandKey]:
+        return _repaired(book.load(job).file) if job in done else frozenset()
+
+    chosen = [found for _, rows in groupby(every, lambda row: row.unit) for found in _of_unit(list(rows), renewed)]
     if not chosen:
         expected = Sentence(
             "a job at up to {mileage:g} {mileage.unit}, or one measured after a repair that an earlier job calls done",
@@ -90,9 +96,8 @@ def new_sheets(book: Book, controller: str) -> tuple[NewSheet, ...]:
         )
         raise BookError(problem, place=Place(file=book.name), expected=expected)
     sheets: list[NewSheet] = []
-    for job, repaired_at in chosen:
+    for job, repaired in chosen:
         file = book.load(job).file
-        repaired = None if repaired_at is None else _repaired(book.load(repaired_at).file)
         name = Sentence("job {name}", name=file.job.number or job)
         if any(sheet.name == name for sheet in sheets):
             name = Sentence("{job} ({id})", job=name, id=job)
@@ -147,17 +152,19 @@ def _repaired(file: JobFile) -> frozenset[LandKey]:
     return repaired_lands(file.job, Reader().entry(SLOTS["controller"], file.case.controller))
 
 
-def _of_unit(rows: Sequence[Any], done: set[str]) -> Iterator[tuple[str, str | None]]:
+def _of_unit(
+    rows: Sequence[Any], renewed: Callable[[str], frozenset[LandKey]]
+) -> Iterator[tuple[str, frozenset[LandKey] | None]]:
     """Yield the one sheet of a unit that shows the most new pairs: all of them, or what was repaired last.
 
-    With it the job at which that was repaired; None for all of them.
+    With it the lands that were; None for all of them. ``renewed`` says which a job's record calls repaired.
     """
-    new = [row for row in rows if row.mileage_km is not None and row.mileage_km <= NEW_UNTIL and row.id not in done]
+    new = [row for row in rows if row.mileage_km is not None and row.mileage_km <= NEW_UNTIL and not renewed(row.id)]
     if new:
         yield new[-1].id, None
         return
     for before, after in reversed(list(pairwise(rows))):
         known = before.mileage_km is not None and after.mileage_km is not None
-        if known and before.id in done and 0.0 <= after.mileage_km - before.mileage_km <= NEW_UNTIL:
-            yield after.id, before.id
+        if known and 0.0 <= after.mileage_km - before.mileage_km <= NEW_UNTIL and renewed(before.id):
+            yield after.id, renewed(before.id)
             return

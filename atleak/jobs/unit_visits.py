@@ -12,7 +12,7 @@ from atleak.catalogue.controller import Controller
 from atleak.errors import AtleakError
 from atleak.history.visits import Visit
 from atleak.job.case import SLOTS, Loader, Reader
-from atleak.job.decisions import covered
+from atleak.job.decisions import covered, repaired_lands
 from atleak.job.record import RepairDecision, RepairState
 from atleak.jobs.book import Book, StoredJob
 from atleak.jobs.search import Query
@@ -75,9 +75,9 @@ def visits_of_unit(book: Book, unit: int, loader: Loader | None = None) -> tuple
     BookError
         where the database cannot be used.
     """
-    stored = [book.load(row.id) for row in book.rows(Query(unit=unit, limit=None))]
+    stored = [(book.load(row.id), row.mileage_km) for row in book.rows(Query(unit=unit, limit=None))]
     found = sorted(
-        (_visited(each, loader or Reader()) for each in stored), key=lambda each: (each.date, each.stored.made_at)
+        (_visited(*each, loader or Reader()) for each in stored), key=lambda each: (each.date, each.stored.made_at)
     )
     sheets: dict[str, str] = {}
     for number, each in enumerate(found):
@@ -90,7 +90,7 @@ def visits_of_unit(book: Book, unit: int, loader: Loader | None = None) -> tuple
     return tuple(found)
 
 
-def _visited(stored: StoredJob, loader: Loader) -> VisitedJob:
+def _visited(stored: StoredJob, mileage: float | None, loader: Loader) -> VisitedJob:
     job, case = stored.file.job, stored.file.case
     controller: Controller | None = None
     lands: tuple[LandSources, ...] = ()
@@ -102,14 +102,13 @@ def _visited(stored: StoredJob, loader: Loader) -> VisitedJob:
         problem = error.sentence
     visit = Visit(
         job.date or stored.made_at.date(),
-        job.mileage_or(case.mileage),
+        mileage,
         str(stored.file.result["controller"]["id"]),
         lands,
+        repaired=frozenset() if controller is None else repaired_lands(job, controller),
         name=job.number,
     )
-    visited = VisitedJob(stored, controller, visit, problem)
-    repaired = frozenset(key for decision in visited.decided("done") for key in visited.covered(decision))
-    return replace(visited, visit=replace(visit, repaired=repaired))
+    return VisitedJob(stored, controller, visit, problem)
 
 
 def left_undone(visited: Sequence[VisitedJob]) -> tuple[tuple[VisitedJob, RepairDecision], ...]:

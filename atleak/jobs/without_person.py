@@ -50,6 +50,7 @@ def without_person(file: JobFile) -> WithoutPerson:
     renamed = {slot: SourceFile(f"{slot}.toml", file.content) for slot, file in own.items()}
     bare = replace(
         case.with_files({**dict.fromkeys(OWN_FILES), **files, **renamed}),
+        mileage=case.mileage if "readings" in files else file.result.get("mileage_km"),  # the sheet's head may state it
         sheet_name=None,
         sheet_unit=None,
         sheet_where=(),

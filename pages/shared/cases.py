@@ -305,7 +305,8 @@ def _computed(case: Case) -> Diagnosis:
         return case.diagnose(Kept())
     without = diagnosis_of(replace(case, mileage=None))
     result = without.with_mileage(case.mileage)
-    kept_with(result, "without mileage", "", lambda: without)  # for the next mileage
+    if result is not without:  # the sheet's head states the same mileage
+        kept_with(result, "without mileage", "", lambda: without)  # for the next one
     return result
 
 

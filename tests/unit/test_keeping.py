@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 
+import pytest
+
 from atleak import keeping
 from atleak.keeping import kept_with
 
@@ -24,6 +26,19 @@ def test_it_is_made_once_for_each_owner_and_key() -> None:
     kept_with(other, "x", "a", lambda: make("other a"))
     kept_with(one, "y", "a", lambda: make("y"))
     assert made == ["a", "other a", "y"]
+
+
+def test_what_would_keep_itself_alive_is_refused() -> None:
+    owner = Owner()
+    with pytest.raises(ValueError, match="never be let go"):
+        kept_with(owner, "x", "a", lambda: owner)
+
+
+def test_a_key_is_compared_and_need_not_be_hashable() -> None:
+    owner, made = Owner(), []
+    for rests_on in ([1], [1], [2], [1]):
+        kept_with(owner, "x", rests_on, lambda: made.append(1), most=1)
+    assert len(made) == 3
 
 
 def test_only_the_latest_of_each_name_are_kept() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import openpyxl
@@ -14,6 +15,7 @@ from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
+from atleak.catalogue.repairs import Repair
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
@@ -231,6 +233,29 @@ def test_a_repair_that_is_fitted_is_the_new_state_of_its_lands(
     assert row["fitted_repair"] == "oversize"
     print_diagnosis(diagnosis)
     assert said[0].text in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("unit", ["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"])
+def test_a_pair_that_was_only_cleaned_is_the_worn_one_that_it_was(unit: str, hipol: Fluid, limits: Limits) -> None:
+    controller = load_controller(unit)
+    controller = replace(controller, lands=tuple(replace(each, mounting_measured=True) for each in controller.lands))
+    lands = [each for each in controller.lands if not each.seal]
+    cleaned, other = lands[0], next(each for each in lands if each.component != lands[0].component)
+    repair = Repair("clean", cleaned.component, frozenset({cleaned.land}), "clean_and_reuse", "clean", "made up")
+    rows = ["Component;Plane;Part;Diameter [mm];Fitted repair"]
+    for land in (cleaned, other):
+        named = "clean" if land is cleaned else ""
+        spool, bore = land.nominal_diameter * 1e3, (land.nominal_diameter + 2.2 * land.mounting_high) * 1e3
+        rows += [f"{land.component};{land.planes[0]};spool;{spool:.4f};{named}"]
+        rows += [f"{land.component};{land.planes[0]};bore;{bore:.4f};"]
+    with_clean = replace(controller, repairs=(*controller.repairs, repair))
+    found = diagnosed("\n".join(rows), with_clean, hipol, limits, mileage=100_000.0)
+    plain = diagnosed("\n".join(rows).replace("clean", ""), with_clean, hipol, limits, mileage=100_000.0)
+    assert [land.replace_mileage for land in found.lands] == [land.replace_mileage for land in plain.lands]
+    assert found.lands[0].state == plain.lands[0].state
+    assert found.lands[0].replace_mileage is not None
+    [said] = [each.text for each in found.messages if each.code == "repair_fitted"]
+    assert "none is new" in said
 
 
 def test_a_fitted_repair_that_cannot_be_is_refused_with_its_cell(own_box: Controller) -> None:

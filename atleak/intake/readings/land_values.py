@@ -299,6 +299,14 @@ def _about_repairs(own: OwnLands, controller: Controller) -> Iterator[Message]:
         repair = next(option for option in controller.repairs_of(each.component) if option.id == each.repair)
         lands = [land for land in controller.lands_of(each.component) if repair.changes(land.key)]
         after = [land.with_repair(repair) for land in lands]
+        if repair.keeps_clearance:
+            text = Sentence(
+                "Component {component} was given {repair}, which leaves its lands as worn as they were: none is new.",
+                component=each.component,
+                repair=Name(repair.label),
+            )
+            yield Message("info", REPAIR_FITTED, text, each.place)
+            continue
         text = Sentence(
             "Component {component} has {repair} fitted, which counts as its new state: {sizes}.",
             component=each.component,

@@ -10,14 +10,15 @@ import numpy as np
 import pytest
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.engine.projection import project
+from atleak.engine.projection import project, repaired
 from atleak.history.land_wear import WearHistory, wear_over_mileage
 from atleak.history.totals import drawn_clearances, totals_over_mileage
 from atleak.history.visits import Visit
-from atleak.readings import Readings
+from atleak.readings import Reading, Readings
 from atleak.verdicts import Band
 
 UM = 1e-6
@@ -67,6 +68,33 @@ def test_the_total_is_that_of_the_engine_with_every_land_where_its_line_leads(
             expected = project(replace(diagnosis.model, clearances=tuple(states)), now.condition)
             assert share == pytest.approx(expected.share, rel=1e-9, abs=0.0)
         assert total.low == pytest.approx(total.median, rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize("name", ["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"])
+def test_a_land_that_was_repaired_has_no_bore_worn_to_one_side(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
+) -> None:
+    controller = load_controller(name)
+    leaking = {gap.key for gap in controller.gaps if controller.operating_points[0].gear in gap.gears}
+    one, other = [land for land in controller.lands if land.key in leaking and not land.seal][:2]
+    uneven = [(0.0, one.nominal_diameter + 40 * UM), (90.0, one.nominal_diameter + 120 * UM)]
+    visits = []
+    for year, mileage, worn in ((2024, 100_000.0, 2.0), (2026, 160_000.0, 5.0)):
+        bore = other.nominal_diameter + 2.0 * (other.new_clearance + worn * UM)
+        sheet = readings_of(controller, {other.key: (other.nominal_diameter, bore)})
+        spool, sleeve = (
+            [Reading(one.component, part, one.planes[0], at, 1, diameter) for at, diameter in diameters]
+            for part, diameters in (("spool", [(0.0, one.nominal_diameter)]), ("sleeve", uneven))
+        )
+        sheet = replace(sheet, readings=(*sheet.readings, *spool, *sleeve))
+        diagnosis = diagnose(controller, hipol, limits, readings=sheet, mileage=mileage)
+        done = [one.key] if visits else []
+        visits.append(Visit.of(diagnosis, dt.date(year, 5, 1), repaired=done))
+    assert next(land for land in diagnosis.lands if land.key == one.key).state.form_moments[0] > 0.0
+    totals = totals_over_mileage(without_errors(wear_over_mileage(visits, limits)), diagnosis)
+    mended = replace(diagnosis.model, clearances=repaired(diagnosis.model.clearances, [one.key]))
+    expected = project(mended, diagnosis.projection.condition)
+    assert totals.totals[0].median[0] == pytest.approx(expected.share, rel=1e-9, abs=0.0)
 
 
 def test_the_total_begins_at_the_last_visit_and_widens(unit: tuple[WearHistory, Diagnosis]) -> None:

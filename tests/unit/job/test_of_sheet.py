@@ -6,8 +6,11 @@ from dataclasses import replace
 
 import pytest
 
+from atleak.catalogue.controller_reading import load_controller
 from atleak.diagnosis import Diagnosis
+from atleak.job.case import Case, SourceFile
 from atleak.job.doubts import record_doubts
+from atleak.job.file import read_job_file, write_job_file
 from atleak.job.of_sheet import taken_from_sheet, with_sheet
 from atleak.job.record import Job
 from atleak.readings import Readings
@@ -60,10 +63,38 @@ def test_a_sheet_without_a_head_makes_no_record(worn: Diagnosis) -> None:
 
 def test_a_sheet_of_another_unit_is_doubted(worn: Diagnosis, readings: Readings) -> None:
     own = Job(number="4711", vehicle={"vin": "1FA", "mileage_km": 18_200.0}, transmission={"serial": "s-1"})
-    said = {doubt.code: doubt.text for doubt in record_doubts(own, replace(worn, readings=readings))}
+    diagnosis = replace(worn, readings=readings, mileage=182_000.0)
+    said = {doubt.code: doubt.text for doubt in record_doubts(own, diagnosis)}
     assert "the VIN 1FA, the head of the measuring sheet WVWZZZ1JZXW000001" in said["sheet_of_another_job"]
-    assert "18200 km, the head of the measuring sheet 182000 km" in said["mileages_differ"]
+    assert "18200 km, the head of the measuring sheet 182000 km: 182000 km counts" in said["mileages_differ"]
     assert len(said) == 2  # neither number nor serial differ
+
+
+@pytest.mark.parametrize("record", [None, 120_000.0, 150_000.0])
+@pytest.mark.parametrize("unit", ["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"])
+def test_a_mileage_that_is_corrected_on_the_sheet_counts_in_a_job_that_was_saved(
+    unit: str, record: float | None
+) -> None:
+    land = load_controller(unit).lands[0]
+    row = f"{land.component};{land.planes[0]};spool;{land.nominal_diameter * 1e3:.4f}"
+
+    def sheet(mileage: str) -> SourceFile:
+        return SourceFile("sheet.csv", f"Mileage;{mileage} km\n\nComponent;Plane;Part;Diameter [mm]\n{row}".encode())
+
+    job = Job(vehicle={"mileage_km": record})
+    case = Case(controller=unit, readings=sheet("120000"))
+    saved = read_job_file(write_job_file(case.diagnose(), job, case)).case
+    corrected = replace(saved, readings=sheet("150000")).diagnose()
+    assert corrected.mileage == 150_000.0
+    doubts = [each.text for each in record_doubts(job, corrected) if each.code == "mileages_differ"]
+    assert len(doubts) == (record == 120_000.0)
+    # one that was stated stays, and is told of
+    typed = replace(case, mileage=120_000.0)
+    kept = read_job_file(write_job_file(typed.diagnose(), job, typed)).case
+    again = replace(kept, readings=sheet("150000")).diagnose()
+    assert again.mileage == 120_000.0
+    [said] = [each.text for each in record_doubts(job, again) if each.code == "mileages_differ"]
+    assert "120000 km, the head of the measuring sheet 150000 km: 120000 km counts" in said
 
 
 def test_nothing_is_taken_of_the_sheet_of_another_unit(readings: Readings) -> None:

@@ -117,7 +117,7 @@ def small_job() -> Callable[..., JobParts]:
 
 @pytest.fixture
 def with_repair() -> Callable[[Case], Case]:
-    """Puts a repair into the valve body's file of a case: it changes the first of the regulator's two lands."""
+    """Puts repairs into the valve body's file of a case: of the regulator's first land, and a cleaning of the TCC's."""
     repair = """
 [[repairs]]
 id = "oversize"
@@ -129,6 +129,13 @@ nominal_diameter_mm = 15.8
 mounting_clearance_um = [10.0, 14.0]
 source = "made up for this test"
 evidence = "representative"
+
+[[repairs]]
+id = "clean"
+component = "tcc_regulator"
+kind = "clean_and_reuse"
+name = "clean and reuse"
+source = "made up for this test"
 """
     content = catalogue_files("controllers")["minimal_example"].read_bytes() + repair.encode()
 

@@ -93,6 +93,19 @@ def test_of_a_component_whose_repair_changes_one_land_only_that_land_is_new(
     assert keys == {("pressure_regulator", 1)}
 
 
+def test_a_pair_that_was_only_cleaned_is_no_new_one(
+    book: Book, small_job: MakeJob, with_repair: Callable[[Case], Case], minimal: Controller
+) -> None:
+    case = with_repair(of_two_lands(small_job).case)
+    cleaned = {"component": "tcc_regulator", "repair": "clean", "decision": "done"}
+    for place, decisions in enumerate([(cleaned,), (cleaned, {**DONE, "component": "accumulator"})]):
+        for record in (told(f"{place}", 2024, 120_000.0, *decisions), told(f"{place}", 2025, 120_004.0)):
+            book.save(job_parts(case.diagnose(), Job(**record), case))
+    [sheet] = new_sheets(book, "minimal_example")
+    assert sheet.name == "job 1-2025"
+    assert {each.component for each in sheet.readings(minimal).readings} == {"accumulator"}
+
+
 def test_without_any_such_sheet_that_is_said(book: Book, small_job: MakeJob) -> None:
     book.save(small_job(**told("worn", 2024, 120_000.0)))
     with pytest.raises(BookError, match="no measuring sheet of a new or repaired minimal_example"):

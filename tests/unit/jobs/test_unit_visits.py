@@ -75,6 +75,20 @@ def test_a_repair_of_the_valve_bodys_file_is_about_those_lands_alone_that_it_cha
     assert [decision.land for _, decision in left_undone(visited)] == [2]
 
 
+def test_a_land_that_was_only_cleaned_wears_on(
+    book: Book, with_repair: Callable[[Case], Case], small_job: MakeJob, limits: Limits
+) -> None:
+    cleaned = {"component": "tcc_regulator", "repair": "clean", "decision": "done"}
+    for sleeve, *stated in ((11.038, 2024, 100_000.0, cleaned), (11.044, 2026, 160_000.0)):
+        case = with_repair(small_job(sleeve).case)
+        saved = book.save(job_parts(case.diagnose(), Job(**record(*stated)), case))
+    visited = visits_of_unit(book, unit_of_job(book, saved.id))
+    assert [each.visit.repaired for each in visited] == [frozenset(), frozenset()]
+    land = wear_over_mileage([each.visit for each in visited], limits).land(TCC)
+    assert land.line.rate * 1e4 / UM == pytest.approx(0.5, abs=1e-6)
+    assert land.series.restart is None
+
+
 def test_what_was_declined_or_deferred_stays_undone_until_it_is_done(book: Book, small_job: MakeJob) -> None:
     def decided(component: str, land: int | None, decision: str) -> dict[str, object]:
         return {"component": component, "land": land, "decision": decision, "reason": f"{decision} then"}

@@ -6,6 +6,11 @@ import gc
 import weakref
 from dataclasses import replace
 
+import pytest
+
+from atleak.catalogue.controller_reading import load_controller
+from atleak.job.case import SourceFile
+from atleak.job.file import read_job_file, write_job_file
 from pages.shared.cases import PageCase, diagnosis_of
 
 OWN = PageCase(controller="minimal_example", mileage=90_000.0)
@@ -23,5 +28,24 @@ def test_a_result_that_nobody_looks_at_any_more_is_let_go() -> None:
     left = weakref.ref(diagnosis_of(OWN))
     for number in range(8):
         diagnosis_of(PageCase(controller="minimal_example", temperature=80.0 + number))
+    gc.collect()
+    assert left() is None
+
+
+@pytest.mark.parametrize("unit", ["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"])
+@pytest.mark.parametrize("stated", [None, 90_000.0, 95_000.0], ids=["none", "that of the head", "another"])
+def test_a_saved_job_is_let_go_whatever_mileage_its_sheet_states(unit: str, stated: float | None) -> None:
+    land = load_controller(unit).lands[0]
+    diameter, bore = land.nominal_diameter * 1e3, (land.nominal_diameter + 3.0 * land.mounting_high) * 1e3
+    rows = ["Mileage;90000 km", "", "Component;Plane;Part;Diameter [mm]"]
+    rows += [f"{land.component};{land.planes[0]};{part};{mm:.4f}" for part, mm in (("spool", diameter), ("bore", bore))]
+    sheet = SourceFile("sheet.csv", "\n".join(rows).encode())
+    case = PageCase(controller=unit, readings=sheet, mileage=stated)
+    saved = read_job_file(write_job_file(diagnosis_of(case), case=case)).case
+    assert saved.mileage == stated
+    left = weakref.ref(diagnosis_of(replace(case, **vars(saved))))
+    assert left().mileage == (stated or 90_000.0)
+    for number in range(8):
+        diagnosis_of(PageCase(controller="minimal_example", temperature=40.0 + number))
     gc.collect()
     assert left() is None
