@@ -150,6 +150,8 @@ def _shortened(value: Any) -> Any:
 def _expected(fault: Any) -> Sentence:
     """What a fault's key wants, in words of people rather than of pydantic."""
     kind, of = fault["type"], fault.get("ctx", {})
+    if kind == "float_type" and isinstance(fault["input"], int) and not isinstance(fault["input"], bool):
+        return Sentence("a number of at most 300 digits")
     if kind in _WANTED:
         return _WANTED[kind]
     if kind in _WANTED_OF:

@@ -148,7 +148,9 @@ def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[C
                 else stated / 60e3
             )
             name = table.name or table.id.replace("_", " ")
-            consumers.append(Consumer(table.id, name, flow, table.after_line, table.source))
+            pressure = None if table.at_kpa is None else table.at_kpa * 1e3
+            law = table.law or "orifice"
+            consumers.append(Consumer(table.id, name, flow, table.after_line, table.source, law, pressure))
     return tuple(consumers)
 
 

@@ -168,9 +168,19 @@ class ConsumerTable(Strict):
     id: Identifier
     name: NonEmptyText | None = None
     flow_dm3_min: Annotated[Any, PlainValidator(_flows)]
+    law: Literal["orifice", "constant"] | None = None  # an orifice unless stated
+    at_kpa: Annotated[float, Field(gt=0, le=10_000)] | None = None
     after_line: bool = False
     source: NonEmptyText
     evidence: StatedEvidence = None
+
+    @model_validator(mode="after")
+    def _follows_the_line(self) -> ConsumerTable:
+        if self.after_line and (self.law == "orifice" or self.at_kpa is not None):
+            raise NotAccepted(Sentence("neither law nor at_kpa beside after_line: it takes its flow or what is left"))
+        if self.law == "constant" and self.at_kpa is not None:
+            raise NotAccepted(Sentence("no at_kpa beside a constant law: it takes its flow at any pressure"))
+        return self
 
 
 class PermissiblePressureTable(Strict):

@@ -121,9 +121,11 @@ class Consumer:
     flow: float | Mapping[str, float]  # [m³/s], for all operating points or for each by name
     after_line: bool  # supplied with what the line's regulator leaves over: it starves first
     source: str
+    law: Literal["orifice", "constant"] = "orifice"  # of one before the line's regulator
+    pressure: float | None = None  # [Pa] of the line, at which an orifice takes its flow; None: the required one
 
     def at(self, point: OperatingPoint) -> float:
-        """Return the flow at an operating point [m³/s].
+        """Return the flow stated for an operating point [m³/s].
 
         Raises
         ------

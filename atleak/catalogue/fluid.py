@@ -16,7 +16,6 @@ from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import (
     NO_ENTRY,
     Entry,
-    Finite,
     Origin,
     Shelf,
     Strict,
@@ -356,7 +355,7 @@ def _plain(value: Any) -> Any:
 
 class ViscosityTable(Strict):
     temperature_c: float = Field(ge=-60, le=200)
-    kinematic_viscosity_mm2_s: float = Field(gt=0, le=1e6)
+    kinematic_viscosity_mm2_s: float = Field(ge=0.5, le=1e6)
 
 
 class PropertyTable(ViscosityTable):
@@ -365,8 +364,8 @@ class PropertyTable(ViscosityTable):
 
 class DensityTable(Strict):
     density_g_cm3: float = Field(gt=0.5, lt=1.5)
-    at_c: Finite = 15.0
-    density_slope_g_cm3_k: float = Field(le=0, gt=-0.01)
+    at_c: float = Field(default=15.0, ge=-60, le=200)
+    density_slope_g_cm3_k: float = Field(le=0, ge=-0.002)  # so that no density falls to nothing on the way to 150 °C
 
 
 ViscosityRow = TypeVar("ViscosityRow", bound=ViscosityTable)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from atleak.catalogue.doubts import doubts_of
-from atleak.catalogue.entries import Entry, NonNegative, Origin, Positive, Shelf
+from atleak.catalogue.entries import Entry, Origin, Shelf
 from atleak.errors import InputError, Message, one_of
 from atleak.sentence import Name, Sentence
 
@@ -129,16 +129,19 @@ def load_instruments(
     return Instruments(load_instrument(spool), load_instrument(sleeve)).checked
 
 
+_Error = Annotated[float, Field(ge=0, le=1000)]  # [µm]: a millimetre, as a ruler's
+
+
 class InstrumentFile(Entry):
     """The catalogue file; ``representative`` lists the keys whose values come from no certificate."""
 
     measures: list[Part] = Field(min_length=1)
-    resolution_um: Positive
-    calibration_um: NonNegative
+    resolution_um: float = Field(gt=0, le=1000)
+    calibration_um: _Error
     common_part: float = Field(ge=0, le=1)
-    repeatability_um: NonNegative | None = None
+    repeatability_um: _Error | None = None
     alike_inside_and_outside: bool = True
-    expansion_per_k: NonNegative = STEEL_EXPANSION
+    expansion_per_k: float = Field(default=STEEL_EXPANSION, ge=0, le=1e-3)
     representative: list[
         Literal["resolution_um", "calibration_um", "common_part", "repeatability_um", "expansion_per_k"]
     ] = []

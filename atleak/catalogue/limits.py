@@ -17,9 +17,7 @@ from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import (
     Entry,
     NonEmptyText,
-    NonNegative,
     Origin,
-    Positive,
     Shelf,
     Strict,
 )
@@ -279,13 +277,22 @@ def _steps(table: LevelTable | None, unit: float) -> Steps | None:
     return None if table is None else table.steps(unit)
 
 
+_HIGHEST = 10_000.0  # of any limit, in the unit of its table; nothing that is measured or computed gets there
+_MOST = {  # of those whose quantity ends before: what lies beyond would switch the rule off without a word
+    "clearance_um": 500.0,  # readings further apart are refused
+    "pair_share_percent": 1000.0,
+    "total_share_percent": 1000.0,
+    "below_permissible_percent": 100.0,
+}
+
+
 class LevelLimit(Strict):
     """Where one level begins; all that is stated is asked for."""
 
-    percent: NonNegative | None = None  # the limit itself, in the unit of its table
-    at_least_um: Positive | None = None  # of wear: growth of the radial clearance
-    growth_percent: Positive | None = None  # of a share: growth over the same land or unit new
-    added_points: NonNegative = 0.0  # of a share: what it adds to that of a new one, in points of the pump's flow
+    percent: Annotated[float, Field(ge=0, le=_HIGHEST)] | None = None  # the limit itself, in the unit of its table
+    at_least_um: Annotated[float, Field(gt=0, le=500)] | None = None  # of wear: growth of the radial clearance
+    growth_percent: Annotated[float, Field(gt=0, le=_HIGHEST)] | None = None  # of a share: over the same one new
+    added_points: Annotated[float, Field(ge=0, le=1000)] = 0.0  # of a share: to a new one's, points of the pump's flow
 
     @property
     def growth(self) -> tuple[float, float] | None:
@@ -299,9 +306,9 @@ def _a_number_or_a_table(value: object) -> object:
         return value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise NotAccepted(Sentence("a number greater than 0, or a table such as { percent = 10.0 }"))
-    if not value >= 0.0:
-        raise NotAccepted(Sentence("a number greater than 0"))
-    return {"percent": float(value)}
+    if not 0.0 <= value <= _HIGHEST:
+        raise NotAccepted(Sentence("a number greater than 0, up to {most:.15g}", most=_HIGHEST))
+    return {"percent": value}
 
 
 _Stated = Annotated[LevelLimit | None, BeforeValidator(_a_number_or_a_table)]
@@ -368,14 +375,17 @@ else:
     BandTable = create_model("BandTable", __base__=LevelTable, __module__=__name__, **_every)
 
 
+_Reserve = Annotated[float, Field(ge=0.1, le=100)]  # one that falls under a tenth leaves no pressure to speak of
+
+
 class ReserveTable(Strict):
     """The falling limits of the pump's reserve as a file states them."""
 
     origin: Annotated[LimitOrigin, Field(strict=False)]
     source: NonEmptyText
-    amber: Positive
-    red: Positive
-    critical: Positive
+    amber: _Reserve
+    red: _Reserve
+    critical: _Reserve
     fall_percent: Annotated[float, Field(ge=0, lt=100)] = 10.0  # under a new unit that is itself under a limit
 
     @model_validator(mode="after")
@@ -422,6 +432,13 @@ class LimitsFile(Entry):
                     wanted = Sentence("at_least_um in wear_percent only, not in {where}", where=where)
                 elif each.growth is not None and "share" not in name:
                     wanted = Sentence("growth_percent of a share only, not in {where}", where=where)
+                elif (each.percent or 0.0) > _MOST.get(name, _HIGHEST):
+                    wanted = Sentence(
+                        "at most {most:.15g} in {where}, not {value:.15g}",
+                        most=_MOST[name],
+                        where=where,
+                        value=each.percent,
+                    )
                 elif each.percent == 0.0 and name != "below_permissible_percent":
                     wanted = Sentence("a number greater than 0 in {where}", where=where)
                 elif each.percent is None and (each.growth is None or name == "wear_percent"):

@@ -42,8 +42,8 @@ class PumpTable(Strict):
         default=None, description="What one revolution of the engine delivers without any loss; or give the dimensions"
     )
     module_mm: Positive | None = Field(default=None, description="Module of the teeth, where it is known")
-    teeth: int | None = Field(
-        default=None, gt=0, description="Teeth of each gear, of the pinion, or lobes of the inner rotor"
+    teeth: Count | None = Field(
+        default=None, description="Teeth of each gear, of the pinion, or lobes of the inner rotor"
     )
     width_mm: Positive | None = Field(default=None, description="Width of the gears, rotors or vanes along their axis")
     tooth_height_mm: Positive | None = Field(default=None, description="Height of a tooth from root to tip")

@@ -202,6 +202,8 @@ CONSUMERS = Tables(
     (
         Column("Id", ("id",), required=True, help="Small letters, digits and _", width=24),
         Column("Name", ("name",), width=30),
+        Column("Law", ("law",), Choice(("orifice", "constant")), help="Orifice unless stated or after the line"),
+        Column("At pressure", ("at_kpa",), KPA, help="The required main pressure unless stated"),
         Column("After the line", ("after_line",), YesNo(), help="Supplied with what the regulator leaves over"),
         source(),
         evidence(),

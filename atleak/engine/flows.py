@@ -12,7 +12,7 @@ from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import OperatingPoint
 from atleak.engine.circuits import Balance, Network
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.line import LINE, hold
+from atleak.engine.line import LINE, hold, wanted
 
 _ROUNDING = 1e-9  # relative to the pump's flow: less than that is no flow
 
@@ -126,10 +126,10 @@ def flows_at(model: LeakageModel, point: OperatingPoint) -> Flows:
     sums.add(_PUMP, Place(Kind.SLIP), slip)
     left = supply - slip - given
     for after_line in (False, True):
-        wanted = {each.id: each.at(point) for each in controller.consumers if each.after_line is after_line}
-        part = min(left / total, 1.0) if (total := sum(wanted.values())) > 0.0 else 0.0
-        for name, flow in wanted.items():
-            sums.add(_PUMP, Place(Kind.CONSUMER, name), part * flow)
+        flows = wanted(network, held.main_pressure, held.required, after_line=after_line)
+        part = min(left / total, 1.0) if (total := float(sum(flows.values()))) > 0.0 else 0.0
+        for name, flow in flows.items():
+            sums.add(_PUMP, Place(Kind.CONSUMER, name), part * float(flow))
         left -= part * total
     sums.add(_PUMP, Place(Kind.LEFT), left)
     least = _ROUNDING * max(supply, drawn)

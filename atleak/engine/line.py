@@ -21,6 +21,7 @@ from atleak.engine.leakage import PumpFlow
 LINE = "p_g"  # the section that supplies all others
 _EXACT = 1e-12  # of the pressure, or of the flow that is lacking: at which a search for the line pressure ends
 _STEPS = 200  # of it at the most
+_LEAST = 1.0  # [Pa] that no required pressure is below
 SURELY_LESS = 1e-9  # relative: a pressure that is lower than another by more than rounding
 
 
@@ -45,10 +46,32 @@ def sections_held(controller: Controller, main_pressure: Any, converter_pressure
     return {name: np.minimum(pressure, main_pressure) for name, pressure in sections.items()}
 
 
-def consumed(controller: Controller, point: OperatingPoint, *, after_line: bool | None = None) -> float:
-    """Return what the consumers take at an operating point [m³/s]: all, or those behind the line or those before it."""
-    chosen = (each for each in controller.consumers if after_line is None or each.after_line is after_line)
-    return sum(each.at(point) for each in chosen)
+def wanted(network: Network, main: Any, required: Any, *, after_line: bool | None = None) -> dict[str, Any]:
+    """Return what each consumer takes at a line pressure [m³/s], by id: of all, those behind the line or those before.
+
+    One before the line's regulator is an orifice, ``Q = Q₁ √(p_g/p₁)``, unless its law is constant or no pressures are
+    solved; one behind it takes Q₁ as long as so much is left.
+
+    Parameters
+    ----------
+    main, required
+        the line pressure, and the one required there [Pa], which is p₁ unless the consumer states its own; arrays of
+        one shape where anything is one.
+    """
+    flows: dict[str, Any] = {}
+    for each in network.controller.consumers:
+        if after_line is None or each.after_line is after_line:
+            flow: Any = each.at(network.point)
+            if network.solves and each.law == "orifice" and not each.after_line:
+                stated_at = required if each.pressure is None else each.pressure
+                flow = flow * np.sqrt(main / np.maximum(stated_at, _LEAST))
+            flows[each.id] = flow
+    return flows
+
+
+def consumed(network: Network, main: Any, required: Any, *, after_line: bool | None = None) -> Any:
+    """Return what the consumers take together [m³/s], as `wanted` tells for each."""
+    return sum(wanted(network, main, required, after_line=after_line).values())
 
 
 def hold(
@@ -74,14 +97,13 @@ def hold(
     if not network.solves:
         balance = network.balance(controller.section_pressures(required, point.converter_pressure))
         return Held(required, required, balance, True)
-    before_line = consumed(controller, point, after_line=False)
 
     def at(main: Any, near: Balance | None) -> Balance:
         return network.balance(sections_held(controller, main, point.converter_pressure), near)
 
     def lacking(main: Any, balance: Balance) -> Any:
         supply = pump.capacity(point.engine_speed, main, dynamic_viscosity)
-        return network.drawn_from_pump(balance) + before_line - supply
+        return network.drawn_from_pump(balance) + consumed(network, main, required, after_line=False) - supply
 
     first = balance = at(required, near)
     lacks = lacking(required, first)

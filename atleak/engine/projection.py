@@ -57,7 +57,7 @@ class Projection:
     pump_capacity: float  # [m³/s]
     pump_supply: float  # [m³/s] before slip
     slip: float  # [m³/s]
-    consumers: float  # [m³/s] of all consumers
+    consumers: float  # [m³/s] of all consumers, at the required line pressure
     leaks: tuple[LeakFlow, ...]  # of this gear: the part of the leakage that no land leaks
     relieved: float  # [m³/s] by circuits to the sump at the required pressure: another such part
     minimum_speed: float  # [1/s] from which the pump covers this leakage, its own slip and its consumers
@@ -140,9 +140,10 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     other = sum(each.flow for each in leaks if each.drawn_from_pump) + relieved
     leakage = sum(gap.leakage for gap in drawn) + other
     capacity = float(model.pump_capacity(condition.engine_speed, *where))
-    consumers = consumed(controller, condition)
+    required = (condition.main_pressure, condition.main_pressure)
+    consumers = consumed(network, *required)
     held = hold(network, condition, model.pump, model.dynamic_viscosity(condition.temperature), demanded)
-    left = capacity - leakage - consumed(controller, condition, after_line=False)
+    left = capacity - leakage - consumed(network, *required, after_line=False)
     main_held = float(held.main_pressure)
     return Projection(
         condition=condition,
@@ -159,7 +160,7 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
         relieved=relieved,
         minimum_speed=model.minimum_speed(leakage + consumers, *where),
         main_pressure_held=main_held,
-        starved=max(consumed(controller, condition, after_line=True) - max(left, 0.0), 0.0),
+        starved=max(consumed(network, *required, after_line=True) - max(left, 0.0), 0.0),
         circuits=tuple(_circuit_state(circuit, network, held, condition) for circuit in controller.circuits),
         permissible=controller.permissible_at(condition.gear, condition.state),
         messages=(

@@ -144,7 +144,7 @@ class Target:
             return None
         main, model, point = low * (1.0 - self.limit), at.model, at.point
         supply = model.pump.capacity(point.engine_speed, main, model.dynamic_viscosity(point.temperature))
-        most = float(supply) - consumed(model.controller, point, after_line=False)
+        most = float(supply) - consumed(at.networks[0], main, point.main_pressure, after_line=False)
         sections = sections_held(model.controller, main, point.converter_pressure)
         return self._draw({name: float(pressure) for name, pressure in sections.items()}, most)
 

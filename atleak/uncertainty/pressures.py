@@ -52,15 +52,17 @@ class DrawnUnit:
     pump: PumpFlow
     viscosity: Any  # [Pa·s]
 
-    def demand(self, point: OperatingPoint) -> Any:
+    @property
+    def demand(self) -> Any:
         """Return all that leaves the pump, its own slip included [m³/s]."""
-        slip = self.pump.slip(self.pressures["p_g"], self.viscosity)
-        return self.leakage + slip + consumed(self.network.controller, point)
+        required = self.pressures["p_g"]
+        slip = self.pump.slip(required, self.viscosity)
+        return self.leakage + slip + consumed(self.network, required, required)
 
     def reserve(self, point: OperatingPoint) -> np.ndarray:
         """Return the pump's supply over it."""
         with np.errstate(divide="ignore"):
-            return np.divide(self.pump.per_revolution * point.engine_speed, self.demand(point))
+            return np.divide(self.pump.per_revolution * point.engine_speed, self.demand)
 
     def held(self, point: OperatingPoint, demand_at: np.ndarray) -> tuple[np.ndarray, Mapping[str, Any]]:
         """Return the line pressure that holds, and all pressures with it [Pa].
@@ -72,10 +74,10 @@ class DrawnUnit:
         converter = self.pressures["p_k"]
         if not self.network.solves:
             return main, self.balance.pressures
-        before_line = consumed(self.network.controller, point, after_line=False)
 
         def lacking(fraction: Any) -> Any:
             supply = self.pump.capacity(point.engine_speed, fraction * main, self.viscosity)
+            before_line = consumed(self.network, fraction * main, main, after_line=False)
             return self.leakage * np.interp(fraction, _GRID, demand_at) + before_line - supply
 
         held, falls = main, lacking(np.ones_like(main)) > 0.0

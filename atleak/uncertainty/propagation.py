@@ -329,9 +329,8 @@ class _Unit:
         share_spread = _share_spread(now.share, unworn_share, self._limits.total_share, coverage)
         # a band counts as reached where a worse one is
         over = (1.0, *np.maximum.accumulate(share_spread.probabilities[::-1])[::-1].tolist(), 0.0)
-        point = self._projection.condition
-        demand = now.drawn + consumed(self._model.controller, point)
-        speed = given.pump.minimum_speed(demand, now.solved.pressures["p_g"], given.viscosity)
+        main = now.solved.pressures["p_g"]
+        speed = given.pump.minimum_speed(now.drawn + consumed(now.network, main, main), main, given.viscosity)
         return TotalSpread(
             leakage_spread=spread_of(now.drawn, (), coverage),
             share_spread=share_spread,

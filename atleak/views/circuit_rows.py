@@ -40,11 +40,13 @@ def circuit_tables(controller: Controller, say: Wording) -> list[CatalogueTable]
         CatalogueTable("leaks", _LEAKS, _leak_rows(controller, say)),
         CatalogueTable(
             "consumers",
-            columns("consumer", *points.values(), "starves_first", "source"),
+            columns("consumer", *points.values(), "law", Column("at_pressure", "pressure"), "starves_first", "source"),
             [
                 {
                     "consumer": say.name(consumer.name),
                     **{point.name: consumer.at(point) * DM3_MIN for point in controller.operating_points},
+                    "law": say(f"catalogue.{'constant' if consumer.after_line else consumer.law}"),
+                    "at_pressure": None if consumer.pressure is None else consumer.pressure * KPA,
                     "starves_first": say(f"answers.{'yes' if consumer.after_line else 'no'}"),
                     "source": consumer.source,
                 }

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.circuits import Consumer
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.pump import Pump
 from atleak.diagnosis import Diagnosis
@@ -275,6 +276,9 @@ class ConditionsSheet:
             if each.after_line:
                 label = Sentence("{consumer}, behind the line's regulator", consumer=label)
             yield Quantity(label, "dm³/min", f"consumer_{number}", None, each.at(condition) * DM3_MIN, "flow")
+            if (stated_at := self._stated_at(each)) is not None:
+                label = Sentence("{consumer}: main pressure at which it takes that", consumer=label)
+                yield Quantity(label, "kPa", f"consumer_{number}_at", None, stated_at * KPA, "kpa")
         consumed = self._consumers(at)
         consumers = at.projection.consumers * DM3_MIN
         label = Sentence("consumers") if consumed else Sentence("consumers (the valve body's file states none)")
@@ -299,9 +303,17 @@ class ConditionsSheet:
 
     def _consumers(self, at: SheetCondition, *, after_line: bool | None = None) -> str:
         """Return the formula of the sum of the consumers, or of those behind the line or before it; "" of none."""
-        consumers = enumerate(self.diagnosis.controller.consumers, start=1)
-        chosen = (number for number, each in consumers if after_line is None or each.after_line is after_line)
-        return "+".join(at(f"consumer_{number}") for number in chosen)
+        terms = []
+        for number, each in enumerate(self.diagnosis.controller.consumers, start=1):
+            if after_line is None or each.after_line is after_line:
+                same = self._stated_at(each) is None
+                root = "" if same else f"*SQRT({at('p_g')}/{at(f'consumer_{number}_at')})"
+                terms.append(at(f"consumer_{number}") + root)
+        return "+".join(terms)
+
+    def _stated_at(self, consumer: Consumer) -> float | None:
+        """Return the main pressure [Pa] of a consumer's flow, where that follows it and is not the required one."""
+        return consumer.pressure if self.diagnosis.profile.circuits == "on" else None
 
     def _with_others(self, at: SheetCondition, gaps: str | None, of: Projection, prefix: str = "") -> str:
         """Return the formula of a leakage from that of the gaps: what leaks beside the lands is added."""

@@ -94,6 +94,22 @@ def test_a_laminar_leak_keeps_the_dynamic_viscosity_of_its_measurement(edited: E
     assert rings.viscosity == pytest.approx(7e-6 * 830.0, rel=1e-12, abs=0.0)
 
 
+@pytest.mark.parametrize(
+    ("keys", "law", "pressure"),
+    [
+        ("", "orifice", None),
+        ('law = "orifice"\n', "orifice", None),
+        ("at_kpa = 350\n", "orifice", 350e3),
+        ('law = "constant"\n', "constant", None),
+    ],
+)
+def test_a_consumer_before_the_line_is_an_orifice_unless_it_says_otherwise(
+    edited: Edited, keys: str, law: str, pressure: float | None
+) -> None:
+    (converter,) = load_controller(with_circuits(edited, ("after_line = true\n", keys))).consumers
+    assert (converter.after_line, converter.law, converter.pressure) == (False, law, pressure)
+
+
 def test_a_consumer_takes_its_flow_by_operating_point(edited: Edited) -> None:
     controller = loaded(edited)
     (converter,) = controller.consumers
@@ -232,6 +248,11 @@ def test_a_point_of_one_s_own_for_which_nothing_is_stated_is_refused_by_name(edi
         (('from = "clutch_c1", ratio = 1.5', 'from = "p_g", ratio = 1.5'), "line", ["p_g", "the id of a circuit"]),
         ((", offset_kpa = 100.0 }\nsource", " }\nsource"), "line", ["no pressure in gear 4", "more than 0 kPa"]),
         (("after_line = true", "before_line = true"), "consumers", ["before_line", "after_line"]),
+        (("after_line = true", "at_kpa = 0.0"), "consumers", ["at_kpa", "0", "greater than 0"]),
+        (("after_line = true", "after_line = true\nat_kpa = 400.0"), "consumers", ["beside after_line"]),
+        (("after_line = true", 'after_line = true\nlaw = "orifice"'), "consumers", ["beside after_line"]),
+        (("after_line = true", 'law = "constant"\nat_kpa = 400.0'), "consumers", ["no at_kpa beside a constant law"]),
+        (("after_line = true", 'law = "laminar"'), "consumers", ["law", "laminar"]),
     ],
 )
 def test_what_cannot_be_is_refused_where_it_stands(

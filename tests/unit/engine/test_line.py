@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from typing import Literal, get_args
 
 import numpy as np
 import pytest
@@ -12,7 +14,9 @@ from scipy.optimize import brentq
 
 from atleak.catalogue.circuits import Consumer, Following, SetPressure
 from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
+from atleak.engine.flows import ENDS, Kind, Place, flows_at
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import Held, hold, sections_held
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
@@ -22,6 +26,8 @@ from atleak.readings import LandClearance, clearances
 
 LOSSLESS = WORKSHOP.with_options(entry_loss="off")
 widths = st.floats(10e-6, 300e-6)
+Law = Literal["orifice", "constant"]
+laws = st.sampled_from(get_args(Law))
 points = st.integers(0, 1)
 
 
@@ -41,13 +47,12 @@ def held_at(model: LeakageModel, point: OperatingPoint) -> Held:
     return hold(model.network(point), point, model.pump, model.dynamic_viscosity(point.temperature))
 
 
-def taking(controller: Controller, before: float, after: float) -> Controller:
+def taking(
+    controller: Controller, before: float, after: float, law: Law = "orifice", pressure: float | None = None
+) -> Controller:
     """The controller with these consumers [dm³/min] before and behind the line's regulator."""
-    consumers = tuple(
-        Consumer(name, name, flow / 60e3, after_line, "test")
-        for name, flow, after_line in (("before", before, False), ("after", after, True))
-    )
-    return replace(controller, consumers=consumers)
+    first = Consumer("before", "before", before / 60e3, False, "test", law, pressure)
+    return replace(controller, consumers=(first, Consumer("after", "after", after / 60e3, True, "test")))
 
 
 def following(controller: Controller, ratio: float, offset: float) -> Controller:
@@ -58,7 +63,11 @@ def lacking(model: LeakageModel, point: OperatingPoint, main: float) -> float:
     """What the pump lacks at a line pressure [m³/s], consumers behind the line's regulator left out."""
     network = model.network(point)
     balance = network.balance(sections_held(model.controller, main, point.converter_pressure))
-    taken = sum(each.at(point) for each in model.controller.consumers if not each.after_line)
+    taken = 0.0
+    for each in model.controller.consumers:
+        if not each.after_line:
+            opened = math.sqrt(main / (each.pressure or point.main_pressure)) if each.law == "orifice" else 1.0
+            taken += each.at(point) * opened
     return network.drawn_from_pump(balance) + taken - model.pump_capacity(point.engine_speed, main, point.temperature)
 
 
@@ -67,27 +76,38 @@ def lacking(model: LeakageModel, point: OperatingPoint, main: float) -> float:
 
 @pytest.mark.parametrize("width", [100e-6, 150e-6, 250e-6])
 @pytest.mark.parametrize("consumers", [0.0, 2.0])
+@pytest.mark.parametrize(("law", "pressure"), [("orifice", None), ("orifice", 300e3), ("constant", None)])
 def test_where_every_gap_leads_from_the_line_to_the_sump_a_closed_form_gives_the_pressure(
-    minimal: Controller, hipol: Fluid, width: float, consumers: float
+    minimal: Controller, hipol: Fluid, width: float, consumers: float, law: Law, pressure: float | None
 ) -> None:
-    """Leakage and slip are both in proportion to the pressure: p (G + S) = V n − consumers."""
+    """Leakage and slip are in proportion to the pressure: p (G + S) + Q = V n, Q constant or with the root of p."""
     pump = replace(minimal.pump, slip_coefficient=5e-8)
-    model = unit(taking(replace(minimal, pump=pump), consumers, 9.0), hipol, width, LOSSLESS)
+    model = unit(taking(replace(minimal, pump=pump), consumers, 9.0, law, pressure), hipol, width, LOSSLESS)
     point = replace(minimal.operating_points[0], engine_speed=10.0)
-    required = point.main_pressure
-    leaking = project(model, point).leakage + float(model.pump_slip(required, point.temperature))
-    supplied = pump.displacement * 10.0 - consumers / 60e3
+    required, supplied, taken = point.main_pressure, pump.displacement * 10.0, consumers / 60e3
+    leaking = (project(model, point).leakage + float(model.pump_slip(required, point.temperature))) / required
+    if law == "constant":
+        balanced = (supplied - taken) / leaking
+    else:
+        per_root = taken / math.sqrt(pressure or required)
+        balanced = (2.0 * supplied / (per_root + math.sqrt(per_root**2 + 4.0 * leaking * supplied))) ** 2
     held = held_at(model, point)
-    assert held.main_pressure == pytest.approx(min(required, required * supplied / leaking), rel=1e-9, abs=0.0)
-    assert held.falls == (supplied < leaking)
+    assert held.main_pressure == pytest.approx(min(required, balanced), rel=1e-9, abs=0.0)
+    assert held.falls == (balanced < required)
     assert held.converged
 
 
-@given(widths, points, st.floats(0.0, 12.0))
+@given(widths, points, st.floats(0.0, 12.0), laws, st.none() | st.floats(100e3, 900e3))
 def test_the_line_holds_what_is_required_or_what_the_pump_keeps_up(
-    three_circuits: Controller, hipol: Fluid, width: float, number: int, consumers: float
+    three_circuits: Controller,
+    hipol: Fluid,
+    width: float,
+    number: int,
+    consumers: float,
+    law: Law,
+    pressure: float | None,
 ) -> None:
-    controller = taking(three_circuits, consumers, 3.0)
+    controller = taking(three_circuits, consumers, 3.0, law, pressure)
     model, point = unit(controller, hipol, width), controller.operating_points[number]
     held, required = held_at(model, point), point.main_pressure
     if lacking(model, point, required) <= 0.0:
@@ -100,11 +120,17 @@ def test_the_line_holds_what_is_required_or_what_the_pump_keeps_up(
     assert held.converged
 
 
-@given(widths, points, st.floats(0.0, 15.0))
+@given(widths, points, st.floats(0.0, 15.0), laws, st.none() | st.floats(100e3, 900e3))
 def test_a_reserve_of_one_or_more_means_that_the_pressure_holds(
-    three_circuits: Controller, hipol: Fluid, width: float, number: int, consumers: float
+    three_circuits: Controller,
+    hipol: Fluid,
+    width: float,
+    number: int,
+    consumers: float,
+    law: Law,
+    pressure: float | None,
 ) -> None:
-    controller = taking(three_circuits, consumers, 0.0)
+    controller = taking(three_circuits, consumers, 0.0, law, pressure)
     projection = project(unit(controller, hipol, width), controller.operating_points[number])
     assert (projection.reserve >= 1.0) == (not projection.pressure_falls)
     assert (projection.main_pressure_held == projection.condition.main_pressure) == (projection.reserve >= 1.0)
@@ -136,6 +162,63 @@ def test_consumers_before_the_line_only_lower_it(
     assert more <= less * (1.0 + 1e-9)
 
 
+@given(widths, points, st.floats(0.1, 60.0), st.floats(1e-6, 0.5))
+def test_the_line_sags_by_no_more_than_twice_what_consumers_take_more(
+    three_circuits: Controller, hipol: Fluid, width: float, number: int, consumers: float, more: float
+) -> None:
+    """At a pressure (1 + more)² times lower they take as before, no more leaks and the pump gives no less."""
+    point = three_circuits.operating_points[number]
+    before, after = (
+        held_at(unit(taking(three_circuits, flow, 0.0), hipol, width), point).main_pressure
+        for flow in (consumers, consumers * (1.0 + more))
+    )
+    assert before * (1.0 + more) ** -2 * (1.0 - 1e-9) <= after <= before * (1.0 + 1e-9)
+    assert after > 0.0
+
+
+def test_a_consumer_that_takes_one_percent_too_much_does_not_empty_the_line(minimal: Controller, hipol: Fluid) -> None:
+    (idle,) = (point for point in minimal.operating_points if point.name == "hot_idle")
+    flows = np.linspace(11.48, 11.60, 13)
+
+    def held(law: Law) -> list[float]:
+        models = (unit(taking(minimal, flow, 0.0, law), hipol, 18e-6) for flow in flows)
+        return [held_at(model, idle).main_pressure for model in models]
+
+    sags, falls = held("orifice"), held("constant")
+    assert sags[0] == falls[0] == idle.main_pressure
+    assert np.all(np.diff(sags) <= 0.0)
+    assert sags[-1] > 0.98 * idle.main_pressure
+    assert falls[-1] == 0.0
+
+
+@pytest.mark.parametrize("name", ["five_speed_2005", "chrysler_41te", "gm_4l60e"])
+def test_shipped_units_with_half_the_pump_sag_and_balance(name: str, hipol: Fluid) -> None:
+    shipped = load_controller(name)
+    pump = replace(shipped.pump, displacement=0.5 * shipped.pump.displacement)
+    consumers = tuple(replace(each, after_line=False) for each in shipped.consumers)
+    controller = replace(shipped, pump=pump, consumers=consumers, line=None)  # by nothing but the pump
+    constant = replace(controller, consumers=tuple(replace(each, law="constant") for each in consumers))
+    sagged = 0
+    for point in controller.operating_points:
+        model, steady = (unit(each, hipol, 40e-6) for each in (controller, constant))
+        held, lower = held_at(model, point), held_at(steady, point)
+        assert held.falls == lower.falls
+        assert (held.main_pressure > lower.main_pressure) == held.falls
+        flows = flows_at(model, point)
+        ends = sum(each.flow for each in flows.flows if each.target.kind in ENDS)
+        assert ends == pytest.approx(pump.displacement * point.engine_speed, rel=1e-9, abs=0.0)
+        assert project(model, point).reserve == project(steady, point).reserve
+        if held.falls:
+            sagged += 1
+            missing = lacking(model, point, held.main_pressure)
+            assert missing == pytest.approx(0.0, abs=1e-9 * pump.displacement * point.engine_speed)
+            taken = sum(flows.into(Place(Kind.CONSUMER, each.id)) for each in consumers)
+            stated = sum(each.at(point) for each in consumers)
+            opened = math.sqrt(held.main_pressure / point.main_pressure)
+            assert taken == pytest.approx(stated * opened, rel=1e-9, abs=0.0)
+    assert sagged
+
+
 @given(widths, points)
 def test_no_section_is_above_the_line_that_supplies_it(
     three_circuits: Controller, hipol: Fluid, width: float, number: int
@@ -147,9 +230,13 @@ def test_no_section_is_above_the_line_that_supplies_it(
 
 
 def test_the_line_holds_what_is_required_where_nothing_is_balanced(three_circuits: Controller, hipol: Fluid) -> None:
+    controller, point = taking(three_circuits, 2.0, 0.0, "orifice", 125e3), three_circuits.operating_points[0]
     for profile in (PAPER, WORKSHOP.with_options(circuits="off")):
-        held = held_at(unit(three_circuits, hipol, 300e-6, profile), three_circuits.operating_points[0])
+        model = unit(controller, hipol, 300e-6, profile)
+        held = held_at(model, point)
         assert (held.main_pressure, held.required) == (500e3, 500e3)
+        assert project(model, point).consumers == 2.0 / 60e3
+    assert project(unit(controller, hipol, 13e-6), point).consumers == pytest.approx(4.0 / 60e3, rel=1e-12, abs=0.0)
 
 
 # --- a line that follows a circuit

@@ -373,6 +373,18 @@ def test_a_file_of_the_job_that_cannot_be_used_is_named_with_its_zip(content):
         read_job_file(broken, name="shop.zip").diagnose()
 
 
+def test_limits_that_no_number_holds_are_named_with_their_place_in_the_zip(content):
+    with zipfile.ZipFile(io.BytesIO(content)) as bundle:
+        limits = bundle.read("catalogue/limits.toml")
+    huge = changed(
+        content, **{"catalogue/limits.toml": limits.replace(b"critical = 50.0", b"critical = 1" + b"0" * 400)}
+    )
+    with pytest.raises(
+        InputError, match=r"^shop\.zip: .*\[total_share_percent\], key 'critical'.*greater than 0, up to 10000"
+    ):
+        read_job_file(huge, name="shop.zip").diagnose()
+
+
 # --- the temperature of measuring
 
 

@@ -112,6 +112,7 @@ source = "made up"
 [[consumers]]
 id = "lubrication"
 flow_dm3_min = 1.0
+at_kpa = 400.0
 source = "made up"
 [[permissible_pressure]]
 gear = 1
@@ -295,9 +296,15 @@ def test_changed_consumers_and_limits_give_what_atleak_gives(
     unit: Unit, controller: Controller, limits: Limits, calculator: Any, referee: Any
 ) -> None:
     sheets = calculator(write_workbook(unit(WORN)))
-    for name, flow in (("stated_consumer_1", 5.0), ("driving_consumer_1", 9.0)):
+    for name, value in (
+        ("stated_consumer_1", 5.0),
+        ("driving_consumer_1", 9.0),
+        ("stated_consumer_2_at", 250.0),
+        ("driving_consumer_2_at", 250.0),
+    ):
         place, _, address = sheets.book.defined_names[name].attr_text.rpartition("!")
-        sheets.set(place, address.replace("$", ""), flow)
+        sheets.set(place, address.replace("$", ""), value)
+    lubrication = replace(controller.consumers[1], pressure=250e3)
     cooler = replace(controller.consumers[0], flow={"hot_idle": 5.0 / 6e4, "driving": 9.0 / 6e4})
     for label, level, value in (
         ("reserve of the pump, under", "amber", 2.2),
@@ -318,7 +325,7 @@ def test_changed_consumers_and_limits_give_what_atleak_gives(
     loss = replace(limits.circuit_loss, levels=((Verdict.WATCH, 20e3), limits.circuit_loss.levels[1]))
     changed = unit(
         WORN,
-        controller=replace(controller, consumers=(cooler, controller.consumers[1])),
+        controller=replace(controller, consumers=(cooler, lubrication)),
         limits=replace(limits, reserve=reserve, circuit_loss=loss),
     )
     assert {rule.verdict for rule in changed.pressure_rules if rule.kind is RuleKind.RESERVE} != {Verdict.OK}

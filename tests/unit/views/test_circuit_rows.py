@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -64,7 +65,14 @@ def test_leaks_and_consumers_stand_in_the_units_of_the_file(five_speed: Controll
     assert rings["at_viscosity"] == pytest.approx(7.0 * 0.83, abs=1e-9)
     converter = shown["consumers"][0]
     assert converter["hot_idle"] == pytest.approx(3.8, abs=1e-12)
-    assert converter["starves_first"] == "yes"
+    assert (converter["law"], converter["at_pressure"], converter["starves_first"]) == ("constant", None, "yes")
+    first = replace(five_speed.consumers[0], after_line=False, pressure=450e3)
+    (bleed,) = tables(replace(five_speed, consumers=(first,)))["consumers"]
+    assert (bleed["law"], bleed["at_pressure"], bleed["starves_first"]) == (
+        "orifice",
+        pytest.approx(450.0, abs=1e-9),
+        "no",
+    )
     low = {(row["gears"], row["state"]): row["lowest"] for row in shown["permissible"]}
     assert low["-1", "stall"] == pytest.approx(2000.0, abs=1e-9)
 

@@ -102,6 +102,10 @@ def test_what_no_shipped_file_says_is_kept_too(tables: Tables) -> None:
         "measured": ["contact_length_mm"],
         "published": ["nominal_diameter_mm"],
     }
+    data["consumers"] += [
+        {"id": "bleed", "flow_dm3_min": 0.7, "at_kpa": 437.5, "source": "made up", "evidence": "measured"},
+        {"id": "pump_of_its_own", "flow_dm3_min": 0.3, "law": "constant", "source": "made up"},
+    ]
     component = data["components"][0]["id"]
     data["repairs"] = [
         {
