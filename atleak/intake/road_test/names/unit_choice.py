@@ -41,7 +41,8 @@ class Fit:
         if self.unit is None or (self.unit.factor == 1.0 and not self.unit.offset):
             result = values
         else:
-            result = self.unit.to_si(values)
+            with np.errstate(over="ignore"):
+                result = self.unit.to_si(values)
         return result - ATMOSPHERE if self.absolute else result
 
 
