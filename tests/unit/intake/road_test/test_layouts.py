@@ -18,6 +18,7 @@ from atleak.intake.road_test import Understood, describe, log_columns, read_road
 from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.clock.clocks import numeric_clock
 from atleak.intake.road_test.files.cells import unit_in_cells
+from atleak.road_test import QUANTITIES
 
 
 def understood(text: str | bytes, **choices: Any) -> Understood:
@@ -426,3 +427,29 @@ def test_a_few_equal_samples_off_all_others_are_a_spike() -> None:
 def test_what_is_no_log_is_named(name: str, data: bytes, said: str) -> None:
     with pytest.raises(RoadTestError, match=said):
         read_road_test(data, name=name)
+
+
+# --- what is a state, and what a pressure -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("column", "quantity", "taken"),
+    [
+        ("TCC Pressure (psi)", "lock_up", False),
+        ("TCC (psi)", "lock_up", False),
+        ("Lock Up [bar]", "lock_up", False),
+        ("Torque Converter Clutch (kPa)", "lock_up", False),
+        ("Gear Selector (kPa)", "selector", False),
+        ("Gear (bar)", "gear", False),
+        ("TCC (%)", "lock_up", True),
+        ("TCC Status", "lock_up", True),
+        ("L/U Solenoid Valve Pressure (kPa)", "lock_up", True),
+    ],
+)
+def test_a_pressure_is_no_state_but_where_a_solenoid_is_commanded_one(column: str, quantity: str, taken: bool) -> None:
+    rows = "".join(f"{i / 10};{800 + i};{i % 4}\n" for i in range(60))
+    found = understood(f"Time (s);RPM (rpm);{column}\n{rows}")
+    assert (quantity in found.road_test.channels) == taken
+    if taken or "Pressure" in column:
+        return
+    assert f"does not belong to {QUANTITIES[quantity].label}" in found.road_test.refused[quantity]
