@@ -31,16 +31,17 @@ heading = st.empty()
 if "framed" not in st.session_state:  # seen while all else is imported, read and computed
     heading.title(page.title)
 
-from pages.shared import book, panel, steps  # noqa: E402
+from pages.shared import book, panel, show, steps  # noqa: E402
 
 result = panel.draw()
 entrance.draw_sign_out()
 heading.empty()
-if page in groups[""][1:]:
-    steps.draw(result)
-del result  # the names of this file outlive the visit
 try:
-    page.run()
+    with show.faults():
+        if page in groups[""][1:]:
+            steps.draw(result)
+        del result  # the names of this file outlive the visit
+        page.run()
 finally:  # also where the page ends early
     news = book.keep(page.url_path)
     collect_soon()

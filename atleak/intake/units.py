@@ -17,6 +17,8 @@ from atleak.errors import unknown
 from atleak.sentence import Sentence
 from atleak.workshop_units import INCH, PSI
 
+HHMMSS = "HHMMSS"
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -173,6 +175,8 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
         Unit("h", 3600.0): ("h", "hour", "hours"),
         Unit("ns", 1e-9): ("ns", "nsec", "nanosecond", "nanoseconds"),
         Unit("d", 86400.0): ("d", "day", "days"),
+        # a clock's digits: 100059.5 is 10:00:59.5. No factor makes seconds of them: the clock of a log is read so
+        Unit(HHMMSS, 1.0): ("hhmmss", "hhmmss.s", "hhmmss.ss", "hhmmss.sss"),
     },
     "ratio": {
         Unit("1", 1.0): ("1", "-", "ratio", ""),

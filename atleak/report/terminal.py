@@ -14,6 +14,7 @@ from rich.text import Text
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.intake.units import HHMMSS, find_unit, kinds_of
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import look_of
 from atleak.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
@@ -162,8 +163,9 @@ def print_log(record: dict[str, Any]) -> None:
     for each in table.columns:
         each.no_wrap, each.overflow = each.header not in ("column", "unit"), "fold"  # no number goes on in another line
     for column in record["columns"]:
-        unit = f"{column['unit'] or '–'}{' (assumed)' if column['unit_assumed'] else ''}"
-        numbers = [_short(column[key]) for key in ("min", "max", "sampling_hz")]
+        unit, ends = _in_own_unit(column)
+        unit = f"{unit or '–'}{' (assumed)' if column['unit_assumed'] else ''}"
+        numbers = [_short(number) for number in (*ends, column["sampling_hz"])]
         quantity = "\n".join([column["quantity"], *([column["kind"]] if column["kind"] != "unknown" else [])])
         cells = (quantity, column["column"] or column["source"], unit, str(column["samples"]))
         table.add_row(*(Text(cell) for cell in (*cells, *numbers)))
@@ -176,8 +178,19 @@ def print_log(record: dict[str, Any]) -> None:
         console.print(Text(f"{'!' if message['level'] == 'warning' else '·'} {message['text']}"))
 
 
+def _in_own_unit(column: dict[str, Any]) -> tuple[str | None, tuple[float | None, float | None]]:
+    """Return the unit of a log's column, and in it the least and the greatest value; of a clock they are in seconds."""
+    own, of_record, ends = column["unit"], column["value_unit"], (column["min"], column["max"])
+    for kind in kinds_of(own or "") if of_record else ():
+        to, written = find_unit(own, kind), find_unit(of_record, kind)
+        if to is not None and written is not None and to.name != HHMMSS:
+            least, most = (None if end is None else to.from_si(written.to_si(end)) for end in ends)
+            return own, (least, most)
+    return (f"{of_record} ({own})" if of_record and own else own or of_record), ends
+
+
 def _short(value: float | None) -> str:
-    return "–" if value is None else f"{value:.4g}"
+    return "–" if value is None else f"{value + 0.0:.{4 if abs(value) < 1e4 else 9}g}"
 
 
 def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]], whole: Sequence[str] = ()) -> None:

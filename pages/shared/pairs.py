@@ -31,6 +31,7 @@ _HTML = st.components.v2.component(
 
 
 @st.fragment
+@show.faults()
 def section(diagnosis: Diagnosis, advised: Callable[[LandDiagnosis], str]) -> None:
     """Show the picture, the opened pair and the flagged pairs; opening one computes nothing else of the page again."""
     say = reader.say()

@@ -83,6 +83,7 @@ def section(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
 
 
 @st.fragment
+@show.faults()
 def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     """Show one condition in full; another one is chosen without computing the rest of the page again."""
     say = reader.say()

@@ -13,7 +13,7 @@ from atleak.job.repair_set import decided_repairs, with_repairs
 from atleak.repair import Basis, Goal, MoveKey, OfferedRepair, OfferedRepairs, Total, choose, ticked
 from atleak.views.repair_effect import effect_sentences, effect_table, offered_words
 from atleak.wording import Wording
-from pages.shared import address, fields, pairs, reader
+from pages.shared import address, fields, pairs, reader, show
 from pages.shared.cases import result_key
 from pages.shared.show import plain
 from pages.shared.state import job, job_generation, put_job, remember, session
@@ -51,6 +51,7 @@ def decided_totals(diagnosis: Diagnosis) -> tuple[Total, ...]:
 
 
 @st.fragment
+@show.faults()
 def draw(diagnosis: Diagnosis) -> None:
     """Draw the plan; a tick computes nothing else of the page again."""
     say, repairs = reader.say(), offered(diagnosis)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import base64
 import html
+import os
 import re
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+import traceback
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache, partial
 from typing import Any
 
@@ -17,6 +20,7 @@ import streamlit as st
 from plotly.basedatatypes import BaseFigure
 
 from atleak.diagnosis import Diagnosis
+from atleak.doors import unexpected
 from atleak.driven import NO_LEAKAGE
 from atleak.errors import AtleakError, Message
 from atleak.figures.figure import Figure
@@ -84,6 +88,21 @@ def refusal(what: str, refused: Refusal, kept: str) -> None:
     if len(problems) > SHOWN:
         lines.append(f"- {say('show.more', count=len(problems) - SHOWN)}")
     st.error("\n".join([f"{head} {plain(kept)}", "", *lines]))
+
+
+@contextmanager
+def faults() -> Iterator[None]:
+    """Show a fault of atleak as a message: what was drawn stays, files can be taken away, the server's log has more.
+
+    With ``ATLEAK_TRACEBACK`` in the environment it ends the page, as it ends a command.
+    """
+    try:
+        yield
+    except Exception as error:
+        if os.environ.get("ATLEAK_TRACEBACK"):
+            raise
+        traceback.print_exc()
+        st.error(plain(error if isinstance(error, AtleakError) else unexpected(error)))
 
 
 def error_line(error: AtleakError) -> str:

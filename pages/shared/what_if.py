@@ -61,6 +61,7 @@ _STUDY = (
 
 
 @st.fragment
+@show.faults()
 def draw(case: PageCase, diagnosis: Diagnosis) -> None:
     """Show the controls and what follows from them; a change runs this alone, as it touches nothing of the job."""
     settings = what_if_form.draw(case, diagnosis)

@@ -77,6 +77,7 @@ def started(folder: Path, home: Path, *options: str, port: int = 0) -> tuple[sub
     """Start a dashboard in a folder, for the user of a home; return its process and its address."""
     port = port or free_port()
     environment = {**os.environ, "ATLEAK_HOME": str(home), "NO_PROXY": "127.0.0.1"}
+    environment["ATLEAK_TRACEBACK"] = "1"  # a fault of a page is an exception there
     environment["STREAMLIT_SERVER_HEADLESS"] = "true"  # no window of its own
     command = [sys.executable, "-m", "atleak", "app", "--port", str(port), *options]
     with (folder / "server.log").open("ab") as log:

@@ -301,10 +301,13 @@ def _sheet_per_signal(job: Job, good: list[_SheetReading]) -> Understood:
             offered.setdefault(quantity, []).append(reading)
     stamps = []
     for quantity, sources in offered.items():
-        if len(sources) > 1:
+        asked = [question for question in main.ambiguous if question.quantity == quantity]
+        if len(sources) > 1 or asked:
             names = tuple(
                 f"{sheet.name}: {assigner.signals[quantity].candidate.label}" for sheet, assigner, _ in sources
             )
+            names = (*(name for question in asked for name in question.candidates), *names)
+            main.ambiguous = [question for question in main.ambiguous if question not in asked]
             main.ambiguous.append(Ambiguous(quantity, names, Sentence("several sheets hold it")))
             continue
         source = sources[0]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from atleak.errors import Message, RoadTestError
+from atleak.errors import Message, Place, RoadTestError
 from atleak.intake.road_test.channels import build
 from atleak.intake.road_test.channels.assign import Ambiguous, Assigner
 from atleak.intake.road_test.channels.protocol import TableResult
@@ -77,10 +77,13 @@ def finish(
 ) -> Understood:
     """Make the road test of signals and clock, with every message about it.
 
-    ``make`` gives the channels of a log that is not held in memory.
+    ``make`` gives the channels of a log that is not held in memory. A log that lasts for more than a year is none:
+    ``problem`` says so.
     """
     timeline = reading.timeline
     build.time_messages(assigner, timeline)
+    if timeline.duration > _YEAR:
+        return replace(blank, messages=tuple(assigner.messages), problem=_lasts_too_long(blank.file, reading))
     if "time" in constants and reading.clock.form != "counted":
         text = Sentence("the log has a clock, {column!r}: the stated interval is not used", column=reading.time_label)
         assigner.say("interval_not_used", text, "warning")
@@ -123,6 +126,19 @@ def finish(
         rows_left_out=reading.left_out,
         segments=timeline.segments if reading.file_segments is None else reading.file_segments,
     )
+
+
+_YEAR = 365 * 86400.0  # [s]
+
+
+def _lasts_too_long(file: str, reading: TableResult) -> RoadTestError:
+    problem = Sentence(
+        "by its clock, which leaps by {leap:.6g} s, the log lasts {years:.3g} years",
+        leap=max(reading.timeline.gaps, default=reading.timeline.duration),
+        years=reading.timeline.duration / _YEAR,
+    )
+    expected = Sentence("the stamps of one drive: where the clock was set while it recorded, the log cut there")
+    return RoadTestError(problem, place=Place(file=file, column=reading.time_label or None), expected=expected)
 
 
 def _ask_for_a_measured_pressure(assigner: Assigner) -> None:

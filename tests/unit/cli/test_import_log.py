@@ -43,3 +43,20 @@ def test_a_home_that_cannot_be_written_is_no_failure(
     assert status == 0
     assert "1201 rows" in out
     assert "not remembered" in err
+
+
+def test_the_table_shows_every_number_in_the_unit_beside_it(run: Run, tmp_path: Path) -> None:
+    log = tmp_path / "imperial.csv"
+    rows = "".join(f"{i * 500};{700 + i};{140 + i};{57 + i / 10};{i}\n" for i in range(40))
+    log.write_text("Time (ms);RPM (rpm);Trans Fluid Temp (F);Line Pressure (psi);Vehicle Speed (mph)\n" + rows)
+    _, out, _ = run("import-log", log)
+    cells = [[cell.strip() for cell in line.split("│")[1:-1]] for line in out.splitlines() if line.count("│") > 6]
+    shown = {row[0]: (row[2], row[4], row[5]) for row in cells if row[0]}
+    assert shown["time"] == ("ms", "0", "19500")
+    assert shown["atf_temperature"] == ("°F", "140", "179")
+    assert shown["main_pressure"] == ("psi", "57", "60.9")
+    assert shown["vehicle_speed"] == ("mph", "0", "39")
+    _, out, _ = run("import-log", log, "--json", "-")
+    record = {column["quantity"]: column["max"] for column in json.loads(out)["columns"]}
+    assert record["time"] == pytest.approx(19.5, rel=1e-9, abs=0.0)
+    assert record["atf_temperature"] == pytest.approx((179 - 32) / 1.8, rel=1e-9, abs=0.0)

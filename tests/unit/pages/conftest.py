@@ -44,6 +44,7 @@ def opened(folder: Path, page: str, language: str = "en") -> Iterator[AppTest]:
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(ROOT))
         patch.setenv("ATLEAK_HOME", str(folder / "home"))
+        patch.setenv("ATLEAK_TRACEBACK", "1")  # a fault of a page ends its test
         patch.setenv("ATLEAK_ALLOWED", "")  # as on one machine alone, wherever the tests are started
         main = folder / "main.py"
         main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")

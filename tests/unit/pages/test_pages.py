@@ -52,6 +52,31 @@ def test_every_page_runs_with_the_sample_and_with_nothing(app: AppTest, page: st
     assert not app.error or "not" in app.error[0].value
 
 
+@pytest.mark.parametrize(
+    ("page", "breaks"),
+    [
+        pytest.param("3_Road_test", "pages.shared.road.findings", marks=pytest.mark.page("1_Job")),
+        pytest.param("4_Diagnosis", "atleak.views.diagnosis_record.diagnosis_record", marks=pytest.mark.page("1_Job")),
+        pytest.param("5_What_if", "pages.shared.what_if_form.draw", marks=pytest.mark.page("1_Job")),
+        pytest.param("6_Report", "pages.shared.conditions.undecided", marks=pytest.mark.page("1_Job")),
+    ],
+)
+def test_a_fault_of_atleak_is_a_message_on_its_page(
+    app: AppTest, page: str, breaks: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fault(*_: object, **__: object) -> None:
+        raise ValueError("index values must not have NaT")
+
+    monkeypatch.delenv("ATLEAK_TRACEBACK")
+    monkeypatch.setattr(breaks, fault)
+    go(app, page)
+    assert not app.exception
+    assert app.error[-1].value.startswith("unexpected ValueError")
+    assert "index values must not have NaT. This is a fault of atleak" in app.error[-1].value
+    go(app, "1_Job")
+    assert not app.error
+
+
 def test_every_page_has_a_number_of_its_own() -> None:
     stems = [path.stem for path in (ROOT / "pages").glob("[0-9]*.py")]
     assert sorted(stems) == sorted(PAGES)

@@ -272,7 +272,8 @@ class Assigner:
             return None
         if candidate.quantity in self.units:
             return Signal(candidate, values, given(candidate.quantity, self.units[candidate.quantity]), time)
-        column_fit = fit(candidate.quantity, candidate.unit, values, self.neighbours)
+        commanded = candidate.mapped or candidate.kind == "commanded"
+        column_fit = fit(candidate.quantity, candidate.unit, values, self.neighbours, commanded=commanded)
         return Signal(candidate, values, column_fit, time)
 
     def _choose(self, quantity: str, fitting: list[Signal]) -> Signal | None:

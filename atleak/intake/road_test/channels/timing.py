@@ -50,7 +50,7 @@ def clock_of(
         return Clock(clocks.from_datetimes(cells), "clock", False, "date and time", date=first)
     if column.dtype.kind not in "fiub":
         probe = probe_of(column)
-        if holds_clock_strings(probe):
+        if holds_clock_strings(probe, candidate):
             return clocks.text_clock(column)
         if say_destroyed(candidate, probe, assigner):
             return None
@@ -71,9 +71,10 @@ def probe_of(column: pd.Series) -> list[str]:
     return [*texts.iloc[:200].tolist(), *texts.iloc[-50:].tolist()]
 
 
-def holds_clock_strings(probe: Sequence[str]) -> bool:
-    """Return whether most of some cells are readings of a clock."""
-    return sum(is_clock(text) for text in probe) > 0.5 * len(probe)
+def holds_clock_strings(probe: Sequence[str], candidate: Candidate) -> bool:
+    """Return whether most of some cells are readings of a clock, or hold one where the user names them as the time."""
+    reads = clocks.holds_a_time if candidate.mapped else is_clock
+    return sum(map(reads, probe)) > 0.5 * len(probe)
 
 
 def say_destroyed(candidate: Candidate, probe: Iterable[str], assigner: Assigner) -> bool:
@@ -215,15 +216,20 @@ def best_clock(
     """
     readable: list[tuple[Candidate, Clock]] = []
     for candidate in times:
+        said = len(assigner.messages)
         clock = read(candidate)
-        if clock is None:
-            continue
-        if runs(clock.seconds):
+        if clock is not None and runs(clock.seconds):
             readable.append((candidate, clock))
             if candidate.mapped:
                 break
-        elif _starts_again(clock.seconds):
+        elif clock is not None and _starts_again(clock.seconds):
             text = Sentence("{column!r} starts again every few rows", column=candidate.label)
+            assigner.say("column_refused", text, "warning", candidate.label)
+        elif candidate.mapped and len(assigner.messages) == said:
+            cell = next(
+                (row[candidate.heading.index] for row in table.sample if candidate.heading.index < len(row)), ""
+            )
+            text = Sentence("{column!r} tells no time that runs on ({found})", column=candidate.label, found=cell)
             assigner.say("column_refused", text, "warning", candidate.label)
     if not readable:
         return "", _counted(table, assigner, counted)

@@ -13,10 +13,12 @@ import pandas as pd
 from atleak.columns import Column, percentiles_of, spans
 from atleak.intake.dates import day_number, half_day, likely_order, sure_date
 from atleak.intake.road_test.blocks import blocks_of, turned
-from atleak.intake.units import Unit, find_unit
+from atleak.intake.road_test.clock.timeline import strays_of
+from atleak.intake.units import HHMMSS, Unit, find_unit
 from atleak.sentence import Sentence
 
 DAY = 86400.0
+YEAR = 365 * DAY
 _PART = 200_000  # samples that show what a clock counts
 _FIRST_EXCEL_DAY = dt.date(1899, 12, 30)
 
@@ -60,7 +62,6 @@ class Motion:
 class _Finite:
     """What of a column's finite numbers decides what they count."""
 
-    first: float
     middle: float
     part: np.ndarray  # the first of them
     column: Column
@@ -69,7 +70,7 @@ class _Finite:
     def of(cls, values: Column, whole: bool) -> _Finite | None:
         """Look through a column; None where no number is finite. ``whole``: that all are is known."""
         if whole and len(values):
-            return cls(float(values[0]), float(np.median(_sample(values))), values[:_PART], values)
+            return cls(float(np.median(_sample(values))), values[:_PART], values)
         if isinstance(values, np.ndarray):
             finite = values[np.isfinite(values)]
             return cls.of(finite, True) if len(finite) else None
@@ -87,7 +88,7 @@ class _Finite:
             good = block[np.isfinite(block)]
             sample.append(good[-seen % stride :: stride])
             seen += len(good)
-        return cls(float(first[0]), float(np.median(np.concatenate(sample))), first, values)
+        return cls(float(np.median(np.concatenate(sample))), first, values)
 
     def all_whole(self) -> bool:
         """Return whether every number is a whole one."""
@@ -115,16 +116,21 @@ class NumericForm:
     date: dt.date | None = None
 
     def seconds(self, values: np.ndarray, runs: Running) -> np.ndarray:
-        """Convert the next numbers; ``runs`` carries on from those before them."""
-        if self.form.startswith("epoch"):
-            # an epoch in double precision is good for a microsecond; one of zero: the clock was not set yet
-            seconds = np.round((values - (self.start or 0.0)) * self.factor, 6)
-            return np.where(values > 0, seconds, np.nan)
-        if self.form == _EXCEL:
-            return np.round((values - (self.start or 0.0)) * DAY, 6)
+        """Convert the next numbers, NaN where they are no stamps; ``runs`` carries on from those before them."""
+        if self.as_is:
+            return values
         if self.form == _DIGITS:
             return runs.on(_seconds_of_digits(values))
-        return values if self.factor == 1.0 else values * self.factor
+        with np.errstate(over="ignore"):
+            if self.form == _EXCEL:
+                seconds = np.round((values - (self.start or 0.0)) * DAY, 6)
+            elif self.form.startswith("epoch"):
+                # an epoch in double precision is good for a microsecond; far from the others: the clock was not set yet
+                seconds = np.round((values - (self.start or 0.0)) * self.factor, 6)
+                return np.where(np.abs(seconds) < YEAR, seconds, np.nan)
+            else:
+                seconds = values * self.factor
+        return np.where(np.isinf(seconds), np.nan, seconds)
 
     def clock(self, seconds: Column) -> Clock:
         """Return the clock of these seconds."""
@@ -168,20 +174,26 @@ def numeric_form(values: Column, unit: str | None, motions: Sequence[Motion] = (
     if known is None and epoch:
         known = find_unit(epoch, "time")
         assert known is not None
-        return _epoch_form(values, known)
-    if known is None and _excel_days(finite.part):
-        day = _FIRST_EXCEL_DAY + dt.timedelta(int(finite.first))
-        return NumericForm("d", False, _EXCEL, DAY, finite.first, True, day)
+        return _epoch_form(values, known, finite.middle)
+    if known is not None and known.name == HHMMSS:
+        return NumericForm("clock", False, _DIGITS)
     if known is not None:
-        return _epoch_form(values, known) if epoch else NumericForm(known.name, factor=known.factor)
-    if _digits_of_a_clock(finite.part):
+        return _epoch_form(values, known, finite.middle) if epoch else NumericForm(known.name, factor=known.factor)
+    part = finite.part[~strays_of(finite.part)]
+    if _excel_days(part):
+        start = float(part[0])
+        return NumericForm("d", False, _EXCEL, DAY, start, True, _FIRST_EXCEL_DAY + dt.timedelta(int(start)))
+    minutes, leaps = _minutes_of_digits(part)
+    if minutes:
         return NumericForm("clock", False, _DIGITS)
     name, sure = _guess(finite, values, motions)
-    return NumericForm(name, not sure, factor={"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name])
+    return NumericForm(name, not sure or leaps > 0, factor={"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name])
 
 
-def _epoch_form(values: Column, unit: Unit) -> NumericForm:
-    begun = (block[np.isfinite(block) & (block > 0)] for block in blocks_of(values))
+def _epoch_form(values: Column, unit: Unit, middle: float) -> NumericForm:
+    """Return how an epoch is read: from the first stamp that lies within a year of the middle one."""
+    near = YEAR / unit.factor
+    begun = (block[np.abs(block - middle) < near] for block in blocks_of(values))
     start = next((float(block[0]) for block in begun if len(block)), 0.0)
     day = dt.date(1970, 1, 1) + dt.timedelta(seconds=start * unit.factor) if start else None
     return NumericForm(unit.name, False, f"epoch {unit.name}", unit.factor, start, True, day)
@@ -195,25 +207,31 @@ def _epoch(value: float) -> str | None:
 
 
 def _seconds_of_digits(values: np.ndarray) -> np.ndarray:
-    """Return the seconds since midnight of numbers whose digits are those of a clock: 100059.5 is 10:00:59.5."""
+    """Return the seconds since midnight of numbers whose digits are a clock's, 100059.5 being 10:00:59.5; else NaN."""
     minutes, hours = values // 100 % 100, values // 10_000
-    return hours * 3600 + minutes * 60 + np.round(values % 100, 6)
+    good = (hours >= 0) & (hours < 24) & (minutes < 60) & (values % 100 < 60)
+    return np.where(good, hours * 3600 + minutes * 60 + np.round(values % 100, 6), np.nan)
 
 
-def _digits_of_a_clock(values: np.ndarray) -> bool:
-    """Return whether numbers are the digits HHMMSS of a clock: none has 60 seconds or minutes, and they leap there."""
-    if len(values) < 3 or values.min() < 0 or values.max() >= 240_000 or (values % 100 >= 60).any():
-        return False
-    if (values // 100 % 100 >= 60).any():
-        return False
-    steps, true = np.diff(values), np.diff(_seconds_of_digits(values))
-    true = np.where(true < -DAY / 2, true + DAY, true)  # past midnight
+def _minutes_of_digits(values: np.ndarray) -> tuple[int, int]:
+    """Return how often a minute begins in numbers that may be the digits HHMMSS of a clock, and how often they leap.
+
+    They may be where none has 60 seconds or minutes, but for one that is far from both its neighbours. Where the digits
+    leap, and the time they tell goes on as usual, a minute begins: seconds with pauses do not go on so.
+    """
+    if len(values) < 3:
+        return 0, 0
+    steps, told = np.diff(values), _seconds_of_digits(values)
     usual = float(np.median(steps))
+    far = np.abs(steps) > 3 * usual
+    lone = np.append(far, True) & np.append(True, far)
+    if not 0 < usual < 30 or (np.isnan(told) & ~lone).any():
+        return 0, 0
+    known = np.isfinite(told)
+    steps, true = np.diff(values[known]), np.diff(told[known])
+    true = np.where(true < -DAY / 2, true + DAY, true)  # past midnight
     leaps = np.abs(steps - true) > 1
-    if not 0 < usual < 30 or not leaps.any():
-        return False
-    # where the number leaps, the clock goes on as usual: a recording with gaps does not
-    return bool(np.mean((true[leaps] >= 0) & (true[leaps] <= 3 * usual)) > 0.7)
+    return int(np.count_nonzero(leaps & (true >= 0) & (true <= 3 * usual))), int(np.count_nonzero(leaps))
 
 
 _LONGEST_STEP_IN_DAYS = 60 / DAY
@@ -258,6 +276,15 @@ def _guess(finite: _Finite, values: Column, motions: Sequence[Motion]) -> tuple[
 
 _TIME_OF_DAY = re.compile(r"(?<![\d.,])(\d{1,4}):(\d{1,6}):(\d{1,2})(?:[.,:](\d{1,9}))?")
 _SHORT = re.compile(r"(?<![\d.,:])(\d{1,3}):(\d{2})(?:[.,](\d{1,6}))?(?![\d:])")
+
+
+def holds_a_time(text: str) -> bool:
+    """Return whether a time of day stands anywhere in a cell.
+
+    >>> holds_a_time("@Wed May  2 10:24:10 2018"), holds_a_time("1:3")
+    (True, False)
+    """
+    return _TIME_OF_DAY.search(text) is not None or _SHORT.search(text) is not None
 
 
 @dataclass
@@ -327,8 +354,8 @@ class _KindOfClock:
     """What is known of the cells with so many parts."""
 
     cells: int = 0
-    minor: int = 0  # the largest
-    late: bool = False  # whether one has 61 seconds and more
+    hours_of_minutes: int = 0  # cells with 60 minutes and more
+    late: int = 0  # cells with 61 seconds and more
     no_minute: bool = False  # whether one has 60 seconds
     fractions: int = 0  # cells with a fraction
     dates: set[int] = field(default_factory=set)  # numbers of the texts beside them
@@ -338,8 +365,8 @@ class _KindOfClock:
             return
         seconds = read.seconds[good]
         self.cells += len(seconds)
-        self.minor = max(self.minor, int(read.minor[good].max()))
-        self.late = self.late or bool((seconds >= 61).any())
+        self.hours_of_minutes += int(np.count_nonzero(read.minor[good] > 59))
+        self.late += int(np.count_nonzero(seconds >= 61))
         self.no_minute = self.no_minute or bool((seconds > 59.9999999).any())
         self.fractions += int(np.count_nonzero(read.fraction[good]))
         self.dates |= set(np.flatnonzero(np.bincount(read.dates[good])).tolist())
@@ -366,7 +393,10 @@ class TextForm:
             major = np.where(noon >= 0, major % 12 + np.maximum(noon, 0), major)
         hours, minutes, rest = self.weights
         seconds = major * hours + read.minor * minutes + read.seconds * rest
-        seconds = np.where(read.parts == self.parts, seconds, np.nan)
+        good = read.parts == self.parts
+        if self.parts == 3:
+            good = good & (read.seconds < 61) & ((read.minor < 60) | (hours == 0.0))
+        seconds = np.where(good, seconds, np.nan)
         if self.days is not None:
             seconds = seconds + self.days[read.dates]
         return runs.on(seconds)
@@ -376,10 +406,13 @@ class TextForm:
         return Clock(seconds, "clock", False, self.form, self.notes, self.days is not None, self.date)
 
 
+_DAMAGED = 1  # cells that cannot be a clock's: of more the column is of another form
+
+
 def _three_parts(kind: _KindOfClock, days: list[int | None] | None, halves: list[str | None]) -> TextForm | None:
-    if kind.late:
+    if kind.late > _DAMAGED:
         return None
-    if kind.minor > 59:
+    if kind.hours_of_minutes > _DAMAGED:
         return TextForm(3, (0.0, 60.0, 1.0), "hours : total minutes : seconds")
     noon = _noon(halves)
     if days is not None:
@@ -424,6 +457,7 @@ class Running:
     period: float | None = None
     _first: float | None = None
     _last: float = np.nan
+    _turn: int = 0  # of the last stamp: 1 where it fell by more than half a period, -1 where it rose so
     _falls: int = 0
 
     def on(self, seconds: np.ndarray) -> np.ndarray:
@@ -433,8 +467,12 @@ class Running:
             return seconds
         values = seconds[good]
         if self.period is not None:
-            falls = self._falls + np.cumsum(np.diff(values, prepend=self._last) < -self.period / 2)
-            self._last, self._falls = float(values[-1]), int(falls[-1])
+            steps = np.diff(values, prepend=self._last)
+            turns = (steps < -self.period / 2).astype(int) - (steps > self.period / 2)
+            # a single stamp that falls or rises so, and the one behind it goes back: neither begins a period
+            before = np.append(self._turn, turns[:-1])
+            falls = self._falls + np.cumsum(np.where(turns * before < 0, np.minimum(turns, 0), np.maximum(turns, 0)))
+            self._last, self._turn, self._falls = float(values[-1]), int(turns[-1]), int(falls[-1])
             values = values + falls * self.period
         if self._first is None:
             self._first = float(values[0])
@@ -545,8 +583,10 @@ def _read_alike(read: ClockParts, table: np.ndarray, rows: np.ndarray, length: i
     read.major[target] = number(1)
     read.minor[target] = number(2)
     last = parts if parts == 3 else 2
-    fraction = match[last + 1]
-    tail = number(last + 1) / 10.0 ** len(fraction) if fraction else 0.0
+    fraction, tail = match[last + 1], np.zeros(1)
+    if fraction:  # a fourth number behind a colon counts milliseconds: 10:00:01:3 is 3 ms past 10:00:01
+        counts_ms = line[match.start(last + 1) - 1] == ":" and len(fraction) <= 3
+        tail = number(last + 1) / (1000.0 if counts_ms else 10.0 ** len(fraction))
     read.seconds[target] = number(last) + tail
     read.fraction[target] = bool(fraction)
     # the rest of the string is the date: it changes seldom, so only its changes are looked at

@@ -64,11 +64,11 @@ def gap_limit_of(time: Column) -> float:
 def build(seconds: np.ndarray) -> Timeline:
     """Build time base and segments from stamps in file order.
 
-    Unreadable stamps and a single stale or stray stamp are left out; stamps slightly out of order are sorted;
-    a backward jump means that the clock was restarted: the later stretch is placed behind the earlier one.
+    Unreadable stamps and a single stale or stray stamp, at either end too, are left out; stamps slightly out of order
+    are sorted; a backward jump means that the clock was restarted: the later stretch is placed behind the earlier one.
     """
     ends = ends_of_steps(seconds)
-    if ends is not None and ends[0] >= 0:
+    if ends is not None and ends[0] >= 0 and not an_end_is_far(seconds):
         return _finish(seconds, None, longest=ends[1])
     usable = np.flatnonzero(np.isfinite(seconds))
     unreadable = len(seconds) - len(usable)
@@ -87,19 +87,40 @@ def build(seconds: np.ndarray) -> Timeline:
 
 
 def _without_strays(seconds: np.ndarray, usable: np.ndarray) -> tuple[np.ndarray, int]:
-    stamps = seconds[usable]
-    if len(stamps) < 4:
-        return usable, 0
-    steps = np.diff(stamps)
-    onward = steps[steps > 0]
-    stray = strays_among(stamps, float(np.median(onward)) if len(onward) else 0.0)
-    stray[0] = first_is_stray(stamps)
+    stray = strays_of(seconds[usable])
     return usable[~stray], int(stray.sum())
 
 
-def first_is_stray(stamps: np.ndarray) -> bool:
-    """Return whether the first stamp is left over from an earlier recording."""
-    return bool(stamps[1] < stamps[0] and stamps[2] >= stamps[1])
+def strays_of(stamps: np.ndarray) -> np.ndarray:
+    """Return which stamps, in file order, are stray."""
+    if len(stamps) < 4:
+        return np.zeros(len(stamps), bool)
+    steps = np.diff(stamps)
+    onward = steps[steps > 0]
+    median = float(np.median(onward)) if len(onward) else 0.0
+    stray = strays_among(stamps, median)
+    stray[0], stray[-1] = stray_ends(stamps[:4], stamps[-4:], median)
+    return stray
+
+
+def an_end_is_far(stamps: Column) -> bool:
+    """Return whether the first or the last stamp is farther from its neighbour than all others are from each other."""
+    if len(stamps) < 4:
+        return False
+    (first, second), (last_but_one, last) = stamps[:2], stamps[-2:]
+    return bool(max(second - first, last - last_but_one) > last_but_one - second)
+
+
+def stray_ends(head: np.ndarray, tail: np.ndarray, median: float) -> tuple[bool, bool]:
+    """Return whether the first and the last stamp are stray, by the four at either end and the usual step.
+
+    A first one is left over from an earlier recording where the second is earlier; either is stray that is farther from
+    its neighbour than all others are from each other, and a last one to which the clock falls back.
+    """
+    head, tail = (each[~strays_among(each, median)] for each in (head, tail))
+    far = max(float(tail[-2] - head[1]), 20 * median)
+    left_over = len(head) > 2 and bool(head[1] <= head[2] < head[0])
+    return left_over or bool(head[1] - head[0] > far), bool(not -10 * median <= tail[-1] - tail[-2] <= far)
 
 
 def strays_among(stamps: np.ndarray, median: float) -> np.ndarray:
@@ -133,10 +154,12 @@ def _in_order(
 
 
 def restarts(stamps: Column, falls: np.ndarray, median: float) -> list[int]:
-    """Return the places at which the clock begins anew, of those behind which it falls."""
+    """Return the places at which the clock begins anew, of those behind which it falls and does not go back at once."""
     starts, begin = [], 0
     for fall in falls.tolist():
-        before, landing = stamps[fall], stamps[fall + 1]
+        before, landing, *behind = stamps[fall : fall + 3]
+        if behind and behind[0] >= before:
+            continue
         if before - landing > 10 * median or landing <= stamps[begin] + 0.5 * median:
             begin = fall + 1
             starts.append(begin)

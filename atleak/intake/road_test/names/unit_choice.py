@@ -41,7 +41,8 @@ class Fit:
         if self.unit is None or (self.unit.factor == 1.0 and not self.unit.offset):
             result = values
         else:
-            result = self.unit.to_si(values)
+            with np.errstate(over="ignore"):
+                result = self.unit.to_si(values)
         return result - ATMOSPHERE if self.absolute else result
 
 
@@ -85,10 +86,13 @@ def given(quantity: str, name: str) -> Fit:
     return Fit(unit(base, kind), absolute=absolute)
 
 
-def fit(quantity: str, stated: str | None, values: Column, neighbours: Iterable[str] = ()) -> Fit:
+def fit(
+    quantity: str, stated: str | None, values: Column, neighbours: Iterable[str] = (), *, commanded: bool = False
+) -> Fit:
     """Determine the unit of a column from what the file states, else from its values.
 
     ``neighbours`` are the units stated elsewhere in the file: a log in °F and mph is likely to be so throughout.
+    ``commanded``: it is known to be a command, which alone of a state may be a pressure.
     """
     kind = QUANTITIES[quantity].unit_kind
     part = values[:: max(1, len(values) // 20_000)]
@@ -96,7 +100,7 @@ def fit(quantity: str, stated: str | None, values: Column, neighbours: Iterable[
     if not len(good):
         good = finite_of(values)
     if kind is None:
-        return _number(quantity, stated, good)
+        return _number(quantity, stated, good, commanded)
     text = clean_unit(stated or "")
     base, absolute = split_absolute(stated or "") if kind == "pressure" else (text, False)
     if absolute:
@@ -124,21 +128,23 @@ def _meaning(text: str) -> Sentence:
     return meaning or Sentence("something else")
 
 
-def _number(quantity: str, stated: str | None, good: np.ndarray) -> Fit:
+def _number(quantity: str, stated: str | None, good: np.ndarray, commanded: bool) -> Fit:
     text = clean_unit(stated or "")
-    if quantity == "lock_up":
-        for kind in ("pressure", "ratio"):
-            stated_unit = find_unit(text, kind) if text else None
-            if stated_unit is not None:
+    kinds = kinds_of(text) if text.lower() not in _SAYS_NOTHING | {"text", "gears"} else []
+    if quantity == "lock_up" and text:
+        # a solenoid is commanded a pressure or a duty; that in the clutch's circuit says nothing of what is commanded
+        for kind in ("pressure", "ratio") if commanded else ("ratio",):
+            if (stated_unit := find_unit(text, kind)) is not None:
                 return Fit(stated_unit)
-        return Fit(None)
     if quantity == "gear" and len(good):
         inside = np.mean((good >= -3) & (good <= 12) & (good == np.round(good)))
         # a sentinel among gears is fine, ratios and speeds are not gears
         if inside < 0.9:
             return Fit(None, problem=Sentence("its values are no gear numbers"))
-        if text and text.lower() not in _SAYS_NOTHING | {"text", "gears"} and kinds_of(text):
-            return Fit(None, problem=Sentence("unit {unit!r} does not belong to a gear", unit=text))
+    if kinds and (quantity == "gear" or kinds != ["ratio"]):
+        label = QUANTITIES[quantity].label
+        problem = Sentence("unit {unit!r} does not belong to {quantity}", unit=text, quantity=label)
+        return Fit(None, problem=problem, foreign=True)
     return Fit(None)
 
 

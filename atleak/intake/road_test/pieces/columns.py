@@ -110,7 +110,7 @@ class TimeColumn:
             self._kind = "stamps"
         elif cells.dtype.kind not in "fiub":
             self._probe = probe_of(cells)
-            self._kind = "strings" if holds_clock_strings(self._probe) else "numbers"
+            self._kind = "strings" if holds_clock_strings(self._probe, self.candidate) else "numbers"
         else:
             self._kind = "numbers"
         self._column = self._spool.column(_CLOCK_PARTS if self._kind == "strings" else np.float64)

@@ -13,9 +13,10 @@ from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.blocks import ends_of_steps, steps_over
 from atleak.intake.road_test.clock.timeline import (
     Timeline,
-    first_is_stray,
+    an_end_is_far,
     gap_limit_of,
     restarts,
+    stray_ends,
     strays_among,
 )
 from atleak.intake.road_test.pieces.spool import Spool
@@ -80,7 +81,7 @@ def build(seconds: DiskColumn, spool: Spool) -> LargeTimeline:
         where rows are out of turn by the million.
     """
     ends = ends_of_steps(seconds)
-    if ends is not None and ends[0] >= 0:
+    if ends is not None and ends[0] >= 0 and not an_end_is_far(seconds):
         return _finished(seconds, None, longest=ends[1])
     stamps, rows = _readable(seconds, spool)
     unreadable, readable = len(seconds) - len(stamps), len(stamps)
@@ -111,12 +112,15 @@ def _without_strays(stamps: DiskColumn, rows: DiskColumn, spool: Spool) -> tuple
     if len(stamps) < 4:
         return stamps, rows
     kept, numbers, median = spool.column(), spool.column(np.int64), _usual(stamps)
+    first_is_stray, last_is_stray = stray_ends(stamps[:4], stamps[-4:], median)
     for start, stop in spans(len(stamps), PIECE):
         low = max(start - 1, 0)
         around = stamps[low : stop + 1]
         stray = strays_among(around, median) if len(around) > 2 else np.zeros(len(around), bool)
         if not start:
-            stray[0] = first_is_stray(stamps[:3])
+            stray[0] = first_is_stray
+        if stop == len(stamps):
+            stray[-1] = last_is_stray
         here = slice(start - low, stop - low)
         kept.append(around[here][~stray[here]])
         numbers.append(rows[start:stop][~stray[here]])

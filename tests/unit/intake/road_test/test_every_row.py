@@ -124,3 +124,75 @@ def test_rows_read_and_rows_left_out_are_the_rows_in_the_file(odd: list[tuple[in
         assert {message.code for message in understood.messages} & {
             "lines_left_out", "rows_too_wide", "blank_rows", "table_above",
         }  # fmt: skip
+
+
+# --- one damaged row --------------------------------------------------------------------------------------------
+
+BEGIN = 71_941.0  # [s] of the day: a minute ends in the log
+
+
+def of_day(seconds: float) -> str:
+    clock = BEGIN + seconds
+    return f"{int(clock // 3600) % 24:02d}:{int(clock % 3600 // 60):02d}:{clock % 60:05.2f}"
+
+
+CLOCK_FORMS = {
+    "seconds": ("Time (s)", lambda t: f"{t:.2f}"),
+    "milliseconds": ("Time (ms)", lambda t: f"{t * 1e3:.0f}"),
+    "no unit": ("Time", lambda t: f"{t:.2f}"),
+    "epoch": ("timestamp", lambda t: f"{1.7e12 + t * 1e3:.0f}"),
+    "days": ("Time", lambda t: f"{45000.4 + t / 86400:.9f}"),
+    "digits": ("Time", lambda t: of_day(t).replace(":", "")),
+    "time of day": ("Time", of_day),
+    "date and time": ("Time", lambda t: f"2024-05-02 {of_day(t)}"),
+}
+DAMAGE = ["1e17", "1e9", "-1e17", "2e306", "0", "", "abc", "-5000", "-1", "0.5", "99999", "1700000000000000",
+          "25:61:61", "00:00:00", "23:59:59", "1970-01-01 00:00:00", "65535", "-40"]  # fmt: skip
+ROWS = 80
+
+
+def stamps_of(data: list[list[str]], heading: str) -> dict[tuple[str, int], float]:
+    """When every value of engine speed [rpm] and pressure [kPa] was read; each stands in one row alone."""
+    text = "\n".join([f"{heading};RPM (rpm);Line Pressure (kPa)", *(";".join(row) for row in data), ""])
+    test = understand(text.encode(), name="log.csv").road_test
+    assert test is not None
+    assert test.duration <= ROWS
+    found = {}
+    for name, factor in (("engine_speed", 60), ("main_pressure", 1e-3)):
+        channel = test.channels[name]
+        good = ~channel.suspect
+        found |= {(name, round(v)): t for v, t in zip(channel.values[good] * factor, channel.time[good], strict=True)}
+    return found
+
+
+@given(st.sampled_from(list(CLOCK_FORMS)), st.sampled_from([0, 1, 2, 38, 39, ROWS - 3, ROWS - 2, ROWS - 1]),
+       st.integers(0, 2), st.sampled_from(DAMAGE))  # fmt: skip
+@example("seconds", ROWS - 1, 0, "1e17")
+@example("seconds", 1, 0, "-1")
+@example("milliseconds", 2, 0, "0")
+@example("days", 0, 0, "2e306")
+@example("digits", 38, 0, "1e17")
+@example("digits", 0, 0, "99999")
+@example("time of day", 38, 0, "00:00:00")
+@example("date and time", ROWS - 1, 0, "1970-01-01 00:00:00")
+@example("time of day", 39, 0, "25:61:61")
+def test_with_one_damaged_row_the_other_rows_stay(form: str, at: int, column: int, cell: str) -> None:
+    heading, written = CLOCK_FORMS[form]
+    data = [[written(row / 2), f"{800 + row}", f"{500 + 3 * row}"] for row in range(ROWS)]
+    sound = stamps_of(data, heading)
+    data[at][column] = cell
+    damaged = stamps_of(data, heading)
+    others = sound.keys() - {("engine_speed", 800 + at), ("main_pressure", 500 + 3 * at)}
+    assert others <= damaged.keys()
+    moved = [damaged[key] - sound[key] for key in others]  # all alike: the first row may be the one that is left out
+    assert moved == pytest.approx([moved[0]] * len(moved), abs=1e-5, rel=0.0)
+
+
+@pytest.mark.parametrize(("later", "leap"), [(1e9, "1e+09"), (1.7e15, "1.7e+12")])
+def test_a_clock_that_is_set_while_it_records_is_refused(later: float, leap: str) -> None:
+    unit, step = ("s", 1.0) if later < 1e12 else ("ms", 1000.0)
+    stamps = [*(row * step for row in range(40)), *(later + row * step for row in range(40))]
+    text = "".join(f"{stamp:.0f};{800 + row};80;\n" for row, stamp in enumerate(stamps))
+    with pytest.raises(RoadTestError, match=r"column Time.* years; expected the stamps of one drive") as raised:
+        read_road_test(f"Time ({unit});RPM (rpm);ATF Temp (C);Note\n{text}".encode(), name="log.csv")
+    assert f"leaps by {leap} s" in str(raised.value)

@@ -27,6 +27,7 @@ from atleak.intake.road_test import (
     tidy_csv,
     understand,
 )
+from atleak.job.case import Case, SourceFile
 from atleak.wording import wording
 
 FIXTURES = Path(__file__).parent / "road_test_fixtures"
@@ -211,6 +212,24 @@ def test_workbook_with_a_sheet_per_signal() -> None:
     assert set(test.channels) == {"engine_speed", "vehicle_speed"}
     assert test.channels["vehicle_speed"].sampling_hz == pytest.approx(4.0, rel=1e-9, abs=0.0)
     assert test.channels["engine_speed"].samples == 20
+
+
+def test_a_quantity_that_one_sheet_asks_about_is_taken_from_no_other() -> None:
+    pressure, speed = "Line Pressure [psi]", "Engine Speed [rpm]"
+    first = [
+        ["t [ms]", pressure, "t [ms]", pressure],
+        *([i, 90 + i % 7, i + 50, 91 + i % 5] for i in range(0, 6000, 100)),
+    ]
+    second = [
+        ["t [ms]", speed, "t [ms]", speed, pressure],
+        *([i, 900 + i, i + 50, 9 + i, 92] for i in range(0, 6000, 100)),
+    ]
+    found = understand(workbook({"S1": first, "S2": second}))
+    asked = {question.quantity: question.candidates for question in found.ambiguous}
+    assert asked["main_pressure"] == (f"{pressure} (column 2)", f"{pressure} (column 4)", f"S2: {pressure}")
+    assert "main_pressure" in found.road_test.refused
+    with pytest.raises(RoadTestError, match="several sheets hold it"):
+        Case(road_test=SourceFile("log.xlsx", workbook({"S1": first, "S2": second}))).diagnose()
 
 
 def test_workbook_with_text_numbers_and_times() -> None:

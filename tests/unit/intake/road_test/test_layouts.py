@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import io
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ from atleak.intake.road_test import Understood, describe, log_columns, read_road
 from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.clock.clocks import numeric_clock
 from atleak.intake.road_test.files.cells import unit_in_cells
+from atleak.road_test import QUANTITIES
 
 
 def understood(text: str | bytes, **choices: Any) -> Understood:
@@ -134,6 +137,45 @@ def test_the_digits_of_a_clock_go_on_past_midnight() -> None:
     stamps = [(86_370.0 + i) % 86_400 for i in range(100)]
     digits = np.array([10_000 * (t // 3600) + 100 * (t % 3600 // 60) + t % 60 for t in stamps])
     assert numeric_clock(digits, None).seconds == pytest.approx(np.arange(100.0), rel=1e-9, abs=1e-9)
+
+
+def digits(stamps: Iterable[float]) -> list[float]:
+    return [10_000 * (t // 3600) + 100 * (t % 3600 // 60) + t % 60 for t in stamps]
+
+
+def test_the_digits_of_a_clock_are_known_whatever_the_pauses() -> None:
+    stamps = np.array([t for t in 36_041 + 0.5 * np.arange(460) if not (36_095 < t < 36_130 or 36_215 < t < 36_250)])
+    clock = numeric_clock(np.array(digits(stamps)), None)
+    assert (clock.form, clock.unit_assumed) == ("time of day, HHMMSS", False)
+    assert clock.seconds == pytest.approx(stamps - stamps[0], rel=1e-9, abs=1e-9)
+
+
+def test_digits_of_which_no_minute_begins_while_recording_are_assumed_to_be_seconds_and_can_be_named() -> None:
+    stamps = np.r_[36_001:36_040, 36_125:36_170].astype(float)
+    rows = "".join(f"{value:.0f};{800 + row}\n" for row, value in enumerate(digits(stamps)))
+    asked, named = (understood(f"Time;RPM (rpm)\n{rows}", units=units) for units in ({}, {"time": "HHMMSS"}))
+    assert (asked.time_unit, asked.time_assumed) == ("s", True)
+    assert (named.time_unit, named.time_assumed) == ("clock", False)
+    assert named.road_test.time == pytest.approx(stamps - stamps[0], rel=1e-9, abs=1e-9)
+    stated = understood(f"Time [HHMMSS.ss];RPM (rpm)\n{rows}")
+    assert (stated.time_unit, stated.road_test.duration) == ("clock", pytest.approx(168.0, rel=1e-9, abs=0.0))
+
+
+def test_a_fourth_number_of_a_clock_counts_milliseconds() -> None:
+    stamps = [0, 157, 300, 945, 998, 1003, 1008, 1050, 2100, 3001]
+    rows = [f"10:{ms // 60_000:02d}:{ms // 1000 % 60:02d}:{ms % 1000};{800 + i}" for i, ms in enumerate(stamps)]
+    found = understood("Time;RPM (rpm)\n" + "\n".join(rows) + "\n")
+    assert found.road_test.time == pytest.approx(np.array(stamps) / 1000, rel=1e-9, abs=1e-9)
+    assert "reordered" not in {message.code for message in found.messages}
+
+
+def test_a_column_that_is_named_as_the_time_is_read_wherever_a_time_stands_in_its_cells() -> None:
+    rows = "".join(f"@Wed May  2 10:24:{row:02d} 2018,{800 + row},85\n" for row in range(40))
+    mapping = {"time": "column 1", "engine_speed": "column 2"}
+    found = understood(rows, mapping=mapping).road_test
+    assert (found.duration, found.date) == (pytest.approx(39.0, rel=1e-9, abs=0.0), dt.date(2018, 5, 2))
+    why = understood(rows, mapping={**mapping, "time": "column 3"}).problem
+    assert "'column 3' tells no time that runs on (85)" in str(why)
 
 
 @pytest.mark.parametrize("values", [np.arange(0, 90.0), np.r_[0:50, 110:150].astype(float), np.arange(0, 5000.0, 100)])
@@ -385,3 +427,29 @@ def test_a_few_equal_samples_off_all_others_are_a_spike() -> None:
 def test_what_is_no_log_is_named(name: str, data: bytes, said: str) -> None:
     with pytest.raises(RoadTestError, match=said):
         read_road_test(data, name=name)
+
+
+# --- what is a state, and what a pressure -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("column", "quantity", "taken"),
+    [
+        ("TCC Pressure (psi)", "lock_up", False),
+        ("TCC (psi)", "lock_up", False),
+        ("Lock Up [bar]", "lock_up", False),
+        ("Torque Converter Clutch (kPa)", "lock_up", False),
+        ("Gear Selector (kPa)", "selector", False),
+        ("Gear (bar)", "gear", False),
+        ("TCC (%)", "lock_up", True),
+        ("TCC Status", "lock_up", True),
+        ("L/U Solenoid Valve Pressure (kPa)", "lock_up", True),
+    ],
+)
+def test_a_pressure_is_no_state_but_where_a_solenoid_is_commanded_one(column: str, quantity: str, taken: bool) -> None:
+    rows = "".join(f"{i / 10};{800 + i};{i % 4}\n" for i in range(60))
+    found = understood(f"Time (s);RPM (rpm);{column}\n{rows}")
+    assert (quantity in found.road_test.channels) == taken
+    if taken or "Pressure" in column:
+        return
+    assert f"does not belong to {QUANTITIES[quantity].label}" in found.road_test.refused[quantity]

@@ -40,21 +40,21 @@ SEEN = {
     ],
     "output_speed": ["tailshaft_rpm", "Driveshaft RPM", "Trans Output Shaft RPM", "TCM.TOSS", "TCM.OSS", "ECM.TOS", "OSS"],
     "atf_temperature": [
-        "ATF Temperature (C)", "Trans Temp (°F)", "transf", "Transmission Temperature(Method 1)(°C)", "Transmission Temperature(Method 2)(°C)", "TFT", "Transmission fluid temp", "Trans Fluid Temp",
+        "ATF Temperature (C)", "Trans Temp (°F)", "transf", "Transmission Temperature(Method 1)(°C)", "Transmission Temperature(Method 2)(°C)", "TFT", "Transmission fluid temp", "Trans Fluid Temp", "Gearbox Oil T",
         "Trans Temp (°C)", "Transmission Fluid Temperature Sensor 1 (°F)", "TCM.TFT", "AT – ATF Temperature", "ATF Temperature 2", "ATF Temperature (Lookup)", "Automatic Transmission Fluid Temp (ATF)", "A/T Oil Temperature 1",
         "Getriebeöltemperatur", "Getriebeoeltemperatur", "Transmissionsoljetemperatur", "Temperatura oleju w skrzyni biegów", "Température huile boîte", "Temperatura do óleo da transmissão",
     ],
-    "main_pressure": ["P/L Solenoid Valve Pressure (kPa)", "Line Pressure", "Trans Line Pressure", "TCM.LINEPRS_A", "TCM.LINEPRSA", "EPC", "hydraulic oil pressure actual", "MPC", "p_g"],
+    "main_pressure": ["Gearbox Oil Pres", "P/L Solenoid Valve Pressure (kPa)", "Line Pressure", "Trans Line Pressure", "TCM.LINEPRS_A", "TCM.LINEPRSA", "EPC", "hydraulic oil pressure actual", "MPC", "p_g"],
     "commanded_pressure": ["TCM.LINEPRS_D", "TCM.LINEPRSD", "Desired Line Pressure (psi)", "line pressure commanded"],
     "converter_pressure": ["p_k", "Converter Pressure (kPa)", "Torque converter pressure", "Wandlerdruck"],
-    "lock_up": ["L/U Solenoid Valve Pressure (kPa)", "TCU: TC Duty", "TCM.TCCP", "TCM.TCCPCSCP", "TCM.TCCDC", "TCC Duty Cycle", "TCC Pressure"],
+    "lock_up": ["L/U Solenoid Valve Pressure (kPa)", "TCU: TC Duty", "TCM.TCCPCSCP", "TCM.TCCDC", "TCC Duty Cycle"],
     "gear": [
         "Gear Position (gear)", "Gear", "gear", "Gear Position (Gear)", "Current Gear ()", "Current Gear (-)", "Detected Gear", "sensors/gear", "evalGear", "gangi", "GEAR", "Trans Current Gear", "TCM.CURGEAR", "TCM.GEAR",
     ],
     "selector": ["drivetrain/gearSelector/position", "drivetrain/gearbox/dsg/gearSelectorPosition", "TCU: Current Range", "TCM.PRNDL"],
     "vehicle_speed": [
         "Vehicle Speed", "Vehicle speed", "Vehicle Speed (km/h)", "Vehicle Speed (kph)", "Vehicle Speed (Mph)", "Vehicle speed (MPH)", "VEHICLE_SPEED ()", "Speed (OBD)(km/h)", "Speed (OBD)(mph)", "Speed", "mph", "VehicleSpeed",
-        "Front Wheel Speed (km/h)", "Rear Wheel Speed (km/h)", "Wheel Speed FL (mph)", "Dyno_Spd[mph]", "Скорость автомобиля", "vfil_w", "GPS Speed", "Vehicle Speed (SAE)", "ECM.VSS", "Prędkość pojazdu", "Vitesse du véhicule", "Velocidade do veículo",
+        "Front Wheel Speed (km/h)", "Rear Wheel Speed (km/h)", "Wheel Speed FL (mph)", "Dyno_Spd[mph]", "Скорость автомобиля", "vfil_w", "GPS Speed", "SpeedVeh", "VSS1", "Vehicle Speed (SAE)", "ECM.VSS", "Prędkość pojazdu", "Vitesse du véhicule", "Velocidade do veículo",
     ],
 }  # fmt: skip
 
@@ -72,7 +72,7 @@ def test_seen_names_are_known(quantity: str, name: str) -> None:
         "Line Pressure Correction (none)", "ATF Deterioration (%)", "Barometric pressure (kPa)", "Oil Pressure (psi)", "Distance travelled (total)", "Throttle Blip Gear", "TCU: Desired Gear", "TCM.CMDGEAR", "Trans Commanded Gear",
         "TCU: EPC Duty (%)", "TCM.LINEPRSDC", "EPC_V", "Fwd/B Solenoid Valve Target Pressure (kPa)", "D/C Solenoid Valve Pressure (kPa)", "AWD Solenoid Valve Pressure (kPa)", "tc_slip_ratio", "TCC Slip", "Engine Load(%)",
         "Engine Coolant Temperature Raw", "Intake Air Temperature(°C)", "Oil Temp (°C)", "Odometer(from ECU)(km)", "Idle Target RPM", "RPM Limit", "Average speed", "Fan Speed", "Fuel Rail Pressure", "Cooling Fan RPM", "G(x)", "Turbo Speed",
-        "drivetrain/gearbox/dsg/nextGear", "No", "Range (km)", "TFTV(V)", "Engine torque", "Accel Position (%)", "Altitude", "Longitude", "Trip Time(Since journey start)(s)",
+        "drivetrain/gearbox/dsg/nextGear", "No", "TCC Pressure", "TCM.TCCP", "Range (km)", "TFTV(V)", "Engine torque", "Accel Position (%)", "Altitude", "Longitude", "Trip Time(Since journey start)(s)",
     ],
 )  # fmt: skip
 def test_names_that_only_resemble_are_not_taken(name: str) -> None:

@@ -36,6 +36,7 @@ from atleak.intake.road_test.pieces import (
 from atleak.large_log import LargeLog
 from tests.unit.intake.road_test.messy_logs import messy_log
 from tests.unit.intake.road_test.test_changed_units import BARE, HEAD, IN_PSI, log, rows
+from tests.unit.intake.road_test.test_every_row import CLOCK_FORMS, ROWS
 from tests.unit.intake.road_test.test_quirks import CASES, REFUSED
 
 NOT_IN_PIECES = {
@@ -130,6 +131,19 @@ def test_logs_with_all_that_goes_wrong_are_understood_as_the_whole() -> None:
     codes = sum((assert_same(*read_both(messy_log(seed, 12.0))) for seed in range(30)), Counter())
     assert {"gaps", "clock_restarted", "stray_stamps", "reordered", "unreadable_stamps", "suspect_samples"} <= {*codes}
     assert {"sample_and_hold", "cells_unreadable", "lines_left_out", "blank_rows", "time_counted"} <= {*codes}
+
+
+@pytest.mark.parametrize("form", list(CLOCK_FORMS))
+def test_a_damaged_stamp_in_a_log_is_left_out_as_in_the_whole(form: str) -> None:
+    heading, written = CLOCK_FORMS[form]
+    for at, cell in ((0, "1e17"), (0, "99999"), (22, "00:00:00"), (23, "-1"), (ROWS - 1, "1e9"), (ROWS - 1, "0")):
+        stamps = [written(row / 2) for row in range(ROWS)]
+        stamps[at] = cell
+        rows = "".join(f"{stamp};{800 + row};{500 + 3 * row}\n" for row, stamp in enumerate(stamps))
+        assert_same(*read_both(f"{heading};RPM (rpm);Line Pressure (kPa)\n{rows}".encode()))
+    both = [*map(written, range(40)), *(written(4e7 + row) for row in range(40))]
+    rows = "".join(f"{stamp};{800 + row};{500 + 3 * row}\n" for row, stamp in enumerate(both))
+    assert_same(*read_both(f"{heading};RPM (rpm);Line Pressure (kPa)\n{rows}".encode()))
 
 
 @pytest.mark.slow
