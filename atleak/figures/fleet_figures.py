@@ -10,6 +10,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from atleak.figures.figure import Figure
 from atleak.figures.frame import error_bars, framed
 from atleak.fleet.summed import (
@@ -34,7 +36,7 @@ _THICK = 0.5  # of a bar, of its row
 _NARROW = 0.3  # of the bar of units past *replace*, over that of units that are flagged
 _ROOM = 4.0  # [%] of a bar's length that a number in it takes
 _HOUR = 3600.0  # [s]
-_MARKS = {Verdict.WATCH: 0.17, Verdict.REPLACE: 0.0, Verdict.CRITICAL: -0.17}  # of a group, above its row's middle
+_MARKS = dict(zip(FLAGGED, np.linspace(0.17, -0.17, len(FLAGGED)), strict=True))  # of a group, above its row's middle
 
 
 # --- verdicts
@@ -90,7 +92,7 @@ def _stacked(
     """Yield the parts of the bars that any unit is in: name, units of every row, looks."""
     yield from (
         (say.signed(verdict), [counts.verdicts[verdict] for _, counts in rows], _shade(verdict))
-        for verdict in (Verdict.CRITICAL, Verdict.REPLACE, Verdict.WATCH)
+        for verdict in reversed(FLAGGED)
         if any(counts.verdicts[verdict] for _, counts in rows)
     )
     whole = [counts.ok_throughout for _, counts in rows]
@@ -129,7 +131,7 @@ def pairs(troubles: Sequence[PairTrouble], names: Sequence[str], say: Wording) -
     """
     figure, places = Figure(), _places(names)
     for rates, level, width in (
-        ([each.flagged for each in troubles], Verdict.WATCH, _THICK),
+        ([each.flagged for each in troubles], FLAGGED[0], _THICK),
         ([each.replace for each in troubles], Verdict.REPLACE, _NARROW),
     ):
         values, spans = [rate.percent or 0.0 for rate in rates], [_span(rate) for rate in rates]

@@ -18,7 +18,7 @@ from atleak.look import CHART_GRID, CURVES, LOOKS, OK_IN_PART, PAPER, Look
 from atleak.report.printed_charts.fleet import STACKED
 from atleak.report.xlsx.book import Book, span
 from atleak.rules import LandKey
-from atleak.verdicts import Verdict
+from atleak.verdicts import FLAGGED, Verdict
 
 _ROWS = 22  # that a chart takes, the free ones below it with them
 _CHARTED = 12  # most valve bodies with charts
@@ -149,7 +149,7 @@ def _pareto(book: Book, words: FleetWords, sheets: Sequence[SummarySheet], body:
         return None
     rows = source.first, source.first + count - 1
     chart = book.workbook.add_chart({"type": "bar"})
-    for key, verdict in (("pair_flagged.percent", Verdict.WATCH), ("pair_replace.percent", Verdict.REPLACE)):
+    for key, verdict in (("pair_flagged.percent", FLAGGED[0]), ("pair_replace.percent", Verdict.REPLACE)):
         chart.add_series(
             {
                 "name": source.heading(key),

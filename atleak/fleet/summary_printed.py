@@ -51,7 +51,6 @@ _DEPTHS = {  # by the number of valve bodies with sections: eight pages hold the
     2: _Depth(pairs=8, wear=4, deciders=3, groups=8, differences=4, bars=True),
     3: _Depth(pairs=6, wear=4, deciders=0, groups=6, differences=3, bars=False),
 }
-_RATES = (Verdict.WATCH, Verdict.REPLACE, Verdict.CRITICAL)
 
 Side = Literal["l", "c", "r", "d"]
 
@@ -63,8 +62,8 @@ def rate_columns(words: FleetWords, counts: Callable[[Any], VerdictCounts]) -> l
         return words.percent(counts(row).rates[verdict])
 
     return [
-        PrintedColumn(words.say(f"fleet_columns.past_{verdict}"), partial(cell, verdict), side="r")
-        for verdict in _RATES
+        PrintedColumn(words.or_worse(verdict).replace(" ", "\n", 1), partial(cell, verdict), side="r")
+        for verdict in FLAGGED
     ]
 
 
@@ -151,7 +150,7 @@ class PrintedBody:
                 pairs_chart(rows, say("fleet_summary.chart_pairs"), say),
                 say("fleet_summary.alt_pairs", body=self._named(), pair=named[0], rate=rate),
                 say("fleet_summary.caption_pairs"),
-                (Verdict.WATCH, Verdict.REPLACE),
+                (FLAGGED[0], Verdict.REPLACE),
             )
         yield table(
             [

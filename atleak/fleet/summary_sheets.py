@@ -91,6 +91,7 @@ class _Columns:
 
     say: Wording
     made: list[SheetColumn] = field(default_factory=list)
+    headings: dict[str, str] = field(default_factory=dict)  # by key, of those that are no text of their own
 
     def text(self, key: str, cell: Callable[[Any], Cell], heading: str = "", **more: Any) -> None:
         """Add a column of words, or of dates."""
@@ -193,9 +194,10 @@ class _Columns:
         self.made.append(SheetColumn(key, heading, note, cell, form, what=what, about=about, part=part))
 
     def _heading(self, key: str) -> str:
-        return self.say(f"fleet_columns.{key}").replace("\n", " ")
+        return self.headings.get(key) or self.say(f"fleet_columns.{key}").replace("\n", " ")
 
     def _note(self, key: str) -> str:
+        key = "past" if key.startswith("past_") else key  # of every level alike
         return self.say.get("fleet_notes", key) if key in self.say.texts["fleet_notes"] else ""
 
 
@@ -235,6 +237,7 @@ def _verdicts(words: FleetWords) -> SummarySheet:
         columns.count(f"verdict_{verdict}", _count_of(verdict), say.level(verdict))
     columns.count("judged", lambda row: row.counts.judged)
     for verdict in FLAGGED:
+        columns.headings[f"past_{verdict}"] = words.or_worse(verdict)
         columns.rate(f"past_{verdict}", _rate_of(verdict), whole=False)
     columns.count("ok_throughout", lambda row: row.counts.ok_throughout)
     columns.count("ok_in_part", lambda row: row.counts.ok_in_part)

@@ -23,7 +23,7 @@ from atleak.fleet.summed import (
 )
 from atleak.rules import LandKey
 from atleak.spreads import Rate
-from atleak.verdicts import VERDICTS, Verdict
+from atleak.verdicts import FLAGGED, VERDICTS, Verdict
 from atleak.views.land_names import land_number, land_words
 from atleak.wording import Wording
 from atleak.workshop_units import RPM
@@ -164,9 +164,11 @@ class FleetWords:
         say, summary = self.say, self.summary
         counts = summary.counts
         if counts.judged:
-            for verdict in (Verdict.CRITICAL, Verdict.WATCH):
-                count = say.number(counts.verdicts[verdict], 0)
-                yield say(f"fleet_summary.of_them_{verdict}", count=count)
+            for verdict in reversed(FLAGGED):
+                if verdict is not Verdict.REPLACE:
+                    key = "of_them" if verdict.calls_for_repair else "besides"
+                    count = say.number(counts.verdicts[verdict], 0)
+                    yield say(f"fleet_summary.{key}", level=say.level(verdict), count=count)
         if counts.verdicts[Verdict.NOT_MEASURED]:
             count = say.number(counts.verdicts[Verdict.NOT_MEASURED], 0)
             yield say("fleet_summary.unmeasured", count=count)

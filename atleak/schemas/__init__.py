@@ -1,12 +1,17 @@
-"""Describe the JSON that the command line writes, as JSON Schema: every key, its unit, what may be null."""
+"""Describe the JSON that the command line writes, as JSON Schema: every key, its unit, what may be null.
+
+Parts that list verdicts or bands are made of `atleak.verdicts`; the others stand in the files of this folder.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from atleak.verdicts import BANDS, FLAGGED, VERDICTS
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 OUTPUTS = {
@@ -33,10 +38,26 @@ _NOTE = (
 _DEFS = "#/$defs/"
 
 
+def _of_each(levels: Iterable[str], part: dict[str, Any]) -> dict[str, Any]:
+    """Describe an object with one value for each level."""
+    names = [str(level) for level in levels]
+    return {"type": "object", "properties": dict.fromkeys(names, part), "required": names}
+
+
+_BY_LEVEL = {
+    "verdict": {"enum": [str(verdict) for verdict in VERDICTS]},
+    "band": {"enum": [str(band) for band in BANDS]},
+    "units_by_verdict": _of_each(VERDICTS, {"type": "integer"}),
+    "rates_by_verdict": _of_each(FLAGGED, {"$ref": f"{_DEFS}rate"}),
+    "units_by_band": _of_each(BANDS, {"type": "integer"}),
+    "time_in_bands": _of_each(BANDS, {"type": "number"}),
+}
+
+
 @cache
 def _parts() -> dict[str, Any]:
     files = sorted(Path(__file__).parent.glob("*.json"))
-    return {name: part for file in files for name, part in json.loads(file.read_bytes())["$defs"].items()}
+    return _BY_LEVEL | {name: part for file in files for name, part in json.loads(file.read_bytes())["$defs"].items()}
 
 
 def schema(output: str) -> dict[str, Any]:

@@ -25,14 +25,22 @@ ADDED_LOOK = """    Verdict.SOON: Look(
 
 # Runs in a copy of the package that knows the new level, and prints what it could not find.
 WALK = """
-import io, os, sys
+import io, json, os, sys
 from pathlib import Path
 
-import openpyxl, pypdfium2
+import jsonschema, openpyxl, pypdfium2
 from streamlit.testing.v1 import AppTest
 
 import atleak
-from atleak.figures import diagnosis_figures as figures
+from atleak.cli import main as atleak_command
+from atleak.figures import diagnosis_figures as figures, fleet_figures
+from atleak.fleet.summary import summed_up
+from atleak.job.issued import issued_record
+from atleak.readings import Reading
+from atleak.report.measuring_sheet import write_readings
+from atleak.schemas import schema
+from atleak.verdicts import Verdict
+from atleak.views.diagnosis_record import to_json
 from atleak.repair import plan_repairs
 from atleak.report.pdf import write_pdf
 from atleak.views.diagnosis_record import diagnosis_record
@@ -56,6 +64,11 @@ assert keys <= {land.key for land in found.flagged}
 assert keys <= {step.land.key for step in plan_repairs(found).steps}
 record = diagnosis_record(found)
 assert "soon" in {land["verdict"] for land in record["lands"]}
+
+def as_described(output, written):
+    jsonschema.Draft202012Validator(schema(output)).validate(json.loads(written))
+
+as_described("diagnose", to_json(issued_record(found)))
 out = sys.stdout
 sys.stdout = io.StringIO()
 print_diagnosis(found)
@@ -65,12 +78,63 @@ pdf = pypdfium2.PdfDocument(write_pdf(found))
 assert "repair soon" in "".join(page.get_textpage().get_text_range() for page in pdf), "PDF"
 for language in ("de", "pl"):
     assert write_pdf(found, language=language).startswith(b"%PDF"), language
+minimal = atleak.load_controller("minimal_example")
+worn = minimal.lands[0].key
+measured = [
+    Reading(land.component, part, plane, direction, 1, land.nominal_diameter + gap * 2.0 * land.mounting_clearance)
+    for land in minimal.lands for plane in land.planes for direction in (0.0, 90.0)
+    for part, gap in (("spool", 0.0), ("sleeve", 1.35 if land.key == worn else 1.0))
+]
+limits = atleak.load_limits(own)
+light = atleak.diagnose(
+    minimal, atleak.load_fluid("hipol_atf_iid"), limits,
+    readings=atleak.read_readings(write_readings(minimal, measured), minimal),
+)
+assert light.verdict == "soon", "the unit's own verdict"
+as_described("diagnose", to_json(issued_record(light)))
+for language in ("en", "de", "pl"):
+    assert write_pdf(light, language=language).startswith(b"%PDF"), language
 book = openpyxl.load_workbook(io.BytesIO(write_workbook(found)), data_only=True)
 for name in ("Summary", "Lands", "Rules"):
     cells = {cell.value for row in book[name].iter_rows() for cell in row}
     assert "◆ repair soon" in cells, name
 assert "◆ repair soon" in {trace.name for trace in figures.leakage_ranking(found).data}, "ranking"
 assert "repair soon" in {trace.name for trace in figures.wear(found).data}, "wear"
+from few_units import Measured, Unit, condition, results_of, temperature_class
+
+levels = list(Verdict)
+units = [
+    Unit(
+        f"unit {n}", {("25", 1): Measured(10.0 + n, levels[n % len(levels)]), ("8", 1): Measured()},
+        controller="four_speed_2023", conditions=[condition()], temperatures=[temperature_class()],
+        own={"group": "ab"[n % 2], "mileage_km": 1e5 + 1e3 * n},
+    )
+    for n in range(120)
+]
+results = results_of(own.parent / "fleet", units)
+summary = summed_up(results, by="group")
+say, body = wording("en"), summary.bodies[0]
+assert "◆ repair soon" in {trace.name for trace in fleet_figures.verdicts([("all", body.counts)], say).data}
+rates = fleet_figures.rates_of_groups(body.comparison.groups, say).data
+assert [trace.name for trace in rates][:4] == [
+    "▲ watch or worse", "◆ repair soon or worse", "■ replace or worse", "✖ critical"
+]
+assert len({tuple(trace.y) for trace in rates[:4]}) == 4, "each level at a height of its own"
+assert list(fleet_figures.pairs(body.pairs, ["25/1", "8/1"], say).data)
+for language in ("en", "de", "pl"):
+    files = {name: own.parent / f"{language}.{name}" for name in ("pdf", "xlsx", "json")}
+    asked = [str(word) for name, file in files.items() for word in (f"--{name}", file)]
+    sys.stdout = io.StringIO()
+    asked += ["--by", "group", "--language", language]
+    status = atleak_command(["fleet", "summary", str(own.parent / "fleet"), *asked])
+    said, sys.stdout = sys.stdout.getvalue(), out
+    assert status == 0, language
+    as_described("fleet-summary", files["json"].read_text(encoding="utf-8"))
+    printed = "".join(page.get_textpage().get_text_range() for page in pypdfium2.PdfDocument(files["pdf"]))
+    assert "repair soon" in printed, language
+    cells = {cell.value for sheet in openpyxl.load_workbook(files["xlsx"]) for row in sheet.iter_rows() for cell in row}
+    assert any("repair soon" in str(cell) for cell in cells), language
+assert json.loads(files["json"].read_text(encoding="utf-8"))["counts"]["verdicts"]["soon"] == 20
 main = root / "walk" / "main.py"
 main.parent.mkdir()
 main.write_text(f"import runpy\\nrunpy.run_path({str(root / 'app.py')!r})\\n", encoding="utf-8")
@@ -115,7 +179,8 @@ def test_a_level_is_added_in_three_places_and_every_renderer_shows_it(root: Path
     own.write_text(limits.replace("replace = 50.0", "soon = 15.0\nreplace = 50.0"), encoding="utf-8")
     walk = tmp_path / "walk.py"
     walk.write_text(WALK, encoding="utf-8")
-    environment = os.environ | {"PYTHONPATH": str(copy), "ATLEAK_HOME": str(tmp_path)}
+    few_units = root / "tests" / "unit" / "fleet"
+    environment = os.environ | {"PYTHONPATH": f"{copy}{os.pathsep}{few_units}", "ATLEAK_HOME": str(tmp_path)}
     walked = subprocess.run(
         [sys.executable, str(walk), str(copy), str(own)],
         capture_output=True, encoding="utf-8", env=environment, cwd=tmp_path, check=False,

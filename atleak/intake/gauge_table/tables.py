@@ -9,6 +9,7 @@ from typing import Any
 from atleak.intake.gauge_table.words import Heading, Said, Words, is_blank, label_and_value
 from atleak.intake.sheets.extent import TABLES
 from atleak.intake.sheets.sheet import Cell, Sheet
+from atleak.intake.units import find_unit
 
 _LOOKED_AT = 30  # rows below the headings in which a column without a heading may show what it is
 _TITLES = 8  # rows above the headings that may speak of the table
@@ -59,7 +60,7 @@ def find_gauge_tables(sheet: Sheet, words: Words) -> list[GaugeTable]:
         if not any(heading.kind == "value" for heading in headings.values()):
             continue
         head = _head(sheet, range(max(free, row - _TITLES), row), words)
-        complete = _complete(sheet, row, _with_row_above(sheet, row, free, headings, words), head.said, words)
+        complete = _complete(sheet, row, _with_row_above(sheet, row, free, headings, words), head, words)
         if len(found) == TABLES:
             break
         if complete is not None:
@@ -113,34 +114,44 @@ def _with_row_above(
 
 
 def _complete(
-    sheet: Sheet, row: int, headings: dict[int, Heading], common: Said, words: Words
+    sheet: Sheet, row: int, headings: dict[int, Heading], head: Head, words: Words
 ) -> dict[int, Heading] | None:
     """Return the headings where every reading gets a range and a state of the engine; None where one does not.
 
-    A column without a heading that is understood may be the one that says it.
+    A column without a heading that is understood may be the one that says it. Where neither a unit nor a word for
+    pressure stands over the readings, their headings must be more than numbers, and the columns that say range and
+    engine must hold such words: in a list of valves, one named "throttle" heads nothing.
     """
     values = [heading for heading in headings.values() if heading.kind == "value"]
     kinds = {heading.kind for heading in headings.values()}
+    of_pressures = (head.unit is not None and find_unit(str(head.unit[0]), "pressure") is not None) or any(
+        heading.unit or heading.wrong_unit or not heading.said.anything for heading in values
+    )
+    labelled = of_pressures
+    if not of_pressures and all(heading.text.isdigit() for heading in values):
+        return None
     for kind in ("range", "engine", "tap"):
         stated = [getattr(heading.said, kind) is not None for heading in values]
         if any(stated) and not all(stated):
             return None
-        if all(stated) or kind in kinds or getattr(common, kind) is not None:
+        if kind in kinds and (of_pressures or kind == "tap"):
+            continue
+        if kind not in kinds and (all(stated) or getattr(head.said, kind) is not None):
             continue
         column = _column_that_says(sheet, row, headings, kind, words)
         if column is not None:
             text = headings[column].text if column in headings else ""
-            headings = {**headings, column: Heading(text, kind)}
+            headings, labelled = {**headings, column: Heading(text, kind)}, True
         elif kind != "tap":
             return None
-    return headings
+    return headings if labelled else None
 
 
 def _column_that_says(sheet: Sheet, row: int, headings: Mapping[int, Heading], kind: str, words: Words) -> int | None:
-    """Return the first column without an understood heading whose cells all say what is looked for."""
+    """Return the first column, headed so or not understood, whose cells all say what is looked for."""
     rows = range(row + 1, min(row + 1 + _LOOKED_AT, len(sheet.rows)))
     for column in range(sheet.width):
-        if column in headings and headings[column].kind is not None:
+        if column in headings and headings[column].kind not in (None, kind):
             continue
         said = [words.said_by(cell, kind) is not None for at in rows if not is_blank(cell := sheet.filled(at, column))]
         if said and said[0] and sum(said) * 2 > len(said):

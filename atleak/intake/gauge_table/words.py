@@ -157,7 +157,8 @@ class Words:
     def _said(self, text: str, about: Sequence[str], *, heading: bool = False) -> Said | None:
         """Return what a text says about some of range, engine and tap; None where it says anything else, or twice.
 
-        In a heading the words for pressure may stand beside it, and a number behind them counts a repeat.
+        What two of them know is the first one's: a tap may be called "stall". In a heading the words for pressure may
+        stand beside it, and a number behind them counts a repeat.
         """
         if _is_number(text):
             return None
@@ -170,7 +171,7 @@ class Words:
         speed = _SPEED.search(text)
         tokens = tuple(words(_SPEED.sub(" ", text)).split())
         tables = {"range": _phrases("ranges"), "engine": _phrases("engine"), "tap": self.taps}
-        known = {phrase: (name, value) for name in about for phrase, value in tables[name].items()}
+        known = {phrase: (name, value) for name in reversed(about) for phrase, value in tables[name].items()}
         known = {**dict.fromkeys(_phrases("filler"), ("filler", "")), **known}
         if heading:
             known = {**dict.fromkeys(_phrases("pressure"), ("pressure", "")), **known}

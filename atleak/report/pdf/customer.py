@@ -15,7 +15,7 @@ from typing import Any
 from atleak.repair import Total
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.verdicts import Band, Verdict
+from atleak.verdicts import VERDICTS, Band, Verdict
 from atleak.views.drawing import controller_svg, shortened
 from atleak.views.first_sentence import shown_verdict
 from atleak.views.land_names import has_number
@@ -139,22 +139,28 @@ class CustomerPage:
         flagged = self.diagnosis.flagged
         if self.verdict.calls_for_repair:
             return not any(land.verdict.calls_for_repair for land in flagged)
-        return self.verdict is Verdict.WATCH and not flagged
+        return self.verdict.flagged and not flagged
 
     @property
     def _headline(self) -> str:
         if self._only_checked:
             return "ok_unmeasured"
         if not self._not_by_a_valve:
-            return self.verdict
-        if self.verdict is Verdict.WATCH:
+            return self._told_as
+        if not self.verdict.calls_for_repair:
             return "past_watch"
         return "past_together" if self._planned else "past_unexplained"
 
     @property
     def _urgency(self) -> str:
         past = self._not_by_a_valve and self.verdict.calls_for_repair
-        return f"past_{self.verdict}" if past else self.verdict
+        return f"past_{self._told_as}" if past else self._told_as
+
+    @property
+    def _told_as(self) -> Verdict:
+        """Return the verdict, or the next milder one for which there are words: a customer is told fewer levels."""
+        worded = (each for each in reversed(VERDICTS) if f"urgent_{each}" in self.say.texts["customer"])
+        return next(each for each in worded if each.rank <= self.verdict.rank)
 
     @property
     def _drawn(self) -> list[str]:
@@ -375,7 +381,7 @@ class CustomerPage:
             yield say("customer.do_measure")
             return
         watched = [each.component for each in self.valves if not each.verdict.calls_for_repair]
-        if self.verdict is Verdict.WATCH:
+        if not self.verdict.calls_for_repair:
             yield (
                 say("customer.do_watch", valves=self._named(watched or planned)) if planned else say("customer.do_look")
             )

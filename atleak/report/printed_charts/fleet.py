@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
@@ -40,7 +41,7 @@ _LOW = 0.7  # of these heights, where there is little room
 _GROUND = {"boxstyle": "square,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.85}  # behind words on a grid
 _BOLD = 1.1  # how much wider bold letters are than plain ones, at most
 _GAP = 12.0  # [pt] between fields that stand below one another
-_MARKS = {Verdict.WATCH: 0.27, Verdict.REPLACE: 0.0, Verdict.CRITICAL: -0.27}  # where a group's rates stand in its row
+_MARKS = dict(zip(FLAGGED, np.linspace(0.27, -0.27, len(FLAGGED)), strict=True))  # of a group, in its row
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class WearField:
 
 @dataclass(frozen=True)
 class GroupRow:
-    """The rates of a group at *watch*, *replace* and *critical*, or past them."""
+    """The rates of a group at each level that calls for attention, or past it."""
 
     name: str
     rates: Mapping[Verdict, Rate]
@@ -125,7 +126,7 @@ def pairs_chart(rows: Sequence[PairRow], title: str, say: Wording) -> str:
     with rows_of([row.name for row in rows], 15.0, max(ends, default=1.0), room, title, say) as (figure, axes):
         for place, row, told in zip(places(rows), rows, said, strict=True):
             end = 0.0
-            for rate, verdict in ((row.flagged, Verdict.WATCH), (row.replace, Verdict.REPLACE)):
+            for rate, verdict in ((row.flagged, FLAGGED[0]), (row.replace, Verdict.REPLACE)):
                 if rate.count and rate.percent:
                     bar_of(axes, rate.percent, place, 0.68, LOOKS[verdict])
                     end = max(end, rate.percent)
@@ -327,7 +328,7 @@ def _bands_of(each: TemperatureClass) -> Iterator[tuple[float, Look]]:
 
 
 def groups_chart(rows: Sequence[GroupRow], title: str, say: Wording) -> str:
-    """Draw the rates of groups below one another, each with its 95 % interval: a group is told by three signs."""
+    """Draw the rates of groups below one another, each with its 95 % interval: a level is told by its sign."""
     rates = [rate for row in rows for rate in row.rates.values()]
     ends = [end for rate in rates for end in (rate.percent, rate.high_percent) if end is not None]
     judged = [max(rate.of for rate in row.rates.values()) for row in rows]
