@@ -142,6 +142,7 @@ class PermissiblePressure:
     low: float | None  # [Pa]
     high: float | None  # [Pa]
     source: str
+    published: bool = True  # else representative
 
 
 @dataclass(frozen=True)
@@ -154,6 +155,7 @@ class StandingPressure:
     low: float | None  # [Pa]
     high: float | None  # [Pa]
     source: str
+    published: bool = True  # else representative
 
 
 def _at_point(stated: Mapping[str, float], point: OperatingPoint) -> float:
