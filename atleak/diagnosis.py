@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.complaints import Complaint
@@ -30,7 +30,7 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.gauges.check import PressureCheck, check_pressures
 from atleak.keeping import kept_with
-from atleak.land_diagnosis import LandDiagnosis, diagnosed_land
+from atleak.land_diagnosis import LandDiagnosis, PumpDiagnosis, diagnosed_land, diagnosed_pump
 from atleak.large_log import LargeLog
 from atleak.pressure_table import PressureTable
 from atleak.provisional import Basis, representative_bases
@@ -39,7 +39,7 @@ from atleak.replace_mileage import NO_RATE, replace_mileage, without_rate
 from atleak.result_messages import messages_of
 from atleak.road_findings import RoadFindings
 from atleak.road_test import RoadTest
-from atleak.rules import Rule, unit_rules
+from atleak.rules import Rule, cannot_be, unit_rules
 from atleak.sheet_checks import sheet_messages
 from atleak.uncertainty import (
     DECISIONS,
@@ -81,6 +81,8 @@ class Diagnosis:
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
     pressure_rules: tuple[Rule, ...]  # of reserve, circuits and permissible pressure at the same conditions
+    pump: PumpDiagnosis
+    pump_new: Diagnosis | None = field(repr=False)  # of the same sheet with the pump new; None where it is not measured
     complaint: Complaint | None  # of the customer, as the controller maps it to conditions and lands
     messages: tuple[Message, ...]
     repairs: tuple[Repair, ...] = ()  # that the workshop chose to plan with; of other lands the cheapest is planned
@@ -214,48 +216,55 @@ class Diagnosis:
         return max(self.total_rules, key=lambda rule: (rule.verdict.rank, rule.value))
 
     @cached_property
-    def decided_by(self) -> LandDiagnosis | Rule | None:
-        """Return what put the unit past a limit: a land, a total, a pressure, the worst; None within all limits.
+    def decided_by(self) -> LandDiagnosis | PumpDiagnosis | Rule | None:
+        """Return what put the unit past a limit: pump, land, total or pressure, the worst; None within all limits.
 
-        Of several that are equally bad one that is sure is named before one that is not, a land before a total, a total
-        before a pressure, and of pressures the one that is farthest past its limit, those of gauges and log last.
-        Without any reading gauges and log alone decide: all else is that of a new unit.
+        Of several that are equally bad the pump leads, and then one that is sure is named before one that is not, a
+        land before a total, a total before a pressure, and of pressures the one that is farthest past its limit, those
+        of gauges and log last. Without any reading gauges and log alone decide: all else is that of a new unit.
         """
-        candidates: list[LandDiagnosis | Rule] = [*self.flagged]
+        candidates: list[LandDiagnosis | PumpDiagnosis | Rule] = [*self.flagged]
+        candidates += [self.pump] if self.pump.verdict.flagged else []
         if self.judged:
             candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
             candidates += _farthest_first(self.pressure_rules)
         candidates += [*_farthest_first(self.gauge_rules), *_farthest_first(self.log_rules)]
-        return max(candidates, key=lambda each: (each.verdict.rank, _certainty(self._decision_on(each))), default=None)
+        return max(
+            candidates,
+            key=lambda each: (each.verdict.rank, each is self.pump, _certainty(self._decision_on(each))),
+            default=None,
+        )
 
     @property
     def decision(self) -> Decision | None:
-        """Return how sure the verdict of the unit is; within all limits, how sure the least sure of it is."""
+        """Return how sure the verdict of the unit is; within all limits, how sure the least sure of it is.
+
+        None where nothing was measured, and where the description cannot be right.
+        """
         decided_by = self.decided_by
+        if self.impossible:
+            return None
         if decided_by is not None:
             return self._decision_on(decided_by)
         if self.verdict == Verdict.NOT_MEASURED:
             return None
-        every: list[LandDiagnosis | Rule] = [*self.lands, *self.unit_rules]
+        every: list[LandDiagnosis | PumpDiagnosis | Rule] = [*self.lands, self.pump, *self.unit_rules]
         return max((self._decision_on(each) for each in every), key=_certainty, default=None)
 
     @cached_property
     def provisional(self) -> tuple[Basis, ...]:
-        """Return which representative values the verdict rests on; none where it is not provisional.
-
-        A unit past a limit rests on what the rule rests on that decided; one within all limits on what any rule does.
-        """
+        """Return which representative values the verdict rests on: past a limit those of the rule that decided."""
         if self.verdict == Verdict.NOT_MEASURED:
             return ()
         decided_by = self.decided_by
         rules: list[tuple[Rule, Iterable[Land]]] = []
-        for land in self.lands if decided_by is None else [decided_by]:
-            if not isinstance(land, Rule):
-                mine = land.rules if decided_by is None else [land.deciding]
-                rules += [(rule, [land.state.land]) for rule in mine if rule is not None]
-        for rule in self.unit_rules if decided_by is None else [decided_by]:
-            if isinstance(rule, Rule):
-                rules.append((rule, self.controller.lands))
+        on: list[LandDiagnosis | PumpDiagnosis | Rule] = [*self.lands, *self.unit_rules]
+        for each in on if decided_by is None else [decided_by]:
+            if isinstance(each, LandDiagnosis):
+                mine = each.rules if decided_by is None else [each.deciding]
+                rules += [(rule, [each.state.land]) for rule in mine if rule is not None]
+            else:
+                rules += [(rule, self.controller.lands) for rule in ([each] if isinstance(each, Rule) else each.rules)]
         states = [land.state for land in self.lands]
         return representative_bases(rules, self.controller, self.fluid, states, uses_slip=self.model.uses_slip)
 
@@ -284,15 +293,28 @@ class Diagnosis:
         """Tell whether leakage is an upper bound, as the controller's file does not say where all of its lands leak."""
         return bool(self.controller.gaps_not_described)
 
-    def _decision_on(self, each: LandDiagnosis | Rule) -> Decision | None:
-        if not isinstance(each, Rule):
+    def _decision_on(self, each: LandDiagnosis | PumpDiagnosis | Rule) -> Decision | None:
+        if isinstance(each, LandDiagnosis):
             return each.decision
-        decided = self.decided(each)
+        rule = each.deciding if isinstance(each, PumpDiagnosis) else each
+        decided = None if rule is None else self.decided(rule)
         return decided.decision if decided else None
+
+    @property
+    def valve_body(self) -> Diagnosis:
+        """Return the same with its pump as new, where that is past a limit: what is left is up to the valve body."""
+        new = self.pump_new if self.pump.verdict.flagged else None
+        return self if new is None else replace(new, repairs=self.repairs)
+
+    @cached_property
+    def impossible(self) -> tuple[Projection, ...]:
+        """Return the conditions whose pressure a new unit as described cannot hold, as it would be then."""
+        return tuple(each for each in self.unworn_projections if cannot_be(each)) if self.judged else ()
 
     def decided(self, rule: Rule) -> RuleDecision | None:
         """Return the decision on one of the unit's rules; None where it depends on readings that are not there."""
-        shown = (*(self.pressures.decisions if self.pressures else ()), *(self.log.decisions if self.log else ()))
+        shown = [*(self.pressures.decisions if self.pressures else ()), *(self.log.decisions if self.log else ())]
+        shown += self.pump.decisions
         measured = next((each for each in shown if each.rule == rule), None)
         computed = self.uncertainty.on(rule) if self.uncertainty else None
         return measured or (computed if self.verdict_on(rule) != Verdict.NOT_MEASURED else None)
@@ -324,13 +346,15 @@ class Diagnosis:
 
     @cached_property
     def verdict(self) -> Verdict:
-        """Return the worst of any measured land, totals, gauges and log; ``not_measured`` where none of them is there.
+        """Return the worst of pump, lands, totals, gauges and log; ``not_measured`` where none of them is there.
 
-        Without any reading it is that of the pressures alone that gauges showed and the log holds.
+        Readings that cannot be true, of pairs tighter than new ones, are never ok.
         """
         decided_by = self.decided_by
         if decided_by is not None:
             return decided_by.verdict
+        if self.too_tight:
+            return Verdict.WATCH
         within: list[Verdict] = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
         within += () if self.judged else [rule.verdict for rule in self.unit_rules]
         return worst(within or [Verdict.NOT_MEASURED])
@@ -351,14 +375,21 @@ class Diagnosis:
         return tuple(land for land in self.lands if land.in_doubt)
 
     @property
+    def too_tight(self) -> bool:
+        """Tell whether pairs measure so much tighter than new ones that the readings, or the description, are wrong.
+
+        One pair may be so by chance; two are not, nor one whose spool could hardly move: choice of this project.
+        """
+        tight = [land.state for land in self.lands if land.suspect]
+        return len(tight) > 1 or any(each.radial_clearance < 0.25 * each.land.mounting_range[0] for each in tight)
+
+    @property
     def passed(self) -> bool:
         """Tell whether the unit may be shown as good: within all limits, all of it measured, no reading in doubt.
 
         Without a measuring sheet gauges and log alone say so.
         """
-        if self.without_sheet:
-            return self.verdict == Verdict.OK
-        return self.verdict == Verdict.OK and not self.unmeasured and not self.in_doubt
+        return self.verdict == Verdict.OK and (self.without_sheet or not (self.unmeasured or self.in_doubt))
 
     @cached_property
     def judged(self) -> int:
@@ -401,19 +432,18 @@ def diagnose(
     readings
         those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
     road_test
-        log that is judged by itself, and over which leakage is computed where it holds main pressure; of one that is
-        larger than memory the result holds no samples.
+        log that is judged by itself, and over which leakage is computed where it holds main pressure.
     pressures
         gauge readings of the standing vehicle, which are judged by themselves.
     condition
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
-        mileage of the vehicle [km], as the sheet's head states it unless given; with it the mileage at which a worn
-        land reaches its limit is projected, where what it had at 0 km was measured.
+        of the vehicle [km], as the sheet's head states it unless given; with it the one at which a worn land reaches
+        its limit is projected.
     measuring_temperature
         that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
     pump_clearances
-        those measured of this job's pump; what is not given is as the sheet's head states it, else as of a new pump.
+        those measured of this job's pump; else as the sheet's head states them, or as of a new pump.
     instruments, assumptions
         with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
     guard_factor
@@ -432,7 +462,23 @@ def diagnose(
     """
     mileage = _mileage(mileage, readings)
     measured_pump = pump_clearances if readings is None else pump_clearances.or_else(readings.pump)
-    controller = controller.with_measured_pump(measured_pump)
+    described, controller = controller, controller.with_measured_pump(measured_pump)
+    pump_new = None
+    if readings is not None and controller.pump.as_new is not None and profile.pump_efficiency == "wilson":
+        pump_new = diagnose(
+            described,
+            fluid,
+            limits,
+            fluid_state=fluid_state,
+            readings=kept_with(readings, "pump", "new", partial(replace, readings, pump=NO_CLEARANCES)),
+            profile=profile,
+            condition=condition,
+            mileage=mileage,
+            measuring_temperature=measuring_temperature,
+            instruments=instruments,
+            assumptions=assumptions,
+            guard_factor=guard_factor,
+        )
     if readings is not None:
         controller = readings.own_lands.applied(controller)
     condition = condition or controller.operating_points[0]
@@ -473,6 +519,9 @@ def diagnose(
             # carried through for these readings before, where nothing but the conditions has changed since
             known=kept_with(readings, "spreads", (model, limits, instruments, assumptions), Known, most=1),
         )
+        if pump_new is not None and pump_new.uncertainty is not None:  # a worn pump makes no land worn
+            uncertainty = uncertainty.with_lands_of(pump_new.uncertainty)
+        rules = uncertainty.judged(rules)
         test = None if log is None else log.road_test
         of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], test)
     checked = (
@@ -484,7 +533,7 @@ def diagnose(
     )
     lands = tuple(diagnosed_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = messages_of(readings, controller, fluid, profile, projections, idle, drive, states, unworn)
-    messages = [*limits.doubts, *messages]
+    messages = [*messages, *limits.doubts]
     if checked is not None:
         messages += checked.messages
     if drive is not None and drive.without is not None:
@@ -518,6 +567,10 @@ def diagnose(
         uncertainty=uncertainty,
         total_rules=rules.totals,
         pressure_rules=rules.pressures,
+        pump=diagnosed_pump(
+            controller.pump, rules, pump_new.unit_rules if pump_new else (), assumptions.pump_clearance, guard_factor
+        ),
+        pump_new=pump_new,
         complaint=complaint,
         messages=tuple(messages),
     )

@@ -1,16 +1,20 @@
-"""Judge a land: its verdict, the rule that decided it, and what it costs the pump."""
+"""Judge a land: its verdict, the rule that decided it, and what it costs the pump; and the pump itself."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from atleak.catalogue.limits import RuleKind
+from atleak.catalogue.pump import Pump
 from atleak.engine.projection import Projection
+from atleak.equations.uncertainty import probability_over
 from atleak.errors import Message
 from atleak.readings import LandClearance
 from atleak.replace_mileage import replace_mileage
-from atleak.rules import LandKey, Rule, UnitRules
+from atleak.rules import LandKey, Rule, UnitRules, pump_rules
 from atleak.uncertainty import Decision, LandUncertainty, RuleDecision, UnitUncertainty
+from atleak.uncertainty.decision import decide_rule
 from atleak.verdicts import Verdict, worst
 from atleak.wear_line import Crossing
 
@@ -69,6 +73,47 @@ class LandDiagnosis:
         if decided is not None:
             return decided.rule
         return max(self.rules, key=lambda rule: rule.verdict.rank, default=None)
+
+
+@dataclass(frozen=True)
+class PumpDiagnosis:
+    """What was measured of the pump against its limits, and what is past a limit by its wear alone."""
+
+    decisions: tuple[RuleDecision, ...]  # on its measured clearances
+    lacking: tuple[Rule, ...]  # totals and pressures that are better with a new pump, the worst first
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """Return every rule that it is judged by."""
+        return (*(decided.rule for decided in self.decisions), *self.lacking)
+
+    @property
+    def deciding(self) -> Rule | None:
+        """Return the worst of them; None where nothing that was measured has a limit."""
+        return max(self.rules, key=lambda rule: rule.verdict.rank, default=None)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return the verdict of that."""
+        return Verdict.NOT_MEASURED if self.deciding is None else self.deciding.verdict
+
+
+def diagnosed_pump(
+    pump: Pump, rules: UnitRules, with_new: Iterable[Rule], uncertainty: float, guard_factor: float
+) -> PumpDiagnosis:
+    """Judge the pump: its clearances, and what of the unit's rules stands better in those ``with_new`` one.
+
+    ``uncertainty`` is that of a measured clearance [m].
+    """
+    decisions, u = [], uncertainty
+    for rule in pump_rules(pump):
+        limits = [limit for _, limit in rule.steps.levels]
+        over = tuple(probability_over(rule.value, limits, (u,) * len(limits)).tolist())
+        decisions.append(decide_rule(rule, (u,) * len(limits), over, guard_factor, skewed=False))
+    better = {rule.id: rule.verdict.rank for rule in with_new}
+    unit = sorted(rules.of_unit, key=lambda rule: rule.kind is not RuleKind.PERMISSIBLE_PRESSURE)  # what drivers feel
+    lacking = [rule for rule in unit if rule.verdict.rank > better.get(rule.id, rule.verdict.rank)]
+    return PumpDiagnosis(tuple(decisions), tuple(sorted(lacking, key=lambda rule: -rule.verdict.rank)))
 
 
 def diagnosed_land(

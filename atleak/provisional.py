@@ -59,6 +59,8 @@ _RESTS_ON: dict[RuleKind, set[Basis]] = {
     RuleKind.BELOW_LINE: set(),
     RuleKind.PERMISSIBLE_PRESSURE: {*_HELD, Basis.PERMISSIBLE_PRESSURE},
     RuleKind.COMMANDED_PRESSURE: set(),
+    RuleKind.PUMP_SIDE: set(),
+    RuleKind.PUMP_TIP: set(),
 }
 _OF_LANDS = {
     Basis.MOUNTING_CLEARANCE: "mounting_clearance_um",

@@ -14,9 +14,10 @@ from atleak.engine.profile import Profile
 from atleak.engine.projection import Projection
 from atleak.errors import Message
 from atleak.readings import LandClearance, Readings
+from atleak.rules import cannot_be
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
-from atleak.workshop_units import PERCENT
+from atleak.workshop_units import KPA
 
 
 def _what_new_was(controller: Controller) -> Iterable[Message]:
@@ -114,21 +115,28 @@ def _over_limit(name: str, um: float, most: float) -> Sentence:
     )
 
 
-def _new_and_more_than_the_pump(unworn: Iterable[Projection]) -> Iterable[Message]:
-    """Doubt a description by which a new unit leaks more than its pump delivers: such a unit would never have run."""
-    shares = {projection.condition.label: projection for projection in unworn}
-    above = [each for each in shares.values() if each.share is not None and each.share >= 1.0]
-    if above:
+def _cannot_be(unworn: Iterable[Projection]) -> Iterable[Message]:
+    """Doubt a description by which a new unit cannot hold its pressure: such a unit would never have run."""
+    without = {each.condition.label: each for each in unworn if cannot_be(each)}
+    if without:
         text = Sentence(
-            "With every land new it would leak more than the pump delivers: {shares}. Something that describes the "
-            "unit is not so: the pump's displacement, clearances (half of bore minus spool, in µm), diameters or "
-            "pressures.",
-            shares=tuple(
-                Sentence("{share:.1f} % at {condition}", share=each.share * PERCENT, condition=each.condition)
-                for each in above
+            "Not judged: the description of the unit cannot be right. With every land and its pump new it could not "
+            "hold its pressure: {conditions}. Look at the pump's displacement, what consumers take, clearances (half "
+            "of bore minus spool, in µm), diameters and pressures, and at temperature and speed where they were set "
+            "by hand.",
+            conditions=tuple(
+                Sentence(
+                    "{held:.0f} of {required:.0f} {required.unit} at {condition}, its pump supplying {reserve:.2f} "
+                    "times what is taken",
+                    held=Quantity(each.main_pressure_held * KPA, "pressure"),
+                    required=Quantity(each.condition.main_pressure * KPA, "pressure"),
+                    condition=each.condition,
+                    reserve=each.reserve,
+                )
+                for each in without.values()
             ),
         )
-        yield Message("warning", "more_than_the_pump_when_new", text)
+        yield Message("warning", "description_impossible", text)
 
 
 def messages_of(
@@ -155,7 +163,7 @@ def messages_of(
     unworn
         at every condition that is judged, with every land new.
     """
-    messages: list[Message] = [*controller.doubts, *fluid.doubts]
+    messages: list[Message] = [*_cannot_be(unworn), *controller.doubts, *fluid.doubts]
     if controller.representative:
         text = Sentence("{controller}: {what}", controller=Name(controller.name), what=Name(controller.representative))
         messages.append(Message("warning", "controller_representative", text))
@@ -204,7 +212,6 @@ def messages_of(
                 condition=projection.condition,
             )
             messages.append(Message("warning", "pump_delivers_nothing", text))
-    messages += _new_and_more_than_the_pump(unworn)
     if idle is None:
         text = Sentence(
             "{controller} states no operating point hot_idle, where a worn unit fails first.",

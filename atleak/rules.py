@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from atleak.catalogue.circuits import Circuit
+from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import OperatingPoint
-from atleak.catalogue.limits import Level, LimitOrigin, Limits, RuleKind, Steps
+from atleak.catalogue.limits import ROUNDING, Level, LimitOrigin, Limits, RuleKind, Steps, falls_below
+from atleak.catalogue.pump import Pump
 from atleak.engine.projection import Projection
 from atleak.readings import LandClearance
 from atleak.sentence import Name, Sentence
@@ -22,6 +23,7 @@ from atleak.verdicts import Band, Verdict
 
 LandKey = tuple[str, int]
 _OWN_LIMIT_SOURCE = "the valve body's file"
+_MANUAL = "the pump's manual, as the valve body's file states it"
 _EVERYWHERE = Sentence("")
 
 
@@ -36,10 +38,11 @@ class Rule:
     new: float | None = None  # the same of the same land or unit as it may have been when new; None for wear, clearance
     circuit: Circuit | None = None  # whose pressure it is
     where: Sentence = _EVERYWHERE  # in a log or table: at which time or place the value was taken
+    reached: tuple[float, ...] | None = field(default=None, compare=False)  # how likely each level; None: by the value
 
     @cached_property
     def _judged(self) -> tuple[Level, float]:
-        return self.steps.judge(self.value, Band.GREEN if self.kind.in_bands else Verdict.OK)
+        return self.steps.judge(self.value, Band.GREEN if self.kind.in_bands else Verdict.OK, self.reached)
 
     @property
     def level(self) -> Level:
@@ -123,6 +126,8 @@ _LABELS = {
     RuleKind.BELOW_LINE: Sentence("pressure below the line"),
     RuleKind.PERMISSIBLE_PRESSURE: Sentence("main pressure below the permissible"),
     RuleKind.COMMANDED_PRESSURE: Sentence("main pressure off the commanded"),
+    RuleKind.PUMP_SIDE: Sentence("side clearance of the pump"),
+    RuleKind.PUMP_TIP: Sentence("tip clearance of the pump"),
 }
 _IDS = {
     RuleKind.WEAR: "wear",
@@ -134,6 +139,8 @@ _IDS = {
     RuleKind.BELOW_LINE: "below_line",
     RuleKind.PERMISSIBLE_PRESSURE: "below_permissible_pressure",
     RuleKind.COMMANDED_PRESSURE: "off_commanded_pressure",
+    RuleKind.PUMP_SIDE: "pump_side_clearance",
+    RuleKind.PUMP_TIP: "pump_tip_clearance",
 }
 
 
@@ -145,6 +152,11 @@ class UnitRules:
     totals: tuple[Rule, ...]  # in the order of the conditions
     pressures: tuple[Rule, ...]  # reserves, circuits and permissible pressures, in the order of the conditions
     limits: Limits  # the set that was applied
+
+    @property
+    def of_unit(self) -> tuple[Rule, ...]:
+        """Return the rules of the whole unit, totals first."""
+        return (*self.totals, *self.pressures)
 
     def of_land(self, key: LandKey) -> tuple[Rule, ...]:
         """Return the rules of one land; none where it was not measured."""
@@ -190,25 +202,49 @@ def _pressure_rules(now: Projection, new: Projection, limits: Limits) -> Iterabl
                 yield Rule(
                     RuleKind.CIRCUIT_LOSS, condition, moved, limits.circuit_loss, when_new.pressure, circuit.circuit
                 )
-    low = permissible_low(now, new)
-    if low is not None and limits.below_permissible is not None:
-        below = 1.0 - now.main_pressure_held / low
-        yield Rule(RuleKind.PERMISSIBLE_PRESSURE, condition, below, limits.below_permissible, new.main_pressure_held)
+    low = permissible_low(now)
+    below = None if now.permissible is None else permissible_steps(now.permissible, limits)
+    if low is not None and below is not None:
+        value = 1.0 - now.main_pressure_held / low
+        yield Rule(RuleKind.PERMISSIBLE_PRESSURE, condition, value, below, new.main_pressure_held)
 
 
-def permissible_low(now: Projection, new: Projection) -> float | None:
+def permissible_low(now: Projection) -> float | None:
     """Return the lowest permissible main pressure at a condition [Pa], or None where there is none to judge by.
 
     A main pressure that is only assumed is not judged: where the condition itself states less than is permissible, and
-    the pump holds it. Nor is one judged by more than the same unit new holds.
+    the pump holds it. Nor is one judged by more than the condition states.
     """
     condition, permissible = now.condition, now.permissible
     if permissible is None or permissible.low is None:
         return None
     if condition.main_pressure < permissible.low and not now.pressure_falls:
         return None
-    low = min(permissible.low, new.main_pressure_held)
-    return low if low > 0.0 else None
+    return min(permissible.low, condition.main_pressure) or None
+
+
+def permissible_steps(permissible: PermissiblePressure, limits: Limits) -> Steps | None:
+    """Return the limits of a computed main pressure below the permissible: one under a published least is critical."""
+    if limits.below_permissible is None or not permissible.published:
+        return limits.below_permissible
+    return Steps(((Verdict.CRITICAL, 0.0),), LimitOrigin.PUBLISHED, permissible.source)
+
+
+def cannot_be(new: Projection) -> bool:
+    """Tell whether a new unit as it is described cannot hold its pressure: no such unit has ever run."""
+    low = permissible_low(new)
+    return falls_below(new.reserve, 1.0) or (low is not None and falls_below(new.main_pressure_held, low))
+
+
+def pump_rules(pump: Pump) -> tuple[Rule, ...]:
+    """Return the rules of the pump's measured clearances, each with the most that its manual allows."""
+    now, most, rules = pump.measured, pump.limits, []
+    for kind, clearance, limit in ((RuleKind.PUMP_SIDE, now.side, most.side), (RuleKind.PUMP_TIP, now.tip, most.tip)):
+        if clearance is not None and limit is not None:
+            allowed = limit * (1.0 + 2.0 * ROUNDING)  # so much is allowed, and more is not
+            steps = Steps(((Verdict.REPLACE, allowed),), LimitOrigin.PUBLISHED, _MANUAL)
+            rules.append(Rule(kind, None, clearance, steps))
+    return tuple(rules)
 
 
 def _share_rule(kind: RuleKind, at: Projection, share: float, new: float, steps: Steps) -> Rule:
@@ -231,6 +267,7 @@ def land_rules(state: LandClearance, at: Sequence[tuple[Projection, Projection]]
         rules += [
             _share_rule(RuleKind.PAIR_SHARE, now, now.share_drawn_by(land.key), new.share_drawn_by(land.key), pair)
             for now, new in at
+            if not cannot_be(new)  # a share of such a pump says nothing of a land
         ]
     return tuple(rules)
 

@@ -162,15 +162,13 @@ class Wording:
         return f"{look_of(level).sign} {self.level(level)}"
 
     def number(self, value: float | None, digits: int) -> str:
-        """Return a number with the language's decimal sign; a dash where unknown, ∞ where infinite.
+        """Return a number with the language's decimal sign; a dash where there is none.
 
         >>> wording("de").number(-1234.5, 1)
         '−1\u00a0234,5'
         """
-        if value is None or math.isnan(value):
+        if value is None or not math.isfinite(value):
             return "–"
-        if math.isinf(value):
-            return "∞"
         text = f"{value:,.{digits}f}".replace(",", _NARROW).replace(".", self.texts["decimal"])
         return text.replace("-", "−") if float(f"{value:.{digits}f}") != 0.0 else text.replace("-", "")
 

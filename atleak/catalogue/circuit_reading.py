@@ -21,6 +21,7 @@ from atleak.catalogue.circuits import (
     SetPressure,
     StandingPressure,
 )
+from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.section_pressures import DRAINS, SECTIONS
 from atleak.sentence import Sentence
@@ -179,14 +180,15 @@ def read_standing(tables: Sequence[PermissiblePressureTable], reading: Reading) 
                     twice = Sentence("range given twice for the state {state}", state=table.state)
                     _refuse_twice(twice, "ranges", ranges & other.ranges, where, reading)
             low, high = (None if kpa is None else kpa * 1e3 for kpa in (table.low_kpa, table.high_kpa))
-            standing.append(StandingPressure(gears, ranges, table.state, low, high, table.source))
+            published = table.evidence is not Evidence.REPRESENTATIVE
+            standing.append(StandingPressure(gears, ranges, table.state, low, high, table.source, published))
     return tuple(standing)
 
 
 def permissible_in_gear(standing: Iterable[StandingPressure]) -> tuple[PermissiblePressure, ...]:
     """Return those of them that hold in gears, at operating points and over logs."""
     return tuple(
-        PermissiblePressure(each.gears, each.state, each.low, each.high, each.source)
+        PermissiblePressure(each.gears, each.state, each.low, each.high, each.source, each.published)
         for each in standing
         if each.gears and each.state != "fast_idle"
     )

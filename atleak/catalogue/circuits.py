@@ -144,6 +144,7 @@ class PermissiblePressure:
     low: float | None  # [Pa]
     high: float | None  # [Pa]
     source: str
+    published: bool = True  # else representative
 
 
 @dataclass(frozen=True)
@@ -156,6 +157,7 @@ class StandingPressure:
     low: float | None  # [Pa]
     high: float | None  # [Pa]
     source: str
+    published: bool = True  # else representative
 
 
 def _at_point(stated: Mapping[str, float], point: OperatingPoint) -> float:

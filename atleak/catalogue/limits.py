@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
@@ -67,6 +67,8 @@ class RuleKind(StrEnum):
     BELOW_LINE = "below_line"  # [Pa] how far a circuit's gauge is below that of the line; limited as the loss
     PERMISSIBLE_PRESSURE = "permissible_pressure"  # how far main pressure is below the permissible, a fraction of it
     COMMANDED_PRESSURE = "commanded_pressure"  # [Pa] how far main pressure is from what is commanded
+    PUMP_SIDE = "pump_side_clearance"  # [m] of the pump
+    PUMP_TIP = "pump_tip_clearance"  # [m]
 
     @property
     def factor(self) -> float:
@@ -105,9 +107,10 @@ class RuleKind(StrEnum):
 
 
 _FRACTION, _PRESSURE = (PERCENT, "%", "percent", None), (KPA, "kPa", "kpa", "pressure")
+_CLEARANCE = (UM, "µm", "um", "clearance")
 _UNITS: Mapping[RuleKind, tuple[float, str, str, str | None]] = {
     RuleKind.WEAR: _FRACTION,
-    RuleKind.CLEARANCE: (UM, "µm", "um", "clearance"),
+    RuleKind.CLEARANCE: _CLEARANCE,
     RuleKind.PAIR_SHARE: _FRACTION,
     RuleKind.TOTAL_SHARE: _FRACTION,
     RuleKind.RESERVE: (1.0, "", "", None),
@@ -115,6 +118,8 @@ _UNITS: Mapping[RuleKind, tuple[float, str, str, str | None]] = {
     RuleKind.BELOW_LINE: _PRESSURE,
     RuleKind.PERMISSIBLE_PRESSURE: _FRACTION,
     RuleKind.COMMANDED_PRESSURE: _PRESSURE,
+    RuleKind.PUMP_SIDE: _CLEARANCE,
+    RuleKind.PUMP_TIP: _CLEARANCE,
 }
 
 
@@ -128,7 +133,8 @@ class Steps:
     of the pump's flow. A level with no limit of its own is reached by growth alone.
 
     Of a reserve the limits fall, and a level is reached under its limit. Where the same unit new is itself under one,
-    the level begins where the reserve has fallen by the fraction ``fall`` from that of the new one.
+    the level begins where the reserve has fallen by the fraction ``fall`` from that of the new one, the worst at 1 at
+    the least.
     """
 
     levels: tuple[tuple[Level, float], ...]
@@ -155,7 +161,7 @@ class Steps:
         [('amber', 1.26), ('critical', 1.0)]
         """
         limits: list[tuple[Level, Any]] = []
-        least: Any = 0.0
+        least: Any = min(self.levels[-1][1], 1.0)  # under 1 the pump cannot hold the line, whatever a new unit does
         for level, limit in reversed(self.levels):  # a level never begins below a worse one
             fallen = np.where(new < limit, (1.0 - (self.fall or 0.0)) * new, limit)
             least = np.maximum(fallen, least)
@@ -193,22 +199,24 @@ class Steps:
             limits.append((level, max(limit, limits[-1][1]) if limits else limit))
         return tuple(limits)
 
-    def judge(self, value: float, below: Level) -> tuple[Level, float]:
+    def judge(self, value: float, below: Level, reached: Sequence[float] | None = None) -> tuple[Level, float]:
         """Return the level that a value has reached and its limit; ``below`` and the lowest limit under all of them.
 
         The lowest is not always the first: growth over a unit that draws much when new can begin above a fixed limit.
+        Where ``reached`` says how likely the true value has reached each level, the highest counts of which that is as
+        likely as not: a value may stand within a limit that the unit has probably passed.
 
         >>> steps = Steps(((Verdict.WATCH, 10.0), (Verdict.REPLACE, 50.0)), LimitOrigin.PUBLISHED, "")
         >>> level, limit = steps.judge(50.0, Verdict.OK)
         >>> level.value, limit
         ('replace', 50.0)
+        >>> steps.judge(9.0, Verdict.OK, (0.6, 0.3))[0].value
+        'watch'
         """
         passes, first = (falls_below, max) if self.falling else (reaches, min)
-        reached, limit = below, first(level for _, level in self.levels)
-        for name, level in self.levels:
-            if passes(value, level):
-                reached, limit = name, level
-        return reached, limit
+        likely = [passes(value, limit) for _, limit in self.levels] if reached is None else [p >= 0.5 for p in reached]
+        past = [each for each, passed in zip(self.levels, likely, strict=True) if passed]
+        return past[-1] if past else (below, first(limit for _, limit in self.levels))
 
     def limit_of(self, level: Level) -> float | None:
         """Return the limit at which a level begins; None where the set does not name it."""

@@ -112,6 +112,7 @@ class RepairPlan:
     unmeasured: int  # lands of which a part was not measured and is computed as new
     choice: Choice  # that the steps carry out
     judged: bool = True  # whether any land was measured: else there is nothing to plan
+    pump_first: bool = False  # the pump is past a limit: it is repaired first, and counts as new in all of this
 
     @property
     def cost(self) -> Cost | None:
@@ -166,13 +167,14 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
         ends=ends,
         remaining=tuple(
             _remainder(diagnosis, end, new)
-            for end, new in zip(ends, diagnosis.new_projections, strict=True)
+            for end, new in zip(ends, choice.unit.diagnosis.new_projections, strict=True)
             if end.band is not Band.GREEN
         ),
         pressures_past=tuple(rule for end in ends for rule in end.pressure_rules if rule.verdict.flagged),
         unmeasured=len(diagnosis.lands) - diagnosis.measured,
         choice=choice,
         judged=any(land.state.judged for land in diagnosis.lands),
+        pump_first=diagnosis.pump.verdict.flagged,
     )
 
 

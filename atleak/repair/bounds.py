@@ -139,7 +139,7 @@ class Target:
 
     def _line(self) -> Sum | None:
         """Return that the pump covers what is drawn at the least line pressure that must be held."""
-        low, at = permissible_low(self.judged.projection, self.judged.unworn), self.at
+        low, at = permissible_low(self.judged.projection), self.at
         if low is None:
             return None
         main, model, point = low * (1.0 - self.limit), at.model, at.point

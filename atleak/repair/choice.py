@@ -153,7 +153,7 @@ def choose(
         required = flagged if goal is Goal.EVERY_LIMIT else wanted
         required = [key for key in required if moves.of_land[key]]
         for end in (_best_states(moves, unit), moves.choice(together(moves.all))):
-            targets = _targets(unit, end)
+            targets = [] if diagnosis.impossible else _targets(unit, end)  # of such a unit nothing is up to the lands
             for basis in (Basis.FEWEST,) if fewest else _bases(moves, flagged):
                 allowed = [move for move in moves.all if basis is Basis.FEWEST or prices.cost(move) is not None]
                 objectives = partial(_objectives, moves, basis, unit)

@@ -31,7 +31,6 @@ class Judged:
 
     rule: Rule  # of the unit as measured, whose limits hold after a repair too
     projection: Projection  # as measured
-    unworn: Projection  # of the unit as it may have been when new
 
     def value(self, leakage: Any, pressures: Mapping[str, Any]) -> Any:
         """Return the rule's value from the leakage [m³/s] and the pressures held [Pa]; numbers or arrays."""
@@ -44,12 +43,13 @@ class Judged:
             return np.divide(at.pump_supply, demand, out=np.full(demand.shape, math.inf), where=demand > 0.0)
         if rule.circuit is not None:
             return abs((rule.new or 0.0) - pressures[rule.circuit.id])
-        low = permissible_low(at, self.unworn)
+        low = permissible_low(at)
         return 1.0 - pressures[LINE] / low if low else rule.value + 0.0 * pressures[LINE]
 
-    def after(self, leakage: float, pressures: Mapping[str, float]) -> Rule:
-        """Return the rule with the value that it has after a repair."""
-        return replace(self.rule, value=float(self.value(leakage, pressures)))
+    def after(self, leakage: float, pressures: Mapping[str, float], *, repaired: bool) -> Rule:
+        """Return the rule with the value that it has then; how sure a level is, nobody computes for a repaired unit."""
+        rule = replace(self.rule, reached=None) if repaired else self.rule
+        return replace(rule, value=float(self.value(leakage, pressures)))
 
     def limit(self, worst: Verdict) -> float | None:
         """Return the limit that the value must keep to be no worse than a verdict; None where there is none."""
@@ -72,6 +72,7 @@ class Total:
     others: tuple[Judged, ...]  # reserve and pressures
     leakage: float  # [m³/s] drawn from the pump
     pressures: Mapping[str, float]  # [Pa] that the line, as p_g, and every circuit hold
+    repaired: bool  # whether any land was
 
     @property
     def projection(self) -> Projection:
@@ -86,7 +87,7 @@ class Total:
     @cached_property
     def rule(self) -> Rule:
         """Return the rule of the total, judged anew."""
-        return self.total.after(self.leakage, self.pressures)
+        return self.total.after(self.leakage, self.pressures, repaired=self.repaired)
 
     @property
     def share(self) -> float:
@@ -101,7 +102,7 @@ class Total:
     @cached_property
     def pressure_rules(self) -> tuple[Rule, ...]:
         """Return the rules of reserve, circuits and permissible pressure, judged anew."""
-        return tuple(each.after(self.leakage, self.pressures) for each in self.others)
+        return tuple(each.after(self.leakage, self.pressures, repaired=self.repaired) for each in self.others)
 
     @property
     def past(self) -> tuple[Rule, ...]:
@@ -149,12 +150,13 @@ class RepairedAt:
 class RepairableUnit:
     """A diagnosed unit of which each land is as measured, state 0, or as one of several repairs leaves it.
 
+    A pump past its limits is taken as new: it is repaired first, and what is then left is up to the lands.
     ``states`` holds the further states of each land, the first of them with the number 1.
     """
 
     def __init__(self, diagnosis: Diagnosis, states: Mapping[LandKey, Sequence[LandClearance]]) -> None:
-        self.diagnosis, self.states = diagnosis, states
-        model = diagnosis.model
+        self.diagnosis, self.states = diagnosis.valve_body, states
+        model = self.diagnosis.model
         models = [model]
         for number in range(max(map(len, states.values()), default=0)):
             clearances = (
@@ -175,10 +177,9 @@ class RepairableUnit:
         return tuple(tuple(self._judged(each)) for each in self.diagnosis.projections)
 
     def _judged(self, projection: Projection) -> Iterator[Judged]:
-        unworn = self.diagnosis.unworn_at(projection)
-        yield Judged(self.diagnosis.total_rule(projection), projection, unworn)
+        yield Judged(self.diagnosis.total_rule(projection), projection)
         for rule in self.diagnosis.pressure_rules_at(projection):
-            yield Judged(rule, projection, unworn)
+            yield Judged(rule, projection)
 
     def repaired(self, choices: Sequence[LandChoice]) -> list[Repaired]:
         """Compute every condition for several choices at once."""
@@ -194,6 +195,7 @@ class RepairableUnit:
                     tuple(others),
                     float(done.leakage[number]),
                     {name: float(pressure[number]) for name, pressure in done.pressures.items()},
+                    repaired=bool(choices[number]),
                 )
                 for (total, *others), done in at_conditions
             )

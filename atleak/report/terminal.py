@@ -27,12 +27,12 @@ from atleak.variants import VariantResult
 from atleak.verdicts import Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
-from atleak.views.first_sentence import shown_verdict
+from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
 from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.pressures import pressures_at
-from atleak.views.pump_words import pump_sentence
+from atleak.views.pump_words import pump_sentence, worn_pump
 from atleak.views.repair_options import option_rows, planned
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
@@ -91,6 +91,9 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     for line in (*caveats(diagnosis, say), readings_in_doubt(diagnosis, say)):
         if line is not None:
             console.print(Text(line))
+    said = "; ".join(may_parts(diagnosis, say))
+    if said:
+        console.print(Text(f"{begun(said)}."))
     for line in _complaint(diagnosis):
         console.print(Text(line))
     if not diagnosis.without_sheet:
@@ -260,16 +263,25 @@ def _between(record: dict[str, Any], name: str, digits: int) -> str:
 
 def _verdict(diagnosis: Diagnosis) -> str:
     """Return the verdict of the unit, and which land or total gave it."""
-    decided_by, marks, level = diagnosis.decided_by, caveat_marks(diagnosis, wording("en")), shown_verdict(diagnosis)
+    say = wording("en")
+    decided_by, marks, level = diagnosis.decided_by, caveat_marks(diagnosis, say), shown_verdict(diagnosis)
     within = level != diagnosis.verdict  # nothing is past a limit, and something is open or in doubt
-    word = f"{look_of(level).sign} {wording('en')('diagnosis.open')}" if within else signed(level)
+    word = f"{look_of(level).sign} {say('diagnosis.open')}" if within else signed(level)
     sentence = f"unit: {word}" + (f" ({', '.join(marks)})" if marks else "")
+    pump = worn_pump(diagnosis, say)
+    if diagnosis.impossible:
+        return f"{sentence}: {impossible_part(diagnosis, say)}"
+    if pump is not None:
+        sentence = f"{sentence}. {pump}"
+        if decided_by is diagnosis.pump:
+            return sentence
     if decided_by is None:
         alone = diagnosis.without_sheet and diagnosis.verdict != Verdict.NOT_MEASURED
         return f"{sentence}, by the main pressure of {_measured_by(diagnosis)} alone" if alone else sentence
     if isinstance(decided_by, Rule):
-        because = because_of(diagnosis, decided_by, wording("en"))
+        because = because_of(diagnosis, decided_by, say)
         return f"{sentence} {because}" if because else f"{sentence}, decided by the {decided_by.label}"
+    assert isinstance(decided_by, LandDiagnosis)
     component, land = decided_by.key
     return f"{sentence}, decided by {component}/{land} {diagnosis.controller.components[component]}"
 
@@ -300,6 +312,7 @@ def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterato
     rule = diagnosis.total_rule(projection)
     new = "" if rule.growth is None else f"; {when_new(diagnosis, projection, rule.growth)}"
     share = f"{projection.share * PERCENT:.1f} % of the pump's flow" + (" demanded" if projection.share > 1.0 else "")
+    share = share if projection.pump_capacity > 0.0 else "at this condition the pump delivers nothing"
     band = diagnosis.band(projection) or "as new, not measured"
     yield f"{number}. {projection.condition.label}: {share}, {band}{worst}{new}"
     flows = f"{projection.leakage * DM3_MIN:.2f} of {projection.pump_capacity * DM3_MIN:.2f} dm³/min"
@@ -384,7 +397,8 @@ def _helps(step: RepairStep) -> str:
     if not step.helps:
         return no_help(step)
     at = step.at
-    shares = f"{at.before.share * PERCENT:.1f} → {at.after.share * PERCENT:.1f} %"
+    before, after = (wording("en").number(each.share * PERCENT, 1) for each in (at.before, at.after))
+    shares = f"{before} → {after} %"
     return f"total share at {at.condition.label} {shares} ({at.after.band})"
 
 
@@ -424,7 +438,7 @@ def _judged(verdict: Verdict | None) -> str:
 def _share(cell: LandAtCondition) -> Text:
     if cell.leakage == 0.0:
         return Text("–")
-    share = f"{cell.share * PERCENT:.2f}"
+    share = wording("en").number(cell.share * PERCENT, 2)
     if cell.verdict is None:
         return Text(share)
     look = look_of(cell.verdict)

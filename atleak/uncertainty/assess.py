@@ -46,6 +46,7 @@ from atleak.verdicts import Band
 from atleak.workshop_units import UM
 
 COVERAGE = 0.95
+_OPEN = 0.49  # at most so likely is it that a land which has not surely grown draws too much because of its wear
 
 
 def assess(
@@ -215,8 +216,8 @@ def _decided(
     if rule.kind is RuleKind.PAIR_SHARE:
         assert rule.condition is not None
         share = spreads[rule.condition].share_spread
-        skewed = share.standard_uncertainty > 0.0
-        return decide_rule(rule, share.level_uncertainties, share.probabilities, guard_factor, skewed=skewed)
+        likely = share.probabilities if land.grown else tuple(min(p, _OPEN) for p in share.probabilities)
+        return decide_rule(rule, share.level_uncertainties, likely, guard_factor, skewed=True)
     worn = rule.kind is RuleKind.WEAR
     us = _wear_uncertainties(land, limits) if worn else (land.standard_uncertainty,) * len(reached)
     each = tuple(probability_over(rule.value, reached, us).tolist())

@@ -166,7 +166,11 @@ def decide_rule(
     guard_factor: float,
     skewed: bool,
 ) -> RuleDecision:
-    """Decide a rule level by level; uncertainty and probability over the limit are given for each of its levels."""
+    """Decide a rule level by level; uncertainty and probability over the limit are given for each of its levels.
+
+    Where the value is ``skewed``, the rule's level follows from the probabilities: it has most likely been reached.
+    """
+    rule = replace(rule, reached=probabilities) if skewed else rule
     sign = -1.0 if rule.steps.falling else 1.0  # under a falling limit is over the same limit with another sign
     levels = tuple(
         LevelDecision(name, limit, decide(sign * rule.value, sign * limit, u, guard_factor, p if skewed else None), p)

@@ -15,6 +15,7 @@ from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.line import consumed, fall_to_set_pressure, sections_held
 from atleak.engine.projection import Projection
+from atleak.rules import permissible_steps
 from atleak.uncertainty.spread import Spread, interval_of, spread_of
 
 Interval = tuple[float, float]
@@ -131,11 +132,11 @@ def pressure_spread(
     reached: Sequence[Any] = [limit for _, limit in steps.under(when_unworn)] if steps else ()
     shape = demand_shape(model, point)
     main, pressures = now.held(point, shape)
-    main_unworn, pressures_unworn = unworn.held(point, shape)
+    _, pressures_unworn = unworn.held(point, shape)
     return PressureSpread(
         reserve=spread_of(reserve, reached, coverage, falling=True),
         main_pressure_interval=interval_of(main, coverage),
-        below_permissible=_below(projection, main, main_unworn, now.pressures["p_g"], limits, coverage),
+        below_permissible=_below(projection, main, now.pressures["p_g"], limits, coverage),
         circuits={
             state.circuit.id: _circuit(state.circuit.id, pressures, pressures_unworn, main.shape, limits, coverage)
             for state in projection.circuits
@@ -152,18 +153,16 @@ def _circuit(
     return CircuitSpread(interval_of(pressure, coverage), spread_of(np.abs(before - pressure), reached, coverage))
 
 
-def _below(
-    projection: Projection, main: np.ndarray, unworn: np.ndarray, required: Any, limits: Limits, coverage: float
-) -> Spread | None:
+def _below(projection: Projection, main: np.ndarray, required: Any, limits: Limits, coverage: float) -> Spread | None:
     """Return how far the line pressure that holds is below the permissible.
 
     What is required is required: how well it is known does not count, only how much of it holds.
     """
-    permissible, steps = projection.permissible, limits.below_permissible
+    permissible = projection.permissible
+    steps = None if permissible is None else permissible_steps(permissible, limits)
     if permissible is None or permissible.low is None or steps is None:
         return None
     stated = projection.condition.main_pressure
-    held, held_unworn = main / required * stated, unworn / required * stated
-    low = np.maximum(np.minimum(permissible.low, held_unworn), 1.0)
+    below = 1.0 - main / required * stated / max(min(permissible.low, stated), 1.0)
     tiny = 1e-9  # a pressure that equals the permissible is not below it
-    return spread_of(1.0 - held / low, [max(limit, tiny) for _, limit in steps.levels], coverage)
+    return spread_of(below, [max(limit, tiny) for _, limit in steps.levels], coverage)

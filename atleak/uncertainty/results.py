@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from atleak.catalogue.instruments import Instruments, Part
 from atleak.catalogue.limits import RuleKind
 from atleak.engine.extremes import Instant
 from atleak.errors import Message
-from atleak.rules import Rule
+from atleak.rules import Rule, UnitRules
 from atleak.sentence import Sentence
 from atleak.uncertainty.advice import Remedy, advise, gauges_that_do, remedy
 from atleak.uncertainty.assumptions import Assumptions
@@ -238,6 +238,18 @@ class UnitUncertainty:
     def land(self, key: tuple[str, int]) -> LandUncertainty:
         """Return one land by component and number."""
         return self._by_key[key]
+
+    def with_lands_of(self, other: UnitUncertainty) -> UnitUncertainty:
+        """Return the same with the lands' rules of the same unit with another pump, by which they are judged."""
+        lands = (replace(mine, rules=theirs.rules) for mine, theirs in zip(self.lands, other.lands, strict=True))
+        return replace(self, lands=tuple(lands))
+
+    def judged(self, rules: UnitRules) -> UnitRules:
+        """Return the rules that were decided, each with the level that is most likely reached."""
+        of_lands = {land.key: tuple(each.rule for each in land.rules) for land in self.lands if land.key in rules.lands}
+        totals = tuple(each.decision.rule for each in self.totals)
+        pressures = tuple(each.rule for total in self.totals for each in total.pressures)
+        return replace(rules, lands=of_lands, totals=totals, pressures=pressures)
 
     def on(self, rule: Rule) -> RuleDecision | None:
         """Return the decision on a rule of the whole unit; None where there is none."""

@@ -54,6 +54,7 @@ TOLERANCE_HOLDS = 0.95  # of the pairs of a type, as a tolerance of the mounting
 AVERAGED_FROM = 0.6  # of a step: readings that spread more average their rounding out, but for 3e-8 of its variance
 ENOUGH_DEGREES = 6  # of freedom, from which on the repeats are trusted alone: choice of this project
 _SUSPECT = 3.0  # standard uncertainties under the mounting clearance: choice of this project
+_GROWN = 1.645  # standard uncertainties over the widest new pair: with 95 % probability
 _STEPS = (0.1e-6, 0.254e-6, 0.5e-6, 1e-6, 1.27e-6, 2e-6, 2.54e-6, 5e-6, 1e-5, 1.27e-5, 2.54e-5)  # [m]
 STEP_TOLERANCE = 1e-9  # [m]
 _READINGS_THAT_SHOW_A_STEP = 12
@@ -203,6 +204,13 @@ class LandSources:
         low, high = self.state.land.mounting_range
         u = math.hypot(self.standard_uncertainty, self.u_mounting if low == high else 0.0)
         return self.state.status == "measured" and self.state.radial_clearance < low - _SUSPECT * u
+
+    @property
+    def grown(self) -> bool:
+        """Return whether the clearance has surely grown: past the widest of new pairs, with 95 % probability."""
+        pair = self.state.land
+        u = math.hypot(self.standard_uncertainty, self.u_mounting if pair.widest_new == pair.mounting_range[0] else 0.0)
+        return self.state.radial_clearance - pair.widest_new > _GROWN * u
 
     def variance_with(
         self,

@@ -11,12 +11,13 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.line import LINE
 from atleak.keeping import kept_with
+from atleak.land_diagnosis import LandDiagnosis, PumpDiagnosis
 from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
-from atleak.views.condition_record import condition_record, finite, scaled
+from atleak.views.condition_record import condition_record, finite, scaled, unit_rule_record
 from atleak.views.gauge_rows import gauge_record
 from atleak.views.measure_first import measure_first, reason
 from atleak.views.message_record import message_record
@@ -88,7 +89,10 @@ def head_record(diagnosis: Diagnosis) -> dict[str, Any]:
             "state": diagnosis.fluid.state,
             "state_assumed": diagnosis.fluid_state_assumed,
         },
-        "pump": pump_record(diagnosis),
+        "pump": {
+            **pump_record(diagnosis),
+            "rules": [unit_rule_record(diagnosis, rule) for rule in diagnosis.pump.rules],
+        },
         "limits": limits_record(diagnosis.limits),
         "mileage_km": diagnosis.mileage,
         "readings": {
@@ -118,13 +122,15 @@ def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
         "upper_bound": diagnosis.upper_bound,
     }
     if decided_by is None:
-        return {**verdict, "decided_by": None}
+        nothing = dict.fromkeys(("condition", "component", "land", "circuit", "where", "rule", "value", "limit"))
+        return {**verdict, "decided_by": {"kind": "readings", **nothing} if diagnosis.verdict.flagged else None}
     rule = decided_by if isinstance(decided_by, Rule) else decided_by.deciding
-    component, land = (None, None) if isinstance(decided_by, Rule) else decided_by.key
+    component, land = decided_by.key if isinstance(decided_by, LandDiagnosis) else (None, None)
+    kind = "pump" if isinstance(decided_by, PumpDiagnosis) else "land"
     return {
         **verdict,
         "decided_by": {
-            "kind": _DECIDING.get(rule.kind, rule.kind) if isinstance(decided_by, Rule) and rule else "land",
+            "kind": _DECIDING.get(rule.kind, rule.kind) if isinstance(decided_by, Rule) and rule else kind,
             "condition": rule.condition.name if rule and rule.condition else None,
             "component": component,
             "land": land,

@@ -12,9 +12,11 @@ from atleak.verdicts import FLAGGED, Verdict
 from atleak.views.land_names import land_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import worst_pressure
+from atleak.views.pump_words import worn_pump
 from atleak.views.rule_words import rule_reached
-from atleak.views.sentences import because_of, land_in_words
+from atleak.views.sentences import because_of, land_in_words, may_be
 from atleak.wording import Wording
+from atleak.workshop_units import KPA
 
 NAMED = 4  # lands that the sentence names one by one: choice of this project
 
@@ -35,6 +37,11 @@ def _parts(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     measured = measured_sentence(diagnosis, say)
     if measured is not None:
         yield measured
+    pump = worn_pump(diagnosis, say)
+    if diagnosis.impossible:
+        yield impossible_part(diagnosis, say)
+    elif pump is not None:
+        yield pump
     if diagnosis.without_sheet:
         yield say("findings.alone")
         return
@@ -45,11 +52,12 @@ def _parts(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
         reached = "" if rule is None else rule_reached(rule, say)
         yield say("diagnosis.decides", land=land_in_words(diagnosis, decided_by.key, say), rule=reached)
         pressure = worst_pressure(diagnosis)
-        if pressure is not None:
+        if pressure is not None and pressure not in diagnosis.pump.lacking:
             yield f"{say.signed(pressure.verdict)} {because_of(diagnosis, pressure, say) or ''}".rstrip()
-    elif isinstance(decided_by, Rule) and measured is None:
+    elif isinstance(decided_by, Rule) and measured is None and not diagnosis.impossible:
         because = because_of(diagnosis, decided_by, say)
         yield because or say("diagnosis.by_rule", rule=rule_reached(decided_by, say))
+    yield from may_parts(diagnosis, say)
     yield from _open(diagnosis, say)
     yield total_part(diagnosis, say)
 
@@ -66,6 +74,28 @@ def lands_part(diagnosis: Diagnosis, say: Wording) -> str:
         return say("diagnosis.none_past", measured=diagnosis.judged)
     none_counts = diagnosis.readings is not None and not diagnosis.readings.readings
     return say(f"diagnosis.nothing_{'counts' if none_counts else 'measured'}")
+
+
+def impossible_part(diagnosis: Diagnosis, say: Wording) -> str:
+    """Say that the description cannot be right, by the condition at which its new unit lacks most."""
+    new = min(diagnosis.impossible, key=lambda each: (each.main_pressure_held, each.reserve))
+    return say(
+        "diagnosis.impossible",
+        condition=say.condition(new.condition),
+        held=say.value(new.main_pressure_held * KPA, "pressure", 0),
+        required=say.value(new.condition.main_pressure * KPA, "pressure", 0),
+        reserve=say.number(new.reserve, 2),
+    )
+
+
+def may_parts(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
+    """Say how far a pressure within its limits may fall, where that is not sure: the one likeliest past a limit."""
+    decided = [diagnosis.decided(rule) for rule in diagnosis.pressure_rules if not rule.verdict.flagged]
+    open_ones = [each.at_first_level for each in decided if each is not None and each.at_first_level.conditional]
+    worst = max(open_ones, key=lambda each: each.probability_over_limit, default=None)
+    said = None if worst is None else may_be(diagnosis, worst.rule, say)
+    if said is not None:
+        yield said
 
 
 def _open(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:

@@ -12,7 +12,7 @@ from atleak.workshop_units import PERCENT
 def positions(diagnosis: Diagnosis, projection: Projection) -> str:
     """Say in English for which position of the spools flows are given, and the total share as they may lie."""
     band = position_band(diagnosis, projection)
-    if band is None:
+    if band is None or projection.pump_capacity <= 0.0:
         return spools_taken(diagnosis.profile)
     low, high = (each * PERCENT for each in band)
     digits = 0 if high >= 10.0 else 1  # a small share rounded to 0 would say that nothing leaks

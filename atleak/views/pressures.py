@@ -127,7 +127,7 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, repaired: Sequenc
             rule=rule,
             decided=diagnosis.decided(rule) if rule else None,
             verdict=diagnosis.verdict_on(rule),
-            causes=losses.get(circuit.id, {}),
+            causes={} if rule in diagnosis.pump.lacking else losses.get(circuit.id, {}),
         )
 
     line = HeldPressure(
@@ -139,11 +139,11 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, repaired: Sequenc
         set_pressure=projection.condition.main_pressure,
         vented=False,
         permissible=projection.permissible,
-        low=permissible_low(projection, new),
+        low=permissible_low(projection),
         rule=permissible,
         decided=diagnosis.decided(permissible) if permissible else None,
         verdict=diagnosis.verdict_on(permissible),
-        causes=losses.get(LINE, {}),
+        causes={} if any(each in diagnosis.pump.lacking for each in (permissible, reserve)) else losses.get(LINE, {}),
     )
     circuits = tuple(circuit(state) for state in projection.circuits)
     stated = diagnosis.controller.line

@@ -26,6 +26,8 @@ def pump_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "slip_coefficient_new": pump.as_new.slip_coefficient if pump.as_new is not None else None,
     }
     of = {"measured": pump.measured, "new": pump.clearances, "limit": pump.limits}
+    verdict = diagnosis.pump.verdict
+    record |= {"verdict": verdict, "repairs": [{"work": "as_new"}] if verdict.flagged else []}
     for number, name in enumerate(("side", "tip")):
         record |= {f"{name}_clearance_{which}_um": each.um[number] for which, each in of.items()}
     return record

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
+from atleak.engine.projection import project
+from atleak.rules import Rule
+from atleak.views.pressures import pressures_at
 from atleak.views.pump_record import slips
+from atleak.views.sentences import pressure_sentence, reserve_sentence
 from atleak.wording import Wording
-from atleak.workshop_units import DM3_MIN
-
-
-def full_stroke(diagnosis: Diagnosis, say: Wording) -> str | None:
-    """Say that shares, reserve and speed are of the full stroke; None for a pump whose stroke is fixed."""
-    return f"{say('pump.full_stroke')}." if diagnosis.controller.pump.held_at_demand else None
+from atleak.workshop_units import DM3_MIN, UM
 
 
 def pump_sentence(diagnosis: Diagnosis, say: Wording) -> str | None:
@@ -32,6 +33,38 @@ def pump_sentence(diagnosis: Diagnosis, say: Wording) -> str | None:
     if new is None:
         return f"{measured} {say('pump.slips', **words)}"
     return f"{measured} {say('pump.slips_more', new=say.value(new * DM3_MIN, 'flow', 2), **words)}"
+
+
+def worn_pump(diagnosis: Diagnosis, say: Wording) -> str | None:
+    """Say what is past a limit by the pump, and that new valves would not mend it; None where it is within limits."""
+    pump = diagnosis.pump
+    if not pump.verdict.flagged:
+        return None
+    limited = [_limited(each.rule, say) for each in pump.decisions]
+    said = [say("pump.worn", what=say("pump.and").join(limited))] if limited else []
+    if pump.lacking and pump.lacking[0].condition is not None:
+        now = diagnosis.at(pump.lacking[0].condition)
+        at = pressures_at(diagnosis, now)
+        said.append(pressure_sentence(at, say) if now.pressure_falls else reserve_sentence(at, say))
+        new = project(replace(diagnosis.as_unworn, controller=diagnosis.model.controller), now.condition)
+        missing, with_new = (each.condition.main_pressure - each.main_pressure_held for each in (now, new))
+        if now.pressure_falls and with_new > _SAME * missing:
+            said.append(say("pump.as_missing"))
+        elif new.reserve < now.reserve / _SAME:
+            said.append(say("pump.as_short"))
+    new_rules = () if diagnosis.pump_new is None else diagnosis.pump_new.unit_rules
+    if pump.lacking and not any(rule.verdict.flagged for rule in new_rules):
+        said.append(say("pump.new_does"))
+    return " ".join([*said, say("pump.repair_first")])
+
+
+_SAME = 0.9  # part of what is missing that would be missing with new valves, too: choice of this project
+
+
+def _limited(rule: Rule, say: Wording) -> str:
+    now, limit = (say.quantity(each * UM, "clearance", 0) for each in (rule.value, rule.limit))
+    key = "pump.side" if rule.kind is RuleKind.PUMP_SIDE else "pump.tip"
+    return say("pump.limit", clearance=say(key, clearance=now), limit=limit)
 
 
 def _clearances(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:

@@ -29,6 +29,8 @@ def plan_ends(plan: RepairPlan, say: Wording | None = None) -> Iterator[str]:
     if not plan.judged:
         yield say("plan.not_judged")
         return
+    if plan.pump_first:
+        yield say("pump.planned_first")
     if plan.for_total:
         yield say("plan.for_total", count=plan.for_total)
     if plan.reached:

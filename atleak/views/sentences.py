@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
@@ -15,7 +16,6 @@ from atleak.rules import LandKey, Rule
 from atleak.views.land_names import land_number, land_words
 from atleak.views.positions import position_band
 from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
-from atleak.views.pump_words import full_stroke
 from atleak.wear_line import Crossing
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
@@ -32,6 +32,11 @@ def counted_in_speed(diagnosis: Diagnosis, say: Wording) -> str:
     consumers = ", ".join(isolated(say.name(each.name)) for each in diagnosis.controller.consumers)
     said = say("texts.counted_in_speed", consumers=consumers) if consumers else say("texts.left_out_of_speed")
     return f"{said}. {say('pump.full_stroke')}" if diagnosis.controller.pump.held_at_demand else said
+
+
+def full_stroke(diagnosis: Diagnosis, say: Wording) -> str | None:
+    """Say that shares, reserve and speed are of the full stroke; None for a pump whose stroke is fixed."""
+    return f"{say('pump.full_stroke')}." if diagnosis.controller.pump.held_at_demand else None
 
 
 def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
@@ -217,8 +222,10 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str | None:
     if held is None:
         return None
     keys = [key for key, _ in held.costly]
-    if rule.kind is RuleKind.RESERVE:
-        keys = list(drawing_more(diagnosis, at.projection))
+    if replace(rule, reached=None).level != rule.level:
+        because = may_be(diagnosis, rule, say) or ""
+    elif rule.kind is RuleKind.RESERVE:
+        keys = [] if rule in diagnosis.pump.lacking else list(drawing_more(diagnosis, at.projection))
         limit = say.number(rule.limit, 2)
         because = say("held.by_reserve", reserve=say.number(rule.value, 2), limit=limit, **values)
     elif rule.kind is RuleKind.PERMISSIBLE_PRESSURE:
@@ -231,6 +238,30 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str | None:
     return f"{because}. {say('held.look_first', lands=lands)}" if lands else f"{because}."
 
 
+def may_be(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str | None:
+    """Say how far a reserve or a pressure may be from what is computed, and the line with it; None of any other rule.
+
+    That is the end of its 95 % interval on the side of the limit.
+    """
+    if rule.kind not in _BECAUSE_OF or rule.condition is None:
+        return None
+    at = pressures_at(diagnosis, diagnosis.at(rule.condition))
+    values = {"condition": say.condition(rule.condition)}
+    if rule == at.reserve_rule:
+        return say("held.may_reserve", low=say.number((at.reserve_interval or (math.nan,))[0], 2), **values)
+    held = next((each for each in at.applied if each.rule == rule), None)
+    if held is None or held.interval is None:
+        return None
+    low, high = held.interval
+    name = say.name(held.circuit.name) if held.circuit else say("held.line")
+    if high - held.new > held.new - low:
+        return say("held.may_rise", circuit=name, high=_kpa(high, say), **values)
+    said, line = say("held.may_fall", circuit=name, low=_kpa(low, say), **values), at.line.interval
+    falls = held is not at.line and line is not None and line[0] < _LESS * at.line.now
+    return say("held.then_line", said=said, line=_kpa(line[0], say)) if falls and line is not None else said
+
+
+_LESS = 0.95  # of the line pressure, under which its fall is said: choice of this project
 _BECAUSE_OF = (RuleKind.RESERVE, RuleKind.CIRCUIT_LOSS, RuleKind.PERMISSIBLE_PRESSURE)
 
 

@@ -16,6 +16,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.line import LINE, hold
 from atleak.engine.projection import model_unworn
+from atleak.rules import permissible_steps
 from atleak.what_if.settings import Axis, WhatIf
 from atleak.what_if.wear import measured_growth, worn
 
@@ -184,8 +185,9 @@ def _pressure_limits(
         for name, held in new.items()
         if name != LINE
     }
-    permissible, below = diagnosis.controller.permissible_at(point.gear, point.state), limits.below_permissible
+    permissible = diagnosis.controller.permissible_at(point.gear, point.state)
+    below = None if permissible is None else permissible_steps(permissible, limits)
     if LINE in new and permissible is not None and permissible.low is not None and below is not None:
-        low = np.minimum(permissible.low, new[LINE])
+        low = np.full_like(new[LINE], min(permissible.low, point.main_pressure))
         pressures[LINE] = [(level, low * (1.0 - limit)) for level, limit in below.levels]
     return pressures

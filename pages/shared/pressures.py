@@ -16,8 +16,15 @@ from atleak.views.flow_diagram import flow_diagram, flow_rows
 from atleak.views.flow_svg import flow_svg
 from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
 from atleak.views.pump_speed import pump_over_speed
-from atleak.views.pump_words import full_stroke, pump_sentence
-from atleak.views.sentences import land_in_words, permissible_words, pressure_sentence, reserve_sentence, unsolved
+from atleak.views.pump_words import pump_sentence
+from atleak.views.sentences import (
+    full_stroke,
+    land_in_words,
+    permissible_words,
+    pressure_sentence,
+    reserve_sentence,
+    unsolved,
+)
 from atleak.wording import Wording
 from atleak.workshop_units import KPA, RPM
 from pages.shared import fields, reader, show

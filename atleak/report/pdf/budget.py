@@ -87,7 +87,9 @@ class Budget:
         return f"{self.say(f'annex.{line.source.shape}')}, {'A' if line.statistical else 'B'}"
 
     def _degrees(self, line: BudgetLine | _Whole) -> str:
-        return "" if isinstance(line, _Whole) else self.say.number(line.degrees_of_freedom, 0)
+        if isinstance(line, _Whole):
+            return ""
+        return self.say.number(line.degrees_of_freedom, 0) if math.isfinite(line.degrees_of_freedom) else "∞"
 
     def _input(self, line: BudgetLine | _Whole) -> str:
         if isinstance(line, _Whole):

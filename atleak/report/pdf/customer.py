@@ -17,12 +17,13 @@ from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Band, Verdict
 from atleak.views.drawing import controller_svg, shortened
-from atleak.views.first_sentence import shown_verdict
+from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
 from atleak.views.land_names import has_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import HeldPressure, lowest_first, pressures_at
+from atleak.views.pump_words import worn_pump
 from atleak.views.worn_valves import WORTH_SAYING, End, WornValve, part_of_leakage, worn_valves
-from atleak.wording import isolated
+from atleak.wording import begun, isolated
 from atleak.workshop_units import KPA, PERCENT
 
 DRAWING = "worn_valves"  # name of the drawing among a report's charts
@@ -142,9 +143,20 @@ class CustomerPage:
         return self.verdict.flagged and not flagged
 
     @property
+    def _not_judged(self) -> str:
+        """Return why there is no verdict though a limit is passed: the description or the readings cannot be right."""
+        if self.diagnosis.impossible:
+            return "impossible"
+        return "doubtful" if self.diagnosis.decided_by is None and self.diagnosis.too_tight else ""
+
+    @property
     def _headline(self) -> str:
         if self._only_checked:
             return "ok_unmeasured"
+        if self._not_judged:
+            return self._not_judged
+        if self.diagnosis.decided_by is self.diagnosis.pump:
+            return "pump"
         if not self._not_by_a_valve:
             return self._told_as
         if not self.verdict.calls_for_repair:
@@ -153,6 +165,8 @@ class CustomerPage:
 
     @property
     def _urgency(self) -> str:
+        if self._not_judged:
+            return Verdict.NOT_MEASURED
         past = self._not_by_a_valve and self.verdict.calls_for_repair
         return f"past_{self._told_as}" if past else self._told_as
 
@@ -203,7 +217,13 @@ class CustomerPage:
     def _found(self) -> Iterator[str]:
         """Say what was measured, what is lost by it, which pressure falls, and what the complaint has to do with it."""
         say, diagnosis = self.say, self.diagnosis
-        finding = measured_sentence(diagnosis, say)
+        finding, pump = measured_sentence(diagnosis, say), worn_pump(diagnosis, say)
+        if diagnosis.impossible:
+            yield f"{begun(impossible_part(diagnosis, say))}."
+        elif pump is not None:
+            yield pump
+        for said in may_parts(diagnosis, say):
+            yield f"{begun(said)}."
         if diagnosis.without_sheet:
             yield say("customer.no_sheet")
         elif diagnosis.judged:
@@ -237,6 +257,8 @@ class CustomerPage:
         say, at = self.say, self.diagnosis.worst
         condition, band = self.names.condition(at.condition), self.diagnosis.band(at)
         new = say.percent(self.diagnosis.new_at(at).share)
+        if self.diagnosis.worst_total in self.diagnosis.pump.lacking or self.diagnosis.impossible:
+            return
         if at.pump_capacity <= 0.0:
             said = say("diagnosis.no_delivery", condition=condition)
             yield f"{said[0].upper()}{said[1:]}."
@@ -254,7 +276,11 @@ class CustomerPage:
     def _past(self) -> tuple[HeldPressure, ...]:
         """Return the pressures past a limit where they are judged worst, the worst first, two at the most."""
         at = pressures_at(self.diagnosis, lowest_first(self.diagnosis)[0])
-        past = [each for each in at.applied if each.verdict is not None and each.verdict.flagged]
+        past = [
+            each
+            for each in at.applied
+            if each.verdict is not None and each.verdict.flagged and each.rule not in self.diagnosis.pump.lacking
+        ]
         return tuple(sorted(past, key=lambda each: -(each.verdict or Verdict.OK).rank)[:2])
 
     def _held(self, each: HeldPressure) -> str:
@@ -377,9 +403,17 @@ class CustomerPage:
         if self.verdict is Verdict.OK:
             yield say("customer.do_nothing_seen" if self._only_checked else "customer.do_nothing")
             return
-        if self.verdict is Verdict.NOT_MEASURED:
+        if self.verdict is Verdict.NOT_MEASURED or self._not_judged == "doubtful":
             yield say("customer.do_measure")
             return
+        if self._not_judged:
+            yield say("customer.do_describe")
+            return
+        if self.names.plan.pump_first:
+            yield say("pump.repair_first")
+            if not self._planned:
+                yield say("customer.do_pump")
+                return
         watched = [each.component for each in self.valves if not each.verdict.calls_for_repair]
         if not self.verdict.calls_for_repair:
             yield (
@@ -421,12 +455,9 @@ class CustomerPage:
 
     def _all(self, end: Total, condition: str) -> str:
         say = self.say
-        after, new = (say.percent(share) for share in (end.share, self.diagnosis.new_at(self.diagnosis.worst).share))
-        key = (
-            "do_all_tighter"
-            if end.share < self.diagnosis.new_at(self.diagnosis.worst).share and after != new
-            else "do_all"
-        )
+        of_new = self.diagnosis.valve_body.new_at(self.diagnosis.worst).share
+        after, new = (say.percent(share) for share in (end.share, of_new))
+        key = "do_all_tighter" if end.share < of_new and after != new else "do_all"
         return say(f"customer.{key}", condition=condition, after=after, band_after=say.level(end.band), new=new)
 
     # --- what it costs, and who signs

@@ -241,9 +241,12 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
         formula = share_of(row.here(("drawn", prefix)), condition("capacity"))
         return Cell("share", at.share_drawn_by(row.land.key) * PERCENT, formula)
 
+    def new_drawn(row: LandRow) -> Cell:
+        flow = sheet.gaps.sum_of("new_q", condition, row.land.key)
+        return Cell("flow", condition.new.drawn_by(row.land.key) * DM3_MIN, flow or "0")
+
     def new_share(row: LandRow) -> Cell:
-        new = sheet.gaps.sum_of("new_q", condition, row.land.key)
-        formula = "0" if new is None else share_of(new, condition("capacity"))
+        formula = share_of(row.here(("new_drawn", prefix)), condition("capacity"))
         return Cell("share", condition.new.share_drawn_by(row.land.key) * PERCENT, formula)
 
     at_title = {"condition": condition.title}
@@ -255,6 +258,8 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
     yield LandColumn(("drawn", prefix), heading, 14, drawn)
     heading = Sentence("share of pump capacity [%], {condition}", **at_title)
     yield LandColumn(("share", prefix), heading, 14, share)
+    heading = Sentence("drawn from the pump when new [dm³/min], {condition}", **at_title)
+    yield LandColumn(("new_drawn", prefix), heading, 14, new_drawn)
     heading = Sentence("the same share when new [%], {condition}", **at_title)
     yield LandColumn(("new_share", prefix), heading, 14, new_share)
 

@@ -97,7 +97,7 @@ class LimitCells:
         """
         limit, fall = (self._names[RuleKind.RESERVE, level, part] for part in ("limit", "fall"))
         fallen = f"IF({new}<{limit},(1-{fall}/100)*{new},{limit})"
-        return largest_of([fallen, *([worse] if worse else [])])
+        return largest_of([fallen, worse or f"MIN({limit},1)"])
 
     def share(self, kind: RuleKind, level: Level, new: str) -> str:
         """Return the formula of a limit of a share [%] from the cell of the same share when new [%]."""

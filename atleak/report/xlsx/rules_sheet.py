@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import isfinite
 
 from xlsxwriter.worksheet import Worksheet
 
@@ -11,7 +12,7 @@ from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.limits import Level, RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.report.xlsx.book import Book, cell, formula, span
+from atleak.report.xlsx.book import Book, cell, exact, formula, span
 from atleak.report.xlsx.limit_cells import LimitCells
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
@@ -21,9 +22,10 @@ from atleak.report.xlsx.live_cells import (
     SheetCondition,
     component_width,
     fine_of,
+    share_of,
     verdict_of_rank,
 )
-from atleak.report.xlsx.names import ROUNDED
+from atleak.report.xlsx.names import NOTHING_DELIVERED, ROUNDED
 from atleak.rules import LandKey, Rule
 from atleak.sentence import Sentence
 from atleak.verdicts import FLAGGED, VERDICTS, Band, Verdict
@@ -156,7 +158,7 @@ class RuleCells:
         if rule.circuit is not None:
             now, new = (held(at, rule.circuit, column) for column in ("held", "new"))
             return _Line(rule, None, f"ABS({cell(row, _NEW)}-{now})", new)
-        return _Line(rule, None, f"(1-{at('p_g_held')}/MIN({at('permissible_low')},{at('p_g_held_new')}))*100")
+        return _Line(rule, None, f"(1-{at('p_g_held')}/MIN({at('permissible_low')},{at('p_g')}))*100")
 
     def _line(self, land: LandDiagnosis, rule: Rule, of_land: Callable[[LandKey, ColumnKey], str]) -> _Line:
         if rule.kind is RuleKind.WEAR:
@@ -166,9 +168,13 @@ class RuleCells:
             return _Line(rule, land, wear, mounting=mounting, tolerance=tolerance)
         if rule.kind is RuleKind.CLEARANCE:
             return _Line(rule, land, of_land(land.key, "c_r"))
-        prefix = next(at.prefix for at in self.conditions if at.projection.condition == rule.condition)
-        share, new = (of_land(land.key, (name, prefix)) for name in ("share", "new_share"))
-        return _Line(rule, land, share, new)
+        at = next(at for at in self.conditions if at.projection.condition == rule.condition)
+        names = ("share", "new_share") if self.diagnosis.pump_new is None else ("drawn", "new_drawn")
+        now, new = (of_land(land.key, (name, at.prefix)) for name in names)
+        if self.diagnosis.pump_new is None:
+            return _Line(rule, land, now, new)
+        capacity = f"MAX({at('supply')}-{at('slip_new')},0)"  # of a new pump: a worn one makes no land worn
+        return _Line(rule, land, share_of(now, capacity), share_of(new, capacity))
 
     def _write(self, book: Book, sheet: Worksheet, row: int, line: _Line) -> None:
         rule, factor = line.rule, line.rule.kind.factor
@@ -183,7 +189,7 @@ class RuleCells:
         for level, limit in rule.steps.levels:
             column = _column(level)
             text = self._limit(row, line, level)
-            if text is None:  # of the land alone, by the valve body's file
+            if text is None:  # by the valve body's file
                 book.put(sheet, row, column, limit * factor, book.form(rule.kind.suffix, **CHANGEABLE))
             else:
                 formula(sheet, row, column, text, limit * factor, form)
@@ -191,7 +197,11 @@ class RuleCells:
             rank = f"IF({_reached(rule, cell(row, _VALUE), cell(row, column))},{reached},{rank})"
         fine = Verdict.OK if line.land is not None else self.diagnosis.within(rule)
         verdict = fine if rule.verdict == Verdict.OK else rule.verdict
-        formula(sheet, row, _RANK, rank, RANKED.index(rule.verdict) + 1)
+        issued = RANKED.index(rule.verdict) + 1
+        if replace(rule, reached=None).level != rule.level:  # as issued, until the value is another one
+            value, known = cell(row, _VALUE), exact(rule.value * factor) if isfinite(rule.value) else NOTHING_DELIVERED
+            rank = f"IF(ABS({value}-{known})<=ABS({known})*{ROUNDED},{issued},{rank})"
+        formula(sheet, row, _RANK, rank, issued)
         words = verdict_of_rank(cell(row, _RANK), self.say, fine)
         formula(sheet, row, _VERDICT, words, self.say.signed(verdict), book.form(**AFTER_A_NUMBER))
         origin = self.say.get("origins", rule.origin)
@@ -204,7 +214,7 @@ class RuleCells:
         return None if decided is None else self.say.get("decisions", decided.decision)
 
     def _limit(self, row: int, line: _Line, level: Level) -> str | None:
-        """Return the formula of the limit at which a level begins; None where it is the land's own."""
+        """Return the formula of the limit at which a level begins; None where it is not of the set of limits."""
         rule, limits = line.rule, self.limits
         cells = [None, *(cell(row, _column(name)) for name, _ in rule.steps.levels), None]
         place = [name for name, _ in rule.steps.levels].index(level)
@@ -215,7 +225,7 @@ class RuleCells:
             return limits.reserve(level, cell(row, _NEW), worse)
         if line.mounting is not None:
             return limits.wear(level, line.mounting, line.tolerance, milder)
-        own = line.land is not None and line.land.state.land.clearance_limit is not None
+        own = rule.steps is not self.diagnosis.limits.rules.get(rule.kind)
         return None if own else limits.plain(rule.kind, level)
 
 

@@ -104,5 +104,5 @@ def test_a_verdict_on_pairs_tighter_than_new_says_so_at_once(
     assert "47" in (readings_in_doubt(tight, wording("de")) or "")
     print_diagnosis(tight)
     head = " ".join(capsys.readouterr().out.split())
-    assert head.index("unit: ○ not all is sure") < head.index(said) < head.index("driving in second")
+    assert head.index("unit: ▲ watch") < head.index(said) < head.index("driving in second")
     assert readings_in_doubt(sample, wording("en")) is None
