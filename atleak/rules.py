@@ -171,7 +171,7 @@ def unit_rules(
         the set that is applied.
     """
     at = tuple(zip(projections, unworn, strict=True))
-    lands = {state.land.key: _land_rules(state, at, limits) for state in states if state.measured}
+    lands = {state.land.key: land_rules(state, at, limits) for state in states if state.measured}
     totals = tuple(_share_rule(RuleKind.TOTAL_SHARE, now, now.share, new.share, limits.total_share) for now, new in at)
     pressures = tuple(rule for now, new in at for rule in _pressure_rules(now, new, limits))
     return UnitRules(lands, totals, pressures, limits)
@@ -215,7 +215,8 @@ def _share_rule(kind: RuleKind, at: Projection, share: float, new: float, steps:
     return Rule(kind, at.condition, share, replace(steps, levels=steps.over(new)), new)
 
 
-def _land_rules(state: LandClearance, at: Sequence[tuple[Projection, Projection]], limits: Limits) -> tuple[Rule, ...]:
+def land_rules(state: LandClearance, at: Sequence[tuple[Projection, Projection]], limits: Limits) -> tuple[Rule, ...]:
+    """Make the rules of one land; ``at`` holds each condition as it is, and with the unit unworn."""
     land, rules = state.land, []
     if land.seal:  # its ring parts the pressures, not its clearance
         return ()

@@ -6,6 +6,7 @@ and faults of meaning, of keys that do not fit each other, in one list, each wit
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -34,6 +35,7 @@ from atleak.catalogue.controller_tables import (
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Origin, listed, read_tables
 from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.limits import DEFAULT_LIMITS, load_limits, reaches
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_reading import read_pump
 from atleak.catalogue.reading import Reading, Steps
@@ -41,9 +43,11 @@ from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import Repair, RepairTable, repair_of
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
 from atleak.doors import own_errors_only
-from atleak.errors import CatalogueError, DomainError
-from atleak.faults import in_words, together
+from atleak.errors import CatalogueError, DomainError, Message
+from atleak.faults import in_words, place_of, together
 from atleak.sentence import Sentence
+from atleak.unit_systems import Quantity
+from atleak.workshop_units import UM
 
 
 @own_errors_only(CatalogueError, "id_or_path")
@@ -92,7 +96,30 @@ def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
     if controller is None:
         raise together(faults)
     doubts = doubts_of("controllers", data, origin.file, displacement=controller.pump.displacement)
-    return replace(controller, doubts=doubts)
+    return replace(controller, doubts=(*doubts, *_mending_nothing(controller, data, origin.file)))
+
+
+def _mending_nothing(controller: Controller, data: Mapping[str, Any], file: str) -> Iterator[Message]:
+    """Doubt repairs that may leave a land as wide as a worn one: by the limits that hold unless others are chosen."""
+    for number, repair in enumerate(controller.repairs):
+        for land in controller.lands_of(repair.component) if repair.ends else ():
+            wear = load_limits(DEFAULT_LIMITS).wear
+            assert wear is not None
+            worn = min(limit for _, limit in wear.of_wear(land.mounting_high, land.mounting_tolerance or 0.0))
+            most = min((1.0 + worn) * land.mounting_high, land.clearance_limit or math.inf)
+            left = land.with_repair(repair).widest_new
+            if repair.changes(land.key) and reaches(left, most):
+                text = Sentence(
+                    "It leaves up to {left:.4g} {left.unit} of {land}, which is new at {new:.4g} {new.unit} and counts "
+                    "as worn from {most:.4g} {most.unit} on: by the default limits no plan takes it for that land.",
+                    land=f"{land.component}/{land.land}",
+                    **{
+                        name: Quantity(value * UM, "clearance", 1)
+                        for name, value in {"left": left, "new": land.mounting_high, "most": most}.items()
+                    },
+                )
+                place = place_of(("repairs", number, "mounting_clearance_um"), data, file)
+                yield Message("warning", "repair_leaves_worn", text, place)
 
 
 def _faults_of_meaning(data: Mapping[str, Any], error: ValidationError, origin: Origin) -> list[CatalogueError]:

@@ -30,6 +30,7 @@ from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.workshop_units import KPA, PERCENT, UM
 
 Level = Verdict | Band
+DEFAULT_LIMITS = "project_default"
 ROUNDING = 1e-9  # relative: a value that equals its limit but for floating point has reached it
 
 

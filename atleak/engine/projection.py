@@ -296,7 +296,10 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
 def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:
     """Return the same unit with some lands brought back to the clearance of new pairs, the same all around."""
     chosen = set(lands)
-    return tuple(_even(state, state.land.new_clearance) if state.land.key in chosen else state for state in clearances)
+    return tuple(
+        with_even_clearance(state, state.land.new_clearance) if state.land.key in chosen else state
+        for state in clearances
+    )
 
 
 def model_new(states: Iterable[LandClearance], model: LeakageModel) -> LeakageModel:
@@ -326,7 +329,9 @@ def model_unworn(states: Iterable[LandClearance], model: LeakageModel) -> Leakag
     it is no wear. Where each pair's own clearance is known, it is the unit of `model_new`.
     """
     clearances = (
-        _even(state, state.land.unworn(state.radial_clearance) if state.measured else state.land.new_clearance)
+        with_even_clearance(
+            state, state.land.unworn(state.radial_clearance) if state.measured else state.land.new_clearance
+        )
         for state in states
     )
     return replace(model, controller=model.controller.with_new_pump, clearances=tuple(clearances))
@@ -344,6 +349,6 @@ def _with_clearance(state: LandClearance, radial_clearance: float) -> LandCleara
     return replace(state, radial_clearance=radial_clearance, sleeve_diameter=sleeve)
 
 
-def _even(state: LandClearance, radial_clearance: float) -> LandClearance:
+def with_even_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:
     """Return a land with another clearance, the same all around."""
     return replace(_with_clearance(state, radial_clearance), stations=())

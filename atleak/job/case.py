@@ -26,7 +26,7 @@ from atleak.catalogue.instruments import (
     Part,
     load_instrument,
 )
-from atleak.catalogue.limits import load_limits
+from atleak.catalogue.limits import DEFAULT_LIMITS, load_limits
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import find_repairs
 from atleak.diagnosis import Diagnosis, diagnose
@@ -200,7 +200,7 @@ class Case:
     controller: Choice = "four_speed_2023"
     fluid: Choice = "hipol_atf_iid"
     fluid_state: FluidState | None = None  # None: nobody said; as its data are, fresh as a rule
-    limits: Choice = "project_default"
+    limits: Choice = DEFAULT_LIMITS
     spool_instrument: Choice = DEFAULT_SPOOL_INSTRUMENT
     sleeve_instrument: Choice = DEFAULT_SLEEVE_INSTRUMENT
     profile: str = "workshop"

@@ -37,6 +37,7 @@ class Line:
     place: int | None  # of the workshop's own line in the job record; None while nobody touched it
     lands: tuple[LandDiagnosis, ...]  # of this unit that were measured
     states: Mapping[LandKey, LandClearance]  # in which it leaves them
+    mending: frozenset[LandKey]  # those that are then within their limits
     chosen: bool  # whether the choice for the goal contains it
     price: float | None  # of the part; None: nobody knows it
     hours: float | None  # of work; None: nobody knows them
@@ -177,9 +178,9 @@ class Estimate:
 
     @property
     def lands_past(self) -> tuple[LandDiagnosis, ...]:
-        """Return the flagged lands that no line which is carried out repairs."""
-        repaired = {key for line in self.lines if line.carried_out for key in line.states}
-        return tuple(land for land in self.diagnosis.flagged if land.key not in repaired)
+        """Return the flagged lands that no line which is carried out brings within their limits."""
+        mended = {key for line in self.lines if line.carried_out for key in line.mending}
+        return tuple(land for land in self.diagnosis.flagged if land.key not in mended)
 
 
 class Chooser(Protocol):
@@ -300,6 +301,7 @@ class _Lines:
             place,
             lands,
             {state.land.key: state for state in new} if option is None else option.states,
+            about if option is None else option.mending,
             chosen,
             price,
             hours,

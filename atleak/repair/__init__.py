@@ -64,6 +64,12 @@ class RepairStep:
         """Tell whether the land is within its limits, and is repaired for the sake of a total or a pressure alone."""
         return not self.land.verdict.flagged
 
+    @property
+    def stays_past(self) -> tuple[LandDiagnosis, ...]:
+        """Return the flagged lands that the chosen repair leaves past a limit of their own."""
+        option, lands = self.chosen, (self.land, *self.together)
+        return tuple(each for each in lands if option and each.verdict.flagged and not option.mends(each.key))
+
     @cached_property
     def at(self) -> RepairedAt:
         """Return the condition whose total the repair helps most, measured by its limit."""
@@ -114,8 +120,13 @@ class RepairPlan:
 
     @property
     def reached(self) -> bool:
-        """Tell whether the plan ends green at every condition, with every pressure within its limits."""
-        return self.judged and not self.remaining and not self.pressures_past
+        """Tell whether the plan ends green at every condition, with every pressure and land within its limits."""
+        return self.judged and not self.remaining and not self.pressures_past and not self.lands_past
+
+    @property
+    def lands_past(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands that stay past a limit of their own with the repair that the workshop chose."""
+        return tuple(land for step in self.steps for land in step.stays_past)
 
     @property
     def for_total(self) -> int:
@@ -130,9 +141,9 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     most, measured by the limit of the condition at which it saves most. Where totals or pressures are then not green,
     those lands within their limits follow that bring each into the best band that repairs can bring it into.
 
-    Where the controller's file names repairs, a land is mended by one that leaves it within its limit of clearance,
-    with the clearance that this leaves; where none does, or none is named, it is made as new. Which of them, and which
-    lands within their limits, is what `choose` says for `Goal.EVERY_LIMIT`: the cheapest, or the fewest.
+    Where the controller's file names repairs, a land is mended by one that leaves it within its limits of clearance,
+    wear and share, with the clearance that this leaves; where none does, or none is named, it is made as new. Which
+    of them, and which lands within their limits, `choose` says for `Goal.EVERY_LIMIT`: the cheapest, or the fewest.
     """
     choice = choose(diagnosis)
     jobs = in_order(choice)

@@ -82,7 +82,7 @@ class Moves:
     """The repairs that are offered for some lands of a unit, in the order of lands and of the file.
 
     A land for which the workshop chose a repair has that one alone. Any other has every option of the file that leaves
-    it within its limit of clearance, or is made as new where there is none. An option without a price is not offered
+    it within its limits, or is made as new where there is none. An option without a price is not offered
     where others, with a price, do what it does.
 
     Parameters

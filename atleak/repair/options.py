@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 
 from atleak.catalogue.repairs import Repair
 from atleak.diagnosis import Diagnosis
-from atleak.engine.projection import repaired
+from atleak.engine.projection import project, repaired, with_even_clearance
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import LandClearance
-from atleak.rules import LandKey, clearance_limits
-from atleak.verdicts import Verdict
+from atleak.rules import LandKey, land_rules
+from atleak.verdicts import Verdict, worst
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Option:
 
     repair: Repair
     states: Mapping[LandKey, LandClearance]  # of every land that it changes, afterwards
-    mending: frozenset[LandKey]  # the lands that are then within their limit of clearance, and tighter than measured
+    mending: frozenset[LandKey]  # the lands that are then within their limits, and tighter than measured
 
     @property
     def lands(self) -> tuple[LandKey, ...]:
@@ -41,7 +41,7 @@ class Option:
         return tuple(self.states)
 
     def mends(self, key: LandKey) -> bool:
-        """Tell whether a land is tighter afterwards, and within its limit of clearance."""
+        """Tell whether a land is tighter afterwards, and within its limits."""
         return key in self.mending
 
 
@@ -83,12 +83,10 @@ def cost_of(options: Iterable[Option | None]) -> Cost:
 def _option(repair: Repair, lands: Mapping[LandKey, LandDiagnosis], diagnosis: Diagnosis) -> Option:
     mine = [land for land in lands.values() if repair.changes(land.key)]
     states = {land.key: _after(repair, land.state) for land in mine}
-    mending = frozenset(
-        land.key
-        for land in mine
-        if states[land.key].radial_clearance < land.state.radial_clearance
-        and (not repair.ends or _within_limits(states[land.key], diagnosis))  # new parts are as new
-    )
+    tighter = [land for land in mine if states[land.key].radial_clearance < land.state.radial_clearance]
+    mending = frozenset(land.key for land in tighter)
+    if repair.ends and tighter:  # new parts are as new
+        mending &= _within_limits([_widest(land.state, states[land.key]) for land in mine], diagnosis)
     return Option(repair, states, mending)
 
 
@@ -103,7 +101,16 @@ def _after(repair: Repair, state: LandClearance) -> LandClearance:
     return after
 
 
-def _within_limits(state: LandClearance, diagnosis: Diagnosis) -> bool:
-    """Tell whether even the widest that a repair states to leave is within the limit of the land's clearance."""
-    steps = clearance_limits(state, diagnosis.limits)
-    return steps is None or steps.judge(state.land.widest_new, Verdict.OK)[0] == Verdict.OK
+def _widest(before: LandClearance, after: LandClearance) -> LandClearance:
+    """Return a land as wide as its repair may leave it, still worn from what it had when new."""
+    return replace(with_even_clearance(after, after.land.widest_new), land=before.land)
+
+
+def _within_limits(states: Iterable[LandClearance], diagnosis: Diagnosis) -> frozenset[LandKey]:
+    """Return which lands are within all of their limits, in a unit that is otherwise as it was measured."""
+    by_key = {state.land.key: state for state in states}
+    clearances = tuple(by_key.get(each.land.key, each) for each in diagnosis.model.clearances)
+    model = replace(diagnosis.model, clearances=clearances)
+    at = [(project(model, now.condition), diagnosis.unworn_at(now)) for now in diagnosis.projections]
+    rules = {key: land_rules(state, at, diagnosis.limits) for key, state in by_key.items()}
+    return frozenset(key for key, judged in rules.items() if worst(rule.verdict for rule in judged) is Verdict.OK)

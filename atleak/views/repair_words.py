@@ -39,6 +39,9 @@ def plan_ends(plan: RepairPlan, say: Wording | None = None) -> Iterator[str]:
         condition = say.condition(rule.condition) if rule.condition else ""
         what = say(f"rules.{rule.kind}") + (f" ({say.name(rule.circuit.name)})" if rule.circuit else "")
         yield say("plan.pressure_stays", condition=condition, what=what, level=say.level(rule.level))
+    if plan.lands_past:
+        lands = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in plan.lands_past)
+        yield say("plan.land_stays", lands=lands)
     if not plan.choice.proven:
         yield say("estimate.not_proven", rounds=plan.choice.rounds)
     if plan.unmeasured:

@@ -241,6 +241,22 @@ def test_check_says_what_is_in_doubt_and_where(run: Run, tmp_path: Path) -> None
     assert "in doubt: box.toml, [pump], key 'displacement_mm3': 18 mm³ is unusual" in out
 
 
+@pytest.mark.parametrize("name", ["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"])
+def test_check_doubts_a_repair_that_leaves_a_worn_pair(run: Run, tmp_path: Path, name: str) -> None:
+    land, path = load_controller(name).lands[0], tmp_path / "box.toml"
+    text = shipped_files("controllers")[name].read_text(encoding="utf-8")
+    for factor, doubted in ((1.0, False), (1.6, True)):
+        repair = {"id": "mine", "component": land.component, "lands": [land.land], "kind": "other", "name": "mine"}
+        repair |= {"source": "made up", "mounting_clearance_um": factor * land.mounting_high * 1e6}
+        path.write_text(
+            text + "\n[[repairs]]\n" + "\n".join(f"{k} = {v!r}" for k, v in repair.items()), encoding="utf-8"
+        )
+        status, out, _ = run("controller", "check", path)
+        assert status == 0
+        assert ("It leaves up to" in out) is doubted
+        assert ("key 'mounting_clearance_um'" in out) is doubted
+
+
 def test_a_template_starts_from_a_shipped_unit_without_its_name(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "mine.xlsx"
     assert run("controller", "template", "--from", "minimal_example", "-o", path)[0] == 0

@@ -155,6 +155,13 @@ def test_a_goal_has_no_need_of_every_flagged_land_and_says_so(unit: Any) -> None
     assert all(line.chosen for line in everything.lines)
 
 
+def test_a_flagged_land_that_is_only_cleaned_stays_past_its_limit(worn: Diagnosis) -> None:
+    clean = Repair("clean", PR, frozenset({1, 2}), "clean_and_reuse", "clean and reuse", "made up")
+    diagnosis = replace(worn, controller=replace(worn.controller, repairs=(*worn.controller.repairs, clean)))
+    cleaned = Job(repair_decisions=[{"component": PR, "repair": "clean", "decision": "done"}])
+    assert {land.key for land in estimate(diagnosis, cleaned).lands_past} == {(PR, 1), (PR, 2)}
+
+
 def test_a_land_to_be_replaced_without_a_decision_is_pointed_out(worn: Diagnosis) -> None:
     to_replace = {land.key for land in worn.flagged if land.verdict.calls_for_repair}
     assert len(to_replace) > 1

@@ -13,7 +13,8 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
-from atleak.catalogue.limits import Limits
+from atleak.catalogue.limits import Limits, load_limits
+from atleak.catalogue.repairs import Repair
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
@@ -23,6 +24,7 @@ from atleak.job.file import read_job_file, write_job_file
 from atleak.job.record import Job
 from atleak.readings import Readings
 from atleak.repair import RepairPlan, plan_repairs
+from atleak.repair.options import Options
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.terminal import print_diagnosis
@@ -131,6 +133,58 @@ def test_the_cheapest_repair_that_leaves_a_land_within_its_limit_is_planned_and_
     model = LeakageModel(diagnosis.controller, states, diagnosis.fluid, diagnosis.profile)
     for each in step.conditions:
         assert each.after.share == pytest.approx(project(model, each.condition).share, rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize("name", ["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"])
+def test_a_repair_that_leaves_a_land_worn_is_none_however_cheap(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    controller = load_controller(name)
+    land = next(each for each in controller.lands if not each.seal)
+    new, made_up = land.mounting_high, ("made up", "made up")
+    widths = {"nearly_all": 1.99 * new, "worn": 1.45 * new, "as_new": new}
+    options = tuple(
+        Repair(id, land.component, frozenset({land.land}), "other", *made_up, price=10.0 * price, currency="USD")
+        for price, id in enumerate(widths, start=1)
+    )
+    options = tuple(replace(each, mounting_clearance=widths[each.id]) for each in options)
+    worn = {land.key: (land.nominal_diameter, land.nominal_diameter + 4.0 * new)}
+    described = replace(controller, repairs=options)
+    diagnosis = diagnose(described, hipol, limits, readings=readings_of(controller, worn))
+    plan = plan_repairs(diagnosis)
+    assert chosen(plan) == [(land.key, "as_new")]
+    assert plan.reached
+    mended = {option.repair.id: option.mends(land.key) for option in plan.steps[0].options}
+    assert mended == {"nearly_all": False, "worn": False, "as_new": True}
+    # what is measured after each agrees
+    for id, width in widths.items():
+        after = {land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * width)}
+        again = diagnose(controller, hipol, limits, readings=readings_of(controller, after))
+        verdict = next(each.verdict for each in again.lands if each.key == land.key)
+        assert verdict.flagged == (not mended[id])
+    # the workshop's own choice is planned, and not called enough
+    plan = plan_repairs(replace(diagnosis, repairs=options[:1]))
+    assert chosen(plan) == [(land.key, "nearly_all")]
+    assert not plan.reached
+    assert any(
+        said.startswith("Past a limit of their own with the repair that was chosen:") for said in plan_ends(plan)
+    )
+
+
+def test_a_repair_that_leaves_more_than_the_share_of_one_land_is_none(hipol: Fluid, readings_of: Build) -> None:
+    controller, limits = load_controller("five_speed_2005"), load_limits("project_default")
+    sealed = {land.key for land in controller.lands if land.seal}
+    at_idle = diagnose(controller, hipol, limits).projection
+    key = max((land.key for land in controller.lands if land.key not in sealed), key=at_idle.share_drawn_by)
+    land = controller.land(*key)
+    only_shares = replace(limits, wear=None, clearance=None)
+    repair = Repair("wide", land.component, frozenset({land.land}), "other", "wide", "made up")
+    worn = {key: (land.nominal_diameter, land.nominal_diameter + 2.0 * 200e-6)}
+    for width, mends in ((190e-6, False), (land.mounting_high, True)):
+        described = replace(controller, repairs=(replace(repair, mounting_clearance=width),))
+        diagnosis = diagnose(described, hipol, only_shares, readings=readings_of(controller, worn))
+        [option] = Options(diagnosis).all
+        assert option.mends(key) is mends
 
 
 def test_one_repair_of_a_whole_valve_mends_its_lands_in_one_step_where_it_is_not_dearer(
