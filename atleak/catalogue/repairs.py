@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal, get_args
+from typing import Annotated, Literal, get_args
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from atleak.catalogue.entries import Identifier, NonEmptyText, NonNegative, Positive, StatedEvidence, Strict
 from atleak.catalogue.evidence import Evidence
@@ -30,6 +31,11 @@ _KIND_NAMES: Mapping[RepairKind, str] = MappingProxyType(
 )
 
 
+def currency_code(text: str) -> str:
+    """Return a currency as it is compared: a code of three letters in capitals, anything else as it is written."""
+    return text.upper() if re.fullmatch("[A-Za-z]{3}", text) else text
+
+
 class RepairTable(Strict):
     id: Identifier
     component: NonEmptyText
@@ -38,7 +44,7 @@ class RepairTable(Strict):
     name: NonEmptyText
     part_number: NonEmptyText | None = None
     price: NonNegative | None = None
-    currency: NonEmptyText | None = None
+    currency: Annotated[NonEmptyText, AfterValidator(currency_code)] | None = None
     hours: NonNegative | None = None
     tool: NonEmptyText | None = None
     nominal_diameter_mm: float | None = Field(default=None, gt=0.5, lt=200)

@@ -18,6 +18,7 @@ from annotated_types import Ge, GroupedMetadata, Le
 from pydantic import AfterValidator, AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
 
 from atleak.catalogue.pump import PumpClearances
+from atleak.catalogue.repairs import currency_code
 from atleak.repair import Goal
 from atleak.sentence import Sentence
 from atleak.written_numbers import (
@@ -112,11 +113,6 @@ Price = Annotated[float, _Asked(PRICE)]
 Hours = Annotated[float, _Asked(HOURS)]
 LabourRate = Annotated[float, _Asked(LABOUR_RATE)]
 TaxPercent = Annotated[float, _Asked(TAX)]
-
-
-def _currency(text: str) -> str:
-    """Return a currency; a code of three letters in capitals, as files of valve bodies state it."""
-    return text.upper() if re.fullmatch("[A-Za-z]{3}", text) else text
 
 
 class Record(BaseModel):
@@ -232,7 +228,7 @@ class LogFormula(Record):
 class EstimateTerms(Record):
     """The terms of the estimate: in which money, at what labour rate, with what tax, and for what goal."""
 
-    currency: Annotated[CleanText, AfterValidator(_currency)] = ""  # such as EUR
+    currency: Annotated[CleanText, AfterValidator(currency_code)] = ""  # such as EUR
     labour_rate: LabourRate | None = None  # per hour
     tax_percent: TaxPercent | None = None
     goal: Goal = Goal.EVERY_LIMIT  # of the repairs that are proposed

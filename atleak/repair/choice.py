@@ -163,7 +163,7 @@ def choose(
 def _bases(moves: Moves, flagged: Sequence[LandKey]) -> tuple[Basis, ...]:
     """Return by what a choice is looked for, the second where the first does not reach the goal."""
     asked = [move for key in flagged for move in moves.of_land[key]] or list(moves.all)
-    priced = all(moves.prices.cost(move) is not None for move in asked) and moves.prices.comparable(moves.all)
+    priced = all(moves.prices.cost(move) is not None for move in asked) and len(moves.currencies) < 2
     return (Basis.CHEAPEST, Basis.FEWEST) if priced and asked else (Basis.FEWEST,)
 
 
@@ -174,7 +174,7 @@ def _objectives(moves: Moves, basis: Basis, unit: RepairableUnit) -> list[list[i
     costs = _known([None if cost is None else int(cost.scaleb(places)) for cost, places in smallest])
     hours = _known([None if (of := prices.hours(move)) is None else round(of * 1000) for move in moves.all])
     count = [1] * len(moves.all)
-    money = [costs, hours] if prices.comparable(moves.all) else []
+    money = [costs, hours] if len(moves.currencies) < 2 else []
     first = [costs, count, hours] if basis is Basis.CHEAPEST else [count, *money]
     order = list(range(len(moves.all)))
     return [each for each in first if len(set(each)) > 1 or each is count] + [_savings(moves, unit), order]

@@ -73,10 +73,6 @@ class Prices:
         work = Decimal(0) if self.labour_rate is None else product(hours or 0.0, self.labour_rate, currency)
         return amount(price, currency) + work
 
-    def comparable(self, moves: Iterable[Move]) -> bool:
-        """Tell whether the prices that are known are all of one currency."""
-        return len({self.currency_of(move) for move in moves if self.price(move) is not None}) < 2
-
 
 class Moves:
     """The repairs that are offered for some lands of a unit, in the order of lands and of the file.
@@ -130,6 +126,12 @@ class Moves:
                 (new,) = repaired([measured[key]], [key]) if move.option is None else (move.option.states[key],)
                 self.states[key].append(new)
                 self._numbers[move.key, key] = len(self.states[key])
+
+    @property
+    def currencies(self) -> tuple[str, ...]:
+        """Return the currencies in which prices of the offered repairs are known; those of two are not compared."""
+        priced = (move for move in self.all if self.prices.price(move) is not None)
+        return tuple(dict.fromkeys(map(self.prices.currency_of, priced)))
 
     def _wanted(self, key: LandKey, kept: set[str]) -> Option | None:
         chosen = next((option for option in self.options.of(key) if option.repair.id in kept), None)

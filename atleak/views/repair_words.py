@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from atleak.repair import Remainder, RepairPlan, RepairStep
+from atleak.repair import Basis, Remainder, RepairPlan, RepairStep
 from atleak.views.repair_options import costs
 from atleak.wording import Wording, wording
 from atleak.workshop_units import MM2_S
@@ -42,6 +42,9 @@ def plan_ends(plan: RepairPlan, say: Wording | None = None) -> Iterator[str]:
     if plan.lands_past:
         lands = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in plan.lands_past)
         yield say("plan.land_stays", lands=lands)
+    currencies = plan.choice.moves.currencies
+    if plan.choice.basis is Basis.FEWEST and len(currencies) > 1:
+        yield say("plan.currencies", currencies=", ".join(currencies))
     if not plan.choice.proven:
         yield say("estimate.not_proven", rounds=plan.choice.rounds)
     if plan.unmeasured:

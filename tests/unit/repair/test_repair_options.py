@@ -229,6 +229,32 @@ def test_prices_in_two_currencies_are_added_apart_and_never_compared(
     assert "Parts 500.00 PLN + 90.00 EUR, work – h. Not in these sums" in said.replace("\u00a0", " ")
 
 
+@pytest.mark.parametrize("name", ["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"])
+def test_a_currency_is_one_however_its_code_is_typed(
+    name: str, tmp_path: Path, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    controller, path = load_controller(name), tmp_path / "own.toml"
+    lands = {component: controller.lands_of(component) for component in controller.components}
+    component, (one, other, *_) = next(each for each in lands.items() if len([x for x in each[1] if not x.seal]) > 1)
+    text = controller.origin.path.read_text(encoding="utf-8")
+    worn = {
+        land.key: (land.nominal_diameter, land.nominal_diameter + 6.0 * land.mounting_high) for land in (one, other)
+    }
+    for typed, expected in (("usd", {"USD": 80.0}), (" Usd ", {"USD": 80.0}), ("PLN", {"USD": 500.0})):
+        path.write_text(
+            text
+            + repair(1, "new_valve", component=component, lands=[one.land, other.land], price=500.0, currency="USD")
+            + repair(2, "sleeve", component=component, lands=[one.land], price=40.0, currency=typed)
+            + repair(3, "sleeve", component=component, lands=[other.land], price=40.0, currency=typed),
+            encoding="utf-8",
+        )
+        own = load_controller(path)
+        plan = plan_repairs(diagnose(own, hipol, limits, readings=readings_of(own, worn)))
+        assert plan.cost.prices == expected
+        told = [said for said in plan_ends(plan) if "are in USD, PLN, which are not compared" in said]
+        assert bool(told) == (typed == "PLN")
+
+
 def test_a_repair_without_a_price_comes_after_those_with_one(
     plan_of: PlanOf,
 ) -> None:
