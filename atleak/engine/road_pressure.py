@@ -15,7 +15,7 @@ from atleak.catalogue.circuits import IDLE_SPEED
 from atleak.catalogue.controller import Controller
 from atleak.engine.lasting import CountedSamples, Lasting
 from atleak.events import Thresholds
-from atleak.events.event import standing_samples
+from atleak.events.event import gear_engaged, standing_samples
 from atleak.road_test import RoadTest
 
 STATES: tuple[State, ...] = ("idle", "stall", "driving")
@@ -131,7 +131,7 @@ class PermittedSamples:
 
     def __init__(self, controller: Controller, road_test: RoadTest, counted: CountedSamples) -> None:
         self.controller, self.time = controller, road_test.time
-        self.gear = _gear(road_test)
+        self.gear = np.asarray(gear_engaged(road_test))
         self.counted = counted
         self.pressure = self.counted.smooth(np.asarray(road_test.values("main_pressure")))
         self.low, self.high = (np.full(len(self.time), np.nan) for _ in range(2))
@@ -182,12 +182,6 @@ class PermittedSamples:
             fraction=float(lasting.excess[sample]),
             source=permitted.source,
         )
-
-
-def _gear(road_test: RoadTest) -> np.ndarray:
-    """Return the gear of every sample; 0 where the selector is in neutral or park."""
-    gear, selector = np.asarray(road_test.values("gear")), road_test.values("selector")
-    return gear if selector is None else np.where((selector == 0) | (selector == -2), 0.0, gear)
 
 
 def _states(road_test: RoadTest, gear: np.ndarray) -> dict[State, np.ndarray]:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from atleak.events.event import Event, Thresholds, runs, segments, standing_samples
+from atleak.events.event import Event, Thresholds, gear_engaged, runs, segments, standing_samples
 from atleak.road_test import RoadTest
 from atleak.sentence import Sentence
 
@@ -61,16 +61,20 @@ def stalling_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray | No
     if engine is None or standing is None:
         return None
     mask: np.ndarray = standing & (engine > limits.stall_speed)
-    turbine, gear = road_test.values("turbine_speed"), road_test.values("gear")
+    turbine = road_test.values("turbine_speed")
     if turbine is not None:
-        return mask & ~(turbine > 0.15 * engine)
-    if gear is not None:
-        return mask & ~(gear == 0)
-    return None  # revving in neutral looks the same
+        return mask & (turbine <= 0.15 * engine)
+    if road_test.channel("gear") is None:
+        return None  # revving in neutral looks the same
+    gear = np.asarray(gear_engaged(road_test))
+    return mask & np.isfinite(gear) & (gear != 0)
 
 
 def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
-    """Return lock-ups: engine and turbine turn alike; without a turbine speed, the lock-up is commanded."""
+    """Return lock-ups: engine and turbine turn alike; without a turbine speed, the lock-up is commanded.
+
+    Where the car stands, or no gear is engaged, there is none: the engine turns an idle turbine along.
+    """
     limits = limits or Thresholds()
     locked = locked_samples(road_test, limits, largest(road_test.values("lock_up")))
     if locked is None:
@@ -94,12 +98,19 @@ def locked_samples(road_test: RoadTest, limits: Thresholds, commanded: float) ->
     ``commanded`` is the largest value of the log's command to lock up.
     """
     engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
-    if engine is not None and turbine is not None:
-        return (np.abs(engine - turbine) < limits.slip) & (engine > limits.idle_high), Sentence("")
     channel = road_test.values("lock_up")
-    if channel is None or not commanded > 0:
+    if engine is not None and turbine is not None:
+        locked, note = (np.abs(engine - turbine) < limits.slip) & (engine > limits.idle_high), Sentence("")
+    elif channel is not None and commanded > 0:
+        locked = channel >= 0.5 * commanded
+        note = Sentence("commanded: no turbine speed shows whether it held")
+    else:
         return None
-    return channel >= 0.5 * commanded, Sentence("commanded: no turbine speed shows whether it held")
+    standing, gear = standing_samples(road_test, limits), gear_engaged(road_test)
+    for idle in (standing, None if gear is None else gear == 0):
+        if idle is not None:
+            locked &= ~idle
+    return locked, note
 
 
 def steady_driving(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:

@@ -38,6 +38,7 @@ class Thresholds:
     steady_vehicle: float = 3 / 3.6
     steady_engine: float = 100 / 60
     ratio_tolerance: float = 0.06
+    shift_pause: float = 3.0  # longest between the two gears of a shift, while none or no gear is known
     engine_standing: float = 50 / 60
     engine_standing_seconds: float = 0.5
     start_seconds: float = 3.0
@@ -124,3 +125,14 @@ def standing_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray | No
         return speed < limits.standing
     output = road_test.values("output_speed")
     return output < 0.5 if output is not None else None
+
+
+def gear_engaged(road_test: RoadTest) -> np.ndarray | None:
+    """Return the gear of every sample, 0 where the selector is in neutral or park, NaN where it is unknown.
+
+    None where neither is logged. Shape (samples,).
+    """
+    gear, selector = road_test.values("gear"), road_test.values("selector")
+    if selector is None:
+        return gear
+    return np.where((selector == 0) | (selector == -2), 0.0, np.nan if gear is None else gear)

@@ -10,7 +10,7 @@ import numpy as np
 
 from atleak.columns import Stream, median_of
 from atleak.errors import Message
-from atleak.events.event import Event, Thresholds, segments
+from atleak.events.event import Event, Thresholds, gear_engaged, segments
 from atleak.road_test import Channel, ChannelSource, RoadTest
 from atleak.sentence import Sentence
 
@@ -19,36 +19,51 @@ def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[E
     """Return shifts between forward gears.
 
     They follow from the ratio of turbine to output speed where both are logged, since a logged gear may lag by half a
-    second; else from the gear channel.
+    second; else from the gear channel. Two gears with reverse between them, or with neutral or an unknown gear for
+    longer than `Thresholds.shift_pause`, are no shift.
     """
     limits = limits or Thresholds()
-    gear = road_test.values("gear")
+    channel = road_test.channel("gear")
     ratio = speed_ratio(road_test, ("turbine_speed",))
-    if gear is None and ratio is None:
+    if channel is None and ratio is None:
         return []
     shifts: list[Event] = []
-    if gear is None:
-        derived = with_derived_gear(road_test)
-        gear = derived.values("gear")
-        if gear is None:
-            return []
-    channel = road_test.channel("gear")
+    known = with_derived_gear(road_test)
+    if known.channel("gear") is None:
+        return []
+    gear = np.asarray(gear_engaged(known))
     source: ChannelSource = channel.source if channel else "derived"
     for part in segments(road_test):
-        in_gear = np.flatnonzero(gear[part] > 0)
-        if len(in_gear) < 2:
-            continue
-        values = gear[part][in_gear]
-        for step in np.flatnonzero(np.diff(values) != 0):
-            before, after = in_gear[step], in_gear[step + 1]
+        rows = in_gear(gear[part])
+        times, values = road_test.time[part][rows], gear[part][rows]
+        for step in shifts_among(rows, times, values, limits):
+            after = rows[step + 1]
             event = Event(
-                "gear_shift", float(road_test.time[part][before]), float(road_test.time[part][after]),
-                int(values[step]), int(values[step + 1]), source,
+                "gear_shift", float(times[step]), float(times[step + 1]), int(values[step]), int(values[step + 1]),
+                source,
             )  # fmt: skip
             if ratio is not None:
                 event = by_ratio(event, road_test.time[part], ratio[part], int(after), limits)
             shifts.append(event)
     return shifts
+
+
+def in_gear(gear: np.ndarray) -> np.ndarray:
+    """Return the rows at which a gear is engaged, reverse too."""
+    return np.flatnonzero(np.isfinite(gear) & (gear != 0))
+
+
+def shifts_among(rows: np.ndarray, times: np.ndarray, gears: np.ndarray, limits: Thresholds) -> np.ndarray:
+    """Return the places of samples in gear with the next of which a shift ends: neighbours, or soon after each other.
+
+    Parameters
+    ----------
+    rows, times, gears
+        number, time [s] and gear of the samples at which one is engaged.
+    """
+    soon = (np.diff(rows) == 1) | (np.diff(times) <= limits.shift_pause)
+    forward = (gears[:-1] > 0) & (gears[1:] > 0)
+    return np.flatnonzero((np.diff(gears) != 0) & forward & soon)
 
 
 RATIO_BEFORE, RATIO_AFTER = 4.0, 2.0  # [s] around a shift in which the ratio of the speeds is looked at

@@ -23,15 +23,17 @@ from atleak.events.acceleration import (
     smoothed,
 )
 from atleak.events.driving import hot_idling_samples, locked_samples, stalling_samples, steady_count, steady_samples
-from atleak.events.event import Event, EventKind, Thresholds
+from atleak.events.event import Event, EventKind, Thresholds, gear_engaged
 from atleak.events.gears import (
     RATIO_AFTER,
     RATIO_BEFORE,
     by_ratio,
-    gear_by_ratio,
+    in_gear,
     levels_among,
     logarithms_of,
+    shifts_among,
     speed_ratio,
+    with_derived_gear,
 )
 from atleak.events.slip import FEWEST, ConverterSlip, slip_and_driving
 from atleak.large_log import LargeLog
@@ -249,21 +251,22 @@ class _Shifts:
 
     def add(self, part: RoadTest, start: int) -> None:
         """Find the shifts in some rows, and that from those before."""
-        gear = part.values("gear")
-        if gear is None:
-            ratio = speed_ratio(part) if self.levels else None
-            if ratio is None:
-                return
-            gear = gear_by_ratio(ratio, self.levels)
-        in_gear = np.flatnonzero(gear > 0)
-        if not len(in_gear):
+        if self.levels:
+            part = with_derived_gear(part, self.levels)
+        if part.channel("gear") is None:
             return
-        rows, times, gears = start + in_gear, part.time[in_gear], gear[in_gear]
+        gear = np.asarray(gear_engaged(part))
+        here = in_gear(gear)
+        if not len(here):
+            return
+        rows, times, gears = start + here, part.time[here], gear[here]
         if self._last is not None:
             last = zip(self._last, (rows, times, gears), strict=True)
             rows, times, gears = (np.concatenate([[before], these]) for before, these in last)
         stretch = np.searchsorted(self.log.begins, rows, side="right")
-        for step in np.flatnonzero((np.diff(gears) != 0) & (np.diff(stretch) == 0)):
+        for step in shifts_among(rows, times, gears, self.limits):
+            if stretch[step] != stretch[step + 1]:
+                continue
             before, after = float(times[step]), float(times[step + 1])
             event = Event("gear_shift", before, after, int(gears[step]), int(gears[step + 1]), self.source)
             self.events.append(self._by_ratio(event, int(rows[step + 1])) if self.ratio else event)

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.events import (
+    Event,
     Thresholds,
     engine_starts,
     events,
@@ -23,6 +24,8 @@ from atleak.events import (
     steady_driving,
     with_derived_gear,
 )
+from atleak.events.in_pieces import events_in_pieces
+from atleak.large_log import LargeLog
 from atleak.road_test import Channel, RoadTest, Segment, hold
 
 STEP = 0.1
@@ -162,6 +165,86 @@ def test_lock_up_by_slip_and_else_by_command() -> None:
     (event,) = lock_ups(road_test(**bare, lock_up=command))
     assert (event.start, event.stop) == (pytest.approx(30.0, rel=1e-9, abs=0.0), pytest.approx(39.9, rel=1e-9, abs=0.0))
     assert "commanded" in event.note
+
+
+NEUTRAL = {"gear": np.zeros, "selector": np.zeros, "park": lambda size: np.full(size, -2.0)}
+
+
+@pytest.mark.parametrize("shown", [*NEUTRAL, "standing", "output at rest"])
+@pytest.mark.parametrize("by", ["speeds", "command"])
+def test_an_engine_that_turns_an_idle_turbine_along_locks_nothing_up(shown: str, by: str) -> None:
+    engine = engine_at((10.0, 800), (10.0, 2000), (5.0, 800))
+    size = len(engine)
+    channels = {"engine_speed": engine, "vehicle_speed": np.full(size, 15.0)}
+    channels |= {"turbine_speed": engine * 0.99} if by == "speeds" else {"lock_up": np.full(size, 100.0)}
+    assert lock_ups(road_test(**channels))  # a car that coasts in gear
+    if shown in NEUTRAL:
+        channels["selector" if shown == "park" else shown] = NEUTRAL[shown](size)
+    else:
+        channels.pop("vehicle_speed")
+        channels |= {"vehicle_speed" if shown == "standing" else "output_speed": np.zeros(size)}
+    assert lock_ups(road_test(**channels)) == []
+    assert pieces(channels) == events(road_test(**channels))
+
+
+def pieces(channels: dict[str, np.ndarray]) -> tuple[Event, ...]:
+    return events_in_pieces(LargeLog.of(road_test(**channels), 37))
+
+
+def in_turn(*stretches: tuple[float, float]) -> np.ndarray:
+    """Gear in stretches of some seconds, ten samples a second."""
+    return np.concatenate([np.full(round(seconds / STEP), gear) for seconds, gear in stretches])
+
+
+@pytest.mark.parametrize(
+    ("gear", "expected"),
+    [
+        (in_turn((5.0, 3), (30.0, 0), (5.0, 1)), []),
+        (in_turn((5.0, 3), (30.0, np.nan), (5.0, 1)), []),
+        (in_turn((5.0, 1), (30.0, -1), (5.0, 2)), []),
+        (in_turn((5.0, 1), (0.5, -1), (5.0, 2)), []),
+        (in_turn((5.0, 3), (0.5, 0), (5.0, 2)), [(3, 2)]),
+        (in_turn((5.0, 3), (1.5, np.nan), (5.0, 4)), [(3, 4)]),
+        (in_turn((5.0, 3), (5.0, 4), (30.0, 0), (5.0, 1), (5.0, 2)), [(3, 4), (1, 2)]),
+    ],
+    ids=[
+        "neutral",
+        "unknown",
+        "reverse",
+        "reverse for a moment",
+        "neutral in the shift",
+        "unknown in it",
+        "two drives",
+    ],
+)
+def test_a_shift_leads_from_one_gear_to_the_next(gear: np.ndarray, expected: list[tuple[int, int]]) -> None:
+    channels = {"gear": gear, "engine_speed": np.full(len(gear), 30.0), "vehicle_speed": np.full(len(gear), 15.0)}
+    shifts = gear_shifts(road_test(**channels))
+    assert [(event.from_gear, event.to_gear) for event in shifts] == expected
+    assert all(event.duration <= Thresholds().shift_pause for event in shifts)
+    assert pieces(channels) == events(road_test(**channels))
+
+
+def test_neighbours_are_a_shift_however_slow_the_logger() -> None:
+    slow = road_test(gear=in_turn((0.2, 2), (0.2, 3)), engine_speed=np.full(4, 30.0))
+    channels = {name: replace(each, time=100.0 * each.time) for name, each in slow.channels.items()}
+    slow = replace(slow, time=np.arange(4) * 10.0, channels=MappingProxyType(channels))
+    assert [(event.from_gear, event.to_gear) for event in gear_shifts(slow)] == [(2, 3)]
+
+
+@pytest.mark.parametrize("hidden", ["gear", "turbine_speed"])
+def test_an_engine_that_is_revved_while_nothing_is_known_of_the_gear_is_no_stall(hidden: str) -> None:
+    channels = drive()
+    bare = {name: channels[name] for name in ("engine_speed", "vehicle_speed", hidden)}
+    assert len(stalls(road_test(**bare))) == 1
+    bare[hidden] = np.where(
+        (channels["engine_speed"] > 1400 / 60) & (channels["vehicle_speed"] < 0.1), np.nan, bare[hidden]
+    )
+    assert stalls(road_test(**bare)) == []
+    assert pieces(bare) == events(road_test(**bare))
+    in_neutral = {**channels, "selector": np.zeros(len(channels["gear"]))}
+    in_neutral.pop("turbine_speed")
+    assert stalls(road_test(**in_neutral)) == []
 
 
 def test_steady_driving_does_not_cross_a_gap() -> None:
