@@ -65,6 +65,7 @@ class Fluid:
     viscosity_half_width: float  # relative: the viscosity may lie anywhere within ± this of what is given
     origin: Origin
     doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)  # values that are possible and unusual
+    fresh: Fluid | None = field(default=None, repr=False, compare=False)  # of which it is the used state by `in_state`
 
     def in_state(self, state: FluidState) -> Fluid:
         """Return this fluid fresh or used.
@@ -80,10 +81,12 @@ class Fluid:
         if state == self.state:
             return self
         if state == "fresh":
+            if self.fresh is not None:
+                return self.fresh
             problem = Sentence("the data of {fluid} describe a used fluid", fluid=Name(self.name))
             raise InputError(problem, value=state, expected=Sentence("used, or the file of the fresh fluid"))
         if self.used is not None:
-            return load_fluid(self.used)
+            return replace(load_fluid(self.used), fresh=self)
         low, high = USED_VISCOSITY
         middle = 0.5 * (low + high)
         return replace(
@@ -94,6 +97,7 @@ class Fluid:
             study_regression=False,  # it was fitted to a fresh fluid
             representative=(*self.representative, Sentence("viscosity and density of the used fluid")),
             viscosity_half_width=0.5 * (high - low) / middle,
+            fresh=self,
         )
 
     @property

@@ -116,6 +116,11 @@ def test_the_regression_of_a_fresh_fluid_is_not_claimed_for_an_estimated_used_on
     assert "describes fresh HIPOL ATF IID, not" in said["viscosity_of_another_fluid"]
 
 
+@pytest.mark.parametrize("name", [name for name, fluid in ALL.items() if fluid.state == "fresh"])
+def test_a_fluid_that_was_made_used_can_be_fresh_again(name: str) -> None:
+    assert ALL[name].in_state("used").in_state("fresh") is ALL[name]
+
+
 def test_used_data_are_never_called_fresh() -> None:
     with pytest.raises(InputError, match="describe a used fluid") as caught:
         ALL["hipol_atf_iid_used"].in_state("fresh")

@@ -183,6 +183,18 @@ def test_a_used_fluid_stays_used_where_the_job_says_nothing(worn_clutch: Diagnos
     assert thinner.share > worn_clutch.projection.share
 
 
+@pytest.mark.parametrize("name", ["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"])
+@pytest.mark.parametrize("fluid", ["mobil_atf_220", "hipol_atf_iid"])
+def test_a_job_with_used_fluid_is_tried_with_fresh_one(name: str, fluid: str, limits: Limits) -> None:
+    controller, data = load_controller(name), load_fluid(fluid)
+    fresh, used = (diagnose(controller, data, limits, fluid_state=state) for state in ("fresh", "used"))
+    again = tried(used, WhatIf(fluid_state="fresh"))
+    assert again.projection.share == pytest.approx(fresh.projection.share, rel=1e-9, abs=0.0)
+    shares = [[trial.here and trial.here.share for trial in like_the_study(each, WhatIf())] for each in (fresh, used)]
+    assert shares[1] == shares[0]
+    assert sum(share is not None for share in shares[1]) > 5
+
+
 def test_the_study_s_variants_are_tried_with_this_unit(sample_diagnoses: dict[str, Diagnosis]) -> None:
     unit = sample_diagnoses["workshop"]
     trials = {each.variant.name: each for each in like_the_study(unit, WhatIf(wear=2.5))}
