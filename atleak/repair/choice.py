@@ -96,10 +96,15 @@ def gain_of(within: Iterable[Total], without: Iterable[Total]) -> Gain | None:
 
 
 def _used_up(rule: Rule) -> float:
-    """Return how much of a rule's first limit its value takes; of a limit that falls, the other way round."""
+    """Return how much of a rule's first limit its value takes; of a limit that falls, the other way round.
+
+    Of a limit of zero, such as that of how far a pressure is below the permissible, no part can be taken: the value
+    itself, a fraction too.
+    """
     limits = [limit for _, limit in rule.steps.levels]
-    parts = (max(limits), rule.value) if rule.steps.falling else (rule.value, min(limits))
-    return parts[0] / parts[1] if parts[1] else math.inf
+    if rule.steps.falling:
+        return max(limits) / rule.value if rule.value else math.inf
+    return rule.value / min(limits) if min(limits) else rule.value
 
 
 def choose(

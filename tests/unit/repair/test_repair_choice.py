@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
-from atleak.catalogue.limits import Limits
+from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.repairs import Repair
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
@@ -27,6 +27,7 @@ from atleak.readings import Readings
 from atleak.repair import Basis, Choice, Goal, Move, Prices, Stated, choose
 from atleak.report.estimate_words import EstimateWords
 from atleak.rules import LandKey, unit_rules
+from atleak.verdicts import Band
 from atleak.wording import wording
 
 Build = Callable[..., Readings]
@@ -228,3 +229,24 @@ def test_a_gain_is_the_rule_that_comes_nearest_to_its_limit_without_a_repair(pri
     assert gain.without.circuit is not None
     assert gain.without.circuit.id == "clutch_c1"
     assert gain.without.value > gain.within.value
+
+
+@pytest.mark.parametrize("name", ["five_speed_2005", "gm_4l60e", "chrysler_41te"])
+def test_a_repair_for_the_permissible_pressure_is_named_so(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
+) -> None:
+    controller = load_controller(name)
+    lenient = replace(limits.total_share, levels=((Band.AMBER, 1e3), (Band.CRITICAL, 2e3)), growth={})
+    bare = dict.fromkeys(("wear", "clearance", "pair_share", "reserve", "circuit_loss"))
+    only_line = replace(limits, total_share=lenient, **bare)
+    new = diagnose(controller, hipol, limits).projections
+    keys = [land.key for land in controller.lands if not land.seal]
+    keys.sort(key=lambda key: max(at.share_drawn_by(key) for at in new), reverse=True)
+    sizes = {key: controller.land(*key).nominal_diameter for key in keys[:4]}
+    readings = readings_of(controller, {key: (size, size + 2.0 * 180e-6) for key, size in sizes.items()})
+    chosen = choose(diagnose(controller, hipol, only_line, readings=readings), Goal.GREEN)
+    assert chosen.chosen
+    named = [gain for gain in chosen.gains.values() if gain is not None]
+    assert len(named) == len(chosen.chosen)
+    assert all(gain.without.kind is RuleKind.PERMISSIBLE_PRESSURE for gain in named)
+    assert all(gain.within.value <= 0.0 < gain.without.value for gain in named)
