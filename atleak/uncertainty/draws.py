@@ -94,11 +94,12 @@ def land_draws(
     assumptions: Assumptions,
     position: Any,
     readings: Draws | None = None,
+    length: Draws | None = None,
 ) -> LandDraws:
     """Draw all that is not known of one land.
 
-    ``readings`` draws the errors of what was measured, and ``stream`` all that a unit keeps between two visits; one and
-    the same unless given.
+    ``readings`` draws the errors of what was measured, ``length`` the contact length of the file, and ``stream`` all
+    else that a unit keeps between two visits; one and the same unless given.
     """
     readings = readings or stream
     new = new_bore(stream, land)
@@ -109,14 +110,14 @@ def land_draws(
         bore = worn_bore(stream, land, measured, new.clearance, fraction)
         unworn = unworn_bore(land, measured, new)
     nominal, by_calliper = land.state.land.contact_length, land.state.land.contact_length_measured
-    length: float | np.ndarray = nominal
+    drawn: float | np.ndarray = nominal
     uncertain = assumptions.of_contact_length(measured=by_calliper)
     if uncertain:
-        lengths = (readings if by_calliper else stream).normal()
+        lengths = (readings if by_calliper else length or stream).normal()
         lengths *= uncertain
         lengths += nominal
-        length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
-    return LandDraws(land, bore, new, unworn, length, position)
+        drawn = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
+    return LandDraws(land, bore, new, unworn, drawn, position)
 
 
 def measured_clearance(stream: Draws, land: LandSources, common: dict[str, np.ndarray], new: np.ndarray) -> np.ndarray:

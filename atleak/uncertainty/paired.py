@@ -33,6 +33,7 @@ from atleak.uncertainty.sources import LandSources
 from atleak.uncertainty.spread import flow_ratio, interval_of
 
 _UNIT, _VISITS = 1, (4, 5)  # streams of what the unit keeps, and of what each visit measured
+_LENGTH = 3  # dimension of a land's length, behind what it had when new and how its wear is seen, measured or not
 
 
 @dataclass(frozen=True)
@@ -100,18 +101,25 @@ def changes(
         )
         found.append(
             ChangeSpread(
-                leakage=interval_of(second.leakage - first.leakage, coverage),
-                share=interval_of(second.share - first.share, coverage),
-                reserve=interval_of(second.reserve - first.reserve, coverage),
-                main_pressure=interval_of(second.main_pressure - first.main_pressure, coverage),
+                leakage=_change(first.leakage, second.leakage, coverage),
+                share=_change(first.share, second.share, coverage),
+                reserve=_change(first.reserve, second.reserve, coverage),
+                main_pressure=_change(first.main_pressure, second.main_pressure, coverage),
                 circuits={
-                    name: interval_of(second.circuits[name] - pressure, coverage)
+                    name: _change(pressure, second.circuits[name], coverage)
                     for name, pressure in first.circuits.items()
                     if name in second.circuits
                 },
             )
         )
     return tuple(found)
+
+
+def _change(before: np.ndarray, after: np.ndarray, coverage: float) -> Interval:
+    """Return the interval of what changed; NaN where it is infinite at both visits, as a share of no delivery is."""
+    with np.errstate(invalid="ignore"):
+        difference = after - before
+    return interval_of(difference, coverage)
 
 
 def _drawn_lands(
@@ -134,17 +142,19 @@ def _drawn_lands(
     for visit, number, common in zip((before, after), _VISITS, commons, strict=True):
         read = Beside(Cube(fraction.size, seed, number, _UNIT), score)
         positions = Positions(visit.model, read, seed + number)
+        streams = ((land, kept.draws(seed, *_words(_UNIT, *land.key))) for land in visit.lands)
         yield [
             land_draws(
-                kept.draws(seed, *_words(_UNIT, *land.key)),
+                stream,
                 land,
                 common,
                 fraction,
                 assumptions,
                 positions.of(land),
                 read.draws(seed, *_words(number, *land.key)),
+                stream.onward_from(_LENGTH),
             )
-            for land in visit.lands
+            for land, stream in streams
         ]
 
 

@@ -117,6 +117,10 @@ class Draws:
         """Go through a cube in an order, that of its points unless given, from a first dimension on."""
         self._cube, self._order, self._next = cube, order, first
 
+    def onward_from(self, dimension: int) -> Draws:
+        """Return the draws of the same points from another dimension on, whatever was drawn before it."""
+        return Draws(self._cube, self._order, dimension)
+
     def _values(self, name: Hashable, table: Callable[[int], np.ndarray]) -> np.ndarray:
         values = self._cube.values(self._next, name, table)
         self._next += 1

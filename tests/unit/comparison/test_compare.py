@@ -19,6 +19,10 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.projection import stated_condition
 from atleak.errors import InputError
 from atleak.readings import Readings
+from atleak.uncertainty import DEFAULTS
+from atleak.uncertainty.draws import deviates_of_factors, one_sided_fraction
+from atleak.uncertainty.paired import Visit, _drawn_lands
+from atleak.uncertainty.points import Cube, Draws
 
 WORN = {("2", 1): 35e-6, ("2", 2): 35e-6, ("4", 1): 30e-6}
 
@@ -91,6 +95,59 @@ def test_totals_and_the_circuit_of_the_repaired_valve_changed_beyond_their_uncer
     assert fed
     assert all(one.change.value > 0.0 for one in fed)
     assert leading.share.significant
+
+
+SHIPPED = ["four_speed_2023", "five_speed_2005", "zf_6hp26", "gm_4l60e"]
+
+
+def two_visits(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings], speed: float | None = None
+) -> list[Diagnosis]:
+    """Two visits of a shipped unit: a pair measured at both; at the first also a spool alone, and another pair."""
+    controller = load_controller(name)
+    lands = [land for land in controller.lands if not land.seal][:3]
+    pairs = {land.key: (land.nominal_diameter, land.nominal_diameter + 3.0 * land.mounting_high) for land in lands}
+    both, spool_alone, _ = pairs
+    measured = ({**pairs, spool_alone: (pairs[spool_alone][0], None)}, {both: pairs[both]})
+    point = stated_condition(controller, engine_speed=speed)
+    return [
+        diagnose(
+            controller, hipol, limits, readings=replace(readings_of(controller, each), sha256=n * 64), condition=point
+        )
+        for n, each in zip("12", measured, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_length_that_nobody_measured_is_one_at_both_visits_whatever_else_was_measured(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
+) -> None:
+    visits = [
+        Visit(each.model, [land.sources for land in each.uncertainty.lands], list(each.projections))
+        for each in two_visits(name, hipol, limits, readings_of)
+    ]
+    statuses = {
+        tuple(land.state.status for land in lands) for lands in zip(*(each.lands for each in visits), strict=True)
+    }
+    assert len(statuses) == 4  # a spool alone and a whole pair at one visit only, a pair at both, the others at neither
+    shared = Draws(Cube(256, 7, 0))
+    deviates = deviates_of_factors(shared)
+    fraction = one_sided_fraction(shared, visits[0].model, DEFAULTS)
+    before, after = _drawn_lands(*visits, deviates, fraction, DEFAULTS, 7)
+    for one, other in zip(before, after, strict=True):
+        assert np.ptp(one.length) > 0.0
+        assert np.array_equal(one.length, other.length)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_where_the_pump_delivers_nothing_no_change_is_told(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
+) -> None:
+    first, second = two_visits(name, hipol, limits, readings_of, speed=1.0 / 60.0)
+    assert first.projection.pump_capacity == 0.0
+    stated = compare(first, second).leading  # warnings are errors
+    assert stated.share is None
+    assert stated.leakage.interval is not None
 
 
 def test_the_same_job_twice_changed_nothing(worn: Diagnosis) -> None:
