@@ -296,6 +296,7 @@ def _fluid(entry: FluidFile, data: Mapping[str, Any], origin: Origin) -> Fluid:
         viscosity_half_width=0.0,
         origin=origin,
         doubts=doubts_of("fluids", data, origin.file),
+        fresh=None,
     )
 
 

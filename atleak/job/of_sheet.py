@@ -83,13 +83,13 @@ def sheet_doubts(job: Job, readings: Readings | None, mileage: float | None) -> 
             written=written,
         )
         yield Message("warning", "sheet_of_another_job", text)
-    for own in (mileage, job.vehicle.mileage_km):
-        if own is None or mileage is None or head.mileage is None or abs(own - head.mileage) < 1.0:
+    for km in (mileage, job.vehicle.mileage_km):
+        if km is None or mileage is None or head.mileage is None or abs(km - head.mileage) < 1.0:
             continue
         text = Sentence(
             "The job has a mileage of {own:g} {own.unit}, the head of the measuring sheet {written:g} {written.unit}: "
             "{counts:g} {counts.unit} counts.",
-            own=Quantity(own, "distance"),
+            own=Quantity(km, "distance"),
             written=Quantity(head.mileage, "distance"),
             counts=Quantity(mileage, "distance"),
         )
