@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.complaints import Complaint
@@ -471,7 +470,8 @@ def diagnose(
             instruments=instruments,
             assumptions=assumptions,
             guard_factor=guard_factor,
-            known=_known(readings, (model, limits, instruments, assumptions)),
+            # carried through for these readings before, where nothing but the conditions has changed since
+            known=kept_with(readings, "spreads", (model, limits, instruments, assumptions), Known, most=1),
         )
         test = None if log is None else log.road_test
         of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], test)
@@ -521,15 +521,6 @@ def diagnose(
         complaint=complaint,
         messages=tuple(messages),
     )
-
-
-def _known(readings: Readings, rests_on: tuple[Any, ...]) -> Known:
-    """Return what was carried through for these readings before, where nothing but the conditions has changed since."""
-    kept: dict[str, tuple[Any, Known]] = kept_with(readings, "spreads", "", dict)
-    last = kept.get("last")
-    if last is None or last[0] != rests_on:
-        last = kept["last"] = rests_on, Known()
-    return last[1]
 
 
 def _farthest_first(rules: Iterable[Rule]) -> list[Rule]:

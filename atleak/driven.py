@@ -80,13 +80,14 @@ def evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoin
     """
     logged = all(name in road_test.channels for name in _LOGGED) and not model.controller.circuits
     rests_on = (model, None if logged else condition)
-    kept: dict[str, tuple[Any, dict[str, Any]]] = kept_with(road_test, "leakage", "", dict)
-    last = kept.get("last")
-    if last is None or last[0] != rests_on:
-        road = evaluate_road_test(model, road_test, condition)
-        last = rests_on, {name: value for name, value in vars(road).items() if name not in ("road_test", "assumed")}
-        kept["last"] = last
-    return RoadLeakage(road_test=road_test, assumed=condition, **last[1])
+
+    def made() -> dict[str, Any]:
+        road = vars(evaluate_road_test(model, road_test, condition))
+        return {name: value for name, value in road.items() if name not in ("road_test", "assumed")}
+
+    return RoadLeakage(
+        road_test=road_test, assumed=condition, **kept_with(road_test, "leakage", rests_on, made, most=1)
+    )
 
 
 def classes_over(road: RoadLeakage | None, unworn: LeakageModel | None, limits: Limits) -> tuple[TemperatureClass, ...]:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from typing import Any, TypeVar
 from weakref import finalize
 
 Made = TypeVar("Made")
-_KEPT: dict[int, dict[str, dict[Hashable, Any]]] = {}  # by the identity of the owner
+_KEPT: dict[
+    int, dict[str, tuple[tuple[Any, Any], ...]]
+] = {}  # keys and what was made, by the owner's identity and name
 
 
-def kept_with(owner: Any, name: str, key: Hashable, make: Callable[[], Made], most: int = 4) -> Made:
+def kept_with(owner: Any, name: str, key: Any, make: Callable[[], Made], most: int = 4) -> Made:
     """Return what was made for a key before, or make it and keep it with its owner.
 
     Parameters
@@ -20,6 +22,8 @@ def kept_with(owner: Any, name: str, key: Hashable, make: Callable[[], Made], mo
         ever be let go.
     name
         what is made: of each name the latest ``most`` keys are kept.
+    key
+        all else that it rests on, compared by ``==``.
 
     Raises
     ------
@@ -29,14 +33,13 @@ def kept_with(owner: Any, name: str, key: Hashable, make: Callable[[], Made], mo
     if id(owner) not in _KEPT:
         _KEPT[id(owner)] = {}
         finalize(owner, _KEPT.pop, id(owner), None)
-    kept = _KEPT[id(owner)].setdefault(name, {})
-    if key in kept:
-        made: Made = kept[key]
-        return made
+    kept = _KEPT[id(owner)]
+    for known, before in kept.get(name, ()):
+        if known == key:
+            earlier: Made = before
+            return earlier
     made = make()
     if made is owner:
         raise ValueError(f"{name}: kept with itself, it would never be let go")
-    kept[key] = made
-    for old in list(kept)[:-most]:
-        kept.pop(old, None)
+    kept[name] = (*kept.get(name, ()), (key, made))[-most:]
     return made

@@ -34,6 +34,13 @@ def test_what_would_keep_itself_alive_is_refused() -> None:
         kept_with(owner, "x", "a", lambda: owner)
 
 
+def test_a_key_is_compared_and_need_not_be_hashable() -> None:
+    owner, made = Owner(), []
+    for rests_on in ([1], [1], [2], [1]):
+        kept_with(owner, "x", rests_on, lambda: made.append(1), most=1)
+    assert len(made) == 3
+
+
 def test_only_the_latest_of_each_name_are_kept() -> None:
     owner = Owner()
     made: list[int] = []
