@@ -107,10 +107,14 @@ def _widest(before: LandClearance, after: LandClearance) -> LandClearance:
 
 
 def _within_limits(states: Iterable[LandClearance], diagnosis: Diagnosis) -> frozenset[LandKey]:
-    """Return which lands are within all of their limits, in a unit that is otherwise as it was measured."""
+    """Return which lands are within all of their limits, in a unit that is otherwise as it was measured.
+
+    Where the pump delivers nothing no clearance has a share that is within a limit, and none is judged by it.
+    """
     by_key = {state.land.key: state for state in states}
     clearances = tuple(by_key.get(each.land.key, each) for each in diagnosis.model.clearances)
     model = replace(diagnosis.model, clearances=clearances)
-    at = [(project(model, now.condition), diagnosis.unworn_at(now)) for now in diagnosis.projections]
+    delivering = (now for now in diagnosis.projections if now.pump_capacity > 0.0)
+    at = [(project(model, now.condition), diagnosis.unworn_at(now)) for now in delivering]
     rules = {key: land_rules(state, at, diagnosis.limits) for key, state in by_key.items()}
     return frozenset(key for key, judged in rules.items() if worst(rule.verdict for rule in judged) is Verdict.OK)
