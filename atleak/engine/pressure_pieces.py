@@ -22,6 +22,7 @@ from atleak.engine.road_pressure import (
     NotJudged,
     PermittedSamples,
     PlaceFinding,
+    PressureByTemperature,
     RoadPressure,
     actual_and_commanded,
     commanded_is_logged,
@@ -30,7 +31,8 @@ from atleak.engine.road_pressure import (
 from atleak.events import Event
 from atleak.large_log import LargeLog
 
-_READ = ("main_pressure", "commanded_pressure", "engine_speed", "gear", "selector", "vehicle_speed", "output_speed")
+_READ = ("main_pressure", "commanded_pressure", "engine_speed", "gear", "selector", "vehicle_speed", "output_speed",
+         "atf_temperature")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,7 @@ class _Judged:
             for gear in sorted(permitted.gears)
         ]
         self.times: dict[int, list[float]] = defaultdict(list)
+        self.warmth = PressureByTemperature()
 
     def add(self, piece: CountedPiece) -> None:
         limits = PermittedSamples(self.controller, piece.road_test, piece.counted)
@@ -92,6 +95,8 @@ class _Judged:
             if here.any():
                 group[here] = place
                 self.times[place].append(piece.time_of(here))
+                at = np.flatnonzero(here[piece.core]) + piece.core.start
+                self.warmth.add(place, piece.counted.steps[at], limits.temperature[at], limits.pressure[at])
         excesses = (
             (self.under, 1.0 - limits.pressure / limits.low, limits.low),
             (self.over, limits.pressure / limits.high - 1.0, limits.high),
@@ -110,7 +115,7 @@ class _Judged:
                 below, above = self.under.outside(place), self.over.outside(place)
                 worst = self._departure(self.under.worst(place))
                 state = self.controller.permissible[number].state
-                places.append(PlaceFinding(gear, state, judged, below, above, worst))
+                places.append(PlaceFinding(gear, state, judged, below, above, worst, self.warmth.of(place)))
         places.sort(key=lambda each: (each.gear, STATES.index(each.state)))
         lowest, highest = self._departure(self.under.worst()), self._departure(self.over.worst())
         return RoadPressure(tuple(places), lowest, highest)

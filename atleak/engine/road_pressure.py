@@ -5,6 +5,7 @@ Only what lasts counts (`atleak.engine.lasting`): a departure is as large as it 
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,10 +16,13 @@ from atleak.catalogue.circuits import IDLE_SPEED
 from atleak.catalogue.controller import Controller
 from atleak.engine.lasting import CountedSamples, Lasting
 from atleak.events import Thresholds
-from atleak.events.event import gear_engaged, standing_samples
+from atleak.events.event import gear_engaged, rolling_samples, standing_samples
 from atleak.road_test import RoadTest
 
 STATES: tuple[State, ...] = ("idle", "stall", "driving")
+HELD_SECONDS = 3.0  # [s] that a temperature must last in a gear and state to count: choice of this project
+SLUMP, SLUMP_SPAN = 0.05, 20.0  # least fall of a slump, of the pressure when cold; over so many K: choices likewise
+_CLASS = 10.0  # [K] of the fluid's temperature over which pressure is averaged
 NotJudged = Literal["no_main_pressure", "not_measured", "not_permitted", "no_engine_speed", "no_gear", "never_there"]
 
 
@@ -43,6 +47,15 @@ class Departure:
 
 
 @dataclass(frozen=True)
+class AtTemperature:
+    """Main pressure in one gear and state while the fluid is within 10 K: means over time."""
+
+    temperature: float  # [°C]
+    pressure: float  # [Pa]
+    seconds: float
+
+
+@dataclass(frozen=True)
 class PlaceFinding:
     """Main pressure in one gear and state: times [s], pressure [Pa] as it stays for a second."""
 
@@ -52,6 +65,22 @@ class PlaceFinding:
     below: float  # time in stretches below it that last
     above: float
     worst: Departure | None  # below the low limit, or nearest to it; None without such a limit, or too short a time
+    by_temperature: tuple[AtTemperature, ...] = ()  # the coldest first; none where no temperature is logged
+
+    @property
+    def held(self) -> tuple[AtTemperature, ...]:
+        """Return main pressure at each temperature that lasted for some seconds."""
+        return tuple(each for each in self.by_temperature if each.seconds >= HELD_SECONDS)
+
+    @property
+    def slump(self) -> tuple[AtTemperature, AtTemperature] | None:
+        """Return main pressure at the coldest and the hottest, where it is right cold and low hot; None elsewhere."""
+        if self.worst is None or not self.below or len(self.held) < 2:
+            return None
+        cold, hot = self.held[0], self.held[-1]
+        falls = cold.pressure - hot.pressure >= SLUMP * cold.pressure
+        warms = hot.temperature - cold.temperature >= SLUMP_SPAN
+        return (cold, hot) if falls and warms and cold.pressure >= self.worst.limit > hot.pressure else None
 
 
 @dataclass(frozen=True)
@@ -94,9 +123,10 @@ class CommandedPressure:
 def judge_pressure(controller: Controller, road_test: RoadTest) -> RoadPressure | NotJudged:
     """Compare main pressure with what the valve body permits in the gear and state of every sample.
 
-    A sample idles under `IDLE_SPEED`; it stalls where a logged vehicle speed shows that the car stands in gear with the
-    engine raised; else it drives. Without a gear that the valve body's file names there is no limit, nor while the
-    engine stands or starts, nor in shifts shorter than a second.
+    A sample idles under `IDLE_SPEED` where no logged speed shows that the car rolls; it stalls where a logged speed
+    shows that the car stands in gear with the engine raised; else it drives. Without a gear that the valve body's file
+    names there is no limit, nor while the engine stands or starts, while the car coasts as slowly as it idles, nor in
+    shifts shorter than a second.
 
     Returns
     -------
@@ -133,6 +163,8 @@ class PermittedSamples:
         self.controller, self.time = controller, road_test.time
         self.gear = np.asarray(gear_engaged(road_test))
         self.counted = counted
+        temperature = road_test.values("atf_temperature")
+        self.temperature = np.full(len(self.time), np.nan) if temperature is None else temperature
         self.pressure = self.counted.smooth(np.asarray(road_test.values("main_pressure")))
         self.low, self.high = (np.full(len(self.time), np.nan) for _ in range(2))
         self.number = np.full(len(self.time), -1)  # of the limits in the valve body's file
@@ -151,7 +183,7 @@ class PermittedSamples:
     def judge(self) -> RoadPressure:
         under = Lasting(self.counted, 1.0 - self.pressure / self.low)
         over = Lasting(self.counted, self.pressure / self.high - 1.0)
-        places = []
+        places, warmth = [], PressureByTemperature()
         for number, permitted in enumerate(self.controller.permissible):
             for gear in sorted(permitted.gears):
                 here = (self.number == number) & (self.gear == gear)
@@ -159,7 +191,9 @@ class PermittedSamples:
                 if judged > 0.0:
                     below, above = (self.counted.time_of(each.outside & here) for each in (under, over))
                     worst = self._departure(under, self.low, here)
-                    places.append(PlaceFinding(gear, permitted.state, judged, below, above, worst))
+                    warmth.add((number, gear), self.counted.steps[here], self.temperature[here], self.pressure[here])
+                    found = warmth.of((number, gear))
+                    places.append(PlaceFinding(gear, permitted.state, judged, below, above, worst, found))
         places.sort(key=lambda place: (place.gear, STATES.index(place.state)))
         limited = self.number >= 0
         lowest, highest = self._departure(under, self.low, limited), self._departure(over, self.high, limited)
@@ -184,17 +218,43 @@ class PermittedSamples:
         )
 
 
+class PressureByTemperature:
+    """Main pressure over the fluid's temperature, by gear and state; of the pieces of a log it adds up."""
+
+    def __init__(self) -> None:
+        self._sums: dict[Hashable, dict[int, np.ndarray]] = {}
+
+    def add(self, place: Hashable, seconds: np.ndarray, temperature: np.ndarray, pressure: np.ndarray) -> None:
+        """Add samples of a place: how long each takes [s], temperature [°C] and pressure [Pa]; NaN is left out."""
+        known = np.isfinite(temperature) & np.isfinite(pressure)
+        classes = np.floor(temperature[known] / _CLASS).astype(int)
+        rows = np.stack([np.ones(len(classes)), temperature[known], pressure[known]]) * seconds[known]
+        sums = self._sums.setdefault(place, {})
+        for each in np.unique(classes).tolist():
+            sums[each] = sums.get(each, 0.0) + rows[:, classes == each].sum(axis=1)
+
+    def of(self, place: Hashable) -> tuple[AtTemperature, ...]:
+        """Return what was added for a place, the coldest first."""
+        sums = (sums for _, sums in sorted(self._sums.get(place, {}).items()) if sums[0] > 0.0)
+        return tuple(AtTemperature(float(t / s), float(p / s), float(s)) for s, t, p in sums)
+
+
 def _states(road_test: RoadTest, gear: np.ndarray) -> dict[State, np.ndarray]:
     """Return at which samples the engine idles, the converter stalls and the car drives; none of it where unknown.
 
-    Only a logged speed behind the gears shows that the car stands.
+    Only a logged speed behind the gears shows that the car stands: where it rolls, the engine as slow as at idle, it
+    coasts, for which there is no limit.
     """
     engine, limits = np.asarray(road_test.values("engine_speed")), Thresholds()
-    idles, standing = engine < IDLE_SPEED, standing_samples(road_test, limits)
+    slow, standing = engine < IDLE_SPEED, standing_samples(road_test, limits)
     stalls = np.zeros(len(engine), bool)
     if standing is not None:
         stalls = standing & (gear != 0) & (engine > limits.stall_speed)
-    return {"idle": idles, "stall": stalls, "driving": np.isfinite(engine) & ~idles & ~stalls}
+    return {
+        "idle": slow & ~rolling_samples(road_test, limits),
+        "stall": stalls,
+        "driving": np.isfinite(engine) & ~slow & ~stalls,
+    }
 
 
 def commanded_is_logged(road_test: RoadTest) -> bool:

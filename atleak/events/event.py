@@ -120,11 +120,23 @@ def within(time: np.ndarray, events: Iterable[Event]) -> np.ndarray:
 
 def standing_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray | None:
     """Return at which samples the car stands, shape (samples,); None where the log does not show it."""
-    speed = road_test.values("vehicle_speed")
-    if speed is not None:
-        return speed < limits.standing
-    output = road_test.values("output_speed")
-    return output < 0.5 if output is not None else None
+    behind = _behind_the_gears(road_test, limits)
+    return None if behind is None else behind[0] < behind[1]
+
+
+def rolling_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray:
+    """Return at which samples the log shows that the car rolls, shape (samples,)."""
+    behind = _behind_the_gears(road_test, limits)
+    return np.zeros(len(road_test.time), bool) if behind is None else behind[0] >= behind[1]
+
+
+def _behind_the_gears(road_test: RoadTest, limits: Thresholds) -> tuple[np.ndarray, float] | None:
+    """Return the speed behind the gears and below which it stands; None where none is logged."""
+    for name, stands in (("vehicle_speed", limits.standing), ("output_speed", 0.5)):
+        speed = road_test.values(name)
+        if speed is not None:
+            return speed, stands
+    return None
 
 
 def gear_engaged(road_test: RoadTest) -> np.ndarray | None:

@@ -114,6 +114,10 @@ def _permissible(log: RoadFindings) -> dict[str, Any] | None:
                 "below_s": place.below,
                 "above_s": place.above,
                 "lowest": _departure(place.worst),
+                "by_temperature": [
+                    {"temperature_c": each.temperature, "pressure_kpa": each.pressure * KPA, "seconds": each.seconds}
+                    for each in place.by_temperature
+                ],
             }
             for place in permitted.places
         ],

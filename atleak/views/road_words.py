@@ -172,4 +172,5 @@ def check_sentences(diagnosis: Diagnosis, say: Wording) -> list[str]:
 
 def check_text(check: NextCheck, say: Wording) -> str:
     """Return a check in words."""
-    return say(f"checks.{check.code}", **check.values)
+    named = {"state": say(f"states.{check.values['state']}")} if "state" in check.values else {}
+    return say(f"checks.{check.code}", **{**check.values, **named})

@@ -8,7 +8,14 @@ from dataclasses import replace
 import pytest
 
 from atleak.catalogue.circuit_tables import State
-from atleak.engine.road_pressure import CommandedPressure, Departure, NotJudged, PlaceFinding, RoadPressure
+from atleak.engine.road_pressure import (
+    AtTemperature,
+    CommandedPressure,
+    Departure,
+    NotJudged,
+    PlaceFinding,
+    RoadPressure,
+)
 from atleak.events import AccelerationTest, Event
 from atleak.next_checks import next_checks
 from atleak.road_findings import RoadFindings
@@ -63,6 +70,64 @@ def test_where_pressure_is_low_says_what_comes_first(places: list[Place], first:
     checks = next_checks(findings(pressure(*places)), LIMIT)
     assert (checks[0].code, checks[0].source) == (first, source)
     assert [check.code for check in checks[1:]] == ["then_measure", "log_commanded"]
+
+
+def over_temperature(gear: int, state: State, *held: tuple[float, float]) -> PlaceFinding:
+    """A place at so many °C and kPa, where 400 kPa are the least."""
+    found = tuple(AtTemperature(celsius, kpa * 1e3, 10.0) for celsius, kpa in held)
+    least = min(each.pressure for each in found)
+    worst = Departure(1.0, 4.0, 2.0, gear, state, least, 4e5, 1.0 - least / 4e5, "a chart")
+    return PlaceFinding(gear, state, 30.0, 10.0 if least < 4e5 else 0.0, 0.0, worst, found)
+
+
+def over_temperatures(*places: PlaceFinding, against: CommandedPressure | None = None) -> RoadFindings:
+    ends = [each.temperature for place in places for each in place.by_temperature]
+    return findings(RoadPressure(places, places[0].worst, None), against, temperatures=(min(ends), max(ends)))
+
+
+FINE = over_temperature(2, "idle", (35.0, 420.0), (111.0, 410.0))
+SLUMP = over_temperature(1, "idle", (35.0, 420.0), (75.0, 380.0), (111.0, 180.0))
+
+
+@pytest.mark.parametrize(
+    ("places", "expected"),
+    [
+        ([SLUMP], ["falls_with_heat"]),
+        ([SLUMP, over_temperature(2, "driving", (40.0, 500.0), (108.0, 390.0))], ["falls_with_heat"]),
+        ([SLUMP, FINE], ["falls_with_heat", "low_in_one_gear"]),
+        # in second gear the fluid was not seen hot: nothing tells that the first alone is low
+        ([SLUMP, over_temperature(2, "idle", (35.0, 420.0))], ["falls_with_heat"]),
+        ([SLUMP, over_temperature(2, "idle", (35.0, 300.0), (111.0, 290.0))], ["falls_with_heat", "low_everywhere"]),
+        ([over_temperature(1, "idle", (35.0, 300.0), (111.0, 290.0))], ["low_where_judged", "then_measure"]),
+        ([over_temperature(1, "idle", (35.0, 300.0), (111.0, 180.0))], ["low_where_judged", "then_measure"]),
+        ([over_temperature(1, "idle", (35.0, 300.0), (111.0, 420.0))], ["low_where_judged", "then_measure"]),
+        ([over_temperature(1, "idle", (90.0, 300.0))], ["low_where_judged", "compare_cold", "then_measure"]),
+        # no fall to speak of, and too few degrees
+        ([over_temperature(1, "idle", (35.0, 402.0), (111.0, 397.0))], ["low_where_judged", "then_measure"]),
+        ([over_temperature(1, "idle", (40.0, 420.0), (55.0, 380.0))], ["low_where_judged", "then_measure"]),
+    ],
+)
+def test_pressure_that_falls_with_the_temperature_is_told_first(
+    places: list[PlaceFinding], expected: list[str]
+) -> None:
+    assert codes(over_temperatures(*places)) == [*expected, "log_commanded"]
+
+
+def test_the_fall_is_told_with_its_numbers() -> None:
+    check = next_checks(over_temperatures(FINE, SLUMP), LIMIT)[0]
+    said = wording("en", "us")("checks.falls_with_heat", **check.values)
+    assert said.startswith("Main pressure falls with the fluid's temperature: 60.9 psi at 95 °F and 26.1 psi at 232 °F")
+    assert "58.0 psi are the least" in said
+
+
+def test_a_pressure_that_falls_as_it_was_commanded_shows_no_leak() -> None:
+    found = over_temperatures(SLUMP, against=commanded(-20.0))
+    assert codes(found) == ["low_where_judged", "then_measure", "low_as_commanded"]
+    assert codes(over_temperatures(SLUMP, against=commanded(-200.0))) == ["falls_with_heat", "below_commanded"]
+
+
+def test_without_a_temperature_a_low_pressure_asks_for_it() -> None:
+    assert codes(findings(pressure((1, "idle", True)), temperatures=None))[-1] == "log_temperature_low"
 
 
 def test_the_gears_that_are_low_are_named() -> None:
@@ -139,6 +204,9 @@ def test_every_check_has_its_words_in_every_language(language: str) -> None:
         findings(pressure((1, "driving", False), (3, "driving", True))),
         findings(pressure((1, "driving", False), (3, "driving", True), (4, "driving", True)), commanded(-20.0)),
         findings("no_main_pressure", temperatures=None),
+        findings(pressure((1, "idle", True)), temperatures=None),
+        over_temperatures(SLUMP),
+        over_temperatures(over_temperature(1, "idle", (90.0, 300.0))),
     ]
     for case in cases:
         for check in next_checks(case, LIMIT):

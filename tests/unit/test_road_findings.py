@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import controllers
+from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.intake.road_test import read_road_test
+from atleak.next_checks import next_checks
 from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
 from atleak.uncertainty import DEFAULTS
@@ -36,6 +37,43 @@ def at_pressure(four_speed: Controller, limits: Limits, log_of: LogOf) -> Callab
 
 
 AtPressure = Callable[..., RoadFindings]
+COURSES: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # of main pressure beside the least, over 20 to 110 °C
+    "hot slump": lambda celsius: 1.1 - 0.6 * (celsius - 20.0) / 90.0,
+    "low from cold": lambda celsius: np.full(len(celsius), 0.7),
+    "rising": lambda celsius: 0.7 + 0.4 * (celsius - 20.0) / 90.0,
+    "as it should be": lambda celsius: np.full(len(celsius), 1.1),
+}
+
+
+@pytest.mark.parametrize(
+    ("course", "first"),
+    [("hot slump", "falls_with_heat"), ("low from cold", "low_everywhere"), ("rising", "low_everywhere"),
+     ("as it should be", None)],
+)  # fmt: skip
+@pytest.mark.parametrize("unit", ["aisin_aw55_50sn", "chrysler_41te", "ford_4r70w", "four_speed_2023"])
+def test_an_idle_from_cold_to_hot_tells_what_comes_first(
+    unit: str, course: str, first: str | None, limits: Limits, log_of: LogOf
+) -> None:
+    valve_body = load_controller(unit)
+    least = {gear: each.low for each in valve_body.permissible for gear in each.gears if each.state == "idle"}
+    gears = sorted(gear for gear, low in least.items() if low and gear != 0)[:3]
+    celsius = np.linspace(20.0, 110.0, 3600)
+    gear = np.array(gears * 12).repeat(100)  # each for five seconds at a time
+    pressure = COURSES[course](celsius) * np.array([least[each] for each in gear.tolist()])
+    time = np.arange(3600) * 0.05
+    speeds = {"engine_speed": 700.0 / RPM, "vehicle_speed": 0.0}
+    more = {"gear": gear.astype(float), "main_pressure": pressure}
+    warm, unknown = (
+        next_checks(road_findings(valve_body, log_of(time, **speeds, **more, **temperature), limits), None)
+        for temperature in ({"atf_temperature": celsius}, {})
+    )
+    assert [check.code for check in warm][:1] == ([first] if first else [])
+    slumps = course == "hot slump"
+    assert [check.code for check in unknown][:1] == (["low_everywhere"] if slumps else [first or "log_temperature"])
+    if slumps:
+        said = {name: warm[0].values[name].value for name in ("cold", "cold_at", "hot", "hot_at")}
+        assert said["cold_at"] < 30.0 < 100.0 < said["hot_at"]
+        assert said["hot"] == pytest.approx(0.5 * said["cold"], rel=0.06, abs=0.0)
 
 
 @pytest.mark.parametrize(

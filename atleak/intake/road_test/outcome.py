@@ -10,6 +10,7 @@ from atleak.errors import Message, Place, RoadTestError
 from atleak.intake.road_test.channels import build
 from atleak.intake.road_test.channels.assign import Ambiguous, Assigner
 from atleak.intake.road_test.channels.protocol import TableResult
+from atleak.intake.road_test.clock.clocks import YEAR
 from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names.memory import NOT_LOGGED
 from atleak.large_log import LargeLog
@@ -82,7 +83,7 @@ def finish(
     """
     timeline = reading.timeline
     build.time_messages(assigner, timeline)
-    if timeline.duration > _YEAR:
+    if timeline.duration > YEAR:
         return replace(blank, messages=tuple(assigner.messages), problem=_lasts_too_long(blank.file, reading))
     if "time" in constants and reading.clock.form != "counted":
         text = Sentence("the log has a clock, {column!r}: the stated interval is not used", column=reading.time_label)
@@ -128,14 +129,11 @@ def finish(
     )
 
 
-_YEAR = 365 * 86400.0  # [s]
-
-
 def _lasts_too_long(file: str, reading: TableResult) -> RoadTestError:
     problem = Sentence(
         "by its clock, which leaps by {leap:.6g} s, the log lasts {years:.3g} years",
         leap=max(reading.timeline.gaps, default=reading.timeline.duration),
-        years=reading.timeline.duration / _YEAR,
+        years=reading.timeline.duration / YEAR,
     )
     expected = Sentence("the stamps of one drive: where the clock was set while it recorded, the log cut there")
     return RoadTestError(problem, place=Place(file=file, column=reading.time_label or None), expected=expected)

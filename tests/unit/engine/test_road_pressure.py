@@ -92,6 +92,36 @@ def test_below_is_said_with_how_long_where_and_how_far(limited: Controller, driv
     assert {place.state: place.below > 0.0 for place in found.places} == {"idle": False, "driving": True}
 
 
+def test_coasting_is_no_idle_and_has_no_limit(limited: Controller, drive: Drive) -> None:
+    stretches = ((5, 800, 3, 450), (5, 800, 3, 700), (5, 2000, 3, 460))
+    rolls = np.repeat([0.0, 5.4, 12.0], 100)  # m/s
+    for speed in ({"vehicle_speed": rolls}, {"output_speed": rolls * 2.0}):
+        found = judged(limited, drive(*stretches, **speed))
+        assert [(place.gear, place.state) for place in found.places] == [(3, "idle"), (3, "driving")]
+        assert (found.below, found.above) == (0.0, 0.0)
+        assert found.places[0].judged == pytest.approx(5.0, abs=2 * STEP)
+    unknown = judged(limited, drive(*stretches, vehicle_speed=np.where(rolls == 5.4, NAN, rolls)))
+    assert unknown.above == pytest.approx(5.0, abs=2 * STEP)  # nothing shows that it rolls
+    assert judged(limited, drive(*stretches)).above == pytest.approx(5.0, abs=2 * STEP)
+
+
+def test_pressure_is_given_over_the_temperature_in_each_gear_and_state(limited: Controller, drive: Drive) -> None:
+    stretches = ((5, 800, 1, 420), (5, 2000, 2, 520), (5, 800, 1, 300), (2, 800, 1, 200))
+    celsius = np.r_[np.full(60, 31.0), np.full(40, 39.0), np.full(100, 60.0), np.full(100, 95.0), np.full(40, 118.0)]
+    idle, driving = judged(limited, drive(*stretches, atf_temperature=celsius)).places
+    assert [(round(each.temperature, 1), round(each.pressure * KPA)) for each in driving.by_temperature] == [
+        (60.0, 520)
+    ]
+    found = [(each.temperature, each.pressure * KPA, each.seconds) for each in idle.by_temperature]
+    expected = [(34.2, 420.0, 5.0), (95.0, 300.0, 5.0), (118.0, 200.0, 2.0)]
+    for each, wanted in zip(found, expected, strict=True):
+        assert each == pytest.approx(wanted, abs=2.5)  # where one ends, half a second is smoothed
+    assert [round(each.temperature) for each in idle.slump] == [34, 95]  # two seconds are too short to count
+    assert driving.slump is None
+    without = judged(limited, drive(*stretches)).places
+    assert [(place.by_temperature, place.slump) for place in without] == [((), None)] * 2
+
+
 @pytest.mark.parametrize(("seconds", "below"), [(0.7, 0.0), (1.3, 1.3)])
 def test_what_does_not_last_a_second_does_not_count(
     limited: Controller, drive: Drive, seconds: float, below: float

@@ -19,10 +19,18 @@ from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names.matching import Match, Tier, match_name, match_short_name, name_kind, split_unit
 from atleak.intake.road_test.names.memory import NOT_LOGGED
 from atleak.intake.road_test.names.unit_choice import ATMOSPHERE, Fit, fit, given
+from atleak.intake.units import unit
 from atleak.road_test import QUANTITIES, ChannelKind
 from atleak.sentence import Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import KPA
+
+_AT_100 = {  # [rpm] at 100 km/h between which cars with automatic transmissions lie, by gear: choice of this project
+    10: (900, 2400), 9: (900, 2400), 8: (1000, 2500), 7: (1100, 2700), 6: (1200, 2900), 5: (1300, 3200),
+    4: (1500, 3600),
+}  # fmt: skip
+_DRIVES, _DRIVES_AT = 30.0, 1000.0  # in either unit of speed, and [rpm], above which a car drives in such a gear
+_DRIVEN_ROWS = 20
 
 
 @dataclass(frozen=True)
@@ -250,8 +258,39 @@ class Assigner:
                 labels = tuple(signal.candidate.label for signal in doubtful)
                 self.ambiguous.append(Ambiguous(quantity, labels, doubtful[0].fit.problem or Sentence("")))
             return
+        doubt = self._speed_by_gear(chosen) if quantity == "vehicle_speed" and chosen.fit.assumed else None
+        if doubt is not None:
+            label = chosen.candidate.label
+            self.ambiguous.append(Ambiguous(quantity, (label,), doubt, label))
+            return
         self.signals[quantity] = chosen
         self._comment(chosen)
+
+    def _speed_by_gear(self, speed: Signal) -> Sentence | None:
+        """Return how fast the engine would turn at 100 km/h where that is against the assumed unit, and for the other.
+
+        The highest gear that is driven for a while tells it; None where nothing does, or both may be.
+        """
+        rows = [self.signals.get(name) for name in ("gear", "engine_speed")]
+        if any(each is None or each.time is not speed.time or len(each.values) != len(speed.values) for each in rows):
+            return None
+        stride = max(1, len(speed.values) // 20_000)
+        gear, engine = (each.fit.to_si(each.values[::stride]) for each in rows if each is not None)
+        there = speed.values[::stride]
+        known = (there > _DRIVES) & (engine * 60 > _DRIVES_AT)
+        top = next((each for each in _AT_100 if np.count_nonzero(known & (gear == each)) >= _DRIVEN_ROWS), None)
+        if top is None or speed.fit.unit is None:
+            return None
+        low, middle, high = np.percentile((engine * 60 / there)[known & (gear == top)], (25, 50, 75)).tolist()
+        at_100 = {name: 100 / 3.6 / unit(name, "speed").factor * middle for name in ("km/h", "mph")}
+        right = {name for name, rpm in at_100.items() if _AT_100[top][0] <= rpm <= _AT_100[top][1]}
+        if high - low > 0.15 * middle or speed.fit.unit.name in right or not right:
+            return None
+        return Sentence(
+            "its unit is not stated and must be named, as at 100 km/h in gear {gear} the engine turns at {kmh:.0f} rpm "
+            "if it is km/h and at {mph:.0f} rpm if it is mph",
+            gear=top, kmh=at_100["km/h"], mph=at_100["mph"],
+        )  # fmt: skip
 
     def _fit(self, candidate: Candidate, values: Column, time: Column | None) -> Signal | None:
         kind = QUANTITIES[candidate.quantity].unit_kind

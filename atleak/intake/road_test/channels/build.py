@@ -219,12 +219,17 @@ def time_messages(assigner: Assigner, timeline: Timeline) -> None:
             longest=longest,
         )
         assigner.say("gaps", text, "warning")
-    if timeline.stale:
-        text = Sentence("{count} row(s) with a stray time stamp are left out", count=timeline.stale)
-        assigner.say("stray_stamps", text, "warning")
+    say_strays(assigner, timeline)
     if timeline.unreadable:
         text = Sentence("{count} row(s) without a readable time are left out", count=timeline.unreadable)
         assigner.say("unreadable_stamps", text, "warning")
     if timeline.reordered:
         text = Sentence("{count} row(s) stood out of turn and were put in order", count=timeline.reordered)
         assigner.say("reordered", text, "info")
+
+
+def say_strays(assigner: Assigner, timeline: Timeline, column: str | None = None) -> None:
+    """Say how many rows are left out for their stray stamps; of one clock among several, which."""
+    if timeline.stale:
+        text = Sentence("{count} row(s) with a stray time stamp are left out", count=timeline.stale)
+        assigner.say("stray_stamps", text, "warning", column)

@@ -15,6 +15,7 @@ from atleak.intake.road_test.channels.assign import (
     find_candidates,
     map_columns,
 )
+from atleak.intake.road_test.channels.build import say_strays
 from atleak.intake.road_test.channels.column_values import Rows, columns_of_numbers, rows_of
 from atleak.intake.road_test.channels.headers_between import check_clock_stated_again, with_units_stated_again
 from atleak.intake.road_test.channels.long import long_shape, read_long
@@ -220,7 +221,11 @@ def _read_own_times(
     if not clocks_by_column:
         raise no_time(table, assigner)
     first = min(clocks_by_column)
-    base = build_timeline(held(clocks_by_column[first].seconds))
+    timelines = {index: build_timeline(held(clock.seconds)) for index, clock in clocks_by_column.items()}
+    base = timelines[first]
+    for index, timeline in timelines.items():
+        if index != first:  # what is to be said of the first is said of the log
+            say_strays(assigner, timeline, dict(time_columns)[index].label)
     assigner.base = base.time if base.order is None else None
     for quantity in QUANTITIES:
         offered = []
@@ -236,7 +241,7 @@ def _read_own_times(
             if time_column.heading.index == first:
                 offered.append((candidate, values, None))
                 continue
-            timeline = build_timeline(held(clocks_by_column[time_column.heading.index].seconds))
+            timeline = timelines[time_column.heading.index]
             values = values if timeline.order is None else values[timeline.order]
             good = np.isfinite(values)
             offered.append((candidate, values[good], timeline.time[good]))

@@ -17,7 +17,8 @@ from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.channels.spoilt_numbers import TEXT, cause, holds
 from atleak.intake.road_test.clock import clocks
-from atleak.intake.road_test.clock.clocks import Clock, Motion, NumericForm, Running
+from atleak.intake.road_test.clock.clocks import Clock, Motion, NumericForm
+from atleak.intake.road_test.clock.timeline import Running
 from atleak.intake.road_test.files.cells import is_clock, is_destroyed, to_float
 from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.files.headings import nameless

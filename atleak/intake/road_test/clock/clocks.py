@@ -13,7 +13,7 @@ import pandas as pd
 from atleak.columns import Column, percentiles_of, spans
 from atleak.intake.dates import day_number, half_day, likely_order, sure_date
 from atleak.intake.road_test.blocks import blocks_of, turned
-from atleak.intake.road_test.clock.timeline import strays_of
+from atleak.intake.road_test.clock.timeline import Running, strays_of
 from atleak.intake.units import HHMMSS, Unit, find_unit
 from atleak.sentence import Sentence
 
@@ -445,40 +445,6 @@ def _days_of(days: list[int | None]) -> np.ndarray:
     numbers = np.array([np.nan if day is None else float(day) for day in days])
     counted: np.ndarray = (numbers - np.nanmin(numbers)) * DAY
     return counted
-
-
-@dataclass
-class Running:
-    """Counts a clock from its first stamp on, part by part.
-
-    Of one that starts again after each ``period`` [s] a fall by more than half of it adds one.
-    """
-
-    period: float | None = None
-    _first: float | None = None
-    _last: float = np.nan
-    _turn: int = 0  # of the last stamp: 1 where it fell by more than half a period, -1 where it rose so
-    _falls: int = 0
-
-    def on(self, seconds: np.ndarray) -> np.ndarray:
-        """Return the next stamps, counted from the first one of all; NaN where unreadable."""
-        good = np.flatnonzero(np.isfinite(seconds))
-        if not len(good):
-            return seconds
-        values = seconds[good]
-        if self.period is not None:
-            steps = np.diff(values, prepend=self._last)
-            turns = (steps < -self.period / 2).astype(int) - (steps > self.period / 2)
-            # a single stamp that falls or rises so, and the one behind it goes back: neither begins a period
-            before = np.append(self._turn, turns[:-1])
-            falls = self._falls + np.cumsum(np.where(turns * before < 0, np.minimum(turns, 0), np.maximum(turns, 0)))
-            self._last, self._turn, self._falls = float(values[-1]), int(turns[-1]), int(falls[-1])
-            values = values + falls * self.period
-        if self._first is None:
-            self._first = float(values[0])
-        result = np.full(len(seconds), np.nan)
-        result[good] = np.round(values - self._first, 9)
-        return result
 
 
 def read_clocks(column: pd.Series) -> ClockParts:

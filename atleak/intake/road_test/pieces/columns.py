@@ -26,10 +26,10 @@ from atleak.intake.road_test.clock.clocks import (
     ClockTally,
     Motion,
     NumericForm,
-    Running,
     numeric_form,
     read_clocks,
 )
+from atleak.intake.road_test.clock.timeline import Running
 from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.pieces.spool import Spool
 from atleak.intake.road_test.pieces.timelines import PIECE

@@ -196,3 +196,12 @@ def test_a_clock_that_is_set_while_it_records_is_refused(later: float, leap: str
     with pytest.raises(RoadTestError, match=r"column Time.* years; expected the stamps of one drive") as raised:
         read_road_test(f"Time ({unit});RPM (rpm);ATF Temp (C);Note\n{text}".encode(), name="log.csv")
     assert f"leaps by {leap} s" in str(raised.value)
+
+
+def test_a_stray_stamp_of_one_clock_among_several_is_told_with_its_column() -> None:
+    rows = [f"{row / 2};{800 + row};{row / 2 + 0.2};{500 + row}" for row in range(100)]
+    rows[-1] = "49.5;899;1e17;600"
+    text = "Time;Engine speed (rpm);Time;Line pressure (kPa)\n" + "\n".join(rows) + "\n"
+    test = understand(text.encode(), name="log.csv").road_test
+    assert test.channels["main_pressure"].time[-1] == pytest.approx(49.2, rel=1e-9, abs=0.0)
+    assert [message.place.column for message in test.messages if message.code == "stray_stamps"] == ["Time"]

@@ -453,3 +453,51 @@ def test_a_pressure_is_no_state_but_where_a_solenoid_is_commanded_one(column: st
     if taken or "Pressure" in column:
         return
     assert f"does not belong to {QUANTITIES[quantity].label}" in found.road_test.refused[quantity]
+
+
+# --- a speed without a unit -------------------------------------------------------------------------------------
+
+
+def drive_up(rpm_at_100: float, top: int, in_mph: bool, column: str = "Speed", also: str = "") -> str:
+    """A car that goes through its gears to 110 km/h; its engine turns so fast at 100 km/h in the highest."""
+    rows = []
+    for row in range(600):
+        kmh = 20 + row * 0.15
+        gear = min(top, 1 + int(kmh // (90 / top)))
+        speed = kmh / 1.609344 if in_mph else kmh
+        rows.append(f"{row / 10:.1f},{rpm_at_100 * kmh / 100 * 1.35 ** (top - gear):.0f},{speed:.1f},{gear},90")
+    return f"Time (s),Engine RPM,{column},Gear,ATF Temp ({also or 'C'})\n" + "\n".join(rows) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("rpm", "top", "in_mph", "column", "taken"),
+    [
+        (2146, 6, True, "Speed", None),
+        (2300, 5, True, "Vehicle Speed", None),
+        (1700, 8, True, "Speed", None),
+        (2146, 6, False, "Speed", "km/h"),
+        (2800, 6, False, "Speed", "km/h"),
+        (2700, 4, False, "Speed", "km/h"),
+        (2146, 6, True, "Speed (mph)", "mph"),
+    ],
+)
+def test_a_speed_without_unit_is_asked_about_where_gear_and_engine_speed_are_against_it(
+    rpm: float, top: int, in_mph: bool, column: str, taken: str | None
+) -> None:
+    found = understood(drive_up(rpm, top, in_mph, column))
+    channel = found.road_test.channels.get("vehicle_speed")
+    assert (channel.unit if channel else None) == taken
+    assert [question.quantity for question in found.ambiguous] == ([] if taken else ["vehicle_speed"])
+    if taken is None:
+        why = found.ambiguous[0].why
+        assert f"gear {top}" in why
+        assert f"{rpm} rpm if it is mph" in why
+        assert f"{rpm * 1.609344:.0f}"[:3] in why
+        answered = understood(drive_up(rpm, top, in_mph, column), units={"vehicle_speed": "mph"})
+        assert (answered.ambiguous, answered.road_test.channels["vehicle_speed"].unit) == ((), "mph")
+
+
+def test_miles_assumed_by_the_neighbours_are_asked_about_likewise() -> None:
+    slow = understood(drive_up(1500, 6, False, also="F"))
+    assert [question.quantity for question in slow.ambiguous] == ["vehicle_speed"]
+    assert understood(drive_up(2146, 6, False)).ambiguous == ()
