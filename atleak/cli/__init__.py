@@ -24,6 +24,7 @@ from atleak.cli import (
     import_log,
     jobs,
     report,
+    sample,
     schema,
     template,
     variants,
@@ -38,6 +39,7 @@ _INTERRUPTED = 130
 _NO_COLOUR = "NO_COLOR"  # the variable by which programs agree to print without colours
 _MORE = """\
 examples:
+  atleak diagnose sample
   atleak diagnose sheet.xlsx --pdf report.pdf
   atleak diagnose sheet.xlsx --road-test log.csv --json - --fail-on replace
   atleak import-log log.csv
@@ -122,6 +124,7 @@ def _parser() -> Parser:
         gauge_study,
         catalogue,
         schema,
+        sample,
         app,
     ):  # as --help lists them
         group.add_parser(commands)

@@ -9,11 +9,13 @@ from typing import Any
 
 from atleak.cli.parser import add_command
 from atleak.cli.shared import (
+    SAMPLE_LOG,
     add_columns,
     add_force,
     add_json,
     check_targets,
     log_choices,
+    or_sample,
     say_written,
     write_json,
     write_text,
@@ -34,7 +36,12 @@ def add_parser(commands: Any) -> None:
             "import-log log.csv --map main_pressure=PL --unit main_pressure=bar --csv tidy.csv",
         ),
     )
-    parser.add_argument("road_test", metavar="LOG", help="text, xlsx or mf4, as the logger wrote it")
+    parser.add_argument(
+        "road_test",
+        metavar="LOG",
+        type=or_sample(SAMPLE_LOG),
+        help="text, xlsx or mf4, as the logger wrote it; sample: the one that comes with atleak",
+    )
     add_columns(parser)
     add_json(parser)
     parser.add_argument("--csv", metavar="FILE|-", help="the log as a plain table in rpm, °C, kPa and km/h")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from atleak.cli.parser import Options
 from atleak.cli.shared import (
+    SAMPLE_LOG,
     add_columns,
     add_controller,
     add_fill_down,
@@ -15,6 +16,7 @@ from atleak.cli.shared import (
     log_constants,
     number,
     number_of,
+    or_sample,
     pair,
 )
 from atleak.errors import InputError, unknown
@@ -67,7 +69,9 @@ def _add_measured(group: Options) -> None:
         "readings",
         metavar="READINGS",
         nargs="?",
-        help="measuring sheet: xlsx, xls, ods or csv; without one the road test is judged by itself",
+        type=or_sample("measuring_sheet_four_speed.xlsx"),
+        help="measuring sheet: xlsx, xls, ods or csv; sample: the one that comes with atleak, unless there is a file "
+        "of that name; without one the road test is judged by itself",
     )
     _add_sheet(group)
     for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
@@ -110,7 +114,12 @@ def _add_sheet(group: Options) -> None:
 
 
 def _add_road_test(group: Options) -> None:
-    group.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
+    group.add_argument(
+        "--road-test",
+        metavar="LOG",
+        type=or_sample(SAMPLE_LOG),
+        help="road-test log of any logger: text, xlsx or mf4; sample: likewise",
+    )
     add_columns(group)
 
 

@@ -18,6 +18,7 @@ from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.marks import Kind
 from atleak.system.printable import asked_for, unguarded
+from atleak.system.shipped import shipped
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages
 from atleak.written_numbers import INTERVAL, AskedNumber, decimal_number, read_number
@@ -89,6 +90,15 @@ def _alike(pattern: Path) -> Iterator[Path]:
     for each in folder.iterdir() if folder.is_dir() else ():
         if fnmatch(each.name, pattern.name) and each.is_file() and each.suffix.lower() == ".zip":
             yield each
+
+
+SAMPLES = "sample_data"  # the folder of the files that come with atleak
+SAMPLE_LOG = "minimum_acceleration_test.csv"
+
+
+def or_sample(name: str) -> Callable[[str], str]:
+    """Return how to take a file's name: ``sample`` is this file of the sample, unless there is one called so."""
+    return lambda text: str(shipped(f"{SAMPLES}/{name}")) if text == "sample" and not Path(text).is_file() else text
 
 
 def add_force(parser: Options) -> None:

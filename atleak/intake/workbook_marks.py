@@ -1,4 +1,4 @@
-"""Reads what a workbook's author hid or crossed out: rows, columns and cells, from the styles of an xlsx or ods.
+"""Reads what a workbook's author hid, crossed out, coloured or commented on, from the XML of an xlsx or ods.
 
 Cells are read without their styles elsewhere, so this looks at the XML itself. Bytes in, plain data out.
 """
@@ -20,33 +20,44 @@ Hiding = Literal["by hand", "by a filter", "in a folded outline"]
 PART_LIMIT = 32_000_000  # bytes of one unpacked part; a measuring sheet is a hundredth of it
 _LIST_LIMIT = 2_000_000  # of one that lists sheets, or relations
 _COLUMNS = 16_384  # of a sheet
+_WORDS = 300  # characters of a comment
 
 # no pattern runs past the next "<", so that none takes more than linear time on a hostile file
 _ROW = re.compile(rb"<(?:\w{1,20}:)?row\b([^<>]*)>")
 _COLUMN = re.compile(rb"<(?:\w{1,20}:)?col\b([^<>]*)>")
 _TEXT = re.compile(rb"<(?:\w{1,20}:)?c\b([^<>]*)>\s*<(?:\w{1,20}:)?v>(\d{1,9})</")
+_FILLED = re.compile(rb"<(?:\w{1,20}:)?c\b([^<>]*[^<>/])>\s*<(?:\w{1,20}:)?(?:v|f|is)\b")
+_PLAIN = re.compile(rb"|rgb (?:00|FF)(?:000000|FFFFFF)|theme [01]|indexed (?:8|9|64|65)|auto 1", re.IGNORECASE)
 _ATTRIBUTE = re.compile(rb'(?:^|\s)(\w+)="([^"<>]*)"')
 _REFERENCE = re.compile(rb"([A-Z]{1,3})(\d{1,7})")
 _AREA = re.compile(rb"\$?([A-Z]{1,3})\$?(\d{1,7}):\$?([A-Z]{1,3})\$?(\d{1,7})")
 _YES = {b"1", b"true"}
+_PLAIN_IN_ODS = re.compile(r"|transparent|#0{6}|#f{6}", re.IGNORECASE)
 _TABLE = "{urn:oasis:names:tc:opendocument:xmlns:table:1.0}"
 _STYLE = "{urn:oasis:names:tc:opendocument:xmlns:style:1.0}"
+_OFFICE = "{urn:oasis:names:tc:opendocument:xmlns:office:1.0}"
+_TEXT_OF = "{urn:oasis:names:tc:opendocument:xmlns:text:1.0}"
+_FO = "{urn:oasis:names:tc:opendocument:xmlns:xsl-fo-compatible:1.0}"
+_SEEN = ("background-color", "color")  # of a cell's ground and its letters
 
 
 @dataclass(frozen=True)
 class Marks:
-    """What is hidden or crossed out on one sheet; rows and columns count from 0.
+    """What is hidden, crossed out, coloured or commented on, on one sheet; rows and columns count from 0.
 
-    A row hidden in several ways counts as hidden by the filter.
+    A row hidden in several ways counts as hidden by the filter. Colours are those of a filled cell's ground and
+    letters as the file writes them, to tell cells apart; of cells that have those of an empty sheet there are none.
     """
 
     hidden_rows: dict[int, Hiding] = field(default_factory=dict)
     hidden_columns: frozenset[int] = frozenset()
     struck: frozenset[tuple[int, int]] = frozenset()  # cells crossed out
+    colours: dict[tuple[int, int], str] = field(default_factory=dict)
+    comments: dict[tuple[int, int], str] = field(default_factory=dict)
 
 
 def marks(data: bytes) -> dict[str, Marks]:
-    """Return what is hidden or crossed out on each sheet of an xlsx or ods, by its name; empty for other files.
+    """Return the marks on each sheet of an xlsx or ods, by its name; empty for other files.
 
     Raises
     ------
@@ -130,7 +141,8 @@ def _targets(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, str]]:
 
 
 def _xlsx(archive: zipfile.ZipFile, names: set[str]) -> dict[str, Marks]:
-    styles = _struck_styles(unpacked_part(archive, "xl/styles.xml")) if "xl/styles.xml" in names else frozenset()
+    styles_xml = unpacked_part(archive, "xl/styles.xml") if "xl/styles.xml" in names else b""
+    styles, coloured = _struck_styles(styles_xml), _coloured_styles(styles_xml)
     strings = (
         _struck_strings(unpacked_part(archive, "xl/sharedStrings.xml"))
         if "xl/sharedStrings.xml" in names
@@ -145,6 +157,8 @@ def _xlsx(archive: zipfile.ZipFile, names: set[str]) -> dict[str, Marks]:
                 _hidden_rows(sheet_xml, filters),
                 frozenset(_hidden_columns(sheet_xml)),
                 frozenset(_struck_cells(sheet_xml, styles, strings)),
+                dict(_coloured_cells(sheet_xml, coloured)),
+                dict(_comments(archive, names, path)),
             )
     return marks_by_sheet
 
@@ -181,6 +195,49 @@ def _struck_styles(xml: bytes) -> frozenset[int]:
         for number, style in styles
         if whole_number(_attributes(style.split(b">")[0].rstrip(b"/")).get(b"fontId", b"0")) in fonts
     )
+
+
+def _coloured_styles(xml: bytes) -> dict[int, str]:
+    """Return the colours of ground and letters of the styles that have others than the first one, the plain."""
+
+    grounds = [_colour(fill, b"fgColor") for fill in _elements(_inside(xml, b"fills"), b"fill")]
+    letters = [_colour(font, b"color") for font in _elements(_inside(xml, b"fonts"), b"font")]
+    found = []
+    for style in _elements(_inside(xml, b"cellXfs"), b"xf"):
+        attributes = _attributes(style.split(b">")[0].rstrip(b"/"))
+        fill, font = (whole_number(attributes.get(name, b"0")) for name in (b"fillId", b"fontId"))
+        found.append("".join(grounds[fill : fill + 1] + letters[font : font + 1]))
+    return {number: each for number, each in enumerate(found) if each != found[0]}
+
+
+def _colour(element: bytes, name: bytes) -> str:
+    """Return the attributes of a colour as they are written; nothing of the usual white ground and black letters."""
+    tag = re.search(rb"<(?:\w{1,20}:)?" + name + rb"\b([^<>]*)>", element)
+    said = b" ".join(b"%s %s" % each for each in _attributes(tag[1].rstrip(b"/")).items()) if tag else b""
+    return "" if _PLAIN.fullmatch(said) else f"{name.decode()} {said.decode('utf-8', 'replace')};"
+
+
+def _coloured_cells(xml: bytes, styles: dict[int, str]) -> Iterator[tuple[tuple[int, int], str]]:
+    """Yield the place and the colours of every cell of such a style that holds something."""
+    for tag in _FILLED.findall(xml) if styles else ():
+        style = _attributes(tag).get(b"s", b"")
+        if style.isdigit() and int(style) in styles:
+            for place in _place_of_cell(tag):
+                yield place, styles[int(style)]
+
+
+def _comments(archive: zipfile.ZipFile, names: set[str], path: str) -> Iterator[tuple[tuple[int, int], str]]:
+    """Yield the place and the words of every comment on a sheet of an xlsx, without the heading of a threaded one."""
+    folder, name = posixpath.split(path)
+    if f"{folder}/_rels/{name}.rels" not in names:
+        return
+    for _, part in _targets(archive, path):
+        if part in names and re.search(r"/comments?\d*\.xml$", part) and "threaded" not in part.lower():
+            for comment in ElementTree.fromstring(unpacked_part(archive, part)).iter():
+                if comment.tag.endswith("}comment"):
+                    words = "".join(each.text or "" for each in comment.iter() if each.tag.endswith("}t"))
+                    for place in _place_of_cell(f'r="{comment.get("ref", "")}"'.encode()):
+                        yield place, words.rpartition("Comment:\n")[2].strip()[:_WORDS]
 
 
 def _struck_strings(xml: bytes) -> frozenset[int]:
@@ -267,7 +324,9 @@ def _filters(archive: zipfile.ZipFile, names: set[str], path: str, xml: bytes) -
 
 
 def _ods(xml: bytes) -> dict[str, Marks]:
-    if not any(sign in xml for sign in (b":visibility=", b"line-through")):
+    if not any(
+        sign in xml for sign in (b":visibility=", b"line-through", b":annotation", b"background-color", b":color=")
+    ):
         return {}
     root = ElementTree.fromstring(xml)
     struck = {
@@ -277,11 +336,23 @@ def _ods(xml: bytes) -> dict[str, Marks]:
         if "none" not in (kind := [text.get(f"{_STYLE}text-line-through-{name}") for name in ("style", "type")])
         and any(kind)
     }
-    return {table.get(f"{_TABLE}name", ""): _ods_sheet(table, struck) for table in root.iter(f"{_TABLE}table")}
+    colours: dict[str | None, str] = {
+        style.get(f"{_STYLE}name"): "".join(
+            f"{name} {each.get(f'{_FO}{name}')};"
+            for each in style
+            for name in _SEEN
+            if not _PLAIN_IN_ODS.fullmatch(each.get(f"{_FO}{name}", ""))
+        )
+        for style in root.iter(f"{_STYLE}style")
+    }
+    return {table.get(f"{_TABLE}name", ""): _ods_sheet(table, struck, colours) for table in root.iter(f"{_TABLE}table")}
 
 
-def _ods_sheet(table: ElementTree.Element, struck: set[str | None]) -> Marks:
+def _ods_sheet(table: ElementTree.Element, struck: set[str | None], colours: dict[str | None, str]) -> Marks:
     rows: dict[int, Hiding] = {}
+    coloured: dict[tuple[int, int], str] = {}
+    comments: dict[tuple[int, int], str] = {}
+    of_column: dict[int, str | None] = {}  # the style of its cells that name none, by the column's end
     columns: set[int] = set()
     cells: set[tuple[int, int]] = set()
     folded = {id(line) for group in table.iter(f"{_TABLE}table-row-group") for line in group.iter(f"{_TABLE}table-row")}
@@ -291,6 +362,7 @@ def _ods_sheet(table: ElementTree.Element, struck: set[str | None]) -> Marks:
         if element.get(f"{_TABLE}visibility", "visible") != "visible":
             columns.update(range(column, min(column + count, _COLUMNS)))  # empty past the last column
         column += count
+        of_column[column] = element.get(f"{_TABLE}default-cell-style-name")
     row = 0
     for line in table.iter(f"{_TABLE}table-row"):
         shown = line.get(f"{_TABLE}visibility", "visible")
@@ -303,9 +375,17 @@ def _ods_sheet(table: ElementTree.Element, struck: set[str | None]) -> Marks:
         for cell in line:
             if cell.get(f"{_TABLE}style-name") in struck and len(cell):
                 cells.add((row, column))
+            if len(cell):
+                style = cell.get(f"{_TABLE}style-name") or line.get(f"{_TABLE}default-cell-style-name")
+                style = style or next((each for end, each in of_column.items() if column < end), None)
+                if colour := colours.get(style):
+                    coloured[row, column] = colour
+                for note in cell.iter(f"{_OFFICE}annotation"):
+                    words = "\n".join("".join(each.itertext()) for each in note.iter(f"{_TEXT_OF}p"))
+                    comments[row, column] = words.strip()[:_WORDS]
             column += _repeated(cell, "columns")
         row += _repeated(line, "rows")
-    return Marks(rows, frozenset(columns), frozenset(cells))
+    return Marks(rows, frozenset(columns), frozenset(cells), coloured, comments)
 
 
 def _repeated(element: ElementTree.Element, what: str) -> int:

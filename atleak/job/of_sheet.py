@@ -26,7 +26,7 @@ def with_sheet(job: Job | None, readings: Readings | None) -> Job | None:
     readings
         as the measuring sheet was read.
     """
-    if readings is None or readings.identity.empty:
+    if readings is None or (readings.identity.empty and readings.date is None):
         return job
     head, record = readings.identity, job or Job()
     if any(_contradictions(record, head)):
@@ -40,6 +40,7 @@ def with_sheet(job: Job | None, readings: Readings | None) -> Job | None:
         vehicle["mileage_km"] = head.mileage
     changes: dict[str, Any] = {
         "number": record.number or head.job,
+        "date": record.date or readings.date,
         "technician": record.technician or head.technician,
         "vehicle": record.vehicle.model_copy(update=vehicle),
         "transmission": record.transmission.model_copy(update={"serial": record.transmission.serial or head.serial}),
@@ -54,6 +55,7 @@ def taken_from_sheet(before: Job, filled: Job) -> tuple[str, ...]:
     told: tuple[dict[str, Any], ...] = tuple(
         {
             "number": job.number,
+            "date": job.date,
             "vehicle": job.vehicle.model,
             "vin": job.vehicle.vin,
             "serial": job.transmission.serial,

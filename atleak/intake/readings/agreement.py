@@ -293,7 +293,8 @@ def _sets(
 
 def _is_correction(words: Sequence[str]) -> bool:
     of_gauge = {"gauge", "ring"} & set(words) and any(word in ERRORS for word in words)
-    of_zero = any(word in ZERO for word in words) and all(word in BESIDE_ZERO for word in words)
+    is_error = any(word in ERRORS for word in words) or all(word in BESIDE_ZERO for word in words)
+    of_zero = any(word in ZERO for word in words) and is_error
     correction = bool(of_gauge) or of_zero or any(word in CORRECTIONS for word in words)
     return correction and not any(word in CORRECTED for word in words)
 

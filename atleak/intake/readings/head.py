@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
@@ -13,7 +13,7 @@ from atleak.intake.dates import sure_date
 from atleak.intake.readings.head_identity import read_identity, several
 from atleak.intake.readings.head_labels import Stated, stated_values
 from atleak.intake.readings.sheet_tables import Table
-from atleak.intake.readings.words import Vocabulary, vocabulary
+from atleak.intake.readings.words import Vocabulary, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit, unit
 from atleak.readings import TYPED_MARK
@@ -60,6 +60,8 @@ class _Quantity:
         )
 
 
+_AT = vocabulary("at_temperature")
+_BESIDE_AT = vocabulary("beside_head", "beside_at_temperature")
 _TEMPERATURE = _Quantity(
     (vocabulary("temperature"),),
     _BESIDE,
@@ -157,7 +159,10 @@ def _read(heads: Sequence[tuple[Sheet, range]], quantity: _Quantity) -> _Read:
     stated = [
         each
         for sheet, rows in heads
-        for each in stated_values(sheet, rows, quantity.words, quantity.beside, quantity.kind)
+        for each in (
+            *stated_values(sheet, rows, quantity.words, quantity.beside, quantity.kind),
+            *(_without_the_word(sheet, rows) if quantity is _TEMPERATURE else ()),
+        )
     ]
     values: dict[float, Stated] = {}
     problems = []
@@ -168,6 +173,14 @@ def _read(heads: Sequence[tuple[Sheet, range]], quantity: _Quantity) -> _Read:
             problems.append(error)
     messages = [_several(values, quantity)] if len(values) > 1 else []
     return _Read(next(iter(values)) if len(values) == 1 else None, stated, messages, problems)
+
+
+def _without_the_word(sheet: Sheet, rows: range) -> Iterator[Stated]:
+    """Yield what is told by its unit to be a temperature: "measured at 24.1 °C", "referred to 20 °C"."""
+    for each in stated_values(sheet, rows, (_AT,), _BESIDE_AT, "temperature"):
+        match = _VALUE.fullmatch(text_of(each.value))
+        if match and match["unit"] and find_unit(match["unit"], "temperature") is not None:
+            yield each
 
 
 def _several(values: Mapping[float, Stated], quantity: _Quantity) -> Message:

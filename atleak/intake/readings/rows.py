@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError, nearest_name, one_of
-from atleak.intake.readings import states
+from atleak.intake.readings import author_marks, states
 from atleak.intake.readings.asides import Asides
 from atleak.intake.readings.columns import Columns, find_columns
 from atleak.intake.readings.controller_names import ControllerNames
@@ -24,7 +24,6 @@ from atleak.intake.readings.words import (
     diameter,
     direction_of,
     is_blank,
-    is_marked,
     is_page_title,
     number,
     part_said,
@@ -36,7 +35,7 @@ from atleak.intake.readings.words import (
     text_of,
 )
 from atleak.intake.sheets.extent import FAULTS
-from atleak.intake.sheets.sheet import Cell, column_letter, rows_named
+from atleak.intake.sheets.sheet import Cell, column_letter
 from atleak.intake.units import Unit, find_unit, unit_names
 from atleak.phrases import PART_WORDS
 from atleak.sentence import Name, Sentence, all_of
@@ -46,9 +45,6 @@ _IN_TEXT = Sentence(
     "the value in every row; or the workbook itself, as a text file does not keep merged cells; {fill_down}",
     fill_down=FILL_DOWN,
 )
-
-
-_MARKS_SHOWN = 4
 
 
 @dataclass
@@ -137,7 +133,7 @@ class _Reader:
         if question is not None:
             self.problems.append(question)
         self.messages += self.asides.messages(self.entries)
-        self._report_marks()
+        self.messages += author_marks.messages(self.table, self.of_row, self.columns)
         self.messages += states.messages(self.entries, self.table, self.columns, self.names.controller)
         return Rows(
             self.table, self.columns, self.entries, self.problems, self.messages, unread, self.cells, self.of_row
@@ -507,23 +503,6 @@ class _Reader:
                 headings=tuple(sorted(self.overridden)),
             )
             self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))
-
-    def _report_marks(self) -> None:
-        """Say which numbers have a star or dagger, which points to a note that only people read."""
-        marked = [
-            (row, column.index)
-            for row in self.of_row
-            for column in self.header.values
-            if is_marked(self.sheet.cell(row, column.index))
-        ]
-        if marked:
-            numbers = tuple(dict.fromkeys(text_of(self.sheet.cell(*at)) for at in marked))[:_MARKS_SHOWN]
-            text = Sentence(
-                "a mark stands behind {numbers} ({rows}): read as they stand; what it means only the sheet's notes say",
-                numbers=numbers,
-                rows=rows_named(self.sheet, [row for row, _ in marked]),
-            )
-            self.messages.append(Message("info", "numbers_marked", text, self.sheet.place(*marked[0])))
 
     def _report_hidden_columns(self) -> None:
         for column in self.columns.hidden:

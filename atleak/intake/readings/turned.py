@@ -33,6 +33,8 @@ def turned(sheet: Sheet, names: ControllerNames) -> Sheet | None:
         hidden_rows=dict.fromkeys(sheet.marks.hidden_columns, "by hand"),
         hidden_columns=frozenset(sheet.marks.hidden_rows),
         struck=frozenset((column, row) for row, column in sheet.marks.struck),
+        colours={(column, row): colour for (row, column), colour in sheet.marks.colours.items()},
+        comments={(column, row): words for (row, column), words in sheet.marks.comments.items()},
     )
     faults = {(column, row): why for (row, column), why in sheet.faults.items()}
     around = replace(sheet, rows=rows, merged=merged, faults=faults, marks=marks, turned=not sheet.turned)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 from dataclasses import replace
 
 import pytest
@@ -42,6 +43,16 @@ def test_an_empty_record_takes_all_that_the_head_says(readings: Readings) -> Non
         ["micrometer", "bore gauge"],
     )
     assert len(taken_from_sheet(Job(), filled)) == 7
+
+
+def test_the_date_of_the_head_is_the_jobs_where_it_has_none(worn: Diagnosis) -> None:
+    assert worn.readings is not None
+    dated = replace(worn.readings, identity=SheetIdentity(), date=dt.date(2026, 10, 1))
+    filled = with_sheet(None, dated)
+    assert filled is not None
+    assert (filled.date, taken_from_sheet(Job(), filled)) == (dt.date(2026, 10, 1), ("date",))
+    own = Job(date=dt.date(2026, 9, 30))
+    assert with_sheet(own, dated) == own
 
 
 def test_what_the_record_says_itself_counts(readings: Readings) -> None:

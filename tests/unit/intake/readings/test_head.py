@@ -47,6 +47,12 @@ def codes(readings):
         ("Messtemperatur: 35 °C", 35.0),
         ("Raumtemperatur;22", 22.0),
         ("Temperatura pomiaru;21,5", 21.5),
+        ("Measured at 24.1 °C", 24.1),
+        ("Measured at;75.2 °F", 24.0),
+        ("All diameters referred to 20 °C", 20.0),
+        ("Values corrected to: 20 °C", 20.0),
+        ("Messwerte bezogen auf 20 °C", 20.0),
+        ("Wartości odniesione do 20 °C", 20.0),
         ("Température des pièces : 19,8 °C", 19.8),
         ("Temperatura de medición;24", 24.0),
         ("Temperatura di misura;24", 24.0),
@@ -71,6 +77,9 @@ def test_the_measuring_temperature_is_read_in_the_words_of_workshops(controller,
         "Temperature;Operator",
         "Temperature;;Date;2026-03-14",
         "Temperature range of the fluid;-40",
+        "Measured at;Kraków",
+        "Measured on 2026-03-14",
+        "Measured at 10:30",
     ],
 )
 def test_another_temperature_or_an_empty_field_is_none(controller, head):
@@ -112,6 +121,8 @@ def test_two_temperatures_that_differ_are_named_and_not_chosen_from(controller):
     assert message.level == "warning"
     assert "22 °C (sheet.csv, row 1, column 2) and 21 °C (sheet.csv, row 1, column 4)" in message.text
     assert under("Room temperature;22;Part temperature;22,0", controller).temperature == 22.0
+    both = under("Measured at 24.1 °C\nReferred to 20 °C", controller)
+    assert (both.temperature, "measuring_temperature_unclear" in codes(both)) == (None, True)
 
 
 def test_a_temperature_of_the_size_of_a_diameter_is_no_lost_reading(controller):

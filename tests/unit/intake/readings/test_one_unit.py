@@ -113,6 +113,26 @@ def test_a_clearance_of_a_land_whose_parts_stand_in_two_rows_is_used(controller)
     assert not said(readings, "clearance_not_used")
 
 
+@pytest.mark.parametrize(
+    ("sentence", "is_told"),
+    [
+        ("Zero error of the micrometer: +0.004 mm (to be subtracted)", True),
+        ("The zero error of the bore gauge was 3 µm", True),
+        ("Nullpunktfehler der Messschraube: +0,004 mm (abzuziehen)", True),
+        ("Błąd zera mikrometru: +0,004 mm", True),
+        ("Zero error of the micrometer: 0.000 mm", False),
+        ("Diameters corrected for the zero error of the micrometer: +0.004 mm", False),
+        ("Micrometer zeroed at 18 mm", False),
+    ],
+)
+def test_a_zero_error_in_a_sentence_above_the_table_is_told(controller, sentence, is_told):
+    table = "Valve;Land;Spool [mm];Bore [mm]\ntcc_regulator;1;10.998;11.032"
+    readings = read_readings(f"{sentence}\n\n{table}".encode(), controller, name="sheet.csv")
+    found = said(readings, "correction_not_applied")
+    assert bool(found) == is_told
+    assert not is_told or repr(sentence) in str(found)
+
+
 @pytest.mark.parametrize("heading", ["Zero [mm]", "Zero error [mm]", "Gauge zero [mm]", "Nullpunkt [mm]"])
 @pytest.mark.parametrize("zero", ["0.012", "0"])
 def test_a_zero_that_is_not_zero_is_told(controller, heading, zero):
