@@ -101,7 +101,7 @@ def _visited(stored: StoredJob, loader: Loader) -> VisitedJob:
     except AtleakError as error:
         problem = error.sentence
     visit = Visit(
-        job.date or stored.made_at.date(),
+        job.date or stored.made_on or stored.made_at.date(),
         job.mileage_or(case.mileage),
         str(stored.file.result["controller"]["id"]),
         lands,
