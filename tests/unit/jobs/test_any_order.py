@@ -30,7 +30,7 @@ from atleak.jobs.erase import erase
 from atleak.jobs.exchange import import_job, job_file
 from atleak.jobs.merge import key_stated, merge, part
 from atleak.jobs.search import Query
-from atleak.jobs.tables import metadata
+from atleak.jobs.tables import metadata, units
 from atleak.jobs.verify import verify
 
 Small = Callable[..., JobParts]
@@ -74,6 +74,8 @@ class AnyOrder(RuleBasedStateMachine):
         self.told = True  # whether records alone still tell the units
 
     def teardown(self) -> None:
+        if self.known:
+            assert verify(self.book) == ()
         shutil.rmtree(self.folder)
 
     # --- what is known
@@ -207,7 +209,12 @@ class AnyOrder(RuleBasedStateMachine):
             for id in self.known:
                 together[self.root(self.key(id))].add(id)
             assert self.units() == {frozenset(ids) for ids in together.values()}
-        assert verify(self.book) == ()
+        leading, led = units.alias(), units.alias()
+        chains = (
+            sa.select(leading.c.id).join(led, led.c.id == leading.c.merged_into).where(led.c.merged_into.is_not(None))
+        )
+        with self.book.reading() as connection:
+            assert connection.execute(chains).all() == []
 
 
 def rows(book: Book) -> dict[str, list[tuple[Any, ...]]]:
