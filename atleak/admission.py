@@ -93,10 +93,11 @@ def read_allowed(path: Path) -> Allowed:
     Raises
     ------
     InputError
-        where it cannot be read, says something else, or names nobody.
+        where it cannot be read, or can be by others on this machine, says something else, or names nobody.
     """
     expected = Sentence("a file of who may use the dashboard: see {document}", document=_DOCUMENT)
     allowed = validated(Allowed, _tables(path, expected), path.name)
+    _check_own(path)
     if not (allowed.users or allowed.groups):
         expected = Sentence("somebody under users, or a group under groups")
         raise InputError(Sentence("allows nobody to use the dashboard"), place=Place(file=str(path)), expected=expected)
@@ -134,7 +135,7 @@ def read_sign_in(path: Path) -> str:
 
 
 def _check_own(path: Path) -> None:
-    """Refuse a file that others on this machine can read, where the system tells: whoever knows it is anybody."""
+    """Refuse a file that others on this machine can read or change, where the system tells: it lets people in."""
     if os.name == "posix" and path.stat().st_mode & _SHARED:
         expected = Sentence("one for its owner alone: {command}", command=f"chmod 600 {path.name}")
         raise InputError(

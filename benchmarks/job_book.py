@@ -36,7 +36,7 @@ from atleak.job.record import Job
 from atleak.jobs.across import across_units
 from atleak.jobs.book import Book, open_book
 from atleak.jobs.search import Query, search_words_of
-from atleak.jobs.tables import files, job_files, jobs, key_of, lands, results, search_words, units, vehicles, visits
+from atleak.jobs.tables import files, job_files, jobs, key_of, lands, results, search_words, units, visits
 
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--jobs", type=int, default=50_000, metavar="N", help="of the large book")
@@ -86,29 +86,26 @@ def fill(book: Book, count: int) -> None:
             for table in (jobs, job_files, results, lands, files)
         }
         connection.execute(jobs.delete().where(jobs.c.id == first.id))
-        for table in (visits, units, vehicles):
+        for table in (visits, units):
             connection.execute(table.delete())
     moment = dt.datetime(2026, 1, 1, tzinfo=dt.UTC)
     for start in range(0, count, MANY):
         made: dict[sa.Table, list[dict[str, Any]]] = {
-            table: [] for table in (vehicles, units, visits, files, jobs, search_words, job_files, results, lands)
+            table: [] for table in (units, visits, files, jobs, search_words, job_files, results, lands)
         }
         for number in range(start, min(start + MANY, count)):
             record, id = record_of(number), f"{draw.getrandbits(64):016x}"
             unit = number * 2 // 5 + 1
             if unit != (number - 1) * 2 // 5 + 1 or not number:
-                vehicle = record.vehicle
-                made[vehicles].append(
-                    {"id": unit, "key": f"vin:{key_of(vehicle.vin)}", "vin": vehicle.vin, "plate": vehicle.registration}
-                )
                 serial = record.transmission.serial
                 made[units].append({"id": unit, "key": f"serial:{key_of(serial)}", "serial": serial})
             about = {"number": record.number, "date": record.date, "mileage_km": record.vehicle.mileage_km}
-            made[visits].append({"id": number + 1, "unit": unit, "vehicle": unit, **about})
+            made[visits].append({"id": number + 1, "unit": unit, **about})
             choices = template.choices.model_copy(update={"job": record}).model_dump_json(exclude_defaults=True)
             kept = {
                 "visit": number + 1,
                 "made_at": moment + dt.timedelta(minutes=number),
+                "made_on": (moment + dt.timedelta(minutes=number)).date(),
                 "changed_at": moment + dt.timedelta(minutes=number),
                 "archived_at": moment if number % 100 == 99 else None,
                 "choices": zlib.compress(choices.encode()),

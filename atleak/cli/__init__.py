@@ -69,8 +69,9 @@ def _run(arguments: Sequence[str] | None) -> int:
         print(f"atleak: {error}", file=sys.stderr)
         return 2
     except OSError as error:
-        if not isinstance(error, BrokenPipeError) and error.errno != errno.EINVAL:  # EINVAL: the same on Windows
-            print(f"atleak: {error.filename or 'a file'}: {error.strerror}", file=sys.stderr)
+        on_windows = sys.platform == "win32" and error.errno == errno.EINVAL and error.filename is None
+        if not isinstance(error, BrokenPipeError) and not on_windows:
+            print(f"atleak: {error.filename or 'a file'}: {error.strerror or error}", file=sys.stderr)
             return 2
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _BROKEN_PIPE

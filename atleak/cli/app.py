@@ -21,7 +21,7 @@ from atleak.cli.parser import add_command
 from atleak.errors import InputError, extra_installed
 from atleak.network import ALLOWED, answered_names, is_here_alone
 from atleak.sentence import Sentence
-from atleak.system.home import home
+from atleak.system.home import DATABASE_URL, HOME, home
 from atleak.system.reasons import reason_of
 from atleak.system.shipped import shipped
 
@@ -132,7 +132,17 @@ def _start(address: str, port: int | None, reach: _Reach) -> int:
     command = [sys.executable, "-m", "streamlit", "run", str(server), "--server.address", address, *reach.options]
     if port is not None:
         command += ["--server.port", str(port)]
-    return _serve(command, server.parent, {**_SPARING, **os.environ, ALLOWED: reach.allowed})
+    return _serve(command, server.parent, {**_SPARING, **os.environ, **_places(), ALLOWED: reach.allowed})
+
+
+def _places() -> dict[str, str]:
+    """Return where the environment says that the job book is, for a server that runs in a folder of its own."""
+    places = {HOME: str(home())} if os.environ.get(HOME) else {}
+    if os.environ.get(DATABASE_URL):
+        from atleak.jobs.opening import database_url
+
+        places[DATABASE_URL] = database_url().render_as_string(hide_password=False)
+    return places
 
 
 def port_number(text: str) -> int:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from atleak.jobs.book import JobRow
 
 _LIMIT = 200  # rows of a list
+_MOST = 1_000_000  # rows that may be asked for
 _ID = 8  # characters of an id in it
 
 
@@ -93,9 +94,15 @@ def _add_list(group: Any) -> None:
     parser.add_argument("--verdict", choices=[each.value for each in Verdict], default="", help="of the unit")
     parser.add_argument("--controller", metavar="ID", default="", help="of the valve body")
     parser.add_argument("--archived", action="store_true", help="the archived jobs in place of the others")
-    parser.add_argument("--limit", metavar="N", type=int, default=_LIMIT, help=f"rows at most: {_LIMIT} unless given")
+    parser.add_argument("--limit", metavar="N", type=_rows, default=_LIMIT, help=f"rows at most: {_LIMIT} unless given")
     add_json(parser)
     add_force(parser)
+
+
+def _rows(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= _MOST:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of rows: write a whole number from 1 to {_MOST}")
+    return int(text)
 
 
 def _date(text: str) -> dt.date:
@@ -193,7 +200,7 @@ def _show(options: argparse.Namespace) -> int:
     diagnosis = stored.file.diagnose()
     record = issued_record(diagnosis, stored.file.job)
     if stored.archived_at is not None:
-        print(f"atleak: this job was archived on {stored.archived_at:%Y-%m-%d}", file=sys.stderr)
+        print(f"atleak: this job was archived on {stored.archived_at.astimezone():%Y-%m-%d}", file=sys.stderr)
     otherwise = judged_otherwise(stored.file.result, record)
     if otherwise:
         print(f"atleak: judged otherwise than by atleak {stored.result_by}, which stored it:", file=sys.stderr)

@@ -108,8 +108,8 @@ def _merge(options: argparse.Namespace) -> int:
     from atleak.jobs.book import open_book
     from atleak.jobs.merge import merge
 
-    merge(open_book(), options.unit, options.other)
-    print(f"unit {options.other} is part of unit {options.unit} now; `atleak jobs part {options.other}` undoes it")
+    moved = merge(open_book(), options.unit, options.other)
+    print(f"units {options.unit} and {options.other} are one now; `atleak jobs part {moved}` undoes it")
     return 0
 
 

@@ -65,7 +65,7 @@ def job_files(names: Sequence[str]) -> list[Path]:
     for name in names:
         path = Path(name)
         if path.is_dir():
-            found += sorted(path.glob("*.zip"))
+            found += sorted(_alike(path / "*"))
         else:
             alike = [path] if path.exists() or not _is_pattern(path) else sorted(_alike(path))
             if not alike:

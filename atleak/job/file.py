@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import io
 import json
 import tomllib
@@ -9,6 +10,8 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any
+
+from pydantic import AwareDatetime, BaseModel, ConfigDict
 
 from atleak.diagnosis import Diagnosis
 from atleak.doors import DAMAGE, own_errors_only, own_line
@@ -25,9 +28,11 @@ from atleak.system.reasons import reason_of, text_reason
 SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
 _PICTURE_LIMIT = 40 << 20
 _RECORD_LIMIT = 16 << 20
+_OF_BOOK = "book.json"
 _LIMITS = {  # bytes of a file of the job's own, unpacked, where it is no table; a workbook of readings may hold photos
     "job.json": _RECORD_LIMIT,
     "result.json": _RECORD_LIMIT,
+    _OF_BOOK: _RECORD_LIMIT,
     "road_test": 800 << 20,
 }
 _TABLE_LIMIT, _CATALOGUE_LIMIT = 200 << 20, 4 << 20
@@ -114,14 +119,30 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
     return packed_job(choices, sources, parts.pictures, parts.result)
 
 
+class OfBook(BaseModel):
+    """The content of ``book.json``: what a job book knows of a job beside the job; no such file where it is nothing."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    sample: bool = False
+    archived_at: AwareDatetime | None = None
+    made_on: dt.date | None = None  # the day on which a job without a date was first saved
+
+
 def packed_job(
-    choices: bytes, sources: Mapping[str, bytes], pictures: Mapping[str, bytes], result: Mapping[str, Any]
+    choices: bytes,
+    sources: Mapping[str, bytes],
+    pictures: Mapping[str, bytes],
+    result: Mapping[str, Any],
+    of_book: OfBook | None = None,
 ) -> bytes:
     """Return the bytes of the zip of a job that is given as what `JobFile.of` puts together; the same give the same."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as bundle:
         _add(bundle, "job.json", choices)
         _add(bundle, "result.json", json.dumps(result, ensure_ascii=False, indent=2).encode())
+        if of_book not in (None, OfBook()):
+            _add(bundle, _OF_BOOK, of_book.model_dump_json(indent=2, exclude_defaults=True).encode())
         for slot in sorted(sources, key=[*OWN_FILES, *SLOTS].index):
             _add(bundle, entry_of(slot), sources[slot])
         for name, content in sorted(pictures.items()):
@@ -151,6 +172,28 @@ def read_job_file(
         no job has.
     """
     name = name if isinstance(source, bytes) else Path(source).name
+    return _job_file(_unpacked(source, name, size_limit, folder), name)
+
+
+@own_errors_only(InputError, "source", "name")
+def read_exported(source: str | Path | bytes, *, name: str = "job file") -> tuple[JobFile, OfBook]:
+    """Read a job from its zip, with what the book that it comes from knew of it.
+
+    Raises
+    ------
+    InputError
+        as `read_job_file`.
+    """
+    name = name if isinstance(source, bytes) else Path(source).name
+    entries = _unpacked(source, name, SIZE_LIMIT, None)
+    called = Sentence("{name}: {file}", name=name, file=_OF_BOOK)
+    content = entries.get(_OF_BOOK, b"{}")
+    assert isinstance(content, bytes)
+    return _job_file(entries, name), validated(OfBook, json_of(content, called), called)
+
+
+def _unpacked(source: str | Path | bytes, name: str, size_limit: int, folder: Path | None) -> dict[str, bytes | Path]:
+    """Return the entries of a job's zip by their names."""
     place = Place(file=name)
     try:
         content = io.BytesIO(source) if isinstance(source, bytes) else Path(source).open("rb")  # noqa: SIM115  below
@@ -160,7 +203,7 @@ def read_job_file(
         raise InputError(problem, place=place, expected=Sentence("a job file (zip)")) from error
     try:
         with content, zipfile.ZipFile(content) as bundle:
-            entries = dict(_entries(bundle, name, size_limit, folder))
+            return dict(_entries(bundle, name, size_limit, folder))
     except AtleakError:
         raise
     except DAMAGE as error:
@@ -168,7 +211,6 @@ def read_job_file(
             raise  # no fault of the zip
         problem = Sentence("is no sound zip: {reason}", reason=str(error)[:100])
         raise InputError(problem, place=place, expected=Sentence("a job file of atleak")) from error
-    return _job_file(entries, name)
 
 
 def _job_file(entries: dict[str, bytes | Path], name: str) -> JobFile:

@@ -89,7 +89,7 @@ class Standing:
 
 def day_of_job() -> sa.ColumnElement[Any]:
     """Return the day of a job as a column: as its record states it, else that on which it was first saved."""
-    return sa.func.coalesce(jobs.c.date, sa.func.date(jobs.c.made_at))
+    return sa.func.coalesce(jobs.c.date, jobs.c.made_on)
 
 
 def measured_jobs(controller: str) -> tuple[sa.ColumnElement[bool], ...]:

@@ -17,16 +17,14 @@ import sqlalchemy as sa
 from atleak.errors import BookError, Place
 from atleak.jobs.book import Book
 from atleak.jobs.opening import in_words, opened_engine, writing
-from atleak.jobs.tables import about, jobs, metadata, units
+from atleak.jobs.rows import COPIED, copy_rows
+from atleak.jobs.tables import jobs
 from atleak.jobs.verify import Fault, verify
 from atleak.sentence import Sentence
-from atleak.system.files import replacing
+from atleak.system.files import PRIVATE, replacing
 
 __all__ = ["Fault", "backup", "restore", "verify"]
 
-_COPIED = [table for table in metadata.sorted_tables if table is not about]  # what refers to others behind them
-_ROWS = 2000  # at a time
-_ROWS_WITH_FILES = 20
 _A_BACKUP = Sentence("a file that `atleak jobs backup` has written")
 
 
@@ -53,7 +51,7 @@ def backup(book: Book, path: str | Path) -> int:
     target = Path(path)
     _refuse_the_book_itself(book, target)
     problem = Sentence("no backup of {book} can be made", book=book.name)
-    with in_words(str(target), problem), replacing(target) as beside:
+    with in_words(str(target), problem), replacing(target, mode=PRIVATE) as beside:
         if book.engine.dialect.name == "sqlite":
             connection = book.engine.raw_connection()
             try:
@@ -114,9 +112,9 @@ def restore(path: str | Path, book: Book, *, force: bool = False, damaged: bool 
                     place=Place(file=book.name),
                     expected=Sentence("an empty book, or --force to put the backup in its place"),
                 )
-            for table in reversed(_COPIED):
+            for table in reversed(COPIED):
                 connection.execute(table.delete())
-            _copy_rows(rows, connection)
+            copy_rows(rows, connection)
             _count_on(connection)
             return _count(connection)
 
@@ -189,25 +187,15 @@ def _copy_out(book: Book, path: Path) -> None:
         with book.engine.connect() as source:
             source = source.execution_options(isolation_level="REPEATABLE READ", postgresql_readonly=True)
             with source.begin(), writing(engine) as target:
-                _copy_rows(source, target)
+                copy_rows(source, target)
     finally:
         engine.dispose()
-
-
-def _copy_rows(source: sa.Connection, target: sa.Connection) -> None:
-    for table in _COPIED:
-        bulky = any(isinstance(column.type, sa.LargeBinary) for column in table.c)
-        wanted = sa.select(table).execution_options(yield_per=_ROWS_WITH_FILES if bulky else _ROWS)
-        if table is units:
-            wanted = wanted.order_by(units.c.merged_into.is_not(None))  # a unit before those that lead to it
-        for rows in source.execute(wanted).mappings().partitions():
-            target.execute(table.insert(), [dict(row) for row in rows])
 
 
 def _keep_others_out(connection: sa.Connection) -> None:
     """Let nobody else write until the transaction ends; SQLite has one writer anyway."""
     if connection.dialect.name == "postgresql":
-        names = ", ".join(table.name for table in _COPIED)
+        names = ", ".join(table.name for table in COPIED)
         connection.exec_driver_sql(f"LOCK TABLE {names} IN SHARE ROW EXCLUSIVE MODE")
 
 
@@ -215,7 +203,7 @@ def _count_on(connection: sa.Connection) -> None:
     """Let PostgreSQL number new rows behind those that came with their numbers; SQLite does so by itself."""
     if connection.dialect.name != "postgresql":
         return
-    for table in _COPIED:
+    for table in COPIED:
         for column in table.primary_key:
             if isinstance(column.type, sa.Integer):
                 sequence = sa.func.pg_get_serial_sequence(table.name, column.name)

@@ -65,6 +65,7 @@ class JobRow:
     mileage_km: float | None
     unit: int
     visit: int
+    made_on: dt.date | None
     changed_at: dt.datetime
     archived_at: dt.datetime | None
     sample: bool
@@ -95,6 +96,7 @@ class StoredJob:
     version: int
     file: JobFile  # record, case and the result as it was stored
     made_at: dt.datetime
+    made_on: dt.date | None  # that day in the workshop
     changed_at: dt.datetime
     archived_at: dt.datetime | None
     unit: int
@@ -154,7 +156,13 @@ class Book:
             yield connection
 
     def save(
-        self, parts: JobParts, *, id: str | None = None, version: int | None = None, sample: bool = False
+        self,
+        parts: JobParts,
+        *,
+        id: str | None = None,
+        version: int | None = None,
+        sample: bool = False,
+        kept: Mapping[str, Any] | None = None,
     ) -> Saved:
         """Save a job whole: when this returns, the job is safe; when it raises, the book is as it was.
 
@@ -168,6 +176,8 @@ class Book:
             of that job, as it was last seen here.
         sample
             whether the job was made of the shipped sample.
+        kept
+            ``archived_at`` and ``made_on`` of a new job that another book held.
 
         Raises
         ------
@@ -183,14 +193,20 @@ class Book:
         for left in reversed(range(_TRIES)):
             try:
                 with self.writing() as connection:
-                    return self.save_in(connection, parts, id, version, sample)
+                    return self.save_in(connection, parts, id, version, sample, kept)
             except BookError as error:
                 if not _crossed(error) or not left:
                     raise
         raise AssertionError("the last try raises")
 
     def save_in(
-        self, connection: sa.Connection, parts: JobParts, id: str | None, version: int | None, sample: bool
+        self,
+        connection: sa.Connection,
+        parts: JobParts,
+        id: str | None,
+        version: int | None,
+        sample: bool,
+        kept: Mapping[str, Any] | None = None,
     ) -> Saved:
         """Save a job as part of a transaction that writes more; `save` says the rest."""
         now = dt.datetime.now(dt.UTC)
@@ -221,7 +237,8 @@ class Book:
             "verdict": str(parts.diagnosis.verdict),
         }
         if before is None:
-            connection.execute(jobs.insert().values(id=saved.id, made_at=now, **values))
+            made = {"made_at": now, "made_on": now.astimezone().date(), **(kept or {})}
+            connection.execute(jobs.insert().values(id=saved.id, **made, **values))
         else:
             connection.execute(jobs.update().where(jobs.c.id == saved.id).values(**values))
             without_jobs_away(connection, *before)
@@ -230,8 +247,8 @@ class Book:
         _keep_list(connection, saved.id, held)
         words = [{"field": field, "word": word} for field, word in sorted(search_words_of(record))]
         replace_rows(connection, search_words, saved.id, words)
-        made = [_decision(each.model_dump()) for each in record.repair_decisions]
-        replace_rows(connection, decisions, saved.id, made)
+        decided = [_decision(each.model_dump()) for each in record.repair_decisions]
+        replace_rows(connection, decisions, saved.id, decided)
         _keep_result(connection, saved.id, parts, now)
         return saved
 
@@ -248,9 +265,8 @@ class Book:
             held = self._held(connection, row)
             unit = unit_of(connection, row.visit)
         job_file = JobFile.of(held.choices, held.sources, held.pictures, held.result, name=_called(row))
-        return StoredJob(
-            id, row.version, job_file, row.made_at, row.changed_at, row.archived_at, unit, row.sample, held.result_by
-        )
+        moments = row.made_at, row.made_on, row.changed_at, row.archived_at
+        return StoredJob(id, row.version, job_file, *moments, unit, row.sample, held.result_by)
 
     def held(self, id: str) -> HeldJob:
         """Return what the book keeps of a job, as it was saved.
@@ -378,8 +394,13 @@ def _crossed(error: BookError) -> bool:
     return waited or isinstance(cause, exc.IntegrityError)
 
 
+def local_time(moment: dt.datetime) -> str:
+    """Return a moment as the clock here shows it, with its zone: 2026-04-17 18:30-06:00."""
+    return moment.astimezone().isoformat(" ", "minutes")
+
+
 def _saved_elsewhere(row: Any) -> Sentence:
-    at = f"{row.changed_at:%Y-%m-%d %H:%M} UTC"
+    at = local_time(row.changed_at)
     if not row.technician:
         return Sentence("this job was saved elsewhere at {at}, after it was opened here", at=at)
     who = row.technician

@@ -13,12 +13,12 @@ import sqlalchemy as sa
 from atleak.errors import AtleakError, BookError, InputError, Place
 from atleak.job.parts import JobParts
 from atleak.jobs.book import Book, JobRow, StoredJob, drop_files, packed
-from atleak.jobs.merge import key_stated
+from atleak.jobs.merge import key_stated, lead, root_of
 from atleak.jobs.opening import in_words
 from atleak.jobs.rows import replace_rows
 from atleak.jobs.search import Query
 from atleak.jobs.tables import job_files, jobs, key_of, lands, metadata, results, units, visits
-from atleak.jobs.units import left_behind, rows_of_unit, unit_of, without_jobs_away
+from atleak.jobs.units import drop_empty, left_behind, rows_of_unit, unit_of, without_jobs_away
 from atleak.jobs.without_person import WithoutPerson, result_without_person, without_person
 from atleak.sentence import Sentence
 
@@ -102,7 +102,8 @@ def erase(book: Book, ids: Sequence[str], *, delete: bool = False) -> list[Erase
             _delete(connection, id)
         for unit, together in families.items():
             _unname(connection, unit)
-            _keep_together(connection, together)
+            _keep_together(book, connection, together)
+        drop_empty(connection)
     sweep(book)
     kept = [Erased(id, left.lost, left.left_in) for id, (_, left) in bare.items()]
     return kept + [Erased(id, deleted=True) for id in stuck]
@@ -174,8 +175,7 @@ def _unname(connection: sa.Connection, unit: int) -> None:
         .where(visits.c.unit.in_([row.id for row in rows]))
     ).all()
     if not left:
-        connection.execute(units.delete().where(units.c.merged_into == unit))
-        connection.execute(units.delete().where(units.c.id == unit))
+        connection.execute(units.delete().where(units.c.id.in_([row.id for row in rows])))
         return
     stated = {key_stated(row.id, serial=row.serial, vin=row.vin, plate=row.plate) for row in left}
     for row in rows:
@@ -183,14 +183,14 @@ def _unname(connection: sa.Connection, unit: int) -> None:
             connection.execute(units.update().where(units.c.id == row.id).values(key=f"erased:{row.id}", serial=""))
 
 
-def _keep_together(connection: sa.Connection, ids: Sequence[str]) -> None:
+def _keep_together(book: Book, connection: sa.Connection, ids: Sequence[str]) -> None:
     """Let jobs that were of one unit be of one still."""
     found = [connection.execute(sa.select(jobs.c.visit).where(jobs.c.id == id)).scalar_one() for id in ids]
     if not found:
         return
-    first, *others = dict.fromkeys(unit_of(connection, visit) for visit in found)
-    if others:
-        connection.execute(units.update().where(units.c.id.in_(others)).values(merged_into=first))
+    first, *others = dict.fromkeys(root_of(connection, book, unit_of(connection, visit)) for visit in found)
+    for other in others:
+        lead(connection, other, first)
 
 
 # --- the database's own files

@@ -15,7 +15,7 @@ from typing import Any
 import pandas as pd
 import sqlalchemy as sa
 
-from atleak.job.file import packed_job, read_job_file
+from atleak.job.file import OfBook, packed_job, read_exported
 from atleak.job.judged_anew import JudgedOtherwise, differs
 from atleak.job.parts import JobParts, job_parts
 from atleak.jobs.book import PICTURE, Book
@@ -42,7 +42,7 @@ def job_file_name(id: str, number: str) -> str:
 
 
 def job_file(book: Book, id: str) -> bytes:
-    """Return a job of the book as job file, with the result as it was stored.
+    """Return a job of the book as job file, with the result as it was stored, and what the book alone knows of it.
 
     Raises
     ------
@@ -50,7 +50,11 @@ def job_file(book: Book, id: str) -> bytes:
         an id that the book does not have; a job that was damaged in the database.
     """
     held = book.held(id)
-    return packed_job(held.choices, held.sources, held.pictures, held.result)
+    with book.reading() as connection:
+        row = connection.execute(sa.select(jobs).where(jobs.c.id == id)).one()
+    undated = row.made_on if row.date is None else None
+    of_book = OfBook(sample=row.sample, archived_at=row.archived_at, made_on=undated)
+    return packed_job(held.choices, held.sources, held.pictures, held.result, of_book)
 
 
 def tables(book: Book, ids: Iterable[str]) -> dict[str, pd.DataFrame]:
@@ -172,11 +176,12 @@ def import_job(book: Book, source: str | Path | bytes, *, name: str = "job file"
     BookError
         where the book cannot be written.
     """
-    given = read_job_file(source, name=name)
+    given, of_book = read_exported(source, name=name)
     diagnosis = given.diagnose()
     parts = job_parts(diagnosis, given.job, given.case)
     known = same_job(book, parts)
-    id = known or book.save(parts).id
+    kept = of_book.model_dump(exclude={"sample"}, exclude_defaults=True)
+    id = known or book.save(parts, sample=of_book.sample, kept=kept).id
     otherwise = differs(given.result, parts.result)
     return Imported(id, known is not None, str(diagnosis.verdict), given.result_by, otherwise)
 

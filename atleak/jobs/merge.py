@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Literal
@@ -14,7 +14,7 @@ from atleak.errors import BookError, Place
 from atleak.job.record import Job
 from atleak.jobs.book import Book
 from atleak.jobs.tables import jobs, key_of, units, visits
-from atleak.jobs.units import final_unit, rows_of_unit, unit_key
+from atleak.jobs.units import drop_empty, final_unit, rows_of_unit, unit_key
 from atleak.sentence import Sentence, in_a_row
 
 Reason = Literal["same_vin", "vin_within_one_character", "same_plate"]
@@ -78,7 +78,7 @@ class MergedRow:
 # --- merging
 
 
-def merge(book: Book, unit: int, other: int) -> None:
+def merge(book: Book, unit: int, other: int) -> int:
     """Make two units one: jobs of both stand on one page from now on, also those that are typed the other way later.
 
     Parameters
@@ -86,7 +86,12 @@ def merge(book: Book, unit: int, other: int) -> None:
     unit
         that stays.
     other
-        that leads to it; `part` undoes that.
+        that leads to it; where it was merged before, the unit that it is part of does.
+
+    Returns
+    -------
+    int
+        the row that leads to the other one now: `part` of it undoes this merge.
 
     Raises
     ------
@@ -94,18 +99,25 @@ def merge(book: Book, unit: int, other: int) -> None:
         a unit that the book does not have; twice the same one.
     """
     with book.writing() as connection:
-        kept, gone = (_root(connection, book, each) for each in (unit, other))
+        kept, gone = (root_of(connection, book, each) for each in (unit, other))
         if kept == gone:
             already = Sentence("these are one unit already")
             problem = already if unit != other else Sentence("a unit cannot be merged with itself")
             raise BookError(problem, place=Place(file=book.name), value=other, expected=Sentence("two units"))
-        connection.execute(
-            units.update().where((units.c.id == gone) | (units.c.merged_into == gone)).values(merged_into=kept)
-        )
+        lead(connection, gone, kept)
+    return gone
+
+
+def lead(connection: sa.Connection, gone: int, kept: int) -> None:
+    """Let one unit lead to another, with all that lead to it; neither leads anywhere yet, as `root_of` gives them."""
+    connection.execute(units.update().where(units.c.id == gone).values(merged_with=kept))
+    connection.execute(units.update().where(units.c.id.in_(rows_of_unit(gone))).values(merged_into=kept))
 
 
 def part(book: Book, row: int) -> None:
-    """Undo a merge: the unit stands by itself again, with the jobs that are told as it is.
+    """Undo a merge: the unit stands by itself again as it did before, with the units that had been merged into it.
+
+    Jobs that were saved in between are of the unit that their own record tells.
 
     Parameters
     ----------
@@ -118,18 +130,50 @@ def part(book: Book, row: int) -> None:
         a unit that was not merged.
     """
     with book.writing() as connection:
-        found = connection.execute(sa.select(units).where(units.c.id == row)).one_or_none()
-        if found is None or found.merged_into is None:
+        found = connection.execute(sa.select(units.c.merged_with).where(units.c.id == row)).scalar()
+        if found is None:
             problem = Sentence("no unit that was merged into another one")
             raise BookError(problem, place=Place(file=book.name), value=row)
-        connection.execute(units.update().where(units.c.id == row).values(merged_into=None))
-        stated: dict[int, set[str]] = defaultdict(set)
-        columns = jobs.c.id, jobs.c.serial, jobs.c.vin, jobs.c.plate, jobs.c.visit
-        of_unit = visits.c.unit.in_(rows_of_unit(found.merged_into))
-        for job in connection.execute(sa.select(*columns).join(visits, visits.c.id == jobs.c.visit).where(of_unit)):
-            stated[job.visit].add(key_stated(job.id, serial=job.serial, vin=job.vin, plate=job.plate))
-        own = [visit for visit, keys in stated.items() if keys == {found.key}]
-        connection.execute(visits.update().where(visits.c.id.in_(own)).values(unit=row))
+        left = root_of(connection, book, row)
+        family = {
+            each.id: each for each in connection.execute(sa.select(units).where(units.c.id.in_(rows_of_unit(left))))
+        }
+        apart = {row}
+        while more := {each.id for each in family.values() if each.merged_with in apart} - apart:
+            apart |= more
+        connection.execute(units.update().where(units.c.id == row).values(merged_with=None, merged_into=None))
+        connection.execute(units.update().where(units.c.id.in_(apart - {row})).values(merged_into=row))
+        told = {each.key: row if each.id in apart else left for each in family.values()}
+        _sort(connection, told, {id: row if id in apart else left for id in family})
+        drop_empty(connection)
+
+
+def _sort(connection: sa.Connection, told: Mapping[str, int], units_of: Mapping[int, int]) -> None:
+    """Put jobs to visits of the units that their records tell.
+
+    Parameters
+    ----------
+    told
+        the units by what tells them.
+    units_of
+        the units of the rows that visits name so far.
+    """
+    held = sa.select(jobs.c.id, jobs.c.serial, jobs.c.vin, jobs.c.plate, jobs.c.visit, visits.c.unit)
+    held = held.join(visits, visits.c.id == jobs.c.visit).where(visits.c.unit.in_(units_of)).order_by(jobs.c.made_at)
+    for job in connection.execute(held).all():
+        unit = units_of[job.unit]
+        wanted = told.get(key_stated(job.id, serial=job.serial, vin=job.vin, plate=job.plate), unit)
+        if wanted != unit:
+            visit = connection.execute(sa.select(visits).where(visits.c.id == job.visit)).mappings().one()
+            same = sa.select(visits.c.id).where(visits.c.number == visit["number"])
+            same = same.where(visits.c.unit.in_([row for row in units_of if units_of[row] == wanted]))
+            known = connection.execute(same.order_by(visits.c.id)).scalar() if visit["number"] else None
+            if known is None:
+                values = {**visit, "unit": wanted}
+                values.pop("id")
+                made = connection.execute(visits.insert().values(**values)).inserted_primary_key
+                known = None if made is None else made[0]
+            connection.execute(jobs.update().where(jobs.c.id == job.id).values(visit=known))
 
 
 def merged_rows(book: Book, unit: int) -> list[MergedRow]:
@@ -145,12 +189,12 @@ def key_stated(job_id: str, *, serial: str, vin: str, plate: str) -> str:
     return unit_key(job_id, Job.model_validate({"transmission": {"serial": serial}, "vehicle": vehicle}))
 
 
-def _root(connection: sa.Connection, book: Book, unit: int) -> int:
+def root_of(connection: sa.Connection, book: Book, unit: int) -> int:
     """Return the unit that a unit leads to, held until the transaction ends: nobody merges it meanwhile."""
     row = connection.execute(sa.select(units).where(units.c.id == unit).with_for_update()).one_or_none()
     if row is None:
         raise BookError(Sentence("the job book has no such unit"), place=Place(file=book.name), value=unit)
-    return int(row.id) if row.merged_into is None else _root(connection, book, row.merged_into)
+    return int(row.id) if row.merged_into is None else root_of(connection, book, row.merged_into)
 
 
 # --- which units may be one

@@ -8,6 +8,7 @@ import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import sqlalchemy as sa
 from sqlalchemy import exc
@@ -15,13 +16,13 @@ from sqlalchemy import exc
 from atleak.errors import BookError, Place, extra_installed
 from atleak.jobs.tables import REVISION, about, metadata
 from atleak.sentence import Sentence
-from atleak.system.home import home, made
+from atleak.system.files import PRIVATE
+from atleak.system.home import DATABASE_URL, PRIVATE_FOLDER, home, made
 from atleak.version import __version__
 
-DATABASE_URL = "ATLEAK_DATABASE_URL"
-"""The variable of the environment that names another database than the file in the user's folder."""
-
 FILE = "book.sqlite"
+_BESIDE = ("", "-wal", "-shm")  # what the names of a book's three files end in
+_PACKAGE = Path(__file__).resolve().parents[1]
 _WAITING = 30.0  # [s] for another writer
 _LOCK = 0x61746C65616B  # of PostgreSQL, for all who make or migrate this book: any number that nothing else takes
 _MIGRATIONS = Path(__file__).with_name("migrations")
@@ -34,7 +35,13 @@ _FAULTS = (  # what a database says, and what that means
     ("unable to open database", Sentence("its folder may not be written, or is not there")),
     ("database is locked", Sentence("another program has held it for too long")),
     ("not a database", Sentence("the file is no job book")),
-    ("malformed", Sentence("the file is damaged: move it away, and `atleak jobs restore` brings a backup back")),
+    (
+        "malformed",
+        Sentence(
+            "the file is damaged: close atleak everywhere, move book.sqlite, book.sqlite-wal and book.sqlite-shm away, "
+            "and `atleak jobs restore` brings a backup back"
+        ),
+    ),
     ("connection refused", Sentence("the database server does not answer")),
     ("could not translate host", Sentence("the database server is not known")),
     ("password authentication failed", Sentence("the database server refuses the password")),
@@ -55,32 +62,40 @@ def database_url(url: str | None = None) -> sa.URL:
     Raises
     ------
     BookError
-        for a URL of neither SQLite nor PostgreSQL; for a folder that cannot be made.
+        for a URL of neither SQLite nor PostgreSQL; for a folder that cannot be made, or is atleak's own.
     """
     url = url or os.environ.get(DATABASE_URL)
     if not url:
-        return sa.URL.create("sqlite", database=str(made(home()) / FILE))
+        return sa.URL.create("sqlite", database=_outside(made(home()) / FILE))
     expected = Sentence("sqlite:///C:/folder/book.sqlite or postgresql://user:password@server/name")
     try:
         parsed = sa.make_url(url)
     except (exc.ArgumentError, ValueError) as error:  # a port that is no number
         raise BookError(Sentence("names no database"), place=Place(file=DATABASE_URL), expected=expected) from error
     kind = parsed.get_backend_name()
-    if kind == "sqlite" and parsed.database not in (None, "", ":memory:"):
-        return parsed.set(drivername="sqlite")
+    if kind == "sqlite" and parsed.database and not parsed.database.startswith((":memory:", "file:")):
+        return sa.URL.create("sqlite", database=_outside(Path(parsed.database)))
     if kind == "postgresql":
         return parsed.set(drivername="postgresql+psycopg")
     problem = Sentence("a database that cannot hold the job book")
     raise BookError(problem, place=Place(file=DATABASE_URL), expected=expected)
 
 
+def _outside(path: Path) -> str:
+    """Return the path of a book, whatever folder a program is in; refuse one that an update of atleak replaces."""
+    if path.resolve().is_relative_to(_PACKAGE):
+        problem = Sentence("lies in a folder of atleak itself, which an update replaces")
+        raise BookError(problem, place=Place(file=str(path)), expected=Sentence("another folder"))
+    return str(path.absolute())
+
+
 def opened_engine(url: sa.URL) -> sa.Engine:
-    """Return the engine of a database whose tables are there and are today's.
+    """Return the engine of a database whose tables are there and are today's; a file that may only be read is read.
 
     Raises
     ------
     BookError
-        a database that cannot be opened or written, or that a newer atleak has made.
+        a database that cannot be opened or made, or that a newer atleak has made.
     """
     name = shown(url)
     with in_words(name):
@@ -92,10 +107,20 @@ def opened_engine(url: sa.URL) -> sa.Engine:
         if url.get_backend_name() == "sqlite":
             sa.event.listen(engine, "connect", _prepare_sqlite)
             sa.event.listen(engine, "begin", _begin_sqlite)
+        else:
+            sa.event.listen(engine, "connect", _prepare_postgresql)
+        path = _file(url)
+        if path is not None:
+            sa.event.listen(engine, "checkout", _at_its_place)
         try:
             with engine.connect() as connection:
                 current = _revision(connection)
             if current != REVISION:
+                if path is not None and _mode(path) != "rw":
+                    problem = Sentence("may not be written, as an update of its tables has to")
+                    raise BookError(problem, place=Place(file=name), expected=Sentence("a copy of it that may be"))
+                if path is not None:
+                    _keep_private(path)
                 with writing(engine) as connection:
                     if url.get_backend_name() == "postgresql":
                         connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
@@ -130,18 +155,77 @@ def shown(url: sa.URL) -> str:
     """Return a database's name for people: the file's path, or the URL without its password."""
     if url.get_backend_name() == "sqlite":
         return str(url.database)
-    return url.set(drivername="postgresql", password=None).render_as_string()
+    said = url.set(drivername="postgresql", password=None)
+    return said.difference_update_query(said.query).render_as_string()  # a password may stand in what follows the name
 
 
 def _options(url: sa.URL) -> dict[str, Any]:
-    if url.get_backend_name() == "sqlite":
-        return {"connect_args": {"timeout": _WAITING, "check_same_thread": False, "isolation_level": None}}
-    return {"pool_pre_ping": True, "connect_args": {"connect_timeout": 5}}
+    if url.get_backend_name() != "sqlite":
+        return {"pool_pre_ping": True, "connect_args": {"connect_timeout": 5}}
+    arguments: dict[str, Any] = {"timeout": _WAITING, "check_same_thread": False, "isolation_level": None}
+    path = _file(url)
+    if path is None:
+        return {"creator": lambda: sqlite3.connect("", **arguments)}  # in memory, what is too large in a file of no name
+    with contextlib.suppress(OSError):  # which SQLite says in its way; a new file is its owner's alone from the start
+        os.close(os.open(path, os.O_CREAT | os.O_EXCL, PRIVATE))
+    address = path.as_posix()
+    address = f"file://{'' if address.startswith('/') else '/'}{quote(address, safe='/:')}?mode={_mode(path)}"
+    return {"creator": lambda: _connected(path, address, arguments)}
+
+
+def _file(url: sa.URL) -> Path | None:
+    """Return the file of a database; None where it has none of this machine's."""
+    on_disk = url.get_backend_name() == "sqlite" and url.database not in (None, "", ":memory:")
+    return Path(str(url.database)) if on_disk else None
+
+
+def _mode(path: Path) -> str:
+    """Return how SQLite opens a file that is there; on a medium that may not be written it can keep no journal."""
+    journal = path.with_name(f"{path.name}-wal")
+    if not path.exists() or (os.access(path, os.W_OK) and (journal.exists() or os.access(path.parent, os.W_OK))):
+        return "rw"  # never makes one in the place of a file that was moved away
+    return "ro" if journal.exists() and journal.stat().st_size else "ro&immutable=1"
+
+
+def _connected(path: Path, address: str, arguments: dict[str, Any]) -> sqlite3.Connection:
+    if not path.exists() and path.parent.is_dir():
+        problem = Sentence("the job book was moved away while atleak had it open, and nothing is saved")
+        expected = Sentence("the file back in its place, a backup there, or atleak to be started again")
+        raise BookError(problem, place=Place(file=str(path)), expected=expected)
+    return sqlite3.connect(address, uri=True, **arguments)
+
+
+def _at_its_place(connection: sqlite3.Connection, record: Any, _proxy: Any) -> None:
+    """Refuse a connection to a file that is no longer the one at its path; the pool opens the one there instead."""
+    _, _, path = connection.execute("PRAGMA database_list").fetchone()
+    try:
+        now = os.stat(path)  # noqa: PTH116
+    except OSError:
+        now = None
+    if now is None or not os.path.samestat(now, record.info.setdefault("file", now)):
+        raise exc.DisconnectionError
+
+
+def _keep_private(path: Path) -> None:
+    """Leave a book that is made or brought up to date, and the user's folder, to their owner alone."""
+    with contextlib.suppress(OSError):  # another owner's, or a file system without owners
+        for end in _BESIDE:
+            if (file := path.with_name(path.name + end)).exists():
+                file.chmod(PRIVATE)
+        if path.parent == home():
+            path.parent.chmod(PRIVATE_FOLDER)
 
 
 def _prepare_sqlite(connection: Any, _record: Any) -> None:
-    for setting in ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON", "secure_delete = ON"):
+    with contextlib.suppress(sqlite3.OperationalError):  # a file that may only be read keeps what it has
+        connection.execute("PRAGMA journal_mode = WAL")
+    for setting in ("synchronous = FULL", "foreign_keys = ON", "secure_delete = ON"):
         connection.execute(f"PRAGMA {setting}")
+
+
+def _prepare_postgresql(connection: Any, _record: Any) -> None:
+    connection.execute("SET TIME ZONE 'UTC'")  # in which a day of a moment is the same everywhere
+    connection.commit()
 
 
 def _begin_sqlite(connection: sa.Connection) -> None:

@@ -66,7 +66,7 @@ def found_by(connection: sa.Connection, query: Query) -> sa.Select[Any]:
         jobs.c[name]
         for name in (
             *("id", "number", "vin", "plate", "serial", "customer", "date", "controller", "verdict", "mileage_km"),
-            *("visit", "changed_at", "archived_at", "sample"),
+            *("visit", "made_on", "changed_at", "archived_at", "sample"),
         )
     ]
     statement = sa.select(*columns, final_unit().label("unit")).join(visits, visits.c.id == jobs.c.visit)

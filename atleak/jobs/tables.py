@@ -34,10 +34,12 @@ class Moment(TypeDecorator[dt.datetime]):
         return None if value is None else value.astimezone(dt.UTC)
 
     def process_result_value(self, value: Any | None, dialect: Dialect) -> dt.datetime | None:
-        return None if value is None else value.replace(tzinfo=dt.UTC) if value.tzinfo is None else value
+        if value is None:
+            return None
+        return value.replace(tzinfo=dt.UTC) if value.tzinfo is None else value.astimezone(dt.UTC)
 
 
-REVISION = "0001"
+REVISION = "0002"
 """The revision of these tables: the newest of the folder ``migrations``."""
 
 metadata = MetaData(
@@ -69,22 +71,16 @@ about = Table(
     Column("atleak", String(40), nullable=False),  # version that made these tables as they are
 )
 
-vehicles = Table(
-    "vehicles",
-    metadata,
-    _id(),
-    Column("key", String(80), nullable=False, unique=True),  # how jobs tell it: by VIN, else by plate
-    Column("vin", String(80), nullable=False),
-    Column("plate", String(80), nullable=False),
-)
-
 units = Table(
     "units",
     metadata,
     _id(),
     Column("key", String(80), nullable=False, unique=True),  # by serial, else VIN, else plate, else the one job
     Column("serial", String(80), nullable=False),
-    Column("merged_into", ForeignKey("units.id"), index=True),  # another row of the same unit, never itself merged
+    # the row that tells the unit and leads to none itself; and the one that was it when this row came to it: that merge
+    # is undone by taking it away. Written by `atleak.jobs.merge` alone
+    Column("merged_into", ForeignKey("units.id"), index=True),
+    Column("merged_with", ForeignKey("units.id")),
 )
 
 visits = Table(
@@ -92,7 +88,6 @@ visits = Table(
     metadata,
     _id(),
     Column("unit", ForeignKey("units.id"), nullable=False, index=True),
-    Column("vehicle", ForeignKey("vehicles.id"), index=True),
     Column("number", String(80), nullable=False),  # the workshop's number of the job; a visit can hold several jobs
     Column("date", Date),
     Column("mileage_km", Float),
@@ -106,6 +101,7 @@ jobs = Table(
     Column("visit", ForeignKey("visits.id"), nullable=False, index=True),
     Column("sample", Boolean, nullable=False),  # made of the shipped sample: no unit of the workshop's
     Column("made_at", Moment, nullable=False),
+    Column("made_on", Date),  # that day where it was made
     Column("changed_at", Moment, nullable=False),
     Column("archived_at", Moment),
     Column("choices", LargeBinary, nullable=False),  # content of job.json, compressed
@@ -118,7 +114,7 @@ jobs = Table(
     Column("plate", String(80), nullable=False),
     Column("serial", String(80), nullable=False),
     Column("mileage_km", Float),
-    Column("controller", String(200), nullable=False),  # id
+    Column("controller", Text, nullable=False),  # id
     Column("verdict", String(40), nullable=False),
     Index(None, "changed_at", "id", "archived_at"),
     Index(None, "verdict", "changed_at"),
@@ -174,7 +170,7 @@ results = Table(
     Column("atleak", String(40), nullable=False),  # version that gave it
     Column("made_at", Moment, nullable=False),
     Column("key", String(64), nullable=False),  # of files and choices, as `Case.key`
-    Column("profile", String(80), nullable=False),
+    Column("profile", Text, nullable=False),
     Column("controller_sha256", String(64), nullable=False),
     Column("fluid_sha256", String(64), nullable=False),
     Column("readings_sha256", String(64)),
@@ -189,7 +185,7 @@ lands = Table(
     metadata,
     _id(),
     _job(),
-    Column("component", String(80), nullable=False),
+    Column("component", Text, nullable=False),
     Column("land", Integer, nullable=False),
     Column("measured", Boolean, nullable=False),
     Column("spool_diameter_mm", Float),
@@ -207,7 +203,7 @@ decisions = Table(
     metadata,
     _id(),
     _job(),
-    Column("component", String(80), nullable=False),
+    Column("component", Text, nullable=False),
     Column("land", Integer),
     Column("work", Text, nullable=False),
     Column("decision", String(40), nullable=False),

@@ -101,7 +101,7 @@ def _visited(stored: StoredJob, mileage: float | None, loader: Loader) -> Visite
     except AtleakError as error:
         problem = error.sentence
     visit = Visit(
-        job.date or stored.made_at.date(),
+        job.date or stored.made_on or stored.made_at.date(),
         mileage,
         str(stored.file.result["controller"]["id"]),
         lands,

@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from atleak.job.parts import JobParts
 from atleak.job.record import Job
 from atleak.jobs.rows import put_once
-from atleak.jobs.tables import jobs, key_of, units, vehicles, visits
+from atleak.jobs.tables import jobs, key_of, units, visits
 
 
 def unit_key(job_id: str, record: Job) -> str:
@@ -47,7 +47,6 @@ def visit_for(connection: sa.Connection, job_id: str, parts: JobParts, before: i
     record = parts.job
     values = {
         "unit": _unit(connection, unit_key(job_id, record), record),
-        "vehicle": _vehicle(connection, record),
         "number": record.number[:80],
         "date": record.date,
         "mileage_km": record.mileage_or(parts.diagnosis.mileage),
@@ -75,29 +74,22 @@ def _unit(connection: sa.Connection, key: str, record: Job) -> int:
     return int(row)
 
 
-def _vehicle(connection: sa.Connection, record: Job) -> int | None:
-    vin, plate = record.vehicle.vin[:80], record.vehicle.registration[:80]
-    key = f"vin:{key_of(vin)}" if key_of(vin) else f"plate:{key_of(plate)}" if key_of(plate) else ""
-    if not key:
-        return None
-    wanted = sa.select(vehicles.c.id).where(vehicles.c.key == key[:80])
-    row = connection.execute(wanted).scalar()
-    if row is None:
-        put_once(connection, vehicles, {"key": key[:80], "vin": vin, "plate": plate})
-        row = connection.execute(wanted).scalar_one()
-    else:
-        connection.execute(vehicles.update().where(vehicles.c.id == row).values(vin=vin, plate=plate))
-    return int(row)
+def drop_empty(connection: sa.Connection) -> None:
+    """Delete every visit and unit that no job has."""
+    connection.execute(visits.delete().where(~sa.exists().where(jobs.c.visit == visits.c.id)))
+    other = units.alias()
+    leads_none = units.c.merged_into.is_(None) & ~sa.exists().where(other.c.merged_into == units.c.id)
+    connection.execute(units.delete().where(leads_none, ~sa.exists().where(visits.c.unit == units.c.id)))
 
 
-def left_behind(connection: sa.Connection, visit: int) -> tuple[int, int, int | None]:
-    """Return a visit with its unit and vehicle, as a job that may be about to leave them has them."""
-    row = connection.execute(sa.select(visits.c.id, visits.c.unit, visits.c.vehicle).where(visits.c.id == visit)).one()
-    return row.id, row.unit, row.vehicle
+def left_behind(connection: sa.Connection, visit: int) -> tuple[int, int]:
+    """Return a visit with its unit, as a job that may be about to leave them has them."""
+    row = connection.execute(sa.select(visits.c.id, visits.c.unit).where(visits.c.id == visit)).one()
+    return row.id, row.unit
 
 
-def without_jobs_away(connection: sa.Connection, visit: int, unit: int, vehicle: int | None) -> None:
-    """Delete a visit, unit and vehicle that no job has any more, as corrected typing leaves them."""
+def without_jobs_away(connection: sa.Connection, visit: int, unit: int) -> None:
+    """Delete a visit and unit that no job has any more, as corrected typing leaves them."""
     connection.execute(visits.delete().where(visits.c.id == visit, ~sa.exists().where(jobs.c.visit == visit)))
     other = units.alias()
     connection.execute(
@@ -107,9 +99,6 @@ def without_jobs_away(connection: sa.Connection, visit: int, unit: int, vehicle:
             ~sa.exists().where(visits.c.unit == unit),
             ~sa.exists().where(other.c.merged_into == unit),
         )
-    )
-    connection.execute(
-        vehicles.delete().where(vehicles.c.id == vehicle, ~sa.exists().where(visits.c.vehicle == vehicle))
     )
 
 

@@ -10,9 +10,11 @@ from typing import Any
 import sqlalchemy as sa
 from sqlalchemy import exc
 
-from atleak.errors import AtleakError
+from atleak.errors import AtleakError, BookError
 from atleak.jobs.book import Book, StoredJob
-from atleak.jobs.tables import jobs, lands, log_tables, results
+from atleak.jobs.opening import in_words, opened_engine, writing
+from atleak.jobs.rows import copy_rows
+from atleak.jobs.tables import jobs, lands, log_tables, results, units
 from atleak.sentence import Sentence
 from atleak.verdicts import level_named
 
@@ -42,10 +44,11 @@ class Fault:
 
 
 def verify(book: Book) -> tuple[Fault, ...]:
-    """Return what is wrong with a book: nothing where every job opens and its stored result is whole.
+    """Return what is wrong with a book: nothing where it can be restored, and every job opens with a whole result.
 
     Archived jobs are checked too. A job is opened with every file of it against its SHA-256, and its result compared
-    with the lands, the hashes and the log that the tables hold of it.
+    with the lands, the hashes and the log that the tables hold of it. All rows are put into a new book in memory as
+    `atleak.jobs.backup.restore` does.
 
     Raises
     ------
@@ -57,7 +60,7 @@ def verify(book: Book) -> tuple[Fault, ...]:
         every = connection.execute(sa.select(jobs.c.id, jobs.c.number).order_by(jobs.c.id)).all()
     for id, number in every:
         faults += [Fault(problem, id, number) for problem in problems_of(book, id)]
-    return tuple(faults)
+    return tuple(faults or map(Fault, _restored(book)))
 
 
 def _damage(book: Book) -> Iterator[str]:
@@ -69,6 +72,26 @@ def _damage(book: Book) -> Iterator[str]:
         yield from said if said != ["ok"] else []
         for table, row, other, _ in connection.exec_driver_sql("PRAGMA foreign_key_check"):
             yield Sentence("row {row} of {table} refers to no row of {other}", row=row, table=table, other=other)
+
+
+def _restored(book: Book) -> Iterator[Sentence]:
+    """Put all rows into a new book in memory, and say where that fails or a unit leads to one that is none."""
+    engine = opened_engine(sa.URL.create("sqlite", database=":memory:"))
+    try:
+        problem = Sentence("a backup of it cannot be restored")
+        with book.reading() as rows, in_words(book.name, problem), writing(engine) as copy:
+            copy_rows(rows, copy, contents=False)
+            led = copy.execute(sa.select(units.c.id, units.c.merged_into, units.c.merged_with)).all()
+    except BookError as error:
+        yield error.sentence
+        return
+    finally:
+        engine.dispose()
+    merged = {row.id: (row.merged_into, row.merged_with) for row in led}
+    for row, (into, other) in merged.items():
+        where = None if other is None else merged[other][0] or other
+        if into != where or (into is not None and merged[into][0] is not None):
+            yield Sentence("unit {row} leads to {other}, which is no unit of its own", row=row, other=into)
 
 
 def problems_of(book: Book, id: str) -> Iterator[Sentence]:

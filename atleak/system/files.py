@@ -18,6 +18,7 @@ PRIVATE = 0o600  # a file that only its owner may read and write
 _NEW = 0o666  # less what the user's umask takes away
 _TRIES = 20  # at replacing a file: on Windows a reader or a virus scanner holds a file for a moment
 _PAUSE = 0.05  # [s]
+_LEFT = 24 * 3600.0  # [s] without a change, after which nobody writes a file that was begun
 
 
 def replace_file(target: str | Path, content: bytes, *, mode: int | None = None) -> None:
@@ -65,10 +66,15 @@ def not_written(target: str | Path, error: OSError) -> OutputError:
 
 
 @contextlib.contextmanager
-def replacing(target: str | Path) -> Iterator[Path]:
+def replacing(target: str | Path, *, mode: int | None = None) -> Iterator[Path]:
     """Give the path of a new file beside its target, to be written by something else, and put it in the target's place.
 
     On any failure the earlier file stays, and nothing else of the new one.
+
+    Parameters
+    ----------
+    mode
+        permissions of the file, which is there empty; unless given, whatever writes it makes it as any new file.
 
     Raises
     ------
@@ -78,6 +84,8 @@ def replacing(target: str | Path) -> Iterator[Path]:
     place = Path(os.path.realpath(target))  # a link stays a link
     beside = _new_name(place)
     try:
+        if mode is not None and place.parent.is_dir():
+            os.close(os.open(beside, os.O_CREAT | os.O_EXCL, mode))
         yield beside
         with beside.open("rb+") as stream:
             os.fsync(stream.fileno())
@@ -90,6 +98,12 @@ def replacing(target: str | Path) -> Iterator[Path]:
 
 
 def _new_name(target: Path) -> Path:
+    """Return the name of a new file beside its target, where what a killed process has left goes after a day."""
+    now = time.time()
+    with contextlib.suppress(OSError):  # another process was first, or may not read the folder
+        for each in target.parent.glob(".atleak-*.part*"):
+            if now - each.stat().st_mtime > _LEFT:
+                each.unlink()
     return target.with_name(f".atleak-{secrets.token_hex(8)}.part")
 
 

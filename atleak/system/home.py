@@ -12,6 +12,11 @@ from atleak.system.reasons import reason_of
 HOME = "ATLEAK_HOME"
 """The variable of the environment that names another folder."""
 
+DATABASE_URL = "ATLEAK_DATABASE_URL"
+"""The variable of the environment that names another database for the job book than the file in the user's folder."""
+
+PRIVATE_FOLDER = 0o700  # that only its owner may open
+
 
 def home() -> Path:
     """Return the user's folder, whether or not it is there: ``ATLEAK_HOME``, else where the system keeps such data.
@@ -20,14 +25,14 @@ def home() -> Path:
     ``$XDG_DATA_HOME/atleak`` (``~/.local/share/atleak``) elsewhere.
     """
     if folder := os.environ.get(HOME):
-        return Path(os.path.expanduser(folder))  # noqa: PTH111  the other one refuses the name of no user
+        return Path(os.path.expanduser(folder)).absolute()  # noqa: PTH111  the other one refuses the name of no user
     from platformdirs import user_data_path  # only who names no folder of their own needs it
 
     return user_data_path("atleak", appauthor=False)
 
 
 def made(folder: Path) -> Path:
-    """Make a folder where it is not there yet, and return it.
+    """Make a folder where it is not there yet, and return it; the user's own is for nobody else.
 
     Raises
     ------
@@ -35,6 +40,8 @@ def made(folder: Path) -> Path:
         naming the folder and why it cannot be made.
     """
     try:
+        if folder.is_relative_to(home()):
+            home().mkdir(PRIVATE_FOLDER, parents=True, exist_ok=True)
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         problem = Sentence("cannot be made: {reason}", reason=reason_of(error))

@@ -11,7 +11,7 @@ from typing import Any
 import streamlit as st
 
 from atleak.errors import AtleakError
-from atleak.jobs.book import Book, JobRow
+from atleak.jobs.book import Book, JobRow, local_time
 from atleak.jobs.erase import erase, jobs_of_customer, same_vehicle
 from atleak.jobs.exchange import export_zip, import_job
 from atleak.jobs.merge import duplicates, merge, merged_rows, part
@@ -113,7 +113,7 @@ def _shown(row: JobRow, say: Wording) -> dict[str, Any]:
         "serial": row.serial,
         "mileage": row.mileage_km,
         "controller": row.controller,
-        "changed_at": f"{row.changed_at:%Y-%m-%d %H:%M}",
+        "changed_at": local_time(row.changed_at),
     }
 
 
@@ -160,9 +160,7 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
     if unit:
         return "11_Unit", {"unit": str(picked[0].unit)}
     if both:
-        before, after = sorted(
-            picked, key=lambda row: (row.date or row.changed_at.date(), row.mileage_km or 0.0, row.changed_at)
-        )
+        before, after = sorted(picked, key=lambda row: (row.date or row.made_on, row.mileage_km or 0.0, row.changed_at))
         return "12_Compare", {"before": before.id, "after": after.id}
     return None
 
@@ -306,9 +304,8 @@ def _look_for_pairs(book: Book) -> str:
 
 
 def _merged(book: Book, unit: int, other: int) -> str:
-    merge(book, unit, other)
+    st.session_state[_MERGED] = merge(book, unit, other)
     _look_for_pairs(book)
-    st.session_state[_MERGED] = other
     return reader.say()("job_book.merged")
 
 

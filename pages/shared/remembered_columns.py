@@ -9,6 +9,7 @@ import streamlit as st
 from atleak.errors import OutputError
 from atleak.intake.road_test import FORMATS, default_path, forget
 from atleak.intake.road_test.names.memory import RememberedColumns, recall_all, restore
+from atleak.system.entries import damaged_before
 from atleak.wording import Wording
 from pages.shared import fields, reader, show
 from pages.shared.state import choose, session
@@ -26,6 +27,8 @@ def draw() -> None:
         st.caption(say("remembered.help"))
         if fault := st.session_state.pop(_FAULT, ""):
             st.error(say("remembered.failed", why=show.plain(fault)))
+        for file in damaged_before(default_path()):
+            st.warning(say("remembered.set_aside", file=show.plain(str(file))))
         kept = recall_all(default_path())
         if not kept:
             st.write(say("remembered.none"))

@@ -61,6 +61,7 @@ class Guarded:
 def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Guarded]:
     folder = tmp_path_factory.mktemp("guarded")
     port, allowed = free_port(), folder / "allowed.toml"
+    allowed.touch(0o600)
     allowed.write_text('users = ["ana@shop.example"]\ngroups = ["bench"]\n', encoding="utf-8")
     with provider() as known:
         (folder / "secrets.toml").write_text(

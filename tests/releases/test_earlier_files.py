@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
 import shutil
+import stat
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -62,11 +64,50 @@ def test_a_job_book_opens_and_every_job_of_it_is_whole(run: Ran) -> None:
     assert len(listed) == 4  # one is archived
 
 
+@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+@pytest.mark.usefixtures("book")
+def test_a_job_book_is_its_owners_alone_from_then_on(run: Ran, tmp_path: Path) -> None:
+    for path, mode in ((tmp_path, 0o755), (tmp_path / "book.sqlite", 0o644)):
+        path.chmod(mode)
+    run("jobs", "list")
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (tmp_path, tmp_path / "book.sqlite")] == [0o700, 0o600]
+    (tmp_path / "book.sqlite").chmod(0o640)  # as somebody wants it since
+    run("jobs", "list")
+    assert stat.S_IMODE((tmp_path / "book.sqlite").stat().st_mode) == 0o640
+
+
 @pytest.mark.usefixtures("book")
 def test_a_job_book_is_backed_up_and_restored(run: Ran, tmp_path: Path) -> None:
     run("jobs", "backup", tmp_path / "copy.backup")
     run("jobs", "restore", tmp_path / "copy.backup", "--force")
     assert run("jobs", "verify").startswith("5 jobs, every one whole")
+
+
+def merged_twice(path: Path) -> Path:
+    """Write the book in which a unit leads to one that leads on."""
+    path.write_bytes(gzip.decompress((RELEASE / "merged_twice.backup.gz").read_bytes()))
+    return path
+
+
+def test_a_backup_in_which_a_unit_leads_to_one_that_leads_on_is_restored(run: Ran, tmp_path: Path) -> None:
+    run("jobs", "restore", merged_twice(tmp_path / "merged.backup"))
+    assert run("jobs", "verify").startswith("2 jobs, every one whole")
+    jobs = json.loads(run("jobs", "list", "--json", "-"))
+    assert len({job["unit"] for job in jobs}) == 1
+
+
+def test_a_book_in_which_a_unit_leads_to_one_that_leads_on_is_opened_backed_up_and_restored(
+    run: Ran, tmp_path: Path
+) -> None:
+    merged_twice(tmp_path / "book.sqlite")
+    before = json.loads(run("jobs", "list", "--json", "-"))
+    assert len({job["unit"] for job in before}) == 1
+    run("jobs", "backup", tmp_path / "copy.backup")
+    run("jobs", "restore", tmp_path / "copy.backup", "--force")
+    assert json.loads(run("jobs", "list", "--json", "-")) == before
+    run("jobs", "part", 1)
+    assert len({job["unit"] for job in json.loads(run("jobs", "list", "--json", "-"))}) == 2
+    assert run("jobs", "verify").startswith("2 jobs, every one whole")
 
 
 @pytest.mark.parametrize("number", JOBS)

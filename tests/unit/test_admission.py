@@ -80,13 +80,27 @@ def test_the_file_may_name_the_claims_of_its_provider() -> None:
 def test_a_list_that_says_nobody_or_something_else_is_refused(tmp_path: Path, text: str, said: str) -> None:
     path = tmp_path / "allowed.toml"
     path.write_text(text, encoding="utf-8")
+    path.chmod(0o600)
     with pytest.raises(InputError, match=r"allowed\.toml") as refused:
         read_allowed(path)
     assert said in str(refused.value)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+@pytest.mark.parametrize("mode", [0o644, 0o620, 0o606])
+def test_a_list_that_others_can_read_or_change_is_refused(tmp_path: Path, mode: int) -> None:
+    path = tmp_path / "allowed.toml"
+    path.write_text('users = ["ana@shop.example"]', encoding="utf-8")
+    path.chmod(mode)
+    with pytest.raises(InputError, match=r"others on this machine can read or change it; expected .*chmod 600 allowed"):
+        read_allowed(path)
+    path.chmod(0o600)
+    assert read_allowed(path).users == ["ana@shop.example"]
+
+
 def test_a_list_is_read_as_it_is_now(tmp_path: Path) -> None:
     path = tmp_path / "allowed.toml"
+    path.touch(0o600)
     for name in ("ana@shop.example", "ben@shop.example"):
         path.write_text(f'users = ["{name}"]', encoding="utf-8")
         assert read_allowed(path).admits({"email": name})

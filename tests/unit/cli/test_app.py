@@ -24,10 +24,11 @@ class Served:
     commands: list[list[str]] = field(default_factory=list)
     folder: Path = Path()
     allowed: str = "?"
+    environment: Mapping[str, str] = field(default_factory=dict)
 
     def start(self, command: list[str], folder: Path, environment: Mapping[str, str]) -> int:
         self.commands.append(command)
-        self.folder, self.allowed = folder, environment["ATLEAK_ALLOWED"]
+        self.folder, self.allowed, self.environment = folder, environment["ATLEAK_ALLOWED"], environment
         return 0
 
     def given(self, option: str) -> list[str]:
@@ -50,6 +51,7 @@ def sign_in(own_home: Path) -> Path:
     own_home.mkdir()
     secrets_of(own_home)
     (own_home / "allowed.toml").write_text('users = ["ana@shop.example"]', encoding="utf-8")
+    (own_home / "allowed.toml").chmod(0o600)
     return own_home
 
 
@@ -60,6 +62,23 @@ def test_app_serves_this_machine_alone_unless_told(run: Run, served: Served) -> 
     assert (served.folder / "app.py").is_file()
     assert (served.folder / served.commands[0][4]).name == "serve.py"
     assert served.allowed == ""
+
+
+def test_the_dashboard_works_in_the_book_that_other_commands_use(
+    run: Run, served: Served, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its server runs in a folder of its own, in which a relative path means another file."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("ATLEAK_HOME", "shopdata")
+    assert run("app")[0] == 0
+    assert served.environment["ATLEAK_HOME"] == str(tmp_path / "shopdata")
+    monkeypatch.setenv("ATLEAK_DATABASE_URL", "sqlite:///shop.sqlite")
+    assert run("app")[0] == 0
+    assert served.environment["ATLEAK_DATABASE_URL"] == f"sqlite:///{tmp_path / 'shop.sqlite'}"
+    for url in ("postgresql://shop:p%40ss@server/book?sslmode=require", "mysql://shop@server/book"):
+        monkeypatch.setenv("ATLEAK_DATABASE_URL", url)
+        assert run("app")[0] == (0 if url.startswith("postgresql") else 2)
+    assert served.environment["ATLEAK_DATABASE_URL"] == ("postgresql+psycopg://shop:p%40ss@server/book?sslmode=require")
 
 
 def test_app_serves_the_network_to_those_on_the_list(run: Run, served: Served, sign_in: Path) -> None:

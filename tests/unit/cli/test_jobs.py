@@ -95,6 +95,9 @@ def test_options_of_diagnose_count_for_a_job_of_the_book(run: Run, add: Callable
         (("erase", "--customer", "Nobody"), "no job is of this customer"),
         (("import", "missing.zip"), "missing.zip: cannot be read"),
         (("merge", "1", "2"), "no such unit"),
+        (("list", "--limit", "0"), "'0' is no number of rows: write a whole number from 1 to"),
+        (("list", "--limit=-1"), "'-1' is no number of rows"),
+        (("list", "--limit", "99999999999999999999"), "is no number of rows"),
     ],
 )
 def test_what_cannot_be_done_ends_with_status_2_and_a_word(run: Run, arguments: tuple[str, ...], said: str) -> None:
@@ -130,6 +133,10 @@ def test_jobs_go_out_and_come_into_another_book(
     status, said, _ = run("jobs", "import", *out.glob("*.zip"))
     assert said.count("is in the book already") == 2
     assert len(listed(run)) == 2
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "third"))
+    for path in out.glob("*.zip"):
+        path.rename(path.with_suffix(".ZIP"))
+    assert run("jobs", "import", out)[1].count("taken in") == 2
 
 
 def test_two_jobs_of_the_book_are_compared(run: Run, add: Callable[..., str], record_file: Path) -> None:
@@ -185,10 +192,11 @@ def test_units_typed_differently_are_pointed_out_and_merged(
     add("--job", slip)
     suggested = run("jobs", "duplicates")[1].split("#")[0].split()
     assert suggested[:3] == ["atleak", "jobs", "merge"]
-    assert run(*suggested[1:])[0] == 0
+    status, merged, _ = run(*suggested[1:])
+    assert status == 0
     assert len({row["unit"] for row in listed(run)}) == 1
     assert "No two units" in run("jobs", "duplicates")[1]
-    assert run("jobs", "part", suggested[-1])[0] == 0
+    assert run(*merged.split("`")[1].split()[1:])[0] == 0  # the command that it names
     assert len({row["unit"] for row in listed(run)}) == 2
 
 

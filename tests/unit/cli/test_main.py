@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import subprocess
@@ -48,6 +49,26 @@ def test_a_fault_of_the_program_is_said_without_a_traceback(
     err = capsys.readouterr().err
     assert "RuntimeError: the shelf fell down" in err
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (OSError(errno.EINVAL, "Invalid argument", "report.pdf"), "atleak: report.pdf: Invalid argument"),
+        (OSError(errno.EINVAL, "Invalid argument"), "atleak: a file: Invalid argument"),
+        (OSError("a driver's own word"), "atleak: a file: a driver's own word"),
+    ],
+)
+def test_an_error_of_the_system_is_said(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, error: OSError, said: str
+) -> None:
+    def refused(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr("atleak.catalogue.entries.listed", refused)
+    assert cli.main(["limits"]) == 2
+    assert capsys.readouterr().err.strip() == said
 
 
 @pytest.mark.usefixtures("all_draws")  # as the process does

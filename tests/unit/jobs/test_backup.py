@@ -18,6 +18,8 @@ from atleak.job.record import Job
 from atleak.jobs import backup as backing_up
 from atleak.jobs.backup import backup, restore
 from atleak.jobs.book import Book, open_book
+from atleak.jobs.merge import merge
+from atleak.jobs.search import Query
 from atleak.jobs.tables import metadata, units
 from atleak.jobs.verify import verify
 
@@ -40,9 +42,8 @@ def filled(new_book: Callable[[], Book], small_job: MakeJob, log_job: JobParts) 
     book.archive(book.save(small_job(11.06, number="3", transmission={"serial": "A2"})).id)
     book.save(log_job)
     book.save(small_job(number="1, later", transmission={"serial": "A1"}), id=first.id, version=1)
-    with book.writing() as connection:
-        of = {row.serial: row.id for row in connection.execute(sa.select(units.c.id, units.c.serial))}
-        connection.execute(units.update().where(units.c.id == of["A1"]).values(merged_into=of["A2"]))
+    unit_of = {row.serial: row.unit for row in book.rows(Query(archived=None))}
+    merge(book, unit_of["A2"], unit_of["A1"])
     return book
 
 
@@ -109,14 +110,14 @@ def test_a_job_saved_while_a_backup_is_made_does_not_come_into_it_by_halves(
     """SQLite copies its file at one go; of PostgreSQL one table is read after another, all as they were then."""
     book = new_book_on("postgresql")
     book.save(small_job(number="before"))
-    copy_rows = backing_up._copy_rows
+    copy_rows = backing_up.copy_rows
 
     def copied(source: sa.Connection, target: sa.Connection) -> None:
         source.execute(sa.select(units.c.id)).all()
         book.save(small_job(11.09, number="meanwhile"))
         copy_rows(source, target)
 
-    monkeypatch.setattr(backing_up, "_copy_rows", copied)
+    monkeypatch.setattr(backing_up, "copy_rows", copied)
     assert backup(book, tmp_path / "backup.sqlite") == 1
     assert book.count() == 2
 

@@ -19,7 +19,7 @@ from atleak.jobs.book import Book, open_book, packed
 from atleak.jobs.erase import erase, jobs_of_customer, same_vehicle
 from atleak.jobs.merge import merge
 from atleak.jobs.search import Query
-from atleak.jobs.tables import jobs, metadata, results, units, vehicles
+from atleak.jobs.tables import jobs, metadata, results, units
 
 NAME, VIN, PLATE, SERIAL, NUMBER = "Zyxwvut", "WVWZZZ1JZXW000001", "ZZ-YX 123", "SER55512", "Q-7788"
 OF_PERSON = (NAME, VIN, PLATE, "ZZYX123", SERIAL, NUMBER, "Q7788", "K-99120", "K99120", "48.137154", "bertha")
@@ -173,8 +173,15 @@ def test_jobs_of_one_transmission_stay_together_without_its_name(
     assert [row.vin for row in book.rows(Query(vin=VIN))] == [VIN]
     erase(book, [next_owner])
     with book.reading() as connection:
-        assert connection.execute(sa.select(vehicles)).all() == []
         assert VIN not in str(connection.execute(sa.select(units)).all())
+
+
+def test_what_a_job_shared_with_others_goes_with_it(book: Book, small_job: Callable[..., JobParts]) -> None:
+    """A plate that only the erased job stated, of a car that another job states too."""
+    book.save(small_job(vehicle={"vin": VIN}, number="7"))
+    mine = book.save(small_job(vehicle={"vin": VIN, "registration": PLATE}, number="7")).id
+    erase(book, [mine])
+    assert PLATE not in everything(book)
 
 
 @pytest.mark.parametrize("database", ["sqlite"], indirect=True)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import io
+import zipfile
 from collections.abc import Callable
 
 import pandas as pd
@@ -11,10 +13,12 @@ import pytest
 from atleak.errors import BookError, InputError
 from atleak.job.file import packed_job, read_job_file
 from atleak.job.parts import JobParts
+from atleak.jobs.across import across_units
 from atleak.jobs.book import Book
 from atleak.jobs.compared import job_of
 from atleak.jobs.exchange import exported, import_job, job_file, job_file_name, table_bytes
 from atleak.jobs.named import named_job
+from atleak.jobs.tables import jobs
 
 Small = Callable[..., JobParts]
 
@@ -101,3 +105,28 @@ def test_a_job_is_named_by_id_its_beginning_or_its_number(book: Book, small_job:
     book.save(small_job(number="12"))
     with pytest.raises(BookError, match="2 jobs of the job book are called so"):
         named_job(book, "12")
+
+
+def test_what_the_book_alone_knows_of_a_job_goes_along(new_book: Callable[[], Book], small_job: Small) -> None:
+    book, other = new_book(), new_book()
+    sample = book.save(small_job(notes="sample played with", transmission={"serial": "A1"}), sample=True).id
+    archived = book.save(small_job(number="8", transmission={"serial": "A2"})).id
+    book.archive(archived)
+    with book.writing() as connection:
+        connection.execute(jobs.update().values(made_on=dt.date(2020, 2, 29)))
+    for id in (sample, archived):
+        kept = book.load(id)
+        taken = other.load(import_job(other, job_file(book, id)).id)
+        assert (taken.sample, taken.archived_at, taken.made_on) == (kept.sample, kept.archived_at, kept.made_on)
+        assert job_file(other, taken.id) == job_file(book, id)
+    assert across_units(other, "minimal_example").units == across_units(book, "minimal_example").units == 0
+
+
+@pytest.mark.parametrize("database", ["sqlite"], indirect=True)
+def test_a_job_of_which_the_book_knows_nothing_more_is_a_file_as_any_other(book: Book, small_job: Small) -> None:
+    content = io.BytesIO(job_file(book, book.save(small_job(number="7", date="2026-04-17")).id))
+    with zipfile.ZipFile(content, "a") as bundle:
+        assert "book.json" not in bundle.namelist()
+        bundle.writestr("book.json", '{"archived_at": "yesterday"}')
+    with pytest.raises(InputError, match=r"job file: book\.json, key 'archived_at'"):
+        import_job(book, content.getvalue())

@@ -19,6 +19,7 @@ import sqlalchemy as sa
 from atleak.errors import BookError, ChangedElsewhere
 from atleak.job.parts import JobParts
 from atleak.jobs import opening
+from atleak.jobs.backup import backup
 from atleak.jobs.book import Book, Saved, open_book
 from atleak.jobs.tables import about, jobs
 from atleak.jobs.verify import verify
@@ -279,3 +280,39 @@ def test_a_migration_that_fails_leaves_the_book_as_it_was(
     assert not sa.inspect(book.engine).has_table("later")
     assert "later" not in {column["name"] for column in sa.inspect(book.engine).get_columns("visits")}
     assert verify(book) == ()
+
+
+AS_BEFORE = """
+CREATE TABLE vehicles (id SERIAL PRIMARY KEY, key VARCHAR(80) NOT NULL UNIQUE, vin VARCHAR(80), plate VARCHAR(80));
+INSERT INTO vehicles (key, vin, plate) VALUES ('vin:V1', 'V1', 'P1');
+ALTER TABLE visits ADD COLUMN vehicle INTEGER REFERENCES vehicles (id);
+UPDATE visits SET vehicle = 1;
+ALTER TABLE decisions ALTER COLUMN component TYPE VARCHAR(80);
+ALTER TABLE jobs DROP COLUMN made_on;
+ALTER TABLE units DROP COLUMN merged_with;
+UPDATE units SET merged_into = id + 1 WHERE id < (SELECT max(id) FROM units);
+UPDATE alembic_version SET version_num = '0001'
+"""
+
+
+def test_a_book_on_a_server_is_brought_up_to_date_from_the_first_tables(
+    postgresql: Any, small_job: MakeJob, tmp_path: Path
+) -> None:
+    """Of those on SQLite the files of earlier releases tell."""
+    address = postgresql.address(postgresql.new_database())
+    book = open_book(address)
+    for number in range(4):
+        book.save(small_job(number=str(number)))
+    days = [(row.number, row.made_on) for row in book.rows()]
+    with book.writing() as connection:
+        for statement in AS_BEFORE.split(";"):
+            connection.exec_driver_sql(statement)
+    book.engine.dispose()
+    book = open_book(address)
+    assert len({row.unit for row in book.rows()}) == 1
+    assert [(row.number, row.made_on) for row in book.rows()] == days
+    assert verify(book) == ()
+    assert not sa.inspect(book.engine).has_table("vehicles")
+    book.save(small_job(repair_decisions=[{"component": "c" * 200}]))
+    assert backup(book, tmp_path / "backup") == 5
+    book.engine.dispose()

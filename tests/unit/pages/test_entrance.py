@@ -30,6 +30,7 @@ ANA = {"is_logged_in": True, "email": "ana@shop.example"}
 def allowed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The list of who may use the dashboard; nobody is signed in."""
     path = tmp_path / "allowed.toml"
+    path.touch(0o600)
     path.write_text('users = ["ana@shop.example"]', encoding="utf-8")
     monkeypatch.setenv(ALLOWED, str(path))
     visited_by(monkeypatch, {"is_logged_in": False})

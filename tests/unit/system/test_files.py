@@ -14,7 +14,7 @@ import pytest
 
 from atleak.errors import OutputError
 from atleak.system import files
-from atleak.system.files import PRIVATE, replace_file
+from atleak.system.files import PRIVATE, replace_file, replacing
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="permissions, links and devices of POSIX")
 
@@ -174,3 +174,25 @@ def test_a_report_that_does_not_fit_on_the_disk_leaves_the_earlier_one(
     assert b"cannot be written" in finished.stderr
     assert target.read_bytes() == b"earlier"
     assert [path.name for path in tmp_path.iterdir()] == ["report"]
+
+
+def test_what_a_killed_process_has_left_goes_after_a_day(tmp_path: Path) -> None:
+    left, begun = tmp_path / ".atleak-00.part", tmp_path / ".atleak-01.part"
+    others = [tmp_path / name for name in (".atleak-00.part-wal", ".atleak.part", "atleak-02.part")]
+    for path in (left, begun, *others):
+        path.touch()
+        yesterday = time.time() - (25 if path != begun else 23) * 3600
+        os.utime(path, (yesterday, yesterday))
+    replace_file(tmp_path / "report.pdf", b"new")
+    assert {path.name for path in tmp_path.iterdir()} == {begun.name, ".atleak.part", "atleak-02.part", "report.pdf"}
+
+
+@POSIX
+def test_a_file_that_something_else_writes_has_its_mode_from_the_start(tmp_path: Path) -> None:
+    (tmp_path / "shop.backup").touch(0o644)
+    with replacing(tmp_path / "shop.backup", mode=PRIVATE) as beside:
+        assert stat.S_IMODE(beside.stat().st_mode) == PRIVATE
+        beside.write_bytes(b"all of it")
+    assert stat.S_IMODE((tmp_path / "shop.backup").stat().st_mode) == PRIVATE
+    with pytest.raises(OutputError, match="No such file"), replacing(tmp_path / "nowhere" / "a", mode=PRIVATE):
+        pass

@@ -16,6 +16,7 @@ import pytest
 from atleak.errors import OutputError
 from atleak.intake.road_test import NOT_LOGGED, forget, recall, remember
 from atleak.intake.road_test.names.memory import RememberedColumns, recall_all, restore
+from atleak.system.entries import damaged_before
 
 WRITERS = 4  # processes, each with two threads
 ANSWERS = 10  # of every thread
@@ -79,6 +80,20 @@ def test_a_damaged_file_counts_as_empty(tmp_path: Path, content: bytes) -> None:
     remembered = recall(store, "a")
     assert remembered is not None
     assert remembered.mapping == {"gear": "G"}
+
+
+def test_a_damaged_file_is_set_aside_and_said(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    store = tmp_path / "columns.json"
+    for content in (b'{"a": {', b"[1]"):  # twice on one day
+        store.write_bytes(content)
+        remember(store, "a", {"gear": "G"})
+    aside = damaged_before(store)
+    assert [path.read_bytes() for path in aside] == [b'{"a": {', b"[1]"]
+    assert [path.name for path in aside] == [f"columns.json.damaged-{dt.date.today()}-{number}" for number in (1, 2)]
+    for path, said in zip(aside, caplog.messages, strict=True):
+        assert said == f"atleak: {store}: was damaged and begins anew; what it held is in {path.name}"
+    remember(store, "b", {"gear": "G"})
+    assert len(recall_all(store)) == 2
 
 
 @pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
