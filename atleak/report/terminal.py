@@ -380,7 +380,9 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
 def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
     """Return the order of repair, each land with what it brings where it helps most, and where that ends."""
     plan = plan_repairs(diagnosis)
-    rows = option_rows(plan)
+    rows, (*ends,) = option_rows(plan), plan_ends(plan)
+    if plan.pump_first:
+        yield ends.pop(0)
     if plan.steps:
         as_left = "as its repair leaves it" if rows else "as new"
         yield f"Order of repair, each land {as_left} after those before it:"
@@ -390,7 +392,7 @@ def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
         for row in rows:
             if row.step is step:
                 yield f"       {'→' if row.chosen else 'or'} {planned(row)}"
-    yield from plan_ends(plan)
+    yield from ends
 
 
 def _helps(step: RepairStep) -> str:

@@ -158,11 +158,14 @@ def _beyond(say: Wording, level: Verdict | None) -> str:
 def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     """Show the order of repair with what each step brings, and where the plan ends."""
     say = reader.say()
+    ends = [plain(sentence) for sentence in plan_ends(plan, say)]
+    if plan.pump_first:
+        st.markdown(ends.pop(0))
     if plan.steps:
         st.dataframe(_order(diagnosis, plan, say), hide_index=True, width="stretch", placeholder="–")
         st.caption(say(f"repair_plan.order_caption_{'cost' if plan.cost else 'new'}"))
         _options(diagnosis, plan, say)
-    st.markdown("  \n".join(plain(sentence) for sentence in plan_ends(plan, say)))
+    st.markdown("  \n".join(ends))
     if plan.steps and len(diagnosis.projections) > 1:
         st.markdown(f"**{say('repair_plan.every_step')}**")
         _steps_at_conditions(diagnosis, plan, say)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,21 +11,29 @@ from pathlib import Path
 from typing import Any
 
 import openpyxl
+import pypdfium2
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import checked_controller
+from atleak.catalogue.controller_reading import checked_controller, load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
-from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
+from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances, PumpGaps
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.engine.profile import PAPER
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import PAPER, WORKSHOP
+from atleak.engine.projection import project
 from atleak.equations import pump as equations
 from atleak.intake.readings import read_readings
-from atleak.readings import Readings
+from atleak.readings import Readings, clearances
+from atleak.repair import plan_repairs
 from atleak.report.measuring_sheet import PUMP_SIDE, PUMP_TIP, SHEET, write_readings, write_template
+from atleak.report.pdf import write_pdf
+from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
-from atleak.views.diagnosis_record import diagnosis_record
+from atleak.verdicts import Verdict
+from atleak.views.diagnosis_record import diagnosis_record, to_json
+from atleak.views.first_sentence import first_sentence
 from atleak.views.pump_words import pump_sentence
 from atleak.views.sentences import counted_in_speed, shares_add_up
 from atleak.wording import wording
@@ -133,6 +142,100 @@ def test_a_worn_pump_blames_no_land(sound: Diagnosis, worn_pump: Diagnosis) -> N
     ):
         assert now.share / new.share == pytest.approx(before.share / before_new.share, rel=1e-12, abs=0.0)
     assert [land.wear for land in worn_pump.lands] == [land.wear for land in sound.lands]
+
+
+SHIPPED = ("ford_4r70w", "gm_4l60e", "jatco_jf506e")
+NEW_UM, LIMIT_UM = 35.0, 50.0
+
+
+def with_gap(name: str) -> Controller:
+    """A shipped valve body with a pump whose side clearance makes it slip, from 35 µm when new to 50 µm at the most."""
+    unit = load_controller(name)
+    of_side = PumpClearances.of_um(NEW_UM, None), PumpClearances.of_um(LIMIT_UM, None)
+    gaps = PumpGaps(1.2e6, None)
+    return replace(unit, pump=replace(unit.pump, gaps=gaps, clearances=of_side[0], limits=of_side[1]))
+
+
+def worn_by(unit: Controller, times: float, readings_of: Callable[..., Readings], key: tuple[str, int]) -> Readings:
+    """A sheet of new pairs, 1 µm wider than the mean, but for one land."""
+    wide = {land.key: land.new_clearance * (times if land.key == key else 1.0) + 0.5e-6 for land in unit.lands}
+    return readings_of(
+        unit, {each.key: (each.nominal_diameter, each.nominal_diameter + 2.0 * wide[each.key]) for each in unit.lands}
+    )
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("side_um", [70.0, 100.0])
+def test_a_worn_pump_is_named_first_and_no_unworn_valve(
+    name: str,
+    side_um: float,
+    hipol: Fluid,
+    limits: Limits,
+    readings_of: Callable[..., Readings],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    unit = with_gap(name)
+    sheet = worn_by(unit, 1.0, readings_of, unit.lands[0].key)
+    assert diagnose(unit, hipol, limits, readings=sheet).verdict == Verdict.OK
+    diagnosis = diagnose(unit, hipol, limits, readings=sheet, pump_clearances=PumpClearances.of_um(side_um, None))
+    record = diagnosis_record(diagnosis)
+    to_json(record)
+    assert record["unit"]["decided_by"]["kind"] == "pump"
+    assert record["unit"]["verdict"] == record["pump"]["verdict"] != "ok"
+    assert not diagnosis.flagged
+    assert (record["repair_plan"], record["repair_plan_ends"]["reached"]) == ([], True)
+    assert "description_impossible" not in {message["code"] for message in record["messages"]}
+    if side_um > 90.0:
+        assert min(each["p_g_held_kpa"] / each["p_g_kpa"] for each in record["conditions"]) < 0.95
+        assert "With every valve as new the same pressure would be missing." in first_sentence(diagnosis, wording("en"))
+    print_diagnosis(diagnosis)
+    printed = " ".join(capsys.readouterr().out.split())
+    assert f"The pump: side clearance {side_um:.0f} µm, limit 50 µm." in printed.replace("\u00a0", " ")
+    assert printed.index("The pump: side") < printed.index("Repair the pump first.") < printed.index("1. ")
+    assert not re.search(r"\binf\b|∞|Look first", printed)
+    with pypdfium2.PdfDocument(write_pdf(diagnosis)) as document:
+        page = " ".join(document[0].get_textpage().get_text_range().split())
+    assert "The pump is worn and has to be repaired first." in page
+    assert "Repair:" not in page
+    assert "∞" not in page
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_worn_land_does_not_hide_behind_a_worn_pump(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
+) -> None:
+    unit = with_gap(name)
+    key = max(
+        unit.lands, key=lambda land: project(as_new(unit, hipol), unit.operating_points[0]).drawn_by(land.key)
+    ).key
+    sheet = worn_by(unit, 4.0, readings_of, key)
+    sound, both = (
+        diagnose(unit, hipol, limits, readings=sheet, pump_clearances=PumpClearances.of_um(um, None))
+        for um in (None, 100.0)
+    )
+    assert [land.key for land in sound.flagged] == [key]
+    for before, after in zip(sound.lands, both.lands, strict=True):
+        assert (after.key, after.verdict, after.decision) == (before.key, before.verdict, before.decision)
+        assert [rule.value for rule in after.rules] == [rule.value for rule in before.rules]
+    assert {step.land.key for step in plan_repairs(both).steps} == {step.land.key for step in plan_repairs(sound).steps}
+    assert diagnosis_record(both)["unit"]["decided_by"]["kind"] == "pump"
+
+
+def as_new(unit: Controller, fluid: Fluid) -> LeakageModel:
+    return LeakageModel(unit, clearances(None, unit), fluid, WORKSHOP)
+
+
+def test_a_pump_over_its_limit_is_past_it_whatever_the_valves_do(
+    diagnosed: Callable[..., Diagnosis], worn_pump: Diagnosis, sound: Diagnosis
+) -> None:
+    assert sound.pump.verdict == Verdict.NOT_MEASURED
+    assert worn_pump.pump.verdict.calls_for_repair
+    at_limit = diagnosed(PumpClearances.of_um(50.0, None))
+    assert [each.rule.verdict for each in at_limit.pump.decisions] == [Verdict.OK]  # so much its manual allows
+    over = diagnosed(PumpClearances.of_um(51.0, None))
+    assert [(each.rule.verdict, each.decision) for each in over.pump.decisions] == [
+        (Verdict.REPLACE, "conditional_fail")
+    ]
 
 
 def test_how_sure_the_reserve_is_follows_from_the_clearances_too(
