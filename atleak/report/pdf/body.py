@@ -11,7 +11,8 @@ from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
 from atleak.errors import Message, unknown
 from atleak.job.doubts import record_doubts
-from atleak.job.record import RepairDecision
+from atleak.job.record import RepairDecision, Scratch
+from atleak.phrases import PART_WORDS
 from atleak.report.estimate_words import open_words
 from atleak.report.pdf.annex import Annex
 from atleak.report.pdf.blocks import (
@@ -288,11 +289,14 @@ class Body:
         ]
         yield facts([row for row in rows if row[1]])
         columns = [
-            PrintedColumn(say("printed.component"), lambda each: joined((each.component, each.part), " "), width=3),
+            PrintedColumn(say("printed.component"), self._scratched, width=3),
             PrintedColumn(say("printed.land"), lambda each: str(each.land or ""), width=1),
             PrintedColumn(say("facts.scratches"), lambda each: each.description, width=6),
         ]
         yield table(columns, [each for each in job.scratches if not each.empty])
+
+    def _scratched(self, scratch: Scratch) -> str:
+        return joined((scratch.component, self.say.sentence(PART_WORDS.get(scratch.part, scratch.part))), " ")
 
     def _photos(self, charts: dict[str, str]) -> Iterable[Block]:
         photos = [(photo.file, joined((photo.component, photo.caption), " · ")) for photo in self.job.photos]
