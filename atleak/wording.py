@@ -126,9 +126,9 @@ class Wording:
         if point.is_stated:
             speed = self.number(point.engine_speed * RPM, 0)
             return self("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
-        if point.name in self.texts["conditions"]:
-            return self("conditions.at", name=self(f"conditions.{point.name}"), temperature=temperature)
         stated, name = f", {point.temperature:g} °C", self.name(point.label)
+        if name == point.label and self.language != "en" and point.name in self.texts["conditions"]:
+            name = self(f"conditions.{point.name}") + stated
         if name.endswith(stated):
             name = self("conditions.at", name=name.removesuffix(stated), temperature=temperature)
         return name.replace(" °", f"{_NARROW}°")

@@ -83,7 +83,7 @@ def sheet_doubts(job: Job, readings: Readings | None) -> Iterator[Message]:
     own_km, written_km = job.vehicle.mileage_km, head.mileage
     if own_km is not None and written_km is not None and abs(own_km - written_km) >= 1.0:
         text = Sentence(
-            "The record has a mileage of {own:g} {own.unit}, the head of the measuring sheet {written:g} "
+            "The record has a mileage of {own:,.0f} {own.unit}, the head of the measuring sheet {written:,.0f} "
             "{written.unit}: the record counts.",
             own=Quantity(own_km, "distance"),
             written=Quantity(written_km, "distance"),

@@ -14,7 +14,7 @@ from atleak.catalogue.fluid import fluids
 from atleak.catalogue.instruments import instruments
 from atleak.catalogue.limits import limit_sets
 from atleak.unit_systems import SYSTEMS
-from atleak.wording import languages, own_texts, wording
+from atleak.wording import languages, wording
 
 from .product_code import ROOT, nodes
 
@@ -110,13 +110,6 @@ def test_no_text_stands_unused() -> None:
         return table in whole or by_name or key in strings or made.fullmatch(key) is not None
 
     assert sorted(key for key in KEYS if not is_used(key)) == []
-
-
-@pytest.mark.parametrize("language", [each for each in languages() if each != "en"])
-def test_a_language_lacks_no_text(language: str) -> None:
-    own = own_texts(language)
-    assert set(ENGLISH) <= set(own)
-    assert sorted(key for key in KEYS for table, _, name in [key.partition(".")] if name not in own[table]) == []
 
 
 @pytest.mark.parametrize("language", [each for each in languages() if each != "en"])

@@ -137,9 +137,15 @@ class Body:
         said = say("charts.picture_flagged", lands=flagged) if flagged else say("charts.picture_none")
         components = len({land.key[0] for land in diagnosis.lands})
         counts = {verdict: sum(land.verdict == verdict for land in diagnosis.lands) for verdict in VERDICTS}
+        open_ = [land.state for land in diagnosis.lands if land.verdict is Verdict.NOT_MEASURED]
+        half = sum(state.measured and state.land.seal is None for state in open_)
+        sealed = sum(state.land.seal is not None for state in open_)
+        counts[Verdict.NOT_MEASURED] -= half + sealed
         legend = [
             [verdict, f"{say.level(verdict)}: {counts[verdict]}"] for verdict in reversed(VERDICTS) if counts[verdict]
         ]
+        for key, count in (("half_measured", half), ("sealed", sealed)):
+            legend += [[Verdict.NOT_MEASURED, say(f"charts.{key}", count=count)]] if count else []
         words = joined(text for _, text in legend)
         yield {
             "kind": "image",
@@ -231,7 +237,7 @@ class Body:
         if "shares" not in charts:
             return
         say, at = self.say, self.diagnosis.projection
-        top = self.diagnosis.ranked[:BARS]
+        top = self.diagnosis.drawing_most[:BARS]
         lands = joined(f"{self.names.land_name(land)} {say.percent(land.share, 2)}" for land in top)
         yield {
             "kind": "image",
