@@ -50,3 +50,12 @@ def test_a_record_with_a_decision_on_a_land_that_the_valve_body_lacks_is_refused
     uploader(app).upload("job.toml", record, "application/toml").run()
     assert not app.session_state["job-record"].repair_decisions
     assert any("component 25 has no such land" in widget.value for widget in app.error)
+
+
+@pytest.mark.page("1_Job")
+def test_work_that_no_limit_asks_for_is_doubted_on_both_pages(app: AppTest) -> None:
+    record = b'[[repair_decisions]]\ncomponent = "15"\nland = 1\nprice = 34.0\ndecision = "approved"\n'
+    uploader(app).upload("job.toml", record, "application/toml").run()
+    for page in ("1_Job", "13_Estimate"):
+        go(app, page)
+        assert any("work is decided here that no limit asks for" in widget.value for widget in app.warning), page

@@ -320,6 +320,10 @@ def test_a_place_of_which_one_part_was_measured_is_not_counted_as_not_measured(a
     sealed = sum(land.state.land.seal is not None for land in aside.lands)
     assert say("customer.open", missing=lands - sealed - aside.judged, lands=lands) in first
     assert say("customer.half", half=1, lands=lands) in first
+    drawn = " ".join(pages_of(write_pdf(aside, sections=["picture"]))[1:])
+    missing = lands - sealed - aside.judged
+    assert f"not measured: {missing}" in drawn, "the numbers of the first page"
+    assert say("charts.half_measured", count=1) in drawn
 
 
 def test_a_valve_that_is_the_only_one_to_repair_is_not_called_one_of_several(grown):
