@@ -69,7 +69,8 @@ def explanations(diagnosis: Diagnosis, complaint: Complaint) -> tuple[Explanatio
 
 def _because_of(diagnosis: Diagnosis, at: PressuresAt, rule: Rule, held: HeldPressure | None) -> tuple[LandKey, ...]:
     if rule.kind is RuleKind.RESERVE:
-        return drawing_more(diagnosis, at.projection)
+        falls = at.projection.reserve < 1.0 <= at.reserve_new  # a reserve that is only small is felt nowhere
+        return drawing_more(diagnosis, at.projection) if falls else ()
     if held is None or held.loss <= 0.0 or (held.low is not None and held.new < held.low):
         return ()
     return tuple(key for key, _ in held.costly)

@@ -11,7 +11,7 @@ import pytest
 from atleak.catalogue.complaints import Complaint
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
-from atleak.catalogue.limits import Limits
+from atleak.catalogue.limits import Limits, RuleKind
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PAPER
 from atleak.readings import Readings
@@ -127,6 +127,32 @@ def test_a_complaint_is_linked_to_the_lands_that_take_a_pressure_past_its_limit(
     others = {land.key for land in clutch.lands} - {key for each in linked for key in each.lands}
     elsewhere = replace(anywhere, lands=tuple(sorted(others)))
     assert not explanations(with_complaint(clutch, elsewhere), elsewhere)
+
+
+@pytest.mark.parametrize(("wanted", "linked"), [(1.2, False), (0.9, True), (0.45, False)])
+def test_a_reserve_explains_a_complaint_only_where_worn_lands_make_the_pump_fall_short(
+    worn: Diagnosis, wanted: float, linked: bool
+) -> None:
+    """At 1.2 it is to be watched, and every pressure is held; at 0.45 a pump with new lands falls short, too."""
+    idle = worn.hot_idle
+    assert idle is not None
+    speed = idle.condition.engine_speed * wanted / idle.reserve
+    slow = replace(idle.condition, name="stated", engine_speed=speed)
+    found = diagnose(
+        worn.controller,
+        worn.fluid,
+        worn.limits,
+        readings=worn.readings,
+        condition=slow,
+        complaint=replace(HOT, conditions=("stated",)),
+    )
+    assert found.complaint is not None
+    rule = found.pressure_rule(found.projection, RuleKind.RESERVE)
+    assert rule is not None
+    assert rule.verdict.flagged
+    assert rule.value == pytest.approx(wanted, abs=1e-6)
+    by_reserve = [each for each in explanations(found, found.complaint) if each.held is None]
+    assert bool(by_reserve) == linked
 
 
 def test_a_pressure_that_a_new_unit_lacks_too_is_explained_by_no_land(clutch: Diagnosis) -> None:
