@@ -302,7 +302,8 @@ class Body:
         yield table(columns, [each for each in job.scratches if not each.empty])
 
     def _scratched(self, scratch: Scratch) -> str:
-        return joined((scratch.component, self.say.sentence(PART_WORDS.get(scratch.part, scratch.part))), " ")
+        part = next((words for name, words in PART_WORDS.items() if name == scratch.part), scratch.part)
+        return joined((scratch.component, self.say.sentence(part)), " ")
 
     def _photos(self, charts: dict[str, str]) -> Iterable[Block]:
         photos = [(photo.file, joined((photo.component, photo.caption), " · ")) for photo in self.job.photos]

@@ -332,7 +332,7 @@ class CustomerPage:
             PrintedColumn(say("customer.valve"), lambda each: self._valve(each.component), width=5),
             PrintedColumn(say("printed.verdict"), lambda each: self._signed(each.verdict)),
             PrintedColumn(say("customer.from_to"), self._paths, width=5),
-            PrintedColumn(say("customer.felt"), self._felt, width=5),
+            PrintedColumn(say("customer.felt"), self._felt, width=6),
             PrintedColumn(say("customer.alone"), self._alone, width=7),
         ]
         shortened_to = [self.valves[: each.valves] for each in LENGTHS]

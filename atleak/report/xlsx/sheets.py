@@ -151,7 +151,7 @@ class Sheets:
         return [
             (Sentence("complaint"), say.name(diagnosis.complaint.label)),
             (Sentence("shows at"), "; ".join(say.condition(each.condition) for each in diagnosis.complained)),
-            (Sentence("lands behind it, as issued"), finding(diagnosis, say)),
+            (Sentence("what explains it, as issued"), finding(diagnosis, say)),
             *((f"{number}.", land) for number, land in enumerate(lands, start=1)),
         ]
 
