@@ -211,6 +211,11 @@ class Diagnosis:
         return tuple(sorted(self.lands, key=lambda land: -land.leakage))
 
     @property
+    def drawing_most(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands that draw from the pump at the stated condition, the largest share first."""
+        return tuple(sorted((land for land in self.lands if land.share > 0.0), key=lambda land: -land.share))
+
+    @property
     def worst_total(self) -> Rule:
         """Return the total that reached the worst band; of several, the largest."""
         return max(self.total_rules, key=lambda rule: (rule.verdict.rank, rule.value))

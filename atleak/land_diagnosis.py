@@ -62,6 +62,12 @@ class LandDiagnosis:
         return decided.probability_over_limit if decided and self.verdict != Verdict.NOT_MEASURED else None
 
     @property
+    def within_new(self) -> bool:
+        """Tell whether a land whose clearance when new is known as a range measures within it: it shows no wear."""
+        low, high = self.state.land.mounting_range
+        return self.wear is not None and low < high and low <= self.state.radial_clearance <= high
+
+    @property
     def deciding_uncertainty(self) -> RuleDecision | None:
         """Return the decision that belongs to the verdict."""
         return self.uncertainty.deciding if self.uncertainty else None

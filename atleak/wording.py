@@ -96,7 +96,7 @@ class Wording:
         Raises
         ------
         KeyError
-            if no language has the key.
+            if English lacks the key.
         """
         table, _, name = key.partition(".")
         return _PLACE.sub(lambda match: self._filled(match[1], values), self.texts[table][name])
@@ -126,9 +126,9 @@ class Wording:
         if point.is_stated:
             speed = self.number(point.engine_speed * RPM, 0)
             return self("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
-        if point.name in self.texts["conditions"]:
-            return self("conditions.at", name=self(f"conditions.{point.name}"), temperature=temperature)
         stated, name = f", {point.temperature:g} °C", self.name(point.label)
+        if name == point.label and self.language != "en" and point.name in self.texts["conditions"]:
+            name = self(f"conditions.{point.name}") + stated
         if name.endswith(stated):
             name = self("conditions.at", name=name.removesuffix(stated), temperature=temperature)
         return name.replace(" °", f"{_NARROW}°")
@@ -335,7 +335,14 @@ def languages() -> tuple[str, ...]:
 
 
 @cache
-def _texts(language: str) -> Mapping[str, Any]:
+def own_texts(language: str) -> Mapping[str, Any]:
+    """Return the texts that the files of a language give, by table and key.
+
+    Raises
+    ------
+    InputError
+        if no text is written in that language.
+    """
     known = languages()
     if language not in known:
         raise unknown(Sentence("no report in this language"), language, known)
@@ -353,7 +360,8 @@ def _texts(language: str) -> Mapping[str, Any]:
 def wording(language: str, units: str = "metric") -> Wording:
     """Return the texts of a language, with quantities in a system of units: metric, metric_bar or us.
 
-    Several files of a language may add to one table, such as each page its ``columns``.
+    Several files of a language may add to one table, such as each page its ``columns``. A text that a language lacks is
+    the English one.
 
     Raises
     ------
@@ -365,7 +373,12 @@ def wording(language: str, units: str = "metric") -> Wording:
 
 @cache
 def _wording(language: str, units: str) -> Wording:
-    return Wording(language, _texts(language), units, unit_system(units))
+    english, own = own_texts("en"), own_texts(language)
+    texts = {
+        name: {**table, **own.get(name, {})} if isinstance(table, dict) else own.get(name, table)
+        for name, table in english.items()
+    }
+    return Wording(language, {**own, **texts}, units, unit_system(units))
 
 
 def value_names(names: Iterable[str]) -> str:

@@ -4,10 +4,11 @@ from functools import partial
 
 import streamlit as st
 
+from atleak.job.doubts import record_doubts
 from atleak.report.estimate_words import EstimateWords
 from atleak.report.pdf import write_pdf
 from atleak.wording import wording
-from pages.shared import estimate_form, files, font_form, panel, reader
+from pages.shared import estimate_form, files, font_form, panel, reader, show
 from pages.shared.state import job
 
 _SECTIONS = ("repair", "estimate", "signatures")
@@ -20,6 +21,7 @@ if diagnosis.without_sheet:
     st.stop()
 st.write(say("estimate_page.intro"))
 made = estimate_form.draw(diagnosis)
+show.messages(record_doubts(job(), diagnosis), say("about.record"))
 
 st.subheader(say("estimate_page.take_along"))
 options = st.columns(2)

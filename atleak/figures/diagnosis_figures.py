@@ -75,7 +75,7 @@ def leakage_ranking(diagnosis: Diagnosis, say: Wording | None = None, *, lands: 
         x=[max(land.leakage, *(_interval(land) or (0.0,))) * scale for land in ranked],
         y=[land_name(land) for land in ranked],
         mode="text",
-        text=[f"  {look_of(land.verdict).sign} {say.percent(land.share, 2)}" for land in ranked],
+        text=[f"  {look_of(land.verdict).sign} {say.number(land.leakage * scale, 3)}" for land in ranked],
         textposition="middle right",
         cliponaxis=False,
         showlegend=False,
@@ -188,7 +188,7 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None, say
     """
     say = say or wording("en")
     chosen = diagnosis.lands if lands is None else lands
-    worn = [(land.wear, land) for land in chosen if land.wear is not None]
+    worn = [(0.0 if land.within_new else land.wear, land) for land in chosen if land.wear is not None]
     worn.sort(key=lambda pair: pair[0])
     figure = Figure()
     for verdict in VERDICTS:

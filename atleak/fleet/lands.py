@@ -14,7 +14,8 @@ from atleak.fleet.visits import Visits
 from atleak.rules import LandKey
 from atleak.verdicts import VERDICTS, Verdict
 
-_COLUMNS = (HASH, "component", "land", "measured", "seal", "fitted_repair", "wear_percent", "verdict")
+_CLEARANCES = ("mounting_clearance_low_um", "radial_clearance_um", "mounting_clearance_um")
+_COLUMNS = (HASH, "component", "land", "measured", "seal", "fitted_repair", "wear_percent", "verdict", *_CLEARANCES)
 Table = np.ndarray
 """A value of every land (column) at every visit (row)."""
 
@@ -27,7 +28,7 @@ class Lands:
     measured: Table  # whether both of its parts were, and no ring seals it
     rank: Table  # of its verdict
     repaired: Table  # whether a repair was fitted
-    wear: Table  # [%]; NaN where not measured, and of a land that was repaired
+    wear: Table  # [%]; none within what new ones have; NaN where not measured, and of a land that was repaired
 
     def at(self, visits: np.ndarray) -> Lands:
         """Return the same at some visits."""
@@ -56,7 +57,9 @@ def read_lands(results: Results, controller: str, visits: Visits) -> Lands:
     ranks = pc.index_in(table["verdict"], value_set=pa.array([str(each) for each in VERDICTS]))
     measured = laid_out(pc.and_(pc.equal(table["measured"], "measured"), pc.is_null(table["seal"])).to_numpy(), False)
     repaired = laid_out(pc.is_valid(table["fitted_repair"]).to_numpy(), False)
-    wear = laid_out(table["wear_percent"].to_numpy(), np.nan)
+    low, clearance, high = (table[name].to_numpy() for name in _CLEARANCES)
+    within_new = (low < high) & (low <= clearance) & (clearance <= high)
+    wear = laid_out(np.where(within_new, 0.0, table["wear_percent"].to_numpy()), np.nan)
     return Lands(
         keys=tuple(keys[each] for each in order),
         measured=measured,

@@ -9,10 +9,11 @@ from types import MappingProxyType
 from atleak.catalogue.instruments import Instrument, Part
 from atleak.diagnosis import Diagnosis
 from atleak.errors import InputError, Message, Place, unknown
-from atleak.job.decisions import decision_faults
+from atleak.job.decisions import covered, decision_faults
 from atleak.job.of_sheet import sheet_doubts
-from atleak.job.record import InstrumentUsed, Job
+from atleak.job.record import InstrumentUsed, Job, RepairDecision
 from atleak.sentence import Name, Sentence
+from atleak.views.pressures import behind_limits
 from atleak.wording import languages, wording
 
 _WORD = re.compile(r"[^\W\d_]{3,}")  # neither a size nor a serial number tells instruments apart
@@ -24,6 +25,7 @@ def record_doubts(job: Job, diagnosis: Diagnosis) -> tuple[Message, ...]:
     return (
         *_unknown_parts(job, diagnosis),
         *_other_instruments(job, diagnosis),
+        *_needless(job, diagnosis),
         *sheet_doubts(job, diagnosis.readings, diagnosis.mileage),
     )
 
@@ -44,6 +46,27 @@ def _unknown_parts(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:
                 problem = Sentence("{controller} has no such component", controller=Name(controller.name))
                 fault: InputError = unknown(problem, component, controller.components, place=place)
                 yield Message("warning", "record_unknown_part", fault.sentence)
+
+
+def needless_work(job: Job, diagnosis: Diagnosis) -> Iterator[RepairDecision]:
+    """Return the work still to be done on lands of which none is past a limit, nor behind one that is passed."""
+    asked = behind_limits(diagnosis)
+    for each in job.repair_decisions if diagnosis.judged else ():
+        keys = covered(each, diagnosis.controller)
+        if each.decision in ("proposed", "approved") and keys and not keys & asked:
+            yield each
+
+
+def _needless(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:
+    for each in needless_work(job, diagnosis):
+        keys = sorted(covered(each, diagnosis.controller))
+        text = Sentence(
+            "{component} ({lands}): work is decided here that no limit asks for. None of these lands is past a limit, "
+            "nor behind a total or pressure that is.",
+            component=Name(diagnosis.controller.components[keys[0][0]]),
+            lands=[f"{component}/{land}" for component, land in keys],
+        )
+        yield Message("warning", "work_without_need", text)
 
 
 def _other_instruments(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:

@@ -89,8 +89,8 @@ def sheet_doubts(job: Job, readings: Readings | None, mileage: float | None) -> 
         if km is None or mileage is None or head.mileage is None or abs(km - head.mileage) < 1.0:
             continue
         text = Sentence(
-            "The job has a mileage of {own:g} {own.unit}, the head of the measuring sheet {written:g} {written.unit}: "
-            "{counts:g} {counts.unit} counts.",
+            "The job has a mileage of {own:,.0f} {own.unit}, the head of the measuring sheet {written:,.0f} "
+            "{written.unit}: {counts:,.0f} {counts.unit} counts.",
             own=Quantity(km, "distance"),
             written=Quantity(head.mileage, "distance"),
             counts=Quantity(mileage, "distance"),

@@ -88,7 +88,8 @@ def new_sheets(book: Book, controller: str) -> tuple[NewSheet, ...]:
     chosen = [found for _, rows in groupby(every, lambda row: row.unit) for found in _of_unit(list(rows), renewed)]
     if not chosen:
         expected = Sentence(
-            "a job at up to {mileage:g} {mileage.unit}, or one measured after a repair that an earlier job calls done",
+            "a job at up to {mileage:,.0f} {mileage.unit}, or one measured after a repair that an earlier job calls "
+            "done",
             mileage=Quantity(NEW_UNTIL, "distance"),
         )
         problem = Sentence(

@@ -165,7 +165,7 @@ def _options(url: sa.URL) -> dict[str, Any]:
     arguments: dict[str, Any] = {"timeout": _WAITING, "check_same_thread": False, "isolation_level": None}
     path = _file(url)
     if path is None:
-        return {"creator": lambda: sqlite3.connect("", **arguments)}  # in memory, what is too large in a file of no name
+        return {"creator": lambda: sqlite3.connect("", **arguments)}  # in memory, what is too large in a nameless file
     with contextlib.suppress(OSError):  # which SQLite says in its way; a new file is its owner's alone from the start
         os.close(os.open(path, os.O_CREAT | os.O_EXCL, PRIVATE))
     address = path.as_posix()

@@ -17,6 +17,7 @@ from atleak.measuring.plan import Cell
 from atleak.measuring.typed import Typed
 from atleak.views.drawing import measuring_svg, on_dark
 from atleak.views.land_names import component_words, has_number
+from atleak.views.sentences import wear_words
 from atleak.wording import Wording
 from atleak.workshop_units import MM, UM
 
@@ -127,7 +128,7 @@ def _result(land: LandDiagnosis, say: Wording) -> dict[str, str]:
     ovalities = [each for each in (state.spool_ovality, state.sleeve_ovality) if each is not None]
     return {
         "clearance": say.quantity(state.radial_clearance * UM, "clearance"),
-        "wear": say.percent(land.wear, 0),
+        "wear": wear_words(land, say),
         "ovality": say.quantity(max(ovalities) * UM, "clearance") if ovalities else "–",
         "verdict": say.signed(land.verdict),
         "sure": "" if land.decision is None else say.get("decisions", land.decision),

@@ -26,10 +26,10 @@ from atleak.uncertainty import UnitUncertainty
 from atleak.variants import VariantResult
 from atleak.verdicts import Verdict
 from atleak.views.caveats import caveat_marks, caveats
+from atleak.views.complaint import finding, measure_first, reason
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
 from atleak.views.gauge_rows import gauge_rows, pattern_text
-from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_words import pump_sentence, worn_pump
@@ -46,6 +46,7 @@ from atleak.views.sentences import (
     pressure_sentence,
     readings_in_doubt,
     reserve_sentence,
+    wear_words,
     when_new,
 )
 from atleak.wording import begun, signed, wording
@@ -232,9 +233,8 @@ def _log(diagnosis: Diagnosis, log: RoadFindings) -> Iterator[str]:
     yield f"Road test {log.road_test.file}:"
     for sentence in (*pressure_sentences(log, say), *test_sentences(log, say), *log_sentences(log, say)):
         yield f"  {sentence}"
-    if diagnosis.road is not None:
-        new = "" if diagnosis.judged else f"{say('findings.unmeasured')} "
-        yield f"  {new}{begun(_road(diagnosis.road, diagnosis.uncertainty))}"
+    if diagnosis.road is not None and diagnosis.judged:  # else it is that of a new unit
+        yield f"  {begun(_road(diagnosis.road, diagnosis.uncertainty))}"
     checks = check_sentences(diagnosis, say)
     if checks:
         yield say("findings.check_next")
@@ -293,12 +293,12 @@ def _measured_by(diagnosis: Diagnosis) -> str:
 
 
 def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
-    """Return the customer's complaint and the lands that it asks to measure first, one line each."""
+    """Return the customer's complaint, what explains it, and the lands that it asks to measure first, one line each."""
     if diagnosis.complaint is None:
         return
     shows = "; ".join(each.condition.label for each in diagnosis.complained)
     ranked = measure_first(diagnosis)
-    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {head(ranked)}"
+    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {finding(diagnosis)}"
     for each in ranked[:MEASURE_FIRST]:
         component, land = each.land.key
         yield f"  {component}/{land} {diagnosis.controller.components[component]}: {reason(each)}"
@@ -348,7 +348,7 @@ def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
             Text(f"{component}/{number}"),
             f"{land.state.radial_clearance * UM:.1f}",
             "–".join(f"{end * UM:.1f}" for end in land.state.land.mounting_ends),
-            "–" if land.wear is None else wording("en").number(land.wear * PERCENT, 0),
+            wear_words(land, wording("en"), unit=False),
             Text("" if rule is None else f"{rule.label} ({rule.origin})"),
         )
     return table

@@ -306,7 +306,8 @@ def _total(
     condition, share, bands = projection.condition, projection.share, rule.steps.levels
     u = spread.share_spread.standard_uncertainty
     us, probabilities = spread.share_spread.level_uncertainties, spread.share_spread.probabilities
-    decision = decide_rule(rule, us, probabilities, guard_factor, skewed=u > 0.0)
+    interval = spread.share_spread.interval
+    decision = decide_rule(rule, us, probabilities, guard_factor, skewed=u > 0.0, interval=interval)
     names = (Band.GREEN, *(Band(band) for band, _ in bands))
     return TotalUncertainty(
         condition=condition.name,
@@ -341,7 +342,8 @@ def _pressure_decision(rule: Rule, spread: PressureSpread, guard_factor: float) 
         drawn = spread.circuits[rule.circuit.id].moved
     assert drawn is not None
     skewed = drawn.standard_uncertainty > 0.0
-    return decide_rule(rule, drawn.level_uncertainties, drawn.probabilities, guard_factor, skewed=skewed)
+    us, probabilities = drawn.level_uncertainties, drawn.probabilities
+    return decide_rule(rule, us, probabilities, guard_factor, skewed=skewed, interval=drawn.interval)
 
 
 def _at_instant(instant: Instant, projection: Projection, spread: InstantSpread) -> InstantUncertainty:

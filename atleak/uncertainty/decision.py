@@ -41,6 +41,18 @@ class RuleDecision:
     probability_over_limit: float
     levels: tuple[LevelDecision, ...]
     level_uncertainties: tuple[float, ...]
+    interval: tuple[float, float] | None = None  # of the value, from draws; None where it is normally distributed
+
+    @property
+    def skewed(self) -> bool:
+        """Tell whether the value's distribution lies to one side, so that a standard uncertainty does not describe it.
+
+        It does where one end of the interval is more than twice as far from the value as the other: project's choice.
+        """
+        if self.interval is None or not all(map(math.isfinite, (*self.interval, self.rule.value))):
+            return False
+        near, far = sorted((self.rule.value - self.interval[0], self.interval[1] - self.rule.value))
+        return far > 2.0 * near and far > 0.0
 
     @property
     def value(self) -> float:
@@ -165,10 +177,12 @@ def decide_rule(
     probabilities: tuple[float, ...],
     guard_factor: float,
     skewed: bool,
+    interval: tuple[float, float] | None = None,
 ) -> RuleDecision:
     """Decide a rule level by level; uncertainty and probability over the limit are given for each of its levels.
 
-    Where the value is ``skewed``, the rule's level follows from the probabilities: it has most likely been reached.
+    ``interval`` is that of the value, where it was drawn. Where the value is ``skewed``, the rule's level follows from
+    the probabilities: it has most likely been reached.
     """
     rule = replace(rule, reached=probabilities) if skewed else rule
     sign = -1.0 if rule.steps.falling else 1.0  # under a falling limit is over the same limit with another sign
@@ -185,4 +199,5 @@ def decide_rule(
         probability_over_limit=levels[index].probability_over,
         levels=levels,
         level_uncertainties=standard_uncertainties,
+        interval=interval,
     )

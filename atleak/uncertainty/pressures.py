@@ -37,7 +37,7 @@ class PressureSpread:
     """The spread of the pump's reserve and of every pressure at one condition."""
 
     reserve: Spread
-    main_pressure_interval: Interval  # [Pa] that holds
+    main_pressure_interval: Interval  # [Pa] that holds of what is required, however well that is known
     below_permissible: Spread | None  # fraction; None where nothing is permissible or judged
     circuits: Mapping[str, CircuitSpread]  # by id; without those that are vented
 
@@ -135,7 +135,7 @@ def pressure_spread(
     _, pressures_unworn = unworn.held(point, shape)
     return PressureSpread(
         reserve=spread_of(reserve, reached, coverage, falling=True),
-        main_pressure_interval=interval_of(main, coverage),
+        main_pressure_interval=interval_of(main / now.pressures["p_g"] * point.main_pressure, coverage),
         below_permissible=_below(projection, main, now.pressures["p_g"], limits, coverage),
         circuits={
             state.circuit.id: _circuit(state.circuit.id, pressures, pressures_unworn, main.shape, limits, coverage)

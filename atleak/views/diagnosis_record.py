@@ -16,10 +16,10 @@ from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
+from atleak.views.complaint import explanations, finding, measure_first, reason
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
 from atleak.views.condition_record import condition_record, finite, scaled, unit_rule_record
 from atleak.views.gauge_rows import gauge_record
-from atleak.views.measure_first import measure_first, reason
 from atleak.views.message_record import message_record
 from atleak.views.pump_record import pump_record
 from atleak.views.repair_options import cost_record, option_record
@@ -144,7 +144,7 @@ def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
-    """Return the customer's complaint, the conditions at which it can show, and the lands to measure first."""
+    """Return the customer's complaint, where it can show, what explains it, and the lands to measure first."""
     complaint = diagnosis.complaint
     if complaint is None:
         return None
@@ -164,6 +164,18 @@ def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
             }
             for each in measure_first(diagnosis)
             for component, land in [each.land.key]
+        ],
+        "text": finding(diagnosis),
+        "explained_by": [
+            {
+                "rule": each.rule.id,
+                "condition": each.rule.condition.name if each.rule.condition else None,
+                "circuit": each.rule.circuit.id if each.rule.circuit else None,
+                "held_kpa": None if each.held is None else each.held.now * KPA,
+                "new_kpa": None if each.held is None else each.held.new * KPA,
+                "lands": [{"component": component, "land": land} for component, land in each.lands],
+            }
+            for each in explanations(diagnosis, complaint)
         ],
     }
 

@@ -76,7 +76,7 @@ def _pattern(pattern: Pattern, controller: Controller) -> dict[str, Any]:
 def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
     """Return a pattern as sentences in a language, with where to look first."""
     worst, amount = pattern.worst, pattern.amount or 0.0
-    circuits = ", ".join(tap_name(controller, name) for name in pattern.circuits)
+    circuits = ", ".join(tap_text(controller, name, say) for name in pattern.circuits)
     key = f"{pattern.kind}_named" if pattern.kind == "one_range_low" and circuits else pattern.kind
     sentence = say(
         f"patterns.{key}",

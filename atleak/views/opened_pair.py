@@ -13,6 +13,7 @@ from atleak.verdicts import Verdict, worst
 from atleak.views.condition_matrix import MatrixRow
 from atleak.views.pair_table import Cell, Row, Table, clearance, decision, share_cell, why
 from atleak.views.rule_words import rule_name, rule_value
+from atleak.views.sentences import wear_words
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import KPA, MM, UM
 
@@ -93,7 +94,7 @@ def _facts(land: LandDiagnosis, say: Wording) -> Iterator[Fact]:
     low, high = state.land.mounting_range
     ends = [low] if low == high else [low, high]
     yield fact("when_new", say.span([end * UM for end in ends], "clearance"))
-    yield fact("wear", "–" if land.wear is None else say.percent(land.wear, 0))
+    yield fact("wear", wear_words(land, say))
     for part, ovality, taper in (
         ("spool", state.spool_ovality, state.spool_taper),
         ("sleeve", state.sleeve_ovality, state.sleeve_taper),

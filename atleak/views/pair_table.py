@@ -13,7 +13,7 @@ from atleak.rules import LandKey
 from atleak.verdicts import Band, Verdict
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
 from atleak.views.rule_words import rule_reached
-from atleak.views.sentences import land_in_words
+from atleak.views.sentences import land_in_words, wear_words
 from atleak.wording import Wording
 from atleak.workshop_units import MM, PERCENT, UM
 
@@ -70,7 +70,7 @@ def _cells(diagnosis: Diagnosis, land: LandDiagnosis, at: Sequence[Projection], 
     for cell in MatrixRow.of(land, diagnosis, at).cells:
         yield share_cell(cell, say)
     yield Cell(clearance(land, say))
-    yield Cell("–" if land.wear is None else say.percent(land.wear, 0))
+    yield Cell(wear_words(land, say))
     yield Cell("; ".join(why(land, say)) or "–")
     yield Cell("–" if land.decision is None else decision(land, say))
 

@@ -171,6 +171,19 @@ def drawing_more(diagnosis: Diagnosis, projection: Projection) -> tuple[LandKey,
     return _worth_a_look(more, projection.leakage - new.leakage)
 
 
+def behind_limits(diagnosis: Diagnosis) -> frozenset[LandKey]:
+    """Return the lands past a limit, and those behind a total, a reserve or a pressure that is."""
+    keys = {land.key for land in diagnosis.flagged}
+    for projection in diagnosis.projections if diagnosis.judged else ():
+        at = pressures_at(diagnosis, projection)
+        past = [each for each in at.applied if each.verdict is not None and each.verdict.flagged]
+        keys |= {key for each in past for key, _ in each.costly}
+        shared = (diagnosis.total_rule(projection), at.reserve_rule)
+        if any(rule is not None and rule.verdict.flagged for rule in shared):
+            keys |= {*drawing_more(diagnosis, projection)}
+    return frozenset(keys)
+
+
 def worst_pressure(diagnosis: Diagnosis) -> Rule | None:
     """Return the worst rule of a reserve or pressure past a limit; None where none is, or nothing was measured."""
     past = [rule for rule in diagnosis.pressure_rules if rule.verdict.flagged and rule.condition is not None]

@@ -71,6 +71,14 @@ def readings_in_doubt(diagnosis: Diagnosis, say: Wording) -> str | None:
     return " ".join(said) or None
 
 
+def wear_words(land: LandDiagnosis, say: Wording, *, unit: bool = True) -> str:
+    """Return the wear, with its unit or below one; that there is none of a clearance that new pairs have."""
+    if land.within_new:
+        return say("texts.within_new")
+    worn = say.number(None if land.wear is None else land.wear * PERCENT, 0)
+    return worn if land.wear is None or not unit else say.percent(land.wear, 0)
+
+
 def replace_at(land: LandDiagnosis, say: Wording) -> str | None:
     """Say at which mileage the land reaches the wear limit for replacing; None where none is projected."""
     return None if land.replace_mileage is None else crossing_in_words(land.replace_mileage, say)

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
 from atleak.catalogue.complaints import Complaint
 from atleak.catalogue.controller import Gap
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
+from atleak.engine.line import LINE
 from atleak.engine.projection import Projection
+from atleak.engine.repaired import WORTH_NAMING
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair import Choice, RepairedAt
-from atleak.rules import LandKey
+from atleak.rules import LandKey, Rule
 from atleak.verdicts import Verdict
+from atleak.views.complaint import explanations
 from atleak.views.pressures import HeldPressure, lowest_first, pressures_at
-
-WORTH_SAYING = (
-    0.1  # part of what leaks at a complaint's conditions from which a valve is named for it: project's choice
-)
 
 
 class End(Enum):
@@ -39,7 +39,7 @@ class WornValve:
     component: str
     lands: tuple[LandDiagnosis, ...]  # past a limit, the worst first
     paths: tuple[Path, ...]  # on which these lands leak, as the valve body's file describes them
-    complaints: tuple[Complaint, ...]  # of the file, where they carry a part worth saying, the largest first
+    complaints: tuple[Complaint, ...]  # of the file that a pressure explains which they cost
     costs: tuple[tuple[HeldPressure, float], ...]  # pressures past a limit, and what they cost them [Pa]
     alone: tuple[RepairedAt, ...]  # what repairing them alone brings at every condition; none where nothing is chosen
 
@@ -47,6 +47,24 @@ class WornValve:
     def verdict(self) -> Verdict:
         """Return the worst verdict of its lands."""
         return self.lands[0].verdict
+
+    @property
+    def helped(self) -> tuple[RepairedAt, Rule | None] | None:
+        """Return the condition that repairing it alone helps most, and the rule there of the pressure that it helps.
+
+        A pressure past its limit comes before the share of the pump's flow, for which there is no rule beside; None
+        where neither is helped.
+        """
+        pressures = [
+            (each, after)
+            for each in self.alone
+            for before, after in zip(each.before.pressure_rules, each.after.pressure_rules, strict=True)
+            if before.verdict.flagged and before.kind is not RuleKind.RESERVE and _gained(each, after) >= WORTH_NAMING
+        ]
+        if pressures:
+            return max(pressures, key=lambda each: _gained(*each))
+        most = max(self.alone, key=lambda each: each.saving, default=None)
+        return None if most is None or most.saving <= 0.0 else (most, None)
 
     def brings(self, projection: Projection) -> RepairedAt | None:
         """Return what repairing it alone brings at a condition; None where no repair of it is chosen."""
@@ -68,7 +86,10 @@ def worn_valves(diagnosis: Diagnosis, choice: Choice) -> tuple[WornValve, ...]:
     now, *after = choice.totals_of([[], *mine])
     held = [each for each in pressures_at(diagnosis, lowest_first(diagnosis)[0]).applied if each.loss > 0.0]
     past = [each for each in held if each.verdict is not None and each.verdict.flagged]
-    at = [(complaint, diagnosis.complained_of(complaint)) for complaint in diagnosis.controller.complaints]
+    explained = {
+        complaint: {key for each in explanations(diagnosis, complaint) for key in each.lands}
+        for complaint in diagnosis.controller.complaints
+    }
     valves = []
     for (component, flagged), moves, totals in zip(by_component.items(), mine, after, strict=True):
         lands = tuple(sorted(flagged, key=lambda land: -land.verdict.rank))
@@ -79,7 +100,7 @@ def worn_valves(diagnosis: Diagnosis, choice: Choice) -> tuple[WornValve, ...]:
                 component,
                 lands,
                 _paths(diagnosis, keys),
-                _felt(keys, at),
+                tuple(complaint for complaint, behind in explained.items() if keys & behind),
                 tuple((each, loss) for each in past if (loss := _cost(each.costly, keys)) > 0.0),
                 alone,
             )
@@ -87,10 +108,9 @@ def worn_valves(diagnosis: Diagnosis, choice: Choice) -> tuple[WornValve, ...]:
     return tuple(sorted(valves, key=lambda each: (-each.verdict.rank, -_saved(each))))
 
 
-def part_of_leakage(keys: set[LandKey], projection: Projection) -> float:
-    """Return which part of all that leaks at a condition goes past some lands."""
-    everything = sum(gap.leakage for gap in projection.gaps)
-    return sum(projection.leakage_of(key) for key in keys) / everything if everything > 0.0 else 0.0
+def _gained(at: RepairedAt, rule: Rule) -> float:
+    held = LINE if rule.circuit is None else rule.circuit.id
+    return at.after.pressures[held] - at.before.pressures[held]
 
 
 def _saved(valve: WornValve) -> float:
@@ -109,18 +129,6 @@ def _end(gap: Gap) -> str | End:
     if gap.into_sump:
         return End.SUMP
     return gap.low.section if gap.low.section is not None and gap.low.is_section else End.ANOTHER_SECTION
-
-
-def _felt(keys: set[LandKey], at: Iterable[tuple[Complaint, tuple[Projection, ...]]]) -> tuple[Complaint, ...]:
-    """Return the complaints that name some of the lands, or name none, and show where these carry a part worth saying.
-
-    The one where they carry most comes first.
-    """
-    parts: list[tuple[float, Complaint]] = []
-    for complaint, projections in at:
-        mine = keys & set(complaint.lands) if complaint.lands else keys
-        parts.append((max((part_of_leakage(mine, each) for each in projections), default=0.0), complaint))
-    return tuple(complaint for part, complaint in sorted(parts, key=lambda each: -each[0]) if part >= WORTH_SAYING)
 
 
 def _cost(costly: tuple[tuple[LandKey, float], ...], keys: set[LandKey]) -> float:

@@ -15,8 +15,8 @@ from atleak.look import look_of
 from atleak.repair import RepairPlan, RepairStep, Total
 from atleak.report.estimate_words import open_words
 from atleak.verdicts import Verdict
+from atleak.views.complaint import finding, measure_first, reason
 from atleak.views.condition_matrix import leaking_worst_first
-from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.repair_options import option_rows, repair_name
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
@@ -35,7 +35,7 @@ _PAIR, _ELSEWHERE, _STEP = "a pair", "leaks elsewhere", "a step"  # no condition
 
 
 def complaint(diagnosis: Diagnosis) -> None:
-    """Show the customer's complaint, the conditions at which it can show, and which lands to measure first."""
+    """Show the customer's complaint, where it can show, what explains it, and which lands to measure first."""
     if diagnosis.complaint is None:
         return
     say = reader.say()
@@ -45,7 +45,7 @@ def complaint(diagnosis: Diagnosis) -> None:
         f"- **{plain(land_in_words(diagnosis, each.land.key, say))}**: {plain(reason(each, say))}" for each in ranked
     ]
     st.subheader(say("diagnosis.complaint", label=plain(say.name(diagnosis.complaint.label))))
-    said = f"{say('diagnosis.complaint_shows', conditions=shows)} {plain(head(ranked, say))}"
+    said = f"{say('diagnosis.complaint_shows', conditions=shows)} {plain(finding(diagnosis, say))}"
     st.markdown("\n".join([said, "", *lines[:MEASURE_FIRST]]))
     if lines[MEASURE_FIRST:]:
         with st.expander(say("diagnosis.complaint_more", count=len(lines) - MEASURE_FIRST)):

@@ -24,6 +24,9 @@ def test_a_language_is_added_as_one_folder_and_the_command_line_prints_it(root: 
     old = 'report = "Internal leakage of a valve body"'
     assert english.count(old) == 1
     texts = english.replace(old, 'report = "Fugas internas de la caja de válvulas"')
+    lacked = 'picture = "The valve body"\n'
+    assert texts.count(lacked) == 1
+    texts = texts.replace(lacked, "")
     (spoken / "report.toml").write_text(texts, encoding="utf-8")
     report = tmp_path / "report.pdf"
     sheet = root / "sample_data" / "measuring_sheet_four_speed.xlsx"
@@ -31,7 +34,9 @@ def test_a_language_is_added_as_one_folder_and_the_command_line_prints_it(root: 
     environment = os.environ | {"PYTHONPATH": str(copy), "ATLEAK_HOME": str(tmp_path)}
     done = subprocess.run(command, capture_output=True, encoding="utf-8", env=environment, cwd=tmp_path, check=False)
     assert done.returncode == 0, done.stderr
-    assert "Fugas internas de la caja de válvulas" in pypdfium2.PdfDocument(report)[1].get_textpage().get_text_range()
+    printed = pypdfium2.PdfDocument(report)[1].get_textpage().get_text_range()
+    assert "Fugas internas de la caja de válvulas" in printed
+    assert "The valve body" in printed, "a text that the language lacks is printed in English"
 
 
 def test_no_source_file_lists_the_languages(root: Path) -> None:

@@ -99,7 +99,8 @@ def missing_characters(jobs: Iterable[Job], font: OwnFont | None = None) -> list
 def report_data(
     diagnosis: Diagnosis, job: Job, say: Wording, paper: Paper, chosen: tuple[str, ...], pictures: dict[str, str]
 ) -> dict[str, Any]:
-    series = road_series(diagnosis.road, _ROAD_POINTS) if diagnosis.road and "road_test" in chosen else None
+    computed = diagnosis.road if diagnosis.judged and "road_test" in chosen else None  # else it is that of a new unit
+    series = None if computed is None else road_series(computed, _ROAD_POINTS)
     names = PrintedNames(diagnosis, diagnosis_record(diagnosis), job, say)
     front, body = Front(names), Body(names, series, pictures)
     customer = CustomerPage(names, signed="signatures" in chosen)
@@ -138,7 +139,7 @@ def _draw_charts(
         )
     if "shares" in chosen and at.leakage > 0.0 and at.pump_capacity > 0.0:
         label = say("charts.share_of_pump", condition=names.condition(at.condition))
-        charts["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)
+        charts["shares"] = shares_chart([_bar(names, land) for land in diagnosis.drawing_most[:BARS]], label, say)
     if "pressures" in chosen and diagnosis.profile.circuits == "on":
         charts |= pressures.drawings()
     if series is not None:

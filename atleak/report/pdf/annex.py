@@ -7,8 +7,10 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
+from atleak.catalogue.limits import RuleKind
 from atleak.equations.uncertainty import normal_cdf, normal_quantile
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import LandClearance, Reading
@@ -104,7 +106,7 @@ class Annex:
             PrintedColumn(say("printed.rule"), lambda row: names.rule_name(row[0]), width=6),
             PrintedColumn(say("annex.value"), lambda row: names.rule_value(row[0], row[0].value), side="d"),
             PrintedColumn(say("annex.limit"), lambda row: names.rule_value(row[0], row[1].limit), side="d"),
-            PrintedColumn("u", lambda row: self._spread(row[0], row[1].standard_uncertainty), side="d"),
+            PrintedColumn(say("annex.u_or_interval"), lambda row: self._u(row[1]), side="r"),
             PrintedColumn(say("printed.verdict"), lambda row: verdict(row[0])),
             PrintedColumn(say("printed.decision"), lambda row: say.get("decisions", row[1].decision), width=3),
             PrintedColumn("P", lambda row: self._probability(row[1]), "%", side="r"),
@@ -121,6 +123,10 @@ class Annex:
                 else self._spread(decision.rule, uncertainty.guard_factor * decision.standard_uncertainty)
             )
 
+        def value(land: LandDiagnosis, decision: RuleDecision) -> str:
+            worn = decision.rule.kind is RuleKind.WEAR
+            return names.wear(land) if worn and land.within_new else names.rule_value(decision.rule, decision.value)
+
         def of(land: LandDiagnosis, what: Any) -> str:
             decision = _deciding(land)
             return "–" if decision is None else what(decision)
@@ -134,7 +140,7 @@ class Annex:
             ),
             PrintedColumn(
                 say("annex.value"),
-                lambda land: of(land, lambda each: names.rule_value(each.rule, each.value)),
+                lambda land: of(land, partial(value, land)),
                 side="d",
             ),
             PrintedColumn(
@@ -151,9 +157,15 @@ class Annex:
     def _wear(self, land: LandDiagnosis) -> str:
         value = self.names.wear(land)
         interval = land.uncertainty.wear_interval if land.uncertainty else None
-        if interval is None or land.wear is None:
+        if interval is None or land.wear is None or land.within_new:
             return value
         return f"{value} ± {self.say.number((interval[1] - interval[0]) / 2.0 * PERCENT, 0)}"
+
+    def _u(self, decided: RuleDecision) -> str:
+        """Return the standard uncertainty, or the interval where the distribution lies to one side."""
+        if decided.interval is None or not decided.skewed:
+            return self._spread(decided.rule, decided.standard_uncertainty)
+        return "–".join(self.names.rule_value(decided.rule, end) for end in decided.interval)
 
     def _spread(self, rule: Rule, value: float) -> str:
         return self.names.rule_value(rule, value) if math.isfinite(value) else "–"

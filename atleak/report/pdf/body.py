@@ -11,7 +11,8 @@ from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
 from atleak.errors import Message, unknown
 from atleak.job.doubts import record_doubts
-from atleak.job.record import RepairDecision
+from atleak.job.record import RepairDecision, Scratch
+from atleak.phrases import PART_WORDS
 from atleak.report.estimate_words import open_words
 from atleak.report.pdf.annex import Annex
 from atleak.report.pdf.blocks import (
@@ -136,9 +137,15 @@ class Body:
         said = say("charts.picture_flagged", lands=flagged) if flagged else say("charts.picture_none")
         components = len({land.key[0] for land in diagnosis.lands})
         counts = {verdict: sum(land.verdict == verdict for land in diagnosis.lands) for verdict in VERDICTS}
+        open_ = [land.state for land in diagnosis.lands if land.verdict is Verdict.NOT_MEASURED]
+        half = sum(state.measured and state.land.seal is None for state in open_)
+        sealed = sum(state.land.seal is not None for state in open_)
+        counts[Verdict.NOT_MEASURED] -= half + sealed
         legend = [
             [verdict, f"{say.level(verdict)}: {counts[verdict]}"] for verdict in reversed(VERDICTS) if counts[verdict]
         ]
+        for key, count in (("half_measured", half), ("sealed", sealed)):
+            legend += [[Verdict.NOT_MEASURED, say(f"charts.{key}", count=count)]] if count else []
         words = joined(text for _, text in legend)
         yield {
             "kind": "image",
@@ -230,7 +237,7 @@ class Body:
         if "shares" not in charts:
             return
         say, at = self.say, self.diagnosis.projection
-        top = self.diagnosis.ranked[:BARS]
+        top = self.diagnosis.drawing_most[:BARS]
         lands = joined(f"{self.names.land_name(land)} {say.percent(land.share, 2)}" for land in top)
         yield {
             "kind": "image",
@@ -288,11 +295,15 @@ class Body:
         ]
         yield facts([row for row in rows if row[1]])
         columns = [
-            PrintedColumn(say("printed.component"), lambda each: joined((each.component, each.part), " "), width=3),
+            PrintedColumn(say("printed.component"), self._scratched, width=3),
             PrintedColumn(say("printed.land"), lambda each: str(each.land or ""), width=1),
             PrintedColumn(say("facts.scratches"), lambda each: each.description, width=6),
         ]
         yield table(columns, [each for each in job.scratches if not each.empty])
+
+    def _scratched(self, scratch: Scratch) -> str:
+        part = next((words for name, words in PART_WORDS.items() if name == scratch.part), scratch.part)
+        return joined((scratch.component, self.say.sentence(part)), " ")
 
     def _photos(self, charts: dict[str, str]) -> Iterable[Block]:
         photos = [(photo.file, joined((photo.component, photo.caption), " · ")) for photo in self.job.photos]

@@ -222,8 +222,9 @@ class _Page:
     def _named(self, component: str, land: int | None) -> str:
         """Name a pair as a customer reads it: by its name, with its number only where several bear that name."""
         names = self.comparison.after.controller.components
-        name = isolated(names.get(component, component))
-        called = f"{component} {name}" if list(names.values()).count(names.get(component, "")) > 1 else name
+        name = names.get(component, component)
+        said = isolated(self.say.name(name))
+        called = f"{component} {said}" if list(names.values()).count(name) > 1 else said
         several = sum(each.key[0] == component for each in self.comparison.lands) > 1
         return self.say("comparison.land", name=called, land=land) if land and several else called
 
@@ -275,7 +276,7 @@ class _Page:
             for each in self.comparison.on_both_sides
             for name, change in (
                 (self.say("held.line"), each.main_pressure),
-                *((one.circuit.name, one.change) for one in each.circuits),
+                *((self.say.name(one.circuit.name), one.change) for one in each.circuits),
             )
             if change is not None and change.significant and abs(change.value) >= _MOVED and each.before is not None
         ]

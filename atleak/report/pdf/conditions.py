@@ -9,9 +9,9 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair import RepairPlan, RepairStep, Total
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
+from atleak.views.complaint import finding, measure_first, reason
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, leaking_worst_first
 from atleak.views.land_names import land_number
-from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.repair_options import OptionRow, option_rows
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import replace_at, shares_add_up
@@ -30,7 +30,7 @@ class Conditions:
     # --- complaint
 
     def complaint(self) -> dict[str, Any] | None:
-        """Return the customer's complaint and the lands to measure first; None without one."""
+        """Return the customer's complaint, what explains it, and the lands to measure first; None without one."""
         say, diagnosis = self.say, self.diagnosis
         if diagnosis.complaint is None:
             return None
@@ -39,8 +39,8 @@ class Conditions:
         items = [f"{self.names.land_name(each.land)}: {reason(each, say)}" for each in ranked[:MEASURE_FIRST]]
         if len(ranked) > MEASURE_FIRST:
             items.append(say("complaint.more", count=len(ranked) - MEASURE_FIRST))
-        shows = say("complaint.shows", label=diagnosis.complaint.label, conditions=at)
-        return {"sentence": f"{shows} {head(ranked, say)}", "items": items}
+        shows = say("complaint.shows", label=say.name(diagnosis.complaint.label), conditions=at)
+        return {"sentence": f"{shows} {finding(diagnosis, say)}", "items": items}
 
     # --- matrix
 

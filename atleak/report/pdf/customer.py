@@ -12,17 +12,21 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from atleak.engine.line import LINE
+from atleak.job.doubts import needless_work
+from atleak.job.estimate import Line
 from atleak.repair import Total
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Band, Verdict
+from atleak.views.complaint import explanations, most_lost
 from atleak.views.drawing import controller_svg, shortened
 from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
 from atleak.views.land_names import has_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import HeldPressure, lowest_first, pressures_at
 from atleak.views.pump_words import worn_pump
-from atleak.views.worn_valves import WORTH_SAYING, End, WornValve, part_of_leakage, worn_valves
+from atleak.views.worn_valves import End, WornValve, worn_valves
 from atleak.wording import begun, isolated
 from atleak.workshop_units import KPA, PERCENT
 
@@ -150,6 +154,11 @@ class CustomerPage:
         return "doubtful" if self.diagnosis.decided_by is None and self.diagnosis.too_tight else ""
 
     @property
+    def _not_the_cause(self) -> bool:
+        """Tell whether the customer complains, and all that was measured of the valve body is sound."""
+        return self.verdict is Verdict.OK and bool(self._complaint) and not self.diagnosis.without_sheet
+
+    @property
     def _headline(self) -> str:
         if self._only_checked:
             return "ok_unmeasured"
@@ -157,6 +166,8 @@ class CustomerPage:
             return self._not_judged
         if self.diagnosis.decided_by is self.diagnosis.pump:
             return "pump"
+        if self._not_the_cause:
+            return "ok_complaint"
         if not self._not_by_a_valve:
             return self._told_as
         if not self.verdict.calls_for_repair:
@@ -167,6 +178,8 @@ class CustomerPage:
     def _urgency(self) -> str:
         if self._not_judged:
             return Verdict.NOT_MEASURED
+        if self._only_checked or self._not_the_cause:
+            return self._headline
         past = self._not_by_a_valve and self.verdict.calls_for_repair
         return f"past_{self._told_as}" if past else self._told_as
 
@@ -206,13 +219,17 @@ class CustomerPage:
 
     # --- complaint and finding
 
+    @cached_property
+    def _complaint(self) -> str:
+        complaint = self.diagnosis.complaint
+        return " ".join(self.job.complaint.split()) or (self.say.name(complaint.label) if complaint is not None else "")
+
     def _told(self, letters: int) -> str:
         """Return what the customer complained of in so many letters, or as the valve body's file words it."""
-        say, complaint = self.say, self.diagnosis.complaint
-        words = " ".join(self.job.complaint.split()) or (say.name(complaint.label) if complaint is not None else "")
+        words = self._complaint
         if len(words) <= letters:
             return words
-        return say("customer.cut", text=words[:letters].rsplit(" ", 1)[0].rstrip(" ,;."))
+        return self.say("customer.cut", text=words[:letters].rsplit(" ", 1)[0].rstrip(" ,;."))
 
     def _found(self) -> Iterator[str]:
         """Say what was measured, what is lost by it, which pressure falls, and what the complaint has to do with it."""
@@ -231,8 +248,8 @@ class CustomerPage:
         if finding is not None:
             yield finding
         yield from self._lost()
-        yield from (self._held(each) for each in self._past)
         yield from self._explained()
+        yield from (self._held(each) for each in self._past)
         half = sum(land.state.measured for land in diagnosis.unmeasured)
         missing = len(diagnosis.unmeasured) - half
         if missing and diagnosis.judged:
@@ -268,9 +285,14 @@ class CustomerPage:
                 yield say(f"customer.{key}", condition=condition, new=new)
         else:
             key = "lost_over" if at.share > 1.0 else "lost"
-            yield say(
-                f"customer.{key}", condition=condition, share=say.percent(at.share), band=say.level(band), new=new
-            )
+            yield say(f"customer.{key}", condition=condition, share=say.percent(at.share), band=self._worst, new=new)
+
+    @property
+    def _worst(self) -> str:
+        """Return the word of the band that the total reached where it is worst, with "just" where that is not sure."""
+        rule = self.diagnosis.worst_total
+        decided, word = self.diagnosis.decided(rule), self.say.level(Band(rule.level))
+        return self.say("customer.just", band=word) if decided is not None and decided.conditional else word
 
     @cached_property
     def _past(self) -> tuple[HeldPressure, ...]:
@@ -294,18 +316,31 @@ class CustomerPage:
         )
 
     def _explained(self) -> Iterator[str]:
-        """Say which part of what leaks where the complaint shows goes past the worn valves."""
+        """Say which pressure the worn valves cost where the complaint shows; that they cost none, where they do not."""
         say, diagnosis = self.say, self.diagnosis
         if diagnosis.complaint is None or not diagnosis.complained or not diagnosis.judged:
             return
-        keys = {land.key for land in diagnosis.flagged}
-        at = max(diagnosis.complained, key=lambda each: part_of_leakage(keys, each))
-        part, condition = part_of_leakage(keys, at), self.names.condition(at.condition)
         label = say.name(diagnosis.complaint.label)
-        if part > 0.0:
-            yield say("customer.explains", label=label, condition=condition, part=say.percent(part, 0))
-        else:
-            yield say(f"customer.explains_{'elsewhere' if keys else 'nothing'}", label=label, condition=condition)
+        for each in explanations(diagnosis, diagnosis.complaint)[:1]:
+            assert each.rule.condition is not None  # as of every pressure that is computed
+            values = {
+                "label": label,
+                "condition": self.names.condition(each.rule.condition),
+                "valves": self._named([*dict.fromkeys(component for component, _ in each.lands)]),
+            }
+            if each.held is None:
+                yield say("customer.explained_by_reserve", **values)
+            else:
+                held, new = (say.value(pressure * KPA, "pressure", 0) for pressure in (each.held.now, each.held.new))
+                yield say("customer.explained", circuit=self._pressure(each.held.id), held=held, new=new, **values)
+            return
+        if diagnosis.profile.circuits != "on":  # no pressure is solved
+            return
+        conditions = joined(self.names.condition(each.condition) for each in diagnosis.complained)
+        lost = most_lost(diagnosis)
+        loss = "" if lost is None else say.value(lost.loss * KPA, "pressure", 0)
+        key = "no_effect" if lost is None else "small_effect"
+        yield say(f"customer.{key}", label=label, condition=conditions, loss=loss)
 
     # --- the valves
 
@@ -324,23 +359,20 @@ class CustomerPage:
     def _valves(self) -> Block | None:
         if not self.valves:
             return None
-        say, at = self.say, self.diagnosis.worst
+        say = self.say
         columns = [
             PrintedColumn(say("customer.valve"), lambda each: self._valve(each.component), width=5),
             PrintedColumn(say("printed.verdict"), lambda each: self._signed(each.verdict)),
             PrintedColumn(say("customer.from_to"), self._paths, width=5),
             PrintedColumn(say("customer.felt"), self._felt, width=6),
-            PrintedColumn(say("customer.alone"), self._alone, width=5),
+            PrintedColumn(say("customer.alone"), self._alone, width=7),
         ]
         shortened_to = [self.valves[: each.valves] for each in LENGTHS]
-        condition, part = self.names.condition(at.condition), say.percent(WORTH_SAYING, 0)
-        note = say("customer.alone_at", condition=condition, part=part)
-        more = [len(self.valves) - len(each) for each in shortened_to]
-        notes = ["" if each.terse else note for each in LENGTHS]
+        note = say("customer.alone_means") if any(each.helped for each in self.valves) else ""
         return {
             "title": say("customer.valves"),
             "tables": [table(columns, each, empty=False) for each in shortened_to],
-            "notes": [joined((self._more(count), note), " ") for count, note in zip(more, notes, strict=True)],
+            "notes": [joined((self._more(len(self.valves) - len(each)), note), " ") for each in shortened_to],
         }
 
     def _more(self, count: int) -> str:
@@ -376,19 +408,22 @@ class CustomerPage:
         return joined((*complaints, *losses), "; ")
 
     def _alone(self, valve: WornValve) -> Any:
-        brings = valve.brings(self.diagnosis.worst)
-        if brings is None:
+        if valve.helped is None:
             return ""
-        say, digits = self.say, self._digits_alone
-        before, after = (say.number(total.share * PERCENT, digits) for total in (brings.before, brings.after))
-        words = say("customer.from_to_value", before=before, after=after)
-        return {"sign": brings.after.band.verdict, "text": f"{words} {say.level(brings.after.band)}"}
-
-    @cached_property
-    def _digits_alone(self) -> int:
-        """Return the decimals of what each valve brings by itself."""
-        brought = filter(None, (valve.brings(self.diagnosis.worst) for valve in self.valves))
-        return digits_apart(total for each in brought for total in (each.before, each.after))
+        say, (at, rule) = self.say, valve.helped
+        values = {"condition": self.names.condition(at.condition)}
+        if rule is None:
+            digits = digits_apart((at.before, at.after))
+            before, after = (say.percent(total.share, digits) for total in (at.before, at.after))
+            verdict, word = at.after.band.verdict, say.level(at.after.band)
+            return {
+                "sign": verdict,
+                "text": say("customer.alone_share", before=before, after=after, band=word, **values),
+            }
+        held = LINE if rule.circuit is None else rule.circuit.id
+        before, after = (say.value(total.pressures[held] * KPA, "pressure", 0) for total in (at.before, at.after))
+        words = say("customer.alone_pressure", circuit=self._pressure(held), before=before, after=after, **values)
+        return {"sign": rule.verdict, "text": words}
 
     def _drawing(self) -> Block | None:
         if not self.valves:
@@ -401,7 +436,12 @@ class CustomerPage:
     def _do(self) -> Iterator[str]:
         say, planned = self.say, self._planned
         if self.verdict is Verdict.OK:
-            yield say("customer.do_nothing_seen" if self._only_checked else "customer.do_nothing")
+            if self._only_checked:
+                yield say("customer.do_measure_sheet" if self._complaint else "customer.do_nothing_seen")
+            elif self._not_the_cause:
+                yield say("customer.do_elsewhere")
+            else:
+                yield say("customer.do_nothing")
             return
         if self.verdict is Verdict.NOT_MEASURED or self._not_judged == "doubtful":
             yield say("customer.do_measure")
@@ -425,11 +465,23 @@ class CustomerPage:
             yield say("customer.do_look")
             return
         yield say("customer.do_repair", valves=self._named(due))
+        complaint = self.diagnosis.complaint
+        if complaint is not None and self.diagnosis.judged and not explanations(self.diagnosis, complaint):
+            yield say("customer.do_elsewhere")
         yield from self._brings(due, alone=len(due) == 1 or len(planned) == 1)
 
     def _brings(self, due: Sequence[str], *, alone: bool) -> Iterator[str]:
         """Say what the best repair brings by itself, and what all of them bring."""
         say, plan, worst = self.say, self.names.plan, self.diagnosis.worst
+        words = self.names.estimate
+        ends, reached = plan.ends, plan.reached
+        if words is not None:  # the work that is agreed to with this page
+            ends, reached = words.estimate.ends, not words.estimate.past
+        of = "estimate" if words is not None else "plan"
+        yield say(f"customer.do_{'green' if reached else 'past'}_{of}")
+        end = next((each for each in ends if each.condition == worst.condition), None)
+        if end is not None and plan.steps:
+            yield self._all(end, self.names.condition(worst.condition))
         first = max(
             (each for each in self.valves if each.component in due),
             key=lambda each: brought.saving if (brought := each.brings(worst)) else 0.0,
@@ -444,14 +496,10 @@ class CustomerPage:
                 valve=self._valve(first.component),
                 condition=condition,
                 before=say.percent(brings.before.share, digits),
-                band_before=say.level(brings.before.band),
+                band_before=self._worst,
                 after=say.percent(brings.after.share, digits),
                 band_after=say.level(brings.after.band),
             )
-        end = next((each for each in plan.ends if each.condition == worst.condition), None)
-        if end is not None and plan.steps:
-            yield self._all(end, condition)
-        yield say("customer.do_green" if plan.reached else "customer.do_past")
 
     def _all(self, end: Total, condition: str) -> str:
         say = self.say
@@ -473,7 +521,8 @@ class CustomerPage:
             PrintedColumn(say("printed.amount"), words.amount, words.estimate.currency, side="r"),
             PrintedColumn(say("printed.agreed"), words.agreed, width=4),
         ]
-        lines = words.estimate.lines
+        lines = sorted(filter(_shown, words.estimate.lines), key=lambda line: line.part is None and line.work is None)
+        unpriced = [line for line in words.estimate.lines if not _shown(line)]
         tables = [table(columns, lines[: each.lines]) for each in LENGTHS]
         more = [max(len(lines) - each.lines, 0) for each in LENGTHS]
         due = words.estimate.total
@@ -482,7 +531,11 @@ class CustomerPage:
             sums = say("customer.sum", **values)
         elif due.gross is not None:
             sums = say("customer.sum_with_tax", tax=words.money(due.tax), **values)
-        notes = [] if due.complete else [say("customer.at_least" if sums else "customer.no_price")]
+        named = self._named([*dict.fromkeys(line.decision.component for line in unpriced)])
+        notes = [say("customer.unpriced", valves=named)] if unpriced else []
+        notes += [say("customer.at_least")] if sums and not due.complete else []
+        needless = self._named([*dict.fromkeys(each.component for each in needless_work(self.job, self.diagnosis))])
+        notes[:0] = [say("customer.needless", valves=needless)] if needless else []
         return {
             "title": say("customer.cost"),
             "tables": tables,
@@ -504,3 +557,9 @@ class CustomerPage:
             "room": 9,
             "people": [[say(f"texts.sign_{role}"), shortened(name, 40)] for role, name in people],
         }
+
+
+def _shown(line: Line) -> bool:
+    """Tell whether a line of the estimate can be agreed to, or was: it has a price, or was decided."""
+    priced = line.part is not None or line.work is not None
+    return priced or line.decision.decision not in (None, "proposed")

@@ -20,7 +20,7 @@ from atleak.views.condition_matrix import LandAtCondition, MatrixRow
 from atleak.views.land_names import component_words, land_number
 from atleak.views.road_instants import instant_record
 from atleak.views.rule_words import rule_name
-from atleak.views.sentences import rule_value
+from atleak.views.sentences import rule_value, wear_words
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
@@ -101,7 +101,7 @@ class PrintedNames:
 
     def wear(self, land: LandDiagnosis) -> str:
         """Return the wear [%]."""
-        return self.say.number(None if land.wear is None else land.wear * PERCENT, 0)
+        return wear_words(land, self.say, unit=False)
 
     def share(self, land: LandDiagnosis) -> str:
         """Return the share of the pump's flow at the stated condition [%]."""

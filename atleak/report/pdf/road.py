@@ -112,8 +112,6 @@ class RoadTestSection:
 
     def _leakage(self, road: RoadLeakage, series: RoadSeries, charts: dict[str, str]) -> Iterator[Block]:
         say, names = self.say, self.names
-        if not self.diagnosis.judged:
-            yield text(say("findings.unmeasured"))
         shares = joined(
             f"{self.names.section(name)} {say.percent(share, 0)}"
             for name, share in road.section_shares.items()

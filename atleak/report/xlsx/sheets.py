@@ -28,9 +28,9 @@ from atleak.report.xlsx.summary_page import SummaryPage
 from atleak.sentence import Name, Sentence
 from atleak.verdicts import BANDS, VERDICTS, Verdict
 from atleak.views.caveats import caveat_marks, caveats
+from atleak.views.complaint import finding, measure_first, reason
 from atleak.views.condition_matrix import condition_matrix
 from atleak.views.first_sentence import first_sentence
-from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import spools_taken
 from atleak.views.repair_options import option_rows
 from atleak.views.repair_words import no_help, plan_ends
@@ -143,7 +143,7 @@ class Sheets:
         return 1 + len(self.live.conditions), steps, len(_OF_AN_OPTION) + 1
 
     def _complaint(self) -> list[tuple[str, Any]]:
-        """Return the customer's complaint, where it shows and which lands to measure first."""
+        """Return the customer's complaint, where it shows, what explains it, and which lands to measure first."""
         diagnosis = self.diagnosis
         if diagnosis.complaint is None:
             return []
@@ -153,7 +153,7 @@ class Sheets:
         return [
             (Sentence("complaint"), say.name(diagnosis.complaint.label)),
             (Sentence("shows at"), "; ".join(say.condition(each.condition) for each in diagnosis.complained)),
-            (Sentence("lands behind it, as issued"), head(ranked, say)),
+            (Sentence("what explains it, as issued"), finding(diagnosis, say)),
             *((f"{number}.", land) for number, land in enumerate(lands, start=1)),
         ]
 

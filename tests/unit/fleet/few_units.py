@@ -28,6 +28,7 @@ class Measured:
     status: str = "measured"
     seal: str | None = None
     fitted_repair: str | None = None
+    clearances: tuple[float | None, ...] = (None, None, None)  # [µm] of the narrowest new pair, as measured, the widest
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,9 @@ class Unit:
                 "fitted_repair": each.fitted_repair,
                 "wear_percent": each.wear,
                 "verdict": each.verdict,
+                "mounting_clearance_low_um": each.clearances[0],
+                "radial_clearance_um": each.clearances[1],
+                "mounting_clearance_um": each.clearances[2],
             }
             for (component, land), each in self.lands.items()
         ]

@@ -55,6 +55,19 @@ def test_a_unit_counts_once_in_a_class_of_mileage(tmp_path: Path) -> None:
     assert [(part.wear_percent.units, part.wear_percent.mean) for part in land.classes] == [(1, 30.0)]
 
 
+def test_a_clearance_that_new_pairs_have_counts_as_no_wear(tmp_path: Path) -> None:
+    own = {"mileage_km": 61e3}
+    units = [
+        Unit("within", {("8", 1): Measured(-56.0, clearances=(6.4, 9.0, 20.0))}, own=own),
+        Unit("tighter", {("8", 1): Measured(-75.0, clearances=(6.4, 5.0, 20.0))}, own=own),
+        Unit("one number", {("8", 1): Measured(-10.0, clearances=(20.0, 18.0, 20.0))}, own=own),
+        Unit("not stated", {("8", 1): Measured(30.0)}, own=own),
+    ]
+    (land,) = summed_up(results_of(tmp_path, units)).bodies[0].wear
+    assert land.latest_percent is not None
+    assert land.latest_percent.mean == pytest.approx((0.0 - 75.0 - 10.0 + 30.0) / 4.0, abs=_NEAR)
+
+
 def test_visits_without_a_date_follow_their_mileage(tmp_path: Path) -> None:
     visits = [
         Unit(f"at {km}", {("8", 1): Measured(km / 1e3)}, own={"serial": "7", "mileage_km": km})

@@ -276,6 +276,7 @@ def test_a_circuit_far_below_the_line_names_the_lands_that_leak_from_it(unit, ju
     leaking = (("manual_valve", 3), ("forward_engagement", 1), ("forward_accumulator", 1))
     lands = ", ".join(land_words(shipped, key, say) for key in leaking)
     assert pattern_text(pattern, shipped, say).endswith(f": {lands}.")
+    assert say.name("forward clutch") in pattern_text(pattern, shipped, say)
     own = with_circuit(unit)
     (told,) = judged(own, at("D", SLOW, 500.0), at("D", SLOW, 390.0, "clutch_c1")).pressures.patterns
     first = say("patterns.lands_first", lands="")[:20]

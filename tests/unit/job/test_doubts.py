@@ -7,6 +7,7 @@ import pytest
 from atleak.diagnosis import Diagnosis
 from atleak.job.doubts import record_doubts
 from atleak.job.record import Job
+from atleak.views.pressures import behind_limits
 from atleak.wording import languages, wording
 
 
@@ -49,3 +50,28 @@ def test_parts_that_the_valve_body_does_not_have_are_told_with_the_nearest(worn:
     assert [text.split("]")[0].split("[")[1] for text in said] == ["repair_decisions 1", "scratches 2", "photos 1"]
     assert "did you mean '25'?" in said[1]
     assert "did you mean '26'?" in said[2]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_work_that_no_limit_asks_for_is_doubted_until_it_is_done_or_declined(worn: Diagnosis, language: str) -> None:
+    sound = next(land.key for land in worn.lands if land.key not in behind_limits(worn))
+    due = worn.flagged[0].key
+
+    def doubts(decision: str, *keys: tuple[str, int]) -> list[str]:
+        decisions = [{"component": key[0], "land": key[1], "work": "ream", "decision": decision} for key in keys]
+        found = record_doubts(Job(repair_decisions=decisions), worn)
+        assert {each.code for each in found} <= {"work_without_need"}
+        return [wording(language).sentence(each.text) for each in found]
+
+    for decision in ("proposed", "approved"):
+        (said,) = doubts(decision, sound, due)
+        assert f"{sound[0]}/{sound[1]}" in said
+        assert wording(language).name(worn.controller.components[sound[0]]) in said
+    assert not [*doubts("done", sound), *doubts("declined", sound), *doubts("deferred", sound)]
+
+
+def test_work_on_a_land_behind_a_lost_pressure_is_not_doubted(worn_clutch: Diagnosis) -> None:
+    keys = behind_limits(worn_clutch)
+    assert keys >= {land.key for land in worn_clutch.flagged}
+    decisions = [{"component": key[0], "land": key[1], "decision": "approved"} for key in sorted(keys)]
+    assert not record_doubts(Job(repair_decisions=decisions), worn_clutch)

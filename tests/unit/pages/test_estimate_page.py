@@ -59,3 +59,12 @@ def test_the_paper_is_that_of_the_readers_units(app: AppTest) -> None:
     app.run()
     (paper,) = fields(app, "Paper")
     assert paper.value == "letter"
+
+
+@pytest.mark.page("1_Job")
+def test_work_that_no_limit_asks_for_is_doubted_on_both_pages(app: AppTest) -> None:
+    record = b'[[repair_decisions]]\ncomponent = "15"\nland = 1\nprice = 34.0\ndecision = "approved"\n'
+    uploader(app).upload("job.toml", record, "application/toml").run()
+    for page in ("1_Job", "13_Estimate"):
+        go(app, page)
+        assert any("work is decided here that no limit asks for" in widget.value for widget in app.warning), page

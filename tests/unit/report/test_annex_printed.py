@@ -25,6 +25,7 @@ from atleak.report.pdf.front import Front
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.uncertainty.budget import MOST_BUDGETS
 from atleak.views.diagnosis_record import diagnosis_record
+from atleak.views.pressures import pressures_at
 from atleak.wording import languages, wording
 from atleak.workshop_units import UM
 
@@ -234,3 +235,23 @@ def test_what_was_decided_names_its_valve_in_the_reader_s_language(worn: Diagnos
     (table,) = of_kind(section["blocks"], "table")
     valve = names.say.name(worn.controller.components["25"])
     assert [row[0] for row in table["rows"]] == [f"25 {valve}, {names.say('printed.land')}\u00a01", "unknown"]
+
+
+def test_a_loss_that_may_be_far_more_but_hardly_less_has_its_interval_instead_of_u(worn_clutch: Diagnosis) -> None:
+    (unit, *_) = of_kind(Annex(names_of(worn_clutch)).decisions(), "table")
+    decided = [decision for rule in worn_clutch.unit_rules if (decision := worn_clutch.decided(rule)) is not None]
+    shown = [row[unit["names"].index(wording("en")("annex.u_or_interval"))] for row in unit["rows"]]
+    assert len(shown) == len(decided)
+    skewed = [each for each in decided if each.skewed]
+    assert skewed
+    for each, said in zip(decided, shown, strict=True):
+        assert ("–" in said and said != "–") == each.skewed
+
+
+def test_main_pressure_has_the_interval_by_which_it_is_judged(worn: Diagnosis) -> None:
+    """What is required is required: where it is held, neither the interval nor u is more than nothing."""
+    for point in worn.projections:
+        at = pressures_at(worn, point)
+        assert not at.projection.pressure_falls
+        assert at.line.interval == pytest.approx((point.condition.main_pressure,) * 2, rel=1e-9, abs=0.0)
+        assert at.line.decided.standard_uncertainty == pytest.approx(0.0, abs=1e-12)

@@ -94,6 +94,14 @@ def test_one_page_says_what_was_wrong_done_and_brought(printed, repaired: Compar
     assert b"<pdfuaid:part>1<" in content
 
 
+def test_valves_have_their_names_in_the_reader_s_language(worn) -> None:
+    text = text_of(write_comparison_pdf(compare(worn, worn), BEFORE, Job(), language="de"))
+    named = {land.key[0] for land in worn.flagged[:3]}
+    for name in (worn.controller.components[component] for component in named):
+        assert wording("de").name(name) in text.replace("- ", "-").replace("\ufffe", "-")
+        assert name not in text
+
+
 def test_nothing_noted_as_done_is_said_instead_of_left_out(repaired: Comparison) -> None:
     content = write_comparison_pdf(repaired, BEFORE, Job())
     assert content == write_comparison_pdf(repaired, BEFORE, Job())  # the same jobs give the same bytes

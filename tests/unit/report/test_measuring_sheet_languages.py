@@ -137,3 +137,19 @@ def test_headings_say_the_reader_s_units(unit):
     headings = [cell.value for cell in sheets["Messungen"][7]]
     assert {"Durchmesser [in]", "Einbauspiel [0.0001 in]"} <= set(headings)
     assert "Leerlauf [psi]" in [cell.value for cell in sheets["Drücke"][6]]
+
+
+def test_a_german_sheet_with_the_words_of_before_is_read_as_the_same(unit):
+    """Its tab was "Bunde", its contact length "Überdeckungslänge"; a heading of one's own may have either plural."""
+    book = openpyxl.load_workbook(io.BytesIO(written(unit, "de", "metric")))
+    lands = book["Bünde"]
+    lands.title = "Bunde"
+    for cell in (cell for row in lands.iter_rows() for cell in row if isinstance(cell.value, str)):
+        if cell.value == "Bund":
+            cell.value = "Bunde"
+        cell.value = cell.value.replace("Bünde", "Bunde").replace("Dichtlänge", "Überdeckungs-\nlänge")
+    target = io.BytesIO()
+    book.save(target)
+    back = read_readings(target.getvalue(), unit)
+    assert values_of(back) == values_of(read_readings(written(unit, "en", "metric"), unit))
+    assert "contact_length_measured" in [message.code for message in back.messages]

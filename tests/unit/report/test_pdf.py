@@ -33,7 +33,7 @@ from atleak.uncertainty import Assumptions
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.first_sentence import lands_part
 from atleak.wear_line import Crossing
-from atleak.wording import languages, wording
+from atleak.wording import languages, own_texts, wording
 
 # the first of the hostile texts at once, the others in the longer round
 FIRST_AND_THE_REST = pytest.mark.parametrize(
@@ -150,9 +150,12 @@ def test_what_to_measure_for_a_complaint_stands_where_the_annex_begins(worn, lan
     )
     say = wording(language)
     name = say.condition(worn.hot_idle.condition)
-    assert say("complaint.shows", label=complaint.label, conditions=name).replace("\u00a0", " ") in first
-    assert say("complaint.first") in first
-    assert first.index(say("conditions.hot_idle")) < first.index(say("conditions.driving_second"))
+    shows = say("complaint.shows", label=say.name(complaint.label), conditions=name)
+    assert shows.replace("\u00a0", " ") in first
+    assert say("complaint.first") in first  # one land of this unit was not measured
+    assert say("complaint.no_effect") in first
+    driving = say.condition(worn.projection.condition)
+    assert first.index(name.replace("\u00a0", " ")) < first.index(driving.replace("\u00a0", " "))
 
 
 def test_a_mileage_stands_beside_a_repair_only_where_one_visit_tells_it(worn):
@@ -302,7 +305,7 @@ def test_languages_have_the_same_keys_and_places():
         }
 
     for language in languages():
-        assert places(wording(language).texts) == places(english)
+        assert places(own_texts(language)) == places(english)
 
 
 def test_hostile_text_stays_text(worn, hostile):

@@ -92,6 +92,15 @@ def test_shares_of_a_pump_that_may_deliver_nothing_are_drawn_to_the_edge(low: fl
     assert "4.00" in said
 
 
+def test_bars_of_shares_are_sorted_by_what_they_show_and_end_in_their_intervals(worn: Diagnosis) -> None:
+    drawn = [land.share for land in worn.drawing_most]
+    assert drawn == sorted(drawn, reverse=True)
+    assert min(drawn) > 0.0
+    assert {land.key for land in worn.drawing_most} == {land.key for land in worn.lands if land.share > 0.0}
+    said = words(shares_chart([Bar("25/1", 3.21, Verdict.REPLACE, 2.52, 7.2)], "share [%]", wording("en")))
+    assert "3.21 (2.52–7.20)" in said
+
+
 @pytest.mark.parametrize("share", [True, False])
 def test_leakage_pump_and_share_are_each_drawn_over_an_axis_of_their_own(worn: Diagnosis, share: bool) -> None:
     series, say = road_series(worn.road, 200), wording("de")

@@ -41,7 +41,7 @@ def test_no_cell_stays_in_english(worn_clutch, language):
 
 def test_sheets_verdicts_and_conditions_have_the_words_of_the_report(worn_clutch, german):
     say, book = wording("de"), openpyxl.load_workbook(io.BytesIO(german), data_only=True)
-    assert book.sheetnames[:3] == ["Übersicht", "Bunde", "Bund je Zustand"]
+    assert book.sheetnames[:3] == ["Übersicht", "Bünde", "Bund je Zustand"]
     summary = book["Übersicht"]
     assert summary["B2"].value == say.signed(worn_clutch.verdict)
     assert summary["B4"].value.startswith(f"{say.signed(worn_clutch.verdict)}: ")

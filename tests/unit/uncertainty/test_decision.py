@@ -60,6 +60,16 @@ def test_a_skewed_distribution_does_not_pass_on_its_standard_uncertainty_alone()
     assert decide(33.0, 30.0, 1.0, probability_over=0.9) == "conditional_fail"
 
 
+@pytest.mark.parametrize(
+    ("interval", "skewed"),
+    [((60.0, 140.0), False), ((90.0, 130.0), True), ((50.0, 110.0), True), ((100.0, 100.0), False), (None, False)],
+)
+def test_a_distribution_is_skewed_where_one_end_is_much_farther_than_the_other(interval, skewed: bool) -> None:
+    steps = Steps((("watch", 55.0),), LimitOrigin.PROJECT, "test")
+    rule = Rule(RuleKind.CLEARANCE, None, 100.0, steps)
+    assert decide_rule(rule, (10.0,), (1.0,), 1.0, skewed=True, interval=interval).skewed == skewed
+
+
 def test_without_a_finite_uncertainty_only_the_draws_decide() -> None:
     infinite = float("inf")
     assert decide(infinite, 0.1, infinite, probability_over=1.0) == "fail"

@@ -15,6 +15,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.readings import Readings
 from atleak.report.pdf import write_pdf
 from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
@@ -23,11 +24,14 @@ from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.views.road_instants import instant_rows, road_instants
 
 LogOf = Callable[..., RoadTest]
+Build = Callable[..., Readings]
 
 
 @pytest.fixture(scope="module")
-def with_start(four_speed: Controller, hipol: Fluid, limits: Limits, log_of: LogOf) -> Diagnosis:
-    """A log in which the engine is started, and whose last sample is hotter than the fluid's data."""
+def with_start(four_speed: Controller, hipol: Fluid, limits: Limits, log_of: LogOf, readings_of: Build) -> Diagnosis:
+    """One land measured, and a log in which the engine is started, its last sample hotter than the fluid's data."""
+    land = four_speed.land("25", 1)
+    readings = readings_of(four_speed, {land.key: (land.nominal_diameter, land.nominal_sleeve_diameter)})
     time = np.round(np.arange(0.0, 12.0, 0.1), 9)
     log = log_of(
         time,
@@ -37,7 +41,7 @@ def with_start(four_speed: Controller, hipol: Fluid, limits: Limits, log_of: Log
         gear=2.0,
         engine_speed=np.where(time < 2.0, 0.0, 800.0 / 60.0),
     )
-    return diagnose(four_speed, hipol, limits, road_test=log)
+    return diagnose(four_speed, hipol, limits, readings=readings, road_test=log)
 
 
 def test_the_sustained_extremes_come_first(worn: Diagnosis) -> None:

@@ -18,6 +18,7 @@ from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.events import AccelerationTest, Event
 from atleak.intake.road_test import read_road_test
+from atleak.job.record import Job
 from atleak.report.pdf import write_pdf
 from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
@@ -86,9 +87,11 @@ def test_a_sentence_after_a_full_stop_begins_with_a_capital_letter(alone: Alone)
     assert permitted_sentence(log, ENGLISH).endswith("is not known. It is stated that no column of this log holds it")
 
 
-def test_the_leakage_of_a_new_unit_begins_its_own_sentence(alone: Alone, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_leakage_of_a_new_unit_is_no_finding_of_a_road_test(
+    alone: Alone, capsys: pytest.CaptureFixture[str]
+) -> None:
     print_diagnosis(alone())
-    assert "with every pair new. Largest leakage, sustained" in " ".join(capsys.readouterr().out.split())
+    assert "largest leakage" not in capsys.readouterr().out.lower()
 
 
 def test_a_fluid_that_grew_warm_is_told_from_and_to(alone: Alone) -> None:
@@ -140,7 +143,21 @@ def test_the_printed_report_of_a_road_test_alone(alone: Alone, language: str) ->
     assert squeezed(say("bands.green")) not in text.replace(squeezed(say("texts.source_study")), "")
     for section in ("flagged", "matrix", "repair_order", "all"):
         assert squeezed(say(f"sections.{section}")) not in text
-    assert squeezed(say("findings.unmeasured")) in text
+    for leakage in ("findings.unmeasured", "instants.max_leakage_sustained", "facts.sections"):
+        assert squeezed(say(leakage)) not in text
+
+
+@pytest.mark.parametrize("complaint", ["", "Slips when hot"])
+@pytest.mark.parametrize("language", languages())
+def test_the_first_page_of_a_sound_road_test_calls_for_nothing_and_gives_no_all_clear(
+    alone: Alone, language: str, complaint: str
+) -> None:
+    with pypdfium2.PdfDocument(write_pdf(alone(), Job(complaint=complaint), language=language)) as document:
+        first = squeezed(document[0].get_textpage().get_text_range())
+    say = wording(language)
+    assert squeezed(say("customer.urgent_ok_unmeasured")) in first
+    assert squeezed(say("customer.urgent_ok")) not in first
+    assert (squeezed(say("customer.do_measure_sheet")) in first) == bool(complaint)
 
 
 def test_a_printed_report_without_main_pressure_says_what_to_gauge(alone: Alone) -> None:

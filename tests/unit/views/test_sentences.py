@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
@@ -18,9 +19,9 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
-from atleak.views.sentences import readings_in_doubt, replace_at
+from atleak.views.sentences import readings_in_doubt, replace_at, wear_words
 from atleak.wear_line import Crossing
-from atleak.wording import wording
+from atleak.wording import languages, wording
 
 INFINITE = float("inf")
 NOW = 106_315.0  # [km]
@@ -106,3 +107,23 @@ def test_a_verdict_on_pairs_tighter_than_new_says_so_at_once(
     head = " ".join(capsys.readouterr().out.split())
     assert head.index("unit: ▲ watch") < head.index(said) < head.index("driving in second")
     assert readings_in_doubt(sample, wording("en")) is None
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_clearance_that_new_pairs_have_is_no_negative_wear(hipol, limits, readings_of, language: str) -> None:
+    for name in ("five_speed_2005", "gm_4l60e", "jatco_jf506e"):  # known new as a range
+        unit, say = load_controller(name), wording(language)
+        within, tight, wide = unit.lands[:3]
+        low, high = within.mounting_range
+        assert low < high
+        clearances = {within.key: 0.5 * (low + high), tight.key: 0.5 * low, wide.key: 1.3 * high}
+        sizes = {
+            land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * clearances[land.key])
+            for land in (within, tight, wide)
+        }
+        found = diagnose(unit, hipol, limits, readings=readings_of(unit, sizes))
+        lands = {land.key: land for land in found.lands}
+        assert wear_words(lands[within.key], say) == say("texts.within_new")
+        assert wear_words(lands[tight.key], say) == say.percent(lands[tight.key].wear, 0)
+        assert wear_words(lands[wide.key], say, unit=False) == "30"
+        assert wear_words(lands[unit.lands[4].key], say) == "–"
