@@ -143,7 +143,7 @@ def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -
     stated = stated_condition(sample.controller, temperature=120.0)
     diagnosis = diagnose(sample.controller, sample.fluid, sample.limits, readings=sample.readings, condition=stated)
     points = next(one for one in figures.total_share(diagnosis).data if one.error_x.array is not None)
-    assert len(points.x) == len(diagnosis.reported) == 3
+    assert len(points.x) == len(diagnosis.reported) >= 2
     for projection, x, low, high in zip(
         diagnosis.reported, points.x, points.error_x.arrayminus, points.error_x.array, strict=True
     ):

@@ -127,7 +127,7 @@ def test_what_stays_past_a_limit_without_a_line_is_what_the_engine_computes(worn
         states = tuple(others.get(land.key, land.state) for land in worn.lands)
         model = LeakageModel(worn.controller, states, worn.fluid, worn.profile)
         past = [
-            replace(rule, value=project(model, at.condition).share)
+            replace(rule, value=project(model, at.condition).share, reached=None if others else rule.reached)
             for rule, at in zip(worn.total_rules, worn.projections, strict=True)
         ]
         by_engine = [(rule.condition, rule.level) for rule in past if rule.verdict.flagged]

@@ -50,7 +50,7 @@ def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed
     conditions = frame_with(five_speed, "Reserve")
     controller = load_controller("five_speed_2005")
     assert set(conditions["Operating point"]) == {point.label for point in controller.operating_points}
-    assert {text.strip() for text in conditions["Verdict"]} == {"■ replace", "▲ watch", "● ok"}
+    assert {text.strip() for text in conditions["Verdict"]} == {"■ replace", "● ok"}
     shown = frame_with(five_speed, "Lands that cost it")
     clutch = shown[shown["Circuit"] == "forward clutch"].iloc[0]
     assert clutch["Verdict"].strip() == "■ replace"
