@@ -113,7 +113,8 @@ def fit(
         return Fit(None, problem=problem, foreign=True)
     if stated_unit is not None:
         result = Fit(stated_unit, absolute=absolute)
-        misfit = _misfit(quantity, result.to_si(good), stated_unit)
+        si = result.to_si(good)
+        misfit = _misfit(quantity, si[np.isfinite(si)], stated_unit)
         return Fit(None, problem=misfit) if misfit else result
     return _guess(quantity, good, tuple(neighbours))
 

@@ -168,6 +168,7 @@ def stamps_of(data: list[list[str]], heading: str) -> dict[tuple[str, int], floa
 @given(st.sampled_from(list(CLOCK_FORMS)), st.sampled_from([0, 1, 2, 38, 39, ROWS - 3, ROWS - 2, ROWS - 1]),
        st.integers(0, 2), st.sampled_from(DAMAGE))  # fmt: skip
 @example("seconds", ROWS - 1, 0, "1e17")
+@example("seconds", 2, 2, "2e306")
 @example("seconds", 1, 0, "-1")
 @example("milliseconds", 2, 0, "0")
 @example("days", 0, 0, "2e306")
