@@ -50,6 +50,11 @@ class Rule:
         return self._judged[0]
 
     @property
+    def probable(self) -> bool:
+        """Tell whether the level is that of what is likely, and the value alone has reached another one."""
+        return replace(self, reached=None).level != self.level
+
+    @property
     def verdict(self) -> Verdict:
         """Return the verdict that the level counts as."""
         return self.level.verdict if isinstance(self.level, Band) else self.level

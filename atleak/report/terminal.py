@@ -314,6 +314,9 @@ def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterato
     share = f"{projection.share * PERCENT:.1f} % of the pump's flow" + (" demanded" if projection.share > 1.0 else "")
     share = share if projection.pump_capacity > 0.0 else "at this condition the pump delivers nothing"
     band = diagnosis.band(projection) or "as new, not measured"
+    decided = diagnosis.decided(rule)
+    if rule.probable and rule.verdict.flagged and decided is not None:
+        band = f"{band} with a probability of {decided.probability_over_limit:.0%}"
     yield f"{number}. {projection.condition.label}: {share}, {band}{worst}{new}"
     flows = f"{projection.leakage * DM3_MIN:.2f} of {projection.pump_capacity * DM3_MIN:.2f} dm³/min"
     yield f"   {flows}; {positions(diagnosis, projection)}; covered from {projection.minimum_speed * RPM:.0f} rpm"

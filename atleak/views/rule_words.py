@@ -29,7 +29,8 @@ def rule_reached(rule: Rule, say: Wording) -> str:
     """Return a rule with its value, the limit and where that was: ``wear 60.1 % (limit 30 %)``."""
     value = rule_value(rule, rule.value, say) if math.isfinite(rule.value) else say.number(rule.value, 0)
     limit = rule_value(rule, rule.limit, say)
-    reached = say("rules.reached_short", rule=rule_limited(rule, say), value=value, limit=limit)
+    key = "probable" if rule.probable and rule.verdict.flagged else "reached_short"
+    reached = say(f"rules.{key}", rule=rule_limited(rule, say), value=value, limit=limit)
     return ", ".join(filter(None, (reached, *_where(rule, say))))
 
 

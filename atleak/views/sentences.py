@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
@@ -230,7 +229,7 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str | None:
     if held is None:
         return None
     keys = [key for key, _ in held.costly]
-    if replace(rule, reached=None).level != rule.level:
+    if rule.probable:
         because = may_be(diagnosis, rule, say) or ""
     elif rule.kind is RuleKind.RESERVE:
         keys = [] if rule in diagnosis.pump.lacking else list(drawing_more(diagnosis, at.projection))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isfinite
 
 from xlsxwriter.worksheet import Worksheet
@@ -198,7 +198,7 @@ class RuleCells:
         fine = Verdict.OK if line.land is not None else self.diagnosis.within(rule)
         verdict = fine if rule.verdict == Verdict.OK else rule.verdict
         issued = RANKED.index(rule.verdict) + 1
-        if replace(rule, reached=None).level != rule.level:  # as issued, until the value is another one
+        if rule.probable:  # as issued, until the value is another one
             value, known = cell(row, _VALUE), exact(rule.value * factor) if isfinite(rule.value) else NOTHING_DELIVERED
             rank = f"IF(ABS({value}-{known})<=ABS({known})*{ROUNDED},{issued},{rank})"
         formula(sheet, row, _RANK, rank, issued)
