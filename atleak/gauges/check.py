@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -37,7 +37,7 @@ from atleak.pressure_table import (
     tap_name,
     taps_of,
 )
-from atleak.readings import Readings
+from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule
 from atleak.sentence import Sentence, in_a_row
 from atleak.uncertainty import Assumptions, RuleDecision
@@ -278,13 +278,8 @@ class _Checker:
                 wanted[tap, point] = None
         if not wanted:
             return {}
-        sources, _ = find_sources(
-            self.model.clearances,
-            readings,
-            self.controller,
-            instruments,
-            self.assumptions,  # type: ignore[arg-type]
-        )
+        states = cast("Sequence[LandClearance]", self.model.clearances)
+        sources, _ = find_sources(states, readings, self.controller, instruments, self.assumptions)
         at = {each.point: self.at_hand[each.point] for each in shown}
         return losses(Unit(self.model, sources, self.assumptions, at.values()), shown, wanted)
 

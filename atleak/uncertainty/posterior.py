@@ -235,8 +235,8 @@ class Unit:
                 state, new = own[gap.key].state, drawn.new[gap.key]
                 cubes = (new + wear[_LAND, gap.key]) ** 3 - new**3
             elif gap.key in drawn.measured:
-                land = drawn.measured[gap.key]
-                state, cubes = land.land.state, np.maximum(land.bore.clearance**3 - land.unworn_bore.clearance**3, 0.0)
+                each = drawn.measured[gap.key]
+                state, cubes = each.land.state, np.maximum(each.bore.clearance**3 - each.unworn_bore.clearance**3, 0.0)
             else:
                 continue
             slope = math.pi * state.spool_diameter / (12.0 * viscosity * state.land.contact_length)
