@@ -533,7 +533,14 @@ def diagnose(
         None
         if pressures is None
         else check_pressures(
-            pressures, model, limits, projections=projections, assumptions=assumptions, guard_factor=guard_factor
+            pressures,
+            model,
+            limits,
+            projections=projections,
+            readings=readings,
+            instruments=instruments,
+            assumptions=assumptions,
+            guard_factor=guard_factor,
         )
     )
     lands = tuple(diagnosed_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)

@@ -14,6 +14,7 @@ from atleak.errors import Message, Place
 from atleak.sentence import Name, Sentence
 
 LINE = "line"  # the tap of main pressure
+TOGETHER = 30.0  # [s] by which line and tap may be read apart, and still be judged together: choice of this project
 RANGES: tuple[SelectorRange, ...] = get_args(SelectorRange)
 
 
@@ -65,6 +66,8 @@ class GaugeReading:
     pressure: float  # [Pa]
     repeat: int = 1  # counts the readings of one cell in the order in which they were taken
     round: float | None = None  # the repeat or time as the table states it: one for all taps that were read together
+    time: float | None = None  # [s] where the table states it, after any beginning
+    gauge: str = ""  # the name of the gauge, where the table states it: its readings share its error
     temperature: float | None = None  # [°C] of the fluid, where it is stated
     engine_speed: float | None = None  # [1/s] where it is stated
     place: Place = Place()  # noqa: RUF009  frozen, so safe to share
@@ -86,6 +89,22 @@ class PressureTable:
         """Return the taps at which a gauge was read, the line's first."""
         taps = dict.fromkeys(reading.cell.tap for reading in self.readings)
         return tuple(sorted(taps, key=lambda tap: tap != LINE))
+
+    def line_beside(self, reading: GaugeReading) -> GaugeReading | None:
+        """Return the line's reading in the same range and state that belongs to one of a tap; None without any.
+
+        It is the nearest in time, and none where that is more than `TOGETHER` away; or the one of the same or nearest
+        repeat; or the last, where neither is stated.
+        """
+        lines = self.at(replace(reading.cell, tap=LINE))
+        timed = [each for each in lines if each.time is not None]
+        if reading.time is not None and timed:
+            nearest = min(timed, key=lambda each: abs((each.time or 0.0) - (reading.time or 0.0)))
+            return nearest if abs((nearest.time or 0.0) - reading.time) <= TOGETHER else None
+        counted = [each for each in lines if each.round is not None]
+        if reading.round is not None and counted:
+            return min(counted, key=lambda each: abs((each.round or 0.0) - (reading.round or 0.0)))
+        return lines[-1] if lines else None
 
     def at(self, cell: Cell) -> tuple[GaugeReading, ...]:
         """Return the readings of one cell in the order in which they were taken; none where it was not measured."""

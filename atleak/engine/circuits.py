@@ -29,7 +29,7 @@ from atleak.engine.restrictions import Branch, Gap, Orifice, Restriction, leaks_
 from atleak.equations import fluid as fluid_equations
 from atleak.equations import orifice as orifice_equations
 
-_SHARP = 1e-3  # [Pa] down to which a leak through a hole is turbulent: no pressure drop that matters is smaller
+SHARP = 1e-3  # [Pa] down to which a leak through a hole is turbulent: no pressure drop that matters is smaller
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def network(
             measured = leak.flow, leak.pressure_drop
             restriction: Restriction
             if leak.viscosity is None:
-                restriction = Orifice(orifice_equations.orifice_leak(1.0, *measured, leak.density, density), _SHARP)
+                restriction = Orifice(orifice_equations.orifice_leak(1.0, *measured, leak.density, density), SHARP)
             else:
                 restriction = Gap(orifice_equations.laminar_leak(1.0, *measured, leak.viscosity, viscosity))
             into = None if leak.into_sump else leak.low.section

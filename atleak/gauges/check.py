@@ -1,4 +1,4 @@
-"""Judge gauge readings: main pressure against what is permissible, a circuit against the line, both as expected."""
+"""Judge gauge readings: main pressure against what is permissible, a circuit by what it has lost against new."""
 
 from __future__ import annotations
 
@@ -6,22 +6,30 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any, cast
+
+import numpy as np
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.circuits import Circuit, StandingPressure
 from atleak.catalogue.controller import Controller, OperatingPoint
-from atleak.catalogue.limits import Limits, RuleKind
+from atleak.catalogue.instruments import Instruments, load_instruments
+from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.engine.leakage import LeakageModel
+from atleak.engine.line import LINE as LINE_SECTION
 from atleak.engine.projection import Projection, project
 from atleak.equations.uncertainty import normal_cdf
 from atleak.errors import DomainError, Message, Place
 from atleak.gauges.patterns import Pattern, Standing, Stands, find_patterns
+from atleak.keeping import kept_with
 from atleak.pressure_table import (
     LINE,
+    TOGETHER,
     Cell,
     Engine,
     GaugeReading,
     PressureTable,
+    applied,
     circuit_at,
     gear_in,
     permitted,
@@ -29,15 +37,33 @@ from atleak.pressure_table import (
     tap_name,
     taps_of,
 )
+from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule
 from atleak.sentence import Sentence, in_a_row
 from atleak.uncertainty import Assumptions, RuleDecision
 from atleak.uncertainty.decision import decide_rule
+from atleak.uncertainty.posterior import MOST_RISE, Lost, Shown, Unit, losses
+from atleak.uncertainty.sources import find_sources
 from atleak.unit_systems import Quantity
 from atleak.verdicts import Verdict, worst
 from atleak.workshop_units import KPA
 
 _SHOWN = 8  # cells named in a message
+_STEP = 5.0  # [K] to which a stated temperature is rounded where losses are drawn
+_SURELY = 4.0  # standard uncertainties by which a gauge shows more than there can be: choice of this project
+_MOVED = 3.0  # of two readings, by which the line moved between them: choice of this project
+
+_NOTHING_PERMITTED = Sentence("the valve body's file says nothing that they must reach")
+_VENTED = Sentence("their circuits are not applied there")
+_NO_POINT = Sentence("the valve body's file has no operating point of that gear and state for which to compute them")
+_APART = Sentence(
+    "the line was read more than {seconds:g} s before or after them, and may have moved", seconds=TOGETHER
+)
+_NO_LINE = Sentence("the line's gauge shows no pressure there: did the engine run, and was the gauge open?")
+_TOO_HIGH = Sentence(
+    "they, or the line with them, are higher than the valve body's file says they can be: check gauge, unit and tap, "
+    "and whether that file describes this unit"
+)
 
 
 @dataclass(frozen=True)
@@ -52,7 +78,9 @@ class CheckedReading:
         float | None
     )  # [Pa] that pump or circuit hold there by the engine; None where no operating point is like it
     line: float | None  # [Pa] that the circuit should reach, from the line's gauge beside it; None where it need not
-    decisions: tuple[RuleDecision, ...]  # of every rule that judges it
+    decisions: tuple[RuleDecision, ...] = ()  # of every rule that judges it
+    lost: Lost | None = None  # by its circuit against new, given every reading; None where that is not judged
+    unjudged: Sentence | None = None  # why no rule judges it
 
     @property
     def cell(self) -> Cell:
@@ -86,6 +114,21 @@ class CheckedReading:
     def below_line(self) -> float | None:
         """Return how far a circuit is below the pressure that it should reach [Pa]; None where it need not."""
         return None if self.line is None else self.line - self.reading.pressure
+
+    @property
+    def loss(self) -> float | None:
+        """Return what its circuit has lost against new [Pa], as likely more as less; None where that is not judged."""
+        return None if self.lost is None else max(self.lost.quantile(0.5), 0.0)
+
+    @property
+    def loss_interval(self) -> tuple[float, float] | None:
+        """Return between which losses [Pa] it lies in 95 of 100 cases."""
+        return None if self.lost is None else (self.lost.quantile(0.025), self.lost.quantile(0.975))
+
+    @property
+    def over_limit(self) -> float | None:
+        """Return the probability that the loss has reached the limit it is judged by; None where it is not judged."""
+        return self.deciding.probability_over_limit if self.lost is not None and self.deciding else None
 
     @property
     def verdict(self) -> Verdict | None:
@@ -134,6 +177,8 @@ def check_pressures(
     limits: Limits,
     *,
     projections: Sequence[Projection] = (),
+    readings: Readings | None = None,
+    instruments: Instruments | None = None,
     assumptions: Assumptions,
     guard_factor: float,
 ) -> PressureCheck:
@@ -149,12 +194,14 @@ def check_pressures(
         whose limits below the permissible pressure, and of circuits, are applied.
     projections
         those at hand; at other conditions the model is asked.
+    readings, instruments
+        the measuring sheet of the model's clearances and with what it was taken; without it no land was measured.
     assumptions
-        with the gauge's relative standard uncertainty, ``main_pressure``.
+        with the gauge's relative standard uncertainty, ``main_pressure``, and what a unit may be like.
     guard_factor
         k of the guard band of every limit.
     """
-    checker = _Checker(table, model, limits, projections, assumptions.main_pressure, guard_factor)
+    checker = _Checker(table, model, limits, projections, assumptions, guard_factor)
     taps, order = taps_of(model.controller), ranges_of(model.controller)
     taken = sorted(
         table.readings,
@@ -165,9 +212,16 @@ def check_pressures(
             each.repeat,
         ),
     )
-    readings = tuple(checker.check(each) for each in taken)
-    patterns = find_patterns([checker.standing(each) for each in readings], checker.applied)
-    return PressureCheck(table, readings, patterns, (*table.messages, *checker.messages(readings)))
+    checked = [checker.checked(each) for each in taken]
+    if limits.circuit_loss is not None:
+        rests_on = model, readings, instruments, assumptions
+        kept: dict[str, Any] = kept_with(table, "losses", "", dict)
+        if "last" not in kept or kept["last"][0] != rests_on:
+            kept["last"] = rests_on, checker.losses(readings, instruments or load_instruments())
+        checked = [checker.with_loss(each, kept["last"][1]) for each in checked]
+    judged = tuple(each if each.decisions else checker.unjudged(each) for each in checked)
+    patterns = find_patterns([checker.standing(each) for each in judged], checker.applied)
+    return PressureCheck(table, judged, patterns, (*table.messages, *checker.messages(judged)))
 
 
 class _Checker:
@@ -179,40 +233,131 @@ class _Checker:
         model: LeakageModel,
         limits: Limits,
         projections: Sequence[Projection],
-        uncertainty: float,
+        assumptions: Assumptions,
         guard_factor: float,
     ) -> None:
         self.table, self.model, self.limits = table, model, limits
         self.controller: Controller = model.controller
-        self.uncertainty, self.guard_factor = uncertainty, guard_factor
+        self.assumptions, self.guard_factor = assumptions, guard_factor
+        self.uncertainty = assumptions.main_pressure
         self.at_hand = {projection.condition: projection for projection in projections}
         self.outside: list[DomainError] = []
 
-    def check(self, reading: GaugeReading) -> CheckedReading:
-        """Judge one reading."""
-        cell = reading.cell
-        permissible, line = permitted(self.controller, cell), self._line(reading)
-        checked = CheckedReading(
-            reading=reading,
-            tap_name=tap_name(self.controller, cell.tap),
-            gear=gear_in(cell.range, self.controller.gears),
-            permissible=permissible,
-            expected=self._expected(reading),
-            line=line,
-            decisions=(),
-        )
+    def checked(self, reading: GaugeReading) -> CheckedReading:
+        """Return one reading beside what is permissible and expected, main pressure judged."""
+        cell, permissible = reading.cell, permitted(self.controller, reading.cell)
         rules = []
         if permissible is not None and permissible.low is not None and self.limits.below_permissible is not None:
             below, u = 1.0 - reading.pressure / permissible.low, self.uncertainty * reading.pressure / permissible.low
             kind, steps = RuleKind.PERMISSIBLE_PRESSURE, self.limits.below_permissible
             rules.append((Rule(kind, None, below, steps, where=_where(cell)), u))
-        if line is not None and self.limits.circuit_loss is not None:
-            u = self.uncertainty * math.hypot(line, reading.pressure)
-            circuit = circuit_at(self.controller, cell.tap)
-            kind, steps = RuleKind.BELOW_LINE, self.limits.circuit_loss
-            rule = Rule(kind, None, line - reading.pressure, steps, circuit=circuit, where=_where(cell))
-            rules.append((rule, u))
-        return replace(checked, decisions=tuple(self._decide(rule, u) for rule, u in rules))
+        return CheckedReading(
+            reading=reading,
+            tap_name=tap_name(self.controller, cell.tap),
+            gear=gear_in(cell.range, self.controller.gears),
+            permissible=permissible,
+            expected=self._expected(reading),
+            line=self._line(reading),
+            decisions=tuple(self._decide(rule, u) for rule, u in rules),
+        )
+
+    # --- what circuits have lost
+
+    def losses(self, readings: Readings | None, instruments: Instruments) -> dict[tuple[str, OperatingPoint], Lost]:
+        """Return what every circuit that was read has lost, at every operating point at which it was."""
+        wanted: dict[tuple[str, OperatingPoint], None] = {}
+        shown = []
+        for reading in self.table.readings:
+            point, tap = self._drawn_at(reading), reading.cell.tap
+            if point is None or (tap != LINE and self._not_comparable(reading) is not None):
+                continue
+            pressure = self._at_the_lines_best(reading)
+            if pressure is not None:
+                shown.append(Shown(point, LINE_SECTION if tap == LINE else tap, pressure, reading.gauge))
+            if tap != LINE:
+                wanted[tap, point] = None
+        if not wanted:
+            return {}
+        states = cast("Sequence[LandClearance]", self.model.clearances)
+        sources, _ = find_sources(states, readings, self.controller, instruments, self.assumptions)
+        at = {each.point: self.at_hand[each.point] for each in shown}
+        return losses(Unit(self.model, sources, self.assumptions, at.values()), shown, wanted)
+
+    def _drawn_at(self, reading: GaugeReading) -> OperatingPoint | None:
+        """Return the operating point at which losses are drawn for a reading; None where nothing is expected there."""
+        point = self._point(reading)
+        if point is not None:
+            point = replace(point, temperature=_STEP * round(point.temperature / _STEP))
+        return point if point is not None and self._projected(point) is not None else None
+
+    def _not_comparable(self, reading: GaugeReading) -> Sentence | None:
+        """Return why a tap's reading tells nothing of what its circuit lost; None where it does."""
+        circuit, point = circuit_at(self.controller, reading.cell.tap), self._drawn_at(reading)
+        if not applied(self.controller, reading.cell):
+            return _VENTED
+        if circuit is None or not circuit.feeds or point is None or self.model.profile.circuits != "on":
+            return _NO_POINT
+        beside = self.table.line_beside(reading)
+        if beside is None:
+            return _APART if self.table.at(replace(reading.cell, tap=LINE)) else None
+        if beside.pressure <= 0.0:
+            return _NO_LINE
+        most = point.main_pressure * (1.0 + MOST_RISE * self.assumptions.line_rise)
+        return _TOO_HIGH if beside.pressure * (1.0 - _SURELY * self.uncertainty) > most else None
+
+    def _at_the_lines_best(self, reading: GaugeReading) -> float | None:
+        """Return what a gauge showed [Pa], had it been read while the line was at its highest in that cell.
+
+        Only where the line moved by more than its gauge errs: a tap that hangs on the line goes with it, and of the
+        line's own readings the highest counts.
+        """
+        line = [each.pressure for each in self.table.at(replace(reading.cell, tap=LINE))]
+        highest, lowest = max(line, default=0.0), min(line, default=0.0)
+        if highest - lowest <= _MOVED * np.sqrt(2.0) * self.uncertainty * highest:
+            return reading.pressure
+        if reading.cell.tap == LINE:
+            return reading.pressure if reading.pressure == highest else None
+        circuit, beside = circuit_at(self.controller, reading.cell.tap), self.table.line_beside(reading)
+        follows = circuit is not None and circuit.set_pressure is None and beside is not None and beside.pressure > 0.0
+        return reading.pressure * highest / beside.pressure if follows and beside else reading.pressure
+
+    def with_loss(self, checked: CheckedReading, found: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
+        """Return a tap's reading with what its circuit lost, judged; any other as it is."""
+        reading, steps = checked.reading, self.limits.circuit_loss
+        circuit, point = circuit_at(self.controller, reading.cell.tap), self._drawn_at(reading)
+        lost = None if circuit is None or point is None else found.get((circuit.id, point))
+        if steps is None:
+            return checked
+        if lost is None:
+            return self._by_the_line(checked, steps) if point is None else checked
+        reason = self._not_comparable(reading)
+        showed = self._at_the_lines_best(reading) or 0.0
+        if showed * (1.0 - _SURELY * self.uncertainty) > lost.quantile(0.975, lost.expected):
+            reason = reason or _TOO_HIGH
+        if reason is not None:
+            return replace(checked, unjudged=reason)
+        value = max(lost.quantile(0.5), 0.0)
+        rule = Rule(RuleKind.CIRCUIT_LOSS, None, value, steps, circuit=circuit, where=_where(reading.cell))
+        over = tuple(lost.probability_over(limit) for _, limit in steps.levels)
+        u = (lost.standard_uncertainty,) * len(over)
+        decided = decide_rule(rule, u, over, self.guard_factor, skewed=True)
+        return replace(checked, lost=lost, decisions=(decided,))
+
+    def _by_the_line(self, checked: CheckedReading, steps: Steps) -> CheckedReading:
+        """Return a tap's reading where nothing can be computed, judged by what it is surely below the line's gauge."""
+        below, circuit = checked.below_line, circuit_at(self.controller, checked.cell.tap)
+        if below is None or checked.line is None or checked.line <= 0.0:
+            return checked
+        u = self.uncertainty * math.hypot(checked.line, checked.reading.pressure)
+        surely = max(below - self.guard_factor * u, 0.0)
+        rule = Rule(RuleKind.BELOW_LINE, None, surely, steps, circuit=circuit, where=_where(checked.cell))
+        return replace(checked, decisions=(self._decide(rule, u),))
+
+    def unjudged(self, checked: CheckedReading) -> CheckedReading:
+        """Return a reading that no rule judges with the reason for it."""
+        tap = checked.cell.tap != LINE and self.limits.circuit_loss is not None
+        reason = checked.unjudged or (self._not_comparable(checked.reading) if tap else None)
+        return replace(checked, unjudged=reason or _NOTHING_PERMITTED)
 
     def _decide(self, rule: Rule, u: float) -> RuleDecision:
         levels = rule.steps.levels
@@ -225,26 +370,27 @@ class _Checker:
         It is line pressure, or what its regulator is set to where that is less and the file states a number.
         """
         circuit = circuit_at(self.controller, reading.cell.tap)
-        at_line = self.table.at(replace(reading.cell, tap=LINE))
-        if circuit is None or not at_line:
+        beside = None if circuit is None else self.table.line_beside(reading)
+        if circuit is None or beside is None:
             return None
-        gear = gear_in(reading.cell.range, self.controller.gears)
-        beside = next((each for each in at_line if each.round == reading.round), at_line[-1])
-        return _reached(circuit, gear, beside.pressure)
+        return _reached(circuit, gear_in(reading.cell.range, self.controller.gears), beside.pressure)
 
     def _expected(self, reading: GaugeReading) -> float | None:
         """Return what pump or circuit hold in a cell [Pa]; None where no operating point is like it."""
         point = self._point(reading)
-        if point is None:
+        projection, tap = None if point is None else self._projected(point), reading.cell.tap
+        if projection is None:
             return None
+        return projection.main_pressure_held if tap == LINE else self._of_circuit(projection, tap)
+
+    def _projected(self, point: OperatingPoint) -> Projection | None:
         if point not in self.at_hand:
             try:
                 self.at_hand[point] = project(self.model, point)
             except DomainError as error:
                 self.outside.append(error)
                 return None
-        projection, tap = self.at_hand[point], reading.cell.tap
-        return projection.main_pressure_held if tap == LINE else self._of_circuit(projection, tap)
+        return self.at_hand[point]
 
     def _of_circuit(self, projection: Projection, tap: str) -> float | None:
         return next((each.pressure for each in projection.circuits if each.circuit.id == tap), None)
@@ -276,7 +422,8 @@ class _Checker:
             repeat=reading.repeat,
             uncertainty=self.uncertainty * reading.pressure,
             stands=checked.stands,
-            below_line=checked.below_line,
+            loss=checked.loss if checked.lost is not None and checked.verdict is not Verdict.OK else None,
+            causes=checked.lost.causes if checked.lost is not None else {},
         )
 
     @property
@@ -304,17 +451,29 @@ class _Checker:
                 ),
             )
             yield Message("info", "ranges_as_gears", text, place)
-        unjudged = [each.label for each in readings if not each.decisions]
-        if unjudged:
+        by_reason: dict[Sentence, list[Sentence]] = {}
+        for each in readings:
+            if each.unjudged is not None:
+                by_reason.setdefault(each.unjudged, []).append(each.label)
+        for reason, unjudged in by_reason.items():
             named = in_a_row(unjudged[:_SHOWN])
             text = Sentence(
-                "{count} of {readings} gauge readings cannot be judged, since the valve body's file says nothing that "
-                "they must reach: {cells}.",
+                "{count} of {readings} gauge readings cannot be judged, since {reason}: {cells}.",
                 count=len(unjudged),
                 readings=len(readings),
+                reason=reason,
                 cells=Sentence("{named} …", named=named) if len(unjudged) > _SHOWN else named,
             )
             yield Message("info", "pressure_not_judged", text, place)
+        alone = [each.label for each in readings if each.lost is not None and each.line is None]
+        alone = [label for label in alone if not any(each.cell.tap == LINE for each in readings)]
+        if alone:
+            text = Sentence(
+                "The line was not read: whether a circuit lost its pressure by itself or with the line cannot be told "
+                "from {cells}.",
+                cells=in_a_row(alone[:_SHOWN]),
+            )
+            yield Message("info", "line_not_read", text, place)
         for each in readings:
             high = each.permissible.high if each.permissible else None
             if each.over is not None and high is not None:

@@ -13,17 +13,16 @@ from typing import Literal
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.pressure_table import LINE, Cell, Engine
+from atleak.uncertainty.posterior import Cause
 
 Stands = Literal["low", "normal", "high"]
-PatternKind = Literal["low_at_slow_idle", "one_range_low", "falling", "all_low", "all_high", "below_line"]
-PatternSource = Literal["practice", "project", "ford"]  # trade practice; a choice of this project; a maker's test
+PatternKind = Literal["low_at_slow_idle", "one_range_low", "falling", "all_low", "all_high", "circuit_loss"]
+PatternSource = Literal["practice", "project", "computed"]  # trade practice; a choice of this project; the engine
 
 RANGES_THAT_TELL = 3  # measured with one state of the engine: choice of this project
 STATES_THAT_TELL = 2  # of the engine, for what holds everywhere: choice of this project
 READINGS_THAT_FALL = 3  # of one cell, one after the other: choice of this project
 _SURELY = 2.0  # standard uncertainties of the gauge
-
-BELOW_LINE = 103e3  # [Pa] by which a circuit may be below line pressure: published (Ford)
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,8 @@ class Standing:
     repeat: int = 1
     uncertainty: float = 0.0  # [Pa] standard, of the gauge
     stands: Stands | None = None  # to what is permissible; None where nothing is
-    below_line: float | None = None  # [Pa] of a circuit's tap that line pressure should reach; None elsewhere
+    loss: float | None = None  # [Pa] of a circuit that is flagged for it; None elsewhere
+    causes: Mapping[Cause, float] = field(default_factory=dict)  # the part of that loss which each explains
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,9 @@ class Pattern:
     ranges: tuple[SelectorRange, ...] = ()  # that are low
     others: tuple[SelectorRange, ...] = ()  # that are not
     circuits: tuple[str, ...] = ()  # ids of those that may leak
-    worst: Cell | None = None  # of those that fall or lie below the line
-    amount: float | None = None  # there: by which fraction it fell, or how far it lies below the line [Pa]
+    worst: Cell | None = None  # of those that fall or have lost most
+    amount: float | None = None  # there: by which fraction it fell, or what it has lost against new [Pa]
+    causes: Mapping[Cause, float] = field(default_factory=dict)  # there: which part of that each explains
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,7 @@ def find_patterns(
         *_everywhere(line),
         *_one_range(line, applied or {}),
         *_falling(readings),
-        *_below_line(readings),
+        *_circuit_loss(readings),
     )
 
 
@@ -161,13 +162,20 @@ def _falling(readings: Sequence[Standing]) -> Iterator[Pattern]:
         yield Pattern("falling", "practice", tuple(fell), worst=worst, amount=fell[worst])
 
 
-def _below_line(readings: Sequence[Standing]) -> Iterator[Pattern]:
-    """A tap far below the line: that circuit's leak."""
-    far: dict[str, dict[Cell, float]] = {}
+def _circuit_loss(readings: Sequence[Standing]) -> Iterator[Pattern]:
+    """Circuits that have lost more than their limit: where to look, the likeliest first."""
+    lost: dict[str, dict[Cell, Standing]] = {}
     for each in readings:
-        if each.below_line is not None and each.below_line > BELOW_LINE:
-            cells = far.setdefault(each.cell.tap, {})
-            cells[each.cell] = max(each.below_line, cells.get(each.cell, 0.0))
-    for tap, cells in far.items():
-        worst = max(cells, key=lambda cell: cells[cell])
-        yield Pattern("below_line", "ford", tuple(cells), circuits=(tap,), worst=worst, amount=cells[worst])
+        if each.loss is not None:
+            lost.setdefault(each.cell.tap, {})[each.cell] = each
+    for tap, cells in lost.items():
+        worst = max(cells.values(), key=lambda each: each.loss or 0.0)
+        yield Pattern(
+            "circuit_loss",
+            "computed",
+            tuple(cells),
+            circuits=(tap,),
+            worst=worst.cell,
+            amount=worst.loss,
+            causes=worst.causes,
+        )

@@ -39,6 +39,21 @@ class Assumptions:
     volumetric_efficiency: float = 0.02  # where the profile takes it as constant
     slip_coefficient: float = 0.2  # relative, where the profile lets the pump slip
     pump_clearance: float = 5e-6  # [m] of each clearance of the pump that was measured in the job
+    # what a unit may be like before gauges are read: which of its parts are worn, and by how much on average
+    worn_lands: float = 0.2  # of those that nobody measured
+    land_wear: float = 12e-6  # [m] exponential
+    most_land_wear: float = 60e-6  # [m]
+    worn_seals: float = 0.1  # of clutches and bands
+    seal_wear: float = 0.3  # leak over what the circuit's feeds can pass, exponential
+    worn_pumps: float = 0.2
+    pump_wear: float = 1.0  # growth of the slip, exponential
+    sticking_regulators: float = 0.05  # of the line
+    regulator_fall: float = 0.1  # of line pressure, exponential
+    line_setting: float = 0.01  # relative, of what the line is set to
+    high_lines: float = 0.1  # that are set higher than the file states
+    line_rise: float = 0.1  # by how much, relative, exponential
+    feed: float = 0.02  # relative, of the flow through a feed orifice
+    gauged_temperature: float = 3.0  # [K] of the fluid while gauges are read
 
     @cached_property
     def u_room_temperature(self) -> float:
@@ -105,6 +120,20 @@ _UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
         "volumetric_efficiency": ("percent", 1e-2),
         "slip_coefficient": ("percent", 1e-2),
         "pump_clearance": ("um", 1e-6),
+        "worn_lands": ("percent", 1e-2),
+        "land_wear": ("um", 1e-6),
+        "most_land_wear": ("um", 1e-6),
+        "worn_seals": ("percent", 1e-2),
+        "seal_wear": ("percent", 1e-2),
+        "worn_pumps": ("percent", 1e-2),
+        "pump_wear": ("percent", 1e-2),
+        "sticking_regulators": ("percent", 1e-2),
+        "regulator_fall": ("percent", 1e-2),
+        "line_setting": ("percent", 1e-2),
+        "high_lines": ("percent", 1e-2),
+        "line_rise": ("percent", 1e-2),
+        "feed": ("percent", 1e-2),
+        "gauged_temperature": ("k", 1.0),
     }
 )
 

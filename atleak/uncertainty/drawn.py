@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -120,11 +120,17 @@ class Drawn:
         self.capacity = pump.capacity(condition.point.engine_speed, pressures["p_g"], self.viscosity)
         self._drops: dict[Any, Any] = {}
 
-    def with_circuits(self, lands: Iterable[LandInState], *, keep: bool = True) -> tuple[Drawn, Network, Balance]:
+    def with_circuits(
+        self,
+        lands: Iterable[LandInState],
+        *,
+        keep: bool = True,
+        changed: Callable[[Network], Network] = lambda network: network,
+    ) -> tuple[Drawn, Network, Balance]:
         """Return the same with the pressures that the circuits hold where the lands are as given.
 
         Each land comes with its bore, its contact length and where its spool lies; ``keep`` says that `leakage` will be
-        asked for with the same.
+        asked for with the same, and ``changed`` returns the network with feeds and leaks as they are drawn.
         """
         model, point = self.condition.model, self.condition.point
         restrictions: dict[Any, Restricted] = {}
@@ -136,7 +142,7 @@ class Drawn:
                 restrictions[land.state.land.key] = restriction
                 gaps += [(gap, restriction, counts) for gap, counts in touching]
         solves = model.profile.circuits == "on"
-        network = circuit_network(model.controller, point, gaps, self.nu, self.rho, solves=solves)
+        network = changed(circuit_network(model.controller, point, gaps, self.nu, self.rho, solves=solves))
         balance = network.balance(self.pressures)
         if not network.has_circuits:
             return self, network, balance

@@ -8,13 +8,15 @@ from atleak.catalogue.circuits import StandingPressure
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
 from atleak.gauges.check import CheckedReading, PressureCheck
-from atleak.gauges.patterns import BELOW_LINE, Pattern
-from atleak.pressure_table import LINE, Cell, gear_in, tap_name
+from atleak.gauges.patterns import Pattern
+from atleak.pressure_table import LINE, Cell, tap_name
 from atleak.sentence import Sentence
 from atleak.views.condition_record import finite, scaled, unit_rule_record
 from atleak.views.land_names import land_words
 from atleak.wording import Wording, wording
-from atleak.workshop_units import KPA, RPM
+from atleak.workshop_units import KPA, PERCENT, RPM
+
+WORTH_NAMING, LEAST_OF_A_LAND, MOST_LANDS = 0.05, 0.005, 4  # parts of a loss that causes explain, to be named
 
 
 def gauge_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
@@ -55,6 +57,10 @@ def _reading(diagnosis: Diagnosis, checked: CheckedReading) -> dict[str, Any]:
         "expected_kpa": scaled(checked.expected, KPA),
         "line_kpa": None if line else scaled(checked.line, KPA),
         "below_line_kpa": None if line else scaled(checked.below_line, KPA),
+        "loss_kpa": scaled(checked.loss, KPA),
+        "loss_low_kpa": scaled(checked.loss_interval[0] if checked.loss_interval else None, KPA),
+        "loss_high_kpa": scaled(checked.loss_interval[1] if checked.loss_interval else None, KPA),
+        "not_judged": checked.unjudged,
         "verdict": checked.verdict,
         "decision": deciding.decision if deciding else None,
         "probability_over_limit": finite(deciding.probability_over_limit) if deciding else None,
@@ -70,6 +76,12 @@ def _pattern(pattern: Pattern, controller: Controller) -> dict[str, Any]:
         "text": pattern_text(pattern, controller, say),
         "source": say.get("pattern_sources", pattern.source),
         "cells": [_cell(cell) for cell in pattern.cells],
+        "lands": [
+            {"component": key[0], "land": key[1], "share_percent": share * PERCENT}
+            for (what, *which), share in pattern.causes.items()
+            if what == "land"
+            for key in which
+        ],
     }
 
 
@@ -87,17 +99,21 @@ def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
         worst="" if worst is None else f"{worst.range}, {say.sentence(worst.engine.label)}",
         percent=say.percent(amount, 0),
         kpa=say.value(amount * KPA, "pressure", 0),
-        limit=say.value(BELOW_LINE * KPA, "pressure", 0),
     )
-    gears = {gear_in(cell.range, controller.gears) for cell in pattern.cells}
-    leaks = dict.fromkeys(
-        gap.key for gap in controller.gaps if gap.high.section in pattern.circuits and not gears.isdisjoint(gap.gears)
-    )
-    if not leaks:
-        return sentence
-    return (
-        f"{sentence} {say('patterns.lands_first', lands=', '.join(land_words(controller, key, say) for key in leaks))}"
-    )
+    lands = [
+        say("patterns.part_of_it", what=land_words(controller, which[0], say), percent=say.percent(share, 0))
+        for (what, *which), share in pattern.causes.items()
+        if what == "land" and share >= LEAST_OF_A_LAND
+    ][:MOST_LANDS]
+    others = [
+        say("patterns.part_of_it", what=say(f"patterns.cause_{cause[0]}"), percent=say.percent(share, 0))
+        for cause, share in pattern.causes.items()
+        if cause[0] != "land" and share >= WORTH_NAMING
+    ]
+    named = [say("patterns.lands_first", lands=", ".join(lands))] if lands else []
+    beside = [say("patterns.besides", causes=", ".join(others))] if others else []
+    by_a_land = next(iter(pattern.causes), ("land",))[0] == "land"
+    return " ".join([sentence, *(named + beside if by_a_land else beside + named)])
 
 
 def _cell(cell: Cell) -> dict[str, Any]:
@@ -145,7 +161,8 @@ def gauge_rows(check: PressureCheck, say: Wording | None = None) -> list[dict[st
             Sentence("Gauge [kPa]"): each.reading.pressure * KPA,
             Sentence("Permitted [kPa]"): permissible_text(each.permissible, wording(say.language)),
             Sentence("Expected [kPa]"): scaled(each.expected, KPA),
-            Sentence("Below line [kPa]"): scaled(each.below_line, KPA),
+            Sentence("Lost [kPa]"): scaled(each.loss, KPA),
+            Sentence("Past limit"): say.percent(each.over_limit, 0) if each.over_limit is not None else None,
             Sentence("Decision"): say.get("decisions", each.deciding.decision) if each.deciding else None,
         }
         for each in check.readings

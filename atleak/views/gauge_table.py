@@ -21,7 +21,9 @@ GAUGE_COLUMNS = (
     Column("gauge", "pressure", 1),
     Column("permitted", words_of="pressure"),
     Column("expected", "pressure", 1),
-    Column("below_line", "pressure", 1),
+    Column("lost", "pressure", 0),
+    Column("lost_between", words_of="pressure"),
+    Column("past_limit"),
     Column("decision", width=110),
 )
 
@@ -40,7 +42,9 @@ def gauge_table_rows(check: PressureCheck, say: Wording) -> list[dict[str, Any]]
             "gauge": each.reading.pressure * KPA,
             "permitted": _permitted(each.permissible, say),
             "expected": scaled(each.expected, KPA),
-            "below_line": scaled(each.below_line, KPA),
+            "lost": scaled(each.loss, KPA),
+            "lost_between": _between(each, say),
+            "past_limit": None if each.over_limit is None else say.percent(each.over_limit, 0),
             "decision": say.get("decisions", each.deciding.decision) if each.deciding else None,
         }
         for each in check.readings
@@ -49,6 +53,13 @@ def gauge_table_rows(check: PressureCheck, say: Wording) -> list[dict[str, Any]]
 
 def _tap(each: CheckedReading, say: Wording) -> str:
     return say("permissible.line") if each.cell.tap == LINE else say.name(each.tap_name)
+
+
+def _between(each: CheckedReading, say: Wording) -> str | None:
+    if each.loss_interval is None:
+        return None
+    low, high = (say.value(max(end, 0.0) * KPA, "pressure", 0) for end in each.loss_interval)
+    return say("permissible.low_and_high", low=low, high=high)
 
 
 def _permitted(permissible: StandingPressure | None, say: Wording) -> str | None:

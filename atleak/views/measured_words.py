@@ -42,7 +42,7 @@ def gauges_within(check: PressureCheck, say: Wording) -> str:
 def _of_gauge(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str:
     readings = diagnosis.pressures.readings if diagnosis.pressures else ()
     each = next(each for each in readings if any(decided.rule == rule for decided in each.decisions))
-    below = each.below_line if rule.circuit is not None else (_low(each) - each.reading.pressure)
+    below = each.loss if rule.circuit is not None else (_low(each) - each.reading.pressure)
     return say(
         f"gauges.{'below' if rule.circuit is None else 'circuit'}",
         tap=tap_text(diagnosis.controller, each.cell.tap, say),
@@ -50,7 +50,7 @@ def _of_gauge(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str:
         pressure=say.value(each.reading.pressure * KPA, "pressure", 0),
         limit=say.value(_low(each) * KPA, "pressure", 0),
         kpa=say.value((below or 0.0) * KPA, "pressure", 0),
-        percent=say.percent(rule.value),
+        percent=say.percent(rule.value if each.over_limit is None else each.over_limit, 0 if each.lost else 1),
         verdict=say.signed(rule.verdict),
     )
 

@@ -110,7 +110,7 @@ class _Reader:
         self.table, self.sheet, self.words, self.ranges, self.rows = table, table.sheet, words, ranges, rows
         self.columns = {
             kind: table.column(kind)
-            for kind in ("range", "engine", "tap", "temperature", "engine_speed", "repeat", "unit")
+            for kind in ("range", "engine", "tap", "temperature", "engine_speed", "repeat", "time", "gauge", "unit")
         }
 
     def read(self) -> None:
@@ -146,7 +146,9 @@ class _Reader:
             else self._head_temperature()
         )
         speed = self._number(row, "engine_speed", ENGINE_SPEED)
-        order = self._order(row)
+        time, order = self._time(row), self._order(row, "repeat")
+        order = time if order is None else order
+        gauge = "" if self.columns["gauge"] is None else self.sheet.filled(row, self.columns["gauge"])
         for column in filled:
             said = named.over(self.table.said(column))
             if said.range is None or said.range not in self.ranges or said.engine is None:
@@ -161,9 +163,8 @@ class _Reader:
             stated = speed if speed is not None else said.engine_speed
             place = self._place(row, column)
             repeat = order if order is not None else (None if said.repeat is None else float(said.repeat))
-            self.rows.take(
-                GaugeReading(cell, pressure, temperature=temperature, engine_speed=stated, place=place), repeat
-            )
+            reading = GaugeReading(cell, pressure, temperature=temperature, engine_speed=stated, place=place)
+            self.rows.take(replace(reading, time=time, gauge="" if is_blank(gauge) else text_of(gauge)), repeat)
 
     def _named(self, row: int) -> Said | None:
         """Return what the cells of a row say of its readings; None where one of them is not understood."""
@@ -283,8 +284,18 @@ class _Reader:
         self.rows.refuse(problem, place, str(cell), expected=expected)
         return None
 
-    def _order(self, row: int) -> float | None:
-        column = self.columns["repeat"]
+    def _time(self, row: int) -> float | None:
+        """Return the time of a row [s]: a clock's, or a number of what its heading names, seconds unless that does."""
+        column = self.columns["time"]
+        time = self._order(row, "time")
+        if column is None or time is None:
+            return None
+        clock = isinstance(self.sheet.filled(row, column), dt.time) or ":" in str(self.sheet.filled(row, column))
+        minutes = re.search(r"\b(min|minut\w*)\b", self.table.headings[column].text.lower())
+        return time * 60.0 if minutes and not clock else time
+
+    def _order(self, row: int, kind: str) -> float | None:
+        column = self.columns[kind]
         cell = None if column is None else self.sheet.filled(row, column)
         if column is None or is_blank(cell):
             return None

@@ -19,7 +19,9 @@ from atleak.pressure_table import LINE, Engine
 from atleak.wording import languages, wording
 from atleak.written_numbers import decimal_number
 
-ColumnKind = Literal["range", "engine", "tap", "temperature", "engine_speed", "repeat", "unit", "aside", "value"]
+ColumnKind = Literal[
+    "range", "engine", "tap", "temperature", "engine_speed", "repeat", "time", "gauge", "unit", "aside", "value"
+]
 Tokens = tuple[str, ...]
 
 _BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")

@@ -31,8 +31,8 @@ class GaugeSection:
         sources = dict.fromkeys(each.permissible.source for each in check.readings if each.permissible)
         if sources:
             yield text(say("texts.permissible_from", sources=joined(sources, "; ")), small=True)
-        if any(each.verdict is None for each in check.readings):
-            yield text(say("texts.gauges_unjudged"), small=True)
+        for reason in dict.fromkeys(each.unjudged for each in check.readings if each.unjudged is not None):
+            yield text(say("texts.gauges_unjudged", reason=say.sentence(reason)), small=True)
         items = [
             f"{pattern_text(each, self.controller, say)} ({say.get('pattern_sources', each.source)})"
             for each in check.patterns
@@ -57,7 +57,7 @@ class GaugeSection:
         numbers = (
             ("gauge", lambda each: each.reading.pressure),
             ("expected", lambda each: each.expected),
-            ("below_line", lambda each: each.below_line),
+            ("lost", lambda each: each.loss),
         )
         gauge, *others = [
             PrintedColumn(say(f"printed.{name}"), _in_kpa(value, say), say.unit("pressure"), side="r")

@@ -106,15 +106,16 @@ def test_the_order_of_the_readings_counts_not_of_their_rows() -> None:
     assert kinds(list(reversed(falling(400.0, 390.0, 380.0)))) == ["falling"]
 
 
-def test_a_tap_more_than_103_kpa_below_the_line_is_said_with_its_worst_cell() -> None:
-    def tap(engine: Engine, below: float) -> Standing:
-        return Standing(Cell("D", engine, "clutch_c1"), 300e3, below_line=below)
+def test_a_circuit_that_lost_pressure_is_said_with_its_worst_cell() -> None:
+    def tap(engine: Engine, loss: float | None, cause: str = "seal") -> Standing:
+        return Standing(Cell("D", engine, "clutch_c1"), 300e3, loss=loss, causes={(cause, "clutch_c1"): 1.0})
 
-    assert find_patterns([tap(SLOW, 103e3), tap(STALL, 50e3)]) == ()
-    (pattern,) = find_patterns([tap(SLOW, 104e3), tap(FAST, 180e3), tap(STALL, 50e3)])
-    assert (pattern.kind, pattern.circuits, pattern.amount) == ("below_line", ("clutch_c1",), 180e3)
+    assert find_patterns([tap(SLOW, None), tap(STALL, None)]) == ()
+    (pattern,) = find_patterns([tap(SLOW, 104e3), tap(FAST, 180e3, "hole"), tap(STALL, None)])
+    assert (pattern.kind, pattern.circuits, pattern.amount) == ("circuit_loss", ("clutch_c1",), 180e3)
     assert pattern.worst == Cell("D", FAST, "clutch_c1")
     assert pattern.cells == (Cell("D", SLOW, "clutch_c1"), Cell("D", FAST, "clutch_c1"))
+    assert pattern.causes == {("hole", "clutch_c1"): 1.0}
 
 
 def test_of_several_readings_of_a_cell_the_last_stands() -> None:

@@ -159,6 +159,42 @@ def test_numbers_keep_their_digits_in_a_workbook(unit: Controller) -> None:
     assert kpa(read_pressure_table(data, unit)) == {("D", "stall", LINE): 1034.0, ("3", "stall", LINE): 987.0}
 
 
+# --- times and gauges
+
+
+@pytest.mark.parametrize(
+    ("heading", "written", "seconds"),
+    [
+        ("time [s]", "90", 90.0),
+        ("time", "90", 90.0),
+        ("time [min]", "1,5", 90.0),
+        ("minutes", "1.5", 90.0),
+        ("Zeit [min]", "1,5", 90.0),
+        ("time", "09:01:30", 32490.0),
+        ("time [min]", "09:01:30", 32490.0),
+        ("repeat", "2", None),
+    ],
+)
+def test_a_time_is_taken_in_seconds_and_a_repeat_is_none(unit, heading: str, written: str, seconds) -> None:
+    (reading,) = read(f"range;slow idle [kPa];{heading}\nD;400;{written}\n", unit).readings
+    assert reading.time == seconds
+    assert reading.round == (2.0 if seconds is None else seconds)
+
+
+def test_a_repeat_counts_and_a_time_beside_it_stays_one(unit) -> None:
+    first, second = read("range;slow idle [kPa];repeat;time\nD;400;1;70\nD;390;2;10\n", unit).readings
+    assert [(each.pressure, each.round, each.time) for each in (first, second)] == [
+        (400e3, 1.0, 70.0),
+        (390e3, 2.0, 10.0),
+    ]
+
+
+@pytest.mark.parametrize("heading", ["gauge no", "Manometer", "nr manometru", "Gauge used"])
+def test_the_gauge_of_each_reading_is_kept(unit, heading: str) -> None:
+    table = read(f"range;slow idle [kPa];{heading}\nD;400;7\nR;700;B\nN;400;-\n", unit)
+    assert {each.cell.range: each.gauge for each in table.readings} == {"D": "7", "R": "B", "N": ""}
+
+
 # --- repeats
 
 
