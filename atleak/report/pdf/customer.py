@@ -459,16 +459,23 @@ class CustomerPage:
             yield (
                 say("customer.do_watch", valves=self._named(watched or planned)) if planned else say("customer.do_look")
             )
+            yield from self._elsewhere()
             return
         due = [each.component for each in self.valves if each.verdict.calls_for_repair] or planned
         if not due:
             yield say("customer.do_look")
             return
         yield say("customer.do_repair", valves=self._named(due))
-        complaint = self.diagnosis.complaint
-        if complaint is not None and self.diagnosis.judged and not explanations(self.diagnosis, complaint):
-            yield say("customer.do_elsewhere")
+        yield from self._elsewhere()
         yield from self._brings(due, alone=len(due) == 1 or len(planned) == 1)
+
+    def _elsewhere(self) -> Iterator[str]:
+        """Say what to look at for a complaint that no pressure explains, where pressures are solved."""
+        diagnosis = self.diagnosis
+        if diagnosis.complaint is None or not diagnosis.judged or diagnosis.profile.circuits != "on":
+            return
+        if not explanations(diagnosis, diagnosis.complaint):
+            yield self.say("customer.do_elsewhere")
 
     def _brings(self, due: Sequence[str], *, alone: bool) -> Iterator[str]:
         """Say what the best repair brings by itself, and what all of them bring."""

@@ -430,6 +430,7 @@ def test_a_circuit_that_lost_pressure_names_what_may_leak_the_likeliest_first(la
     text = pattern_text(pattern, shipped, say)
     first, second = (text.index(land_words(shipped, key, say)) for key in keys)
     assert first < second
+    assert say.name("forward clutch") in text
     assert say("patterns.cause_seal") in text
     assert say("patterns.cause_line") not in text, "a fiftieth is not worth naming"
 

@@ -32,7 +32,7 @@ def test_it_is_said_in_the_reader_s_language() -> None:
     assert [wording("de").sentence(each.sentence) for each in judged_otherwise(BEFORE, TODAY)] == [
         "das Gerät: ersetzen (bedingt überschritten), heute nicht gemessen",
         "25/1: beobachten, heute nicht beurteilt",
-        "Summe bei cold start: rot, heute gelb",
+        "Summe bei „cold start“: rot, heute gelb",
     ]
 
 

@@ -14,6 +14,7 @@ import pytest
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.section_pressures import Pressure
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.job.case import Case, SourceFile
 from atleak.job.record import Job
 from atleak.readings import Reading, Readings
@@ -311,6 +312,15 @@ def test_valves_that_leak_nothing_where_the_complaint_shows_are_not_said_to_be_w
     assert say("customer.no_effect", **values).replace("\u00a0", " ") in first
     assert say("customer.within", measured=aside.judged) not in first
     assert say("customer.do_elsewhere") in first
+
+
+def test_a_valve_to_be_watched_does_not_hide_that_the_complaint_is_not_explained(grown):
+    found, say = grown({("10", 1): 0.3}), wording("en")
+    assert found.verdict is Verdict.WATCH
+    for profile, said in ((WORKSHOP, True), (PAPER, False)):  # which solves no pressure
+        names = PrintedNames(replace(found, profile=profile), diagnosis_record(found), Job(), say)
+        do = CustomerPage(names, signed=False).data()["do"]["texts"][0]
+        assert (say("customer.do_elsewhere") in do) == said
 
 
 def test_a_place_of_which_one_part_was_measured_is_not_counted_as_not_measured(aside):

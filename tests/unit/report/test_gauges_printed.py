@@ -52,7 +52,7 @@ def test_the_pdf_lists_every_reading_and_what_the_table_hints_at(gauged: Diagnos
     for word in (say.level("watch"), say.sentence(Engine.FAST_IDLE.label).split()[0], "gauges.csv"):
         assert word in text
     for kind in ("low_at_slow_idle", "circuit_loss"):
-        start = say.texts["patterns"][kind].split("{")[0].strip() or "forward clutch"
+        start = say.texts["patterns"][kind].split("{")[0].strip() or say.name("forward clutch")
         assert start[:30] in text
 
 
