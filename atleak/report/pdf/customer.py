@@ -166,7 +166,7 @@ class CustomerPage:
     @property
     def _urgency(self) -> str:
         if self._not_judged:
-            return Verdict.NOT_MEASURED
+            return "impossible" if self.diagnosis.impossible else Verdict.NOT_MEASURED
         past = self._not_by_a_valve and self.verdict.calls_for_repair
         return f"past_{self.verdict}" if past else self.verdict
 
@@ -269,6 +269,8 @@ class CustomerPage:
     @cached_property
     def _past(self) -> tuple[HeldPressure, ...]:
         """Return the pressures past a limit where they are judged worst, the worst first, two at the most."""
+        if self.diagnosis.impossible:
+            return ()
         at = pressures_at(self.diagnosis, lowest_first(self.diagnosis)[0])
         past = [
             each
