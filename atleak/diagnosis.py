@@ -436,15 +436,12 @@ def diagnose(
         whether the fluid in the transmission is fresh or used; as its data are unless given, and a message says so.
     readings
         those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
-    road_test
-        log that is judged by itself, and over which leakage is computed where it holds main pressure.
-    pressures
-        gauge readings of the standing vehicle, which are judged by themselves.
+    road_test, pressures
+        log, over which leakage is computed where it holds main pressure, and gauge readings of the standing vehicle.
     condition
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
-        of the vehicle [km], as the sheet's head states it unless given; with it the one at which a worn land reaches
-        its limit is projected.
+        of the vehicle [km], as the sheet's head states it unless given.
     measuring_temperature
         that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
     pump_clearances

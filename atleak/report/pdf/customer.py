@@ -177,10 +177,10 @@ class CustomerPage:
     @property
     def _urgency(self) -> str:
         if self._not_judged:
-            return Verdict.NOT_MEASURED
+            return "impossible" if self.diagnosis.impossible else Verdict.NOT_MEASURED
         if self._only_checked or self._not_the_cause:
             return self._headline
-        past = self._not_by_a_valve and self.verdict.calls_for_repair
+        past = self._not_by_a_valve and self.verdict.calls_for_repair and self._headline != "pump"
         return f"past_{self._told_as}" if past else self._told_as
 
     @property
@@ -297,6 +297,8 @@ class CustomerPage:
     @cached_property
     def _past(self) -> tuple[HeldPressure, ...]:
         """Return the pressures past a limit where they are judged worst, the worst first, two at the most."""
+        if self.diagnosis.impossible:
+            return ()
         at = pressures_at(self.diagnosis, lowest_first(self.diagnosis)[0])
         past = [
             each
