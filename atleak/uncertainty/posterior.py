@@ -30,7 +30,15 @@ from atleak.engine.restrictions import Branch, Gap, Orifice, Restriction
 from atleak.equations.uncertainty import normal_cdf
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.drawn import Condition
-from atleak.uncertainty.draws import Bore, LandDraws, Positions, common_errors, land_draws, one_sided_fraction
+from atleak.uncertainty.draws import (
+    FLUID_STATE,
+    Bore,
+    LandDraws,
+    Positions,
+    common_errors,
+    land_draws,
+    one_sided_fraction,
+)
 from atleak.uncertainty.points import Beside, Cube, Draws, stream_of
 from atleak.uncertainty.pressures import DrawnUnit, demand_shape
 from atleak.uncertainty.propagation import SEED
@@ -178,7 +186,7 @@ class Unit:
         # what is applied in some gears only is a clutch or a band, and has a seal
         self._sealed = [each.id for each in self._fed if each.gears != frozenset(controller.gears)]
         self.quantities: list[Cause] = [
-            *((name,) for name in ("viscosity", "temperature", "main pressure", "converter pressure", "pump")),
+            *((name,) for name in ("viscosity", "temperature", "main pressure", "converter pressure", "pump", "state")),
             *(("feed", each.id) for each in self._fed),
             *((_LAND, land.key) for land in self._open),
         ]
@@ -227,7 +235,8 @@ class Unit:
     def leaks(self, drawn: _Drawn, circuit: str, point: OperatingPoint, held: Any) -> dict[Cause, np.ndarray]:
         """Return what leaks out of a circuit beyond what leaked when new, by cause [m³/s], entry loss left out."""
         wear, own = dict(zip(self.causes, drawn.wear, strict=True)), {land.key: land for land in self._open}
-        viscosity, flows = self.model.dynamic_viscosity(point.temperature), {}
+        viscosity = self.model.dynamic_viscosity(point.temperature)
+        flows: dict[Cause, np.ndarray] = {}
         for gap in self.model.controller.gaps:
             if gap.high.section != circuit or point.gear not in gap.gears or (_LAND, gap.key) in flows:
                 continue
@@ -267,7 +276,7 @@ class Unit:
                 "main pressure": line,
                 "converter pressure": at["converter pressure",],
                 "pump efficiency": at["pump",],
-                "viscosity of the used fluid": 0.0,
+                FLUID_STATE: math.sqrt(3.0) * (2.0 * normal_cdf(at["state",]) - 1.0),  # rectangular
             }
         )
         lands = []
