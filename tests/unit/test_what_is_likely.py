@@ -245,7 +245,7 @@ def test_a_description_by_which_no_new_unit_holds_its_pressure_is_not_judged(
 def test_a_line_that_falls_to_nothing_is_critical_though_it_does_when_new(
     permissible: tuple[PermissiblePressure, ...], minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
-    thirsty = (Consumer("cooler", "converter and cooler", 12.0 / 60e3, False, "test"),)
+    thirsty = (Consumer("cooler", "converter and cooler", 12.0 / 60e3, False, "test", "constant"),)
     unit = replace(minimal, consumers=thirsty, permissible=permissible)
     diagnosis = diagnose(unit, hipol, limits, readings=sheet(unit, readings_of, lambda number, new: new))
     assert (diagnosis.verdict, diagnosis.decision) == (Verdict.CRITICAL, None)

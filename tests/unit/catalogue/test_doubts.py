@@ -160,10 +160,10 @@ def test_a_result_says_what_of_its_own_entries_is_doubted() -> None:
     assert any("5 is unusual for a limit of the pump's reserve" in text for text in said)
 
 
-def test_a_new_unit_that_would_leak_more_than_its_pump_delivers_is_doubted() -> None:
+def test_a_description_by_which_a_new_unit_cannot_hold_its_pressure_is_doubted() -> None:
     controller = checked_controller(changed("controllers", (("pump", "displacement_mm3"), 18.0)))
     result = diagnose(controller, load_fluid("mobil_atf_220"), load_limits("project_default"))
-    (said,) = [message for message in result.messages if message.code == "more_than_the_pump_when_new"]
-    assert "With every land new it would leak more than the pump delivers" in said.text
+    (said,) = [message for message in result.messages if message.code == "description_impossible"]
+    assert "With every land and its pump new it could not hold its pressure" in said.text
     sound = diagnose(load_controller("minimal_example"), result.fluid, result.limits)
-    assert "more_than_the_pump_when_new" not in {message.code for message in sound.messages}
+    assert "description_impossible" not in {message.code for message in sound.messages}

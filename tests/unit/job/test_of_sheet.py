@@ -77,7 +77,7 @@ def test_a_sheet_of_another_unit_is_doubted(worn: Diagnosis, readings: Readings)
     diagnosis = replace(worn, readings=readings, mileage=182_000.0)
     said = {doubt.code: doubt.text for doubt in record_doubts(own, diagnosis)}
     assert "the VIN 1FA, the head of the measuring sheet WVWZZZ1JZXW000001" in said["sheet_of_another_job"]
-    assert "18200 km, the head of the measuring sheet 182000 km: 182000 km counts" in said["mileages_differ"]
+    assert "18\xa0200 km, the head of the measuring sheet 182\xa0000 km: 182\xa0000 km counts" in said["mileages_differ"]
     assert len(said) == 2  # neither number nor serial differ
 
 
@@ -105,7 +105,7 @@ def test_a_mileage_that_is_corrected_on_the_sheet_counts_in_a_job_that_was_saved
     again = replace(kept, readings=sheet("150000")).diagnose()
     assert again.mileage == 120_000.0
     [said] = [each.text for each in record_doubts(job, again) if each.code == "mileages_differ"]
-    assert "120000 km, the head of the measuring sheet 150000 km: 120000 km counts" in said
+    assert "120\xa0000 km, the head of the measuring sheet 150\xa0000 km: 120\xa0000 km counts" in said
 
 
 def test_nothing_is_taken_of_the_sheet_of_another_unit(readings: Readings) -> None:
