@@ -114,7 +114,8 @@ def test_pairs_tighter_than_new_are_suspect_and_not_passed(
     sheet.write_text("\n".join(rows), encoding="utf-8")
     record = record_of(sheet)
     assert all(land["suspect"] and land["decision"] == "conditional_pass" for land in record["lands"])
-    assert (record["verdict"], record["unit"]["decision"]) == ("ok", "conditional_pass")
+    assert (record["verdict"], record["unit"]["decision"]) == ("watch", "conditional_pass")
+    assert record["unit"]["decided_by"]["kind"] == "readings"
     (message,) = [each for each in record["messages"] if each["code"] == "tighter_than_new"]
     assert message["level"] == "warning"
     assert all(f"{land.component}/{land.land}" in message["text"] for land in four_speed.lands)

@@ -83,6 +83,7 @@ def packed(diagnosis: Diagnosis, sheet: bytes, own_limits: bytes) -> bytes:
         diagnosis,
         Job(number="A-17", notes="seen"),
         Case(
+            mileage=106_315.0,
             readings=SourceFile("two.xlsx", sheet),
             road_test=SourceFile("drive.csv", LOG),
             limits=SourceFile("our limits.toml", own_limits),
