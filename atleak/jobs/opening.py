@@ -119,12 +119,12 @@ def opened_engine(url: sa.URL) -> sa.Engine:
                 if path is not None and _mode(path) != "rw":
                     problem = Sentence("may not be written, as an update of its tables has to")
                     raise BookError(problem, place=Place(file=name), expected=Sentence("a copy of it that may be"))
-                if path is not None:
-                    _keep_private(path)
                 with writing(engine) as connection:
                     if url.get_backend_name() == "postgresql":
                         connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
                     _bring_up(connection, name)
+                if path is not None and path.is_relative_to(home()):
+                    _keep_private(path)
         except BaseException:
             engine.dispose()  # its connections, which nobody else closes
             raise

@@ -23,6 +23,7 @@ from pages.shared import reader, show
 from pages.shared.book import job_id, open_from_book
 from pages.shared.fields import kept
 from pages.shared.state import session
+from pages.shared.undo import Steps
 
 PAGE = 50  # rows
 _TABLE = "job-list"
@@ -228,7 +229,7 @@ def _erase(book: Book, ids: Sequence[str]) -> str:
     session().steps = session().steps.without_jobs(ids)
     if job_id() in ids:
         st.session_state["typed"] = {}
-        open_from_book(str(job_id()))  # what this session shows is what the book holds now
+        open_from_book(str(job_id()), Steps())  # what this session shows is what the book holds now
     lost = sum(bool(each.lost) for each in done)
     left = sorted({name for each in done for name in each.left_in})
     say = reader.say()

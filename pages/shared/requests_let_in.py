@@ -45,6 +45,8 @@ class NoForeignFrames:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         told = scope["type"] == "http" and scope["path"].endswith("/_stcore/host-config")
+        if told:  # read here, so not to be compressed before
+            scope = {**scope, "headers": [each for each in scope["headers"] if each[0].lower() != b"accept-encoding"]}
         start: Message = {}
         body = b""
 
@@ -60,7 +62,7 @@ class NoForeignFrames:
             elif told and message["type"] == "http.response.body":
                 body += message.get("body", b"")
                 if not message.get("more_body"):
-                    content = _without_origins(body)
+                    content = _without_origins(body) if start["status"] == 200 else body
                     MutableHeaders(raw=start["headers"])["Content-Length"] = str(len(content))
                     await send(start)
                     await send({"type": "http.response.body", "body": content})
@@ -124,6 +126,7 @@ def _without_usual_port(host: str, origin: str) -> str:
 def _without_origins(config: bytes) -> bytes:
     """Return what Streamlit tells a page about messages to it, with nobody who may send any."""
     try:
-        return json.dumps({**json.loads(config), "allowedOrigins": []}).encode()
-    except (ValueError, TypeError):  # a refusal
-        return config
+        said = json.loads(config)
+    except ValueError:
+        said = {}
+    return json.dumps({**(said if isinstance(said, dict) else {}), "allowedOrigins": []}).encode()

@@ -178,7 +178,7 @@ def pick(slot: str, choice: Choice) -> None:
 def remember(done: str) -> None:
     """Keep the job as it is, so that what is done to it next can be taken back."""
     now = session()
-    now.steps = now.steps.with_step(Step(done, now.case, job()))
+    now.steps = now.steps.settled(now.case, job()).with_step(Step(done, now.case, job()))
 
 
 def unsaved() -> bool:
@@ -264,6 +264,7 @@ def current_diagnosis() -> Diagnosis:
             now.case = _without(now.case, slot, now.tried.pop(slot))
             return current_diagnosis()
         now.refused[slot] = Refusal("", error)
+        now.steps = now.steps.settled(now.case, job())
         return diagnosis_of(now.good)
     now.good = held(now.case)
     if "readings" in now.tried:

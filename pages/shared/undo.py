@@ -5,7 +5,7 @@ A step takes back what it did, and nothing that was typed or chosen since.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from pages.shared.state import InBook
 
 Value = TypeVar("Value")
+_Entries = dict[tuple[Any, int], Any]
+_ABOUT = ("file", "component", "land", "part", "repair", "name", "serial")  # what tells entries of a record apart
 UNDOABLE = 10  # steps back that a session keeps
 
 
@@ -105,9 +107,28 @@ def taken_back(now: Value, after: Value, before: Value) -> Value:
     if isinstance(now, Case):
         return replace(found, **_parts_taken_back(vars(now), vars(after), vars(before)))
     if isinstance(now, tuple) and isinstance(after, tuple) and isinstance(before, tuple):
-        stay = [each for each in now if each not in after or each in before]
-        return found.__class__((*stay, *(each for each in before if each not in after and each not in stay)))
+        return found.__class__(_entries_taken_back(*map(_by_key, (now, after, before))))
     return now
+
+
+def _entries_taken_back(now: _Entries, after: _Entries, before: _Entries) -> Iterator[Any]:
+    """Return the entries of a list, those that were in it before in their order of then."""
+    for key in (*before, *(key for key in now if key not in before)):
+        if key in now and key in after and key in before:
+            yield taken_back(now[key], after[key], before[key])
+        elif key in now and now[key] != after.get(key):
+            yield now[key]  # not of the step, or changed since
+        elif key in before and key not in after:
+            yield before[key]
+
+
+def _by_key(entries: tuple[Any, ...]) -> _Entries:
+    """Return the entries of a list by what they are about; of several about one thing each has its number."""
+    found: _Entries = {}
+    for entry in entries:
+        about = tuple(getattr(entry, name, None) for name in _ABOUT) if isinstance(entry, Record) else entry
+        found[about, sum(about == other for other, _ in found)] = entry
+    return found
 
 
 def _parts_taken_back(now: dict[str, Any], after: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:

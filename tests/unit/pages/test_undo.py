@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from PIL import Image
 from streamlit.testing.v1 import AppTest
 
-from atleak.job.record import Job, Photo
+from atleak.job.record import Job, Photo, RepairDecision
 from atleak.jobs.book import open_book
 from atleak.jobs.erase import erase
 from pages.shared.undo import Steps, taken_back
@@ -128,6 +128,21 @@ def test_nobody_who_was_erased_comes_back(app: AppTest, shown: bool) -> None:
     assert not open_book().load(id).file.job.number
 
 
+def test_nobody_comes_back_who_was_erased_in_a_conflict(app: AppTest) -> None:
+    with_sheet(app)
+    field(app, "Job number").set_value("A-1").run()
+    (id,) = (row.id for row in open_book().rows())
+    changed = open_book().load(id).file.job.model_copy(update={"notes": "elsewhere"})
+    open_book().save(small_job(**changed.model_dump()), id=id, version=open_book().version(id))
+    field(app, "Technician").set_value("typed in the conflict").run()
+    go(app, "10_Job_book")
+    app.session_state["job-list-erasing"] = [id]
+    app.run()
+    press(app, "job-erase-now")
+    assert offered(app) == []
+    assert not app.session_state["job-record"].number
+
+
 def test_a_job_erased_by_somebody_else_is_not_brought_back(app: AppTest) -> None:
     with_sheet(app)
     field(app, "Job number").set_value("A-1").run()
@@ -164,10 +179,30 @@ def test_a_step_of_which_nothing_was_changed_since_is_taken_back_whole(
 def test_fields_of_a_record_are_taken_back_one_by_one() -> None:
     before = Job(number="", photos=(Photo(file="a.jpg"),))
     after = Job(number="7", notes="of the head", photos=(Photo(file="a.jpg"), Photo(file="b.jpg")))
-    now = after.model_copy(
-        update={"notes": "typed since", "photos": (Photo(file="a.jpg", caption="worn"), Photo(file="b.jpg"))}
+    photos = (Photo(file="a.jpg", caption="worn"), Photo(file="b.jpg"))
+    now = after.model_copy(update={"notes": "typed since", "photos": photos})
+    assert taken_back(now, after, before) == Job(notes="typed since", photos=photos[:1])
+
+
+def test_a_row_that_was_typed_into_since_is_taken_back_and_not_doubled() -> None:
+    proposed, approved = (RepairDecision(component="25", land=1, decision=each) for each in ("proposed", "approved"))
+    other = RepairDecision(component="8", work="clean")
+    priced = approved.model_copy(update={"price": 10.0})
+    before, after = (Job(repair_decisions=(each,)) for each in (proposed, approved))
+    now = Job(repair_decisions=(other, priced))
+    back = taken_back(now, after, before)
+    assert back.repair_decisions == (priced.model_copy(update={"decision": "proposed"}), other)
+    assert set(taken_back(back, before, after).repair_decisions) == {priced, other}
+
+
+def test_a_photo_that_was_taken_away_comes_back_to_its_place() -> None:
+    photos = tuple(Photo(file=f"{name}.jpg") for name in "abc")
+    assert taken_back(Job(photos=photos[1:]), Job(photos=photos[1:]), Job(photos=photos)).photos == photos
+    captioned = (photos[1].model_copy(update={"caption": "worn"}), photos[2])
+    assert taken_back(Job(photos=captioned), Job(photos=photos[1:]), Job(photos=photos)).photos == (
+        photos[0],
+        *captioned,
     )
-    assert taken_back(now, after, before) == Job(notes="typed since", photos=(Photo(file="a.jpg", caption="worn"),))
 
 
 def test_only_so_many_steps_are_kept(app: AppTest) -> None:
