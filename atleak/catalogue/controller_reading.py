@@ -45,7 +45,7 @@ from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelat
 from atleak.doors import own_errors_only
 from atleak.errors import CatalogueError, DomainError, Message
 from atleak.faults import in_words, place_of, together
-from atleak.sentence import Sentence
+from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import UM
 
@@ -100,26 +100,27 @@ def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
 
 
 def _mending_nothing(controller: Controller, data: Mapping[str, Any], file: str) -> Iterator[Message]:
-    """Doubt repairs that may leave a land as wide as a worn one: by the limits that hold unless others are chosen."""
+    """Doubt repairs that may leave lands as wide as worn ones: by the limits that hold unless others are chosen."""
     for number, repair in enumerate(controller.repairs):
+        left: dict[str, float] = {}
         for land in controller.lands_of(repair.component) if repair.ends else ():
             wear = load_limits(DEFAULT_LIMITS).wear
             assert wear is not None
             worn = min(limit for _, limit in wear.of_wear(land.mounting_high, land.mounting_tolerance or 0.0))
             most = min((1.0 + worn) * land.mounting_high, land.clearance_limit or math.inf)
-            left = land.with_repair(repair).widest_new
-            if repair.changes(land.key) and reaches(left, most):
-                text = Sentence(
-                    "It leaves up to {left:.4g} {left.unit} of {land}, which is new at {new:.4g} {new.unit} and counts "
-                    "as worn from {most:.4g} {most.unit} on: by the default limits no plan takes it for that land.",
-                    land=f"{land.component}/{land.land}",
-                    **{
-                        name: Quantity(value * UM, "clearance", 1)
-                        for name, value in {"left": left, "new": land.mounting_high, "most": most}.items()
-                    },
-                )
-                place = place_of(("repairs", number, "mounting_clearance_um"), data, file)
-                yield Message("warning", "repair_leaves_worn", text, place)
+            widest = land.with_repair(repair).widest_new
+            if repair.changes(land.key) and reaches(widest, most):
+                left[f"{land.component}/{land.land}"] = widest
+        if left:
+            text = Sentence(
+                "{repair} leaves up to {left:.4g} {left.unit}, as wide as a worn pair of {lands}: by the default limits "
+                "no plan takes it for them.",
+                repair=Name(repair.label),
+                left=Quantity(max(left.values()) * UM, "clearance", 1),
+                lands=tuple(left),
+            )
+            place = place_of(("repairs", number, "mounting_clearance_um"), data, file)
+            yield Message("warning", "repair_leaves_worn", text, place)
 
 
 def _faults_of_meaning(data: Mapping[str, Any], error: ValidationError, origin: Origin) -> list[CatalogueError]:

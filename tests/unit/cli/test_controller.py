@@ -253,7 +253,7 @@ def test_check_doubts_a_repair_that_leaves_a_worn_pair(run: Run, tmp_path: Path,
         )
         status, out, _ = run("controller", "check", path)
         assert status == 0
-        assert ("It leaves up to" in out) is doubted
+        assert ("mine leaves up to" in out) is doubted
         assert ("key 'mounting_clearance_um'" in out) is doubted
 
 
