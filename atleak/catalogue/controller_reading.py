@@ -113,8 +113,8 @@ def _mending_nothing(controller: Controller, data: Mapping[str, Any], file: str)
                 left[f"{land.component}/{land.land}"] = widest
         if left:
             text = Sentence(
-                "{repair} leaves up to {left:.4g} {left.unit}, as wide as a worn pair of {lands}: by the default limits "
-                "no plan takes it for them.",
+                "{repair} leaves up to {left:.4g} {left.unit}, as wide as a worn pair of {lands}: by the default "
+                "limits no plan takes it for them.",
                 repair=Name(repair.label),
                 left=Quantity(max(left.values()) * UM, "clearance", 1),
                 lands=tuple(left),
