@@ -281,7 +281,8 @@ class Assigner:
         top = next((each for each in _AT_100 if np.count_nonzero(known & (gear == each)) >= _DRIVEN_ROWS), None)
         if top is None or speed.fit.unit is None:
             return None
-        low, middle, high = np.percentile((engine * 60 / there)[known & (gear == top)], (25, 50, 75)).tolist()
+        in_top = known & (gear == top)
+        low, middle, high = np.percentile(engine[in_top] * 60 / there[in_top], (25, 50, 75)).tolist()
         at_100 = {name: 100 / 3.6 / unit(name, "speed").factor * middle for name in ("km/h", "mph")}
         right = {name for name, rpm in at_100.items() if _AT_100[top][0] <= rpm <= _AT_100[top][1]}
         if high - low > 0.15 * middle or speed.fit.unit.name in right or not right:
