@@ -316,7 +316,7 @@ def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterato
     band = diagnosis.band(projection) or "as new, not measured"
     decided = diagnosis.decided(rule)
     if rule.probable and rule.verdict.flagged and decided is not None:
-        band = f"{band} with a probability of {decided.probability_over_limit:.0%}"
+        band = f"{band} with a probability of {decided.probability_over_limit * PERCENT:.0f} %"
     yield f"{number}. {projection.condition.label}: {share}, {band}{worst}{new}"
     flows = f"{projection.leakage * DM3_MIN:.2f} of {projection.pump_capacity * DM3_MIN:.2f} dm³/min"
     yield f"   {flows}; {positions(diagnosis, projection)}; covered from {projection.minimum_speed * RPM:.0f} rpm"
