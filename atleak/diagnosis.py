@@ -17,13 +17,7 @@ from atleak.catalogue.repairs import Repair
 from atleak.driven import classes_over, driven, evaluated
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP, Profile
-from atleak.engine.projection import (
-    Projection,
-    model_new,
-    model_unworn,
-    project,
-    project_each_beside,
-)
+from atleak.engine.projection import Projection, model_new, model_unworn, project, project_each_beside
 from atleak.engine.repaired import Losses, pressure_losses
 from atleak.engine.road_bands import TemperatureClass
 from atleak.engine.road_leakage import RoadLeakage
@@ -310,6 +304,11 @@ class Diagnosis:
         """Return the same with its pump as new, where that is past a limit: what is left is up to the valve body."""
         new = self.pump_new if self.pump.verdict.flagged else None
         return self if new is None else replace(new, repairs=self.repairs)
+
+    def mended_by_pump(self, rule: Rule) -> bool:
+        """Tell whether a rule of the unit would be within its limits with a new pump, though this one is within its."""
+        with_new = () if self.pump_new is None or self.pump.verdict.flagged else self.pump_new.unit_rules
+        return any(each.id == rule.id and not each.verdict.flagged for each in with_new)
 
     @cached_property
     def impossible(self) -> tuple[Projection, ...]:

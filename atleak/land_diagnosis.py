@@ -83,10 +83,10 @@ class LandDiagnosis:
 
 @dataclass(frozen=True)
 class PumpDiagnosis:
-    """What was measured of the pump against its limits, and what is past a limit by its wear alone."""
+    """What was measured of the pump against its limits, and what is past a limit by its wear."""
 
     decisions: tuple[RuleDecision, ...]  # on its measured clearances
-    lacking: tuple[Rule, ...]  # totals and pressures that are better with a new pump, the worst first
+    lacking: tuple[Rule, ...]  # of one past its limits: totals and pressures better with a new one, the worst first
 
     @property
     def rules(self) -> tuple[Rule, ...]:
@@ -107,15 +107,18 @@ class PumpDiagnosis:
 def diagnosed_pump(
     pump: Pump, rules: UnitRules, with_new: Iterable[Rule], uncertainty: float, guard_factor: float
 ) -> PumpDiagnosis:
-    """Judge the pump: its clearances, and what of the unit's rules stands better in those ``with_new`` one.
+    """Judge the pump: its clearances, and of one past them what of the unit's rules stands better ``with_new`` one.
 
-    ``uncertainty`` is that of a measured clearance [m].
+    A pump within its own limits is not worn, whatever the unit lacks. ``uncertainty`` is that of a measured
+    clearance [m].
     """
     decisions, u = [], uncertainty
     for rule in pump_rules(pump):
         limits = [limit for _, limit in rule.steps.levels]
         over = tuple(probability_over(rule.value, limits, (u,) * len(limits)).tolist())
         decisions.append(decide_rule(rule, (u,) * len(limits), over, guard_factor, skewed=False))
+    if not any(decided.rule.verdict.flagged for decided in decisions):
+        return PumpDiagnosis(tuple(decisions), ())
     better = {rule.id: rule.verdict.rank for rule in with_new}
     unit = sorted(rules.of_unit, key=lambda rule: rule.kind is not RuleKind.PERMISSIBLE_PRESSURE)  # what drivers feel
     lacking = [rule for rule in unit if rule.verdict.rank > better.get(rule.id, rule.verdict.rank)]

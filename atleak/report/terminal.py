@@ -272,9 +272,9 @@ def _verdict(diagnosis: Diagnosis) -> str:
     if diagnosis.impossible:
         return f"{sentence}: {impossible_part(diagnosis, say)}"
     if pump is not None:
-        sentence = f"{sentence}. {pump}"
         if decided_by is diagnosis.pump:
-            return sentence
+            return f"{sentence}. {pump}"
+        sentence = f"{pump}\n{sentence}"
     if decided_by is None:
         alone = diagnosis.without_sheet and diagnosis.verdict != Verdict.NOT_MEASURED
         return f"{sentence}, by the main pressure of {_measured_by(diagnosis)} alone" if alone else sentence

@@ -8,7 +8,7 @@ from dataclasses import replace
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import project
-from atleak.rules import Rule
+from atleak.rules import Rule, unit_rules
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_record import slips
 from atleak.views.sentences import pressure_sentence, reserve_sentence
@@ -40,18 +40,20 @@ def worn_pump(diagnosis: Diagnosis, say: Wording) -> str | None:
     pump = diagnosis.pump
     if not pump.verdict.flagged:
         return None
-    limited = [_limited(each.rule, say) for each in pump.decisions]
-    said = [say("pump.worn", what=say("pump.and").join(limited))] if limited else []
+    limited = [_limited(each.rule, say) for each in pump.decisions if each.rule.verdict.flagged]
+    said = [say("pump.worn", what=say("pump.and").join(limited))]
     if pump.lacking and pump.lacking[0].condition is not None:
         now = diagnosis.at(pump.lacking[0].condition)
         at = pressures_at(diagnosis, now)
         said.append(pressure_sentence(at, say) if now.pressure_falls else reserve_sentence(at, say))
         new = project(replace(diagnosis.as_unworn, controller=diagnosis.model.controller), now.condition)
-        missing, with_new = (each.condition.main_pressure - each.main_pressure_held for each in (now, new))
-        if now.pressure_falls and with_new > _SAME * missing:
-            said.append(say("pump.as_missing"))
-        elif new.reserve < now.reserve / _SAME:
-            said.append(say("pump.as_short"))
+        rules = unit_rules((), [new], [diagnosis.unworn_at(now)], diagnosis.limits).of_unit
+        if any(rule.id == pump.lacking[0].id and rule.verdict.flagged for rule in rules):
+            missing, with_new = (each.condition.main_pressure - each.main_pressure_held for each in (now, new))
+            if now.pressure_falls and with_new > _SAME * missing:
+                said.append(say("pump.as_missing"))
+            elif new.reserve < now.reserve / _SAME:
+                said.append(say("pump.as_short"))
     new_rules = () if diagnosis.pump_new is None else diagnosis.pump_new.unit_rules
     if pump.lacking and not any(rule.verdict.flagged for rule in new_rules):
         said.append(say("pump.new_does"))

@@ -241,8 +241,14 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str | None:
         circuit = say.name(rule.circuit.name) if rule.circuit else ""
         kind = "held.by_circuit" if held.now <= rule.new else "held.by_rise"
         because = say(kind, circuit=circuit, held=_kpa(held.now, say), new=_kpa(held.new, say), **values)
-    lands = ", ".join(land_in_words(diagnosis, key, say) for key in keys[:LOOK_FIRST])
-    return f"{because}. {say('held.look_first', lands=lands)}" if lands else f"{because}."
+    said = [f"{because}."]
+    if diagnosis.mended_by_pump(rule):
+        keys = [land.key for land in diagnosis.flagged if land.key in keys]
+        said.append(say("pump.new_does"))
+    if keys:
+        lands = ", ".join(land_in_words(diagnosis, key, say) for key in keys[:LOOK_FIRST])
+        said.append(say("held.look_first", lands=lands))
+    return " ".join(said)
 
 
 def may_be(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str | None:

@@ -221,6 +221,62 @@ def test_a_worn_land_does_not_hide_behind_a_worn_pump(
     assert diagnosis_record(both)["unit"]["decided_by"]["kind"] == "pump"
 
 
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_pump_within_its_limit_is_not_worn_and_leads_over_no_worn_land(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings], capsys: pytest.CaptureFixture[str]
+) -> None:
+    unit = with_gap(name)
+    unit = replace(unit, pump=replace(unit.pump, limits=PumpClearances.of_um(120.0, None)))
+    key = max(
+        unit.lands, key=lambda land: project(as_new(unit, hipol), unit.operating_points[0]).drawn_by(land.key)
+    ).key
+    measured = PumpClearances.of_um(70.0, None)
+    unworn, worn = (
+        diagnose(unit, hipol, limits, readings=worn_by(unit, times, readings_of, key), pump_clearances=measured)
+        for times in (1.0, 4.0)
+    )
+    for diagnosis in (unworn, worn):
+        record = diagnosis_record(diagnosis)
+        assert (record["pump"]["verdict"], record["pump"]["repairs"], diagnosis.pump.lacking) == ("ok", [], ())
+        assert record["unit"]["decided_by"]["kind"] != "pump"
+        assert not plan_repairs(diagnosis).pump_first
+        assert "Repair the pump first" not in first_sentence(diagnosis, wording("en"))
+    assert not unworn.flagged
+    assert unworn.verdict.flagged
+    print_diagnosis(unworn)
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "With a new pump it would be within its limits." in printed
+    assert "Look first" not in printed
+    assert [land.key for land in worn.flagged] == [key]
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_new_valves_are_said_to_be_as_short_only_where_they_are_past_a_limit(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings], capsys: pytest.CaptureFixture[str]
+) -> None:
+    unit = with_gap(name)
+    sheet = worn_by(unit, 3.0, readings_of, unit.lands[0].key)
+    for side_um in (51.0, 55.0, 60.0, 70.0, 100.0):
+        measured = PumpClearances.of_um(side_um, 20.0)
+        diagnosis = diagnose(unit, hipol, limits, readings=sheet, pump_clearances=measured)
+        new = diagnose(
+            unit,
+            hipol,
+            limits,
+            readings=worn_by(unit, 1.0, readings_of, unit.lands[0].key),
+            pump_clearances=measured,
+        )
+        past = any(rule.verdict.flagged for rule in new.unit_rules)
+        assert past or "With every valve as new" not in first_sentence(diagnosis, wording("en"))
+    unit = replace(unit, pump=replace(unit.pump, limits=PumpClearances.of_um(50.0, 30.0)))
+    one = diagnose(unit, hipol, limits, readings=sheet, pump_clearances=PumpClearances.of_um(60.0, 20.0))
+    said = first_sentence(one, wording("en"))
+    assert "The pump: side clearance 60\u00a0µm, limit 50\u00a0µm." in said
+    assert "tip clearance" not in said
+    print_diagnosis(one)
+    assert "first.," not in " ".join(capsys.readouterr().out.split())
+
+
 def as_new(unit: Controller, fluid: Fluid) -> LeakageModel:
     return LeakageModel(unit, clearances(None, unit), fluid, WORKSHOP)
 
