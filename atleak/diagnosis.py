@@ -211,11 +211,8 @@ class Diagnosis:
 
     @property
     def worst_total(self) -> Rule:
-        """Return the total that reached the worst band; of several, the largest; none where no new unit can run."""
-        own = self.controller.operating_points
-        new = zip(self.total_rules, self.unworn_projections, strict=True)
-        rules = [rule for rule, each in new if rule.condition in own or not cannot_be(each)]
-        return max(rules, key=lambda rule: (rule.verdict.rank, rule.value))
+        """Return the total that reached the worst band; of several, the largest."""
+        return max(self.total_rules, key=lambda rule: (rule.verdict.rank, rule.value))
 
     @cached_property
     def decided_by(self) -> LandDiagnosis | PumpDiagnosis | Rule | None:

@@ -252,7 +252,7 @@ def test_a_condition_set_by_hand_that_no_new_unit_holds_hides_no_verdict(
         values_of=unit.operating_points[0].name,
         engine_speed=unit.operating_points[0].engine_speed / 20.0,
     )
-    for part in (0.0, 2.0):
+    for part in (0.0, 0.02):
         read = sheet(unit, readings_of, lambda number, new, part=part: new * (1.0 + part))
         usual = diagnose(unit, hipol, limits, readings=read)
         diagnosis = diagnose(unit, hipol, limits, readings=read, condition=stated)
