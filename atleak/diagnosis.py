@@ -305,15 +305,11 @@ class Diagnosis:
         new = self.pump_new if self.pump.verdict.flagged else None
         return self if new is None else replace(new, repairs=self.repairs)
 
-    def mended_by_pump(self, rule: Rule) -> bool:
-        """Tell whether a rule of the unit would be within its limits with a new pump, though this one is within its."""
-        with_new = () if self.pump_new is None or self.pump.verdict.flagged else self.pump_new.unit_rules
-        return any(each.id == rule.id and not each.verdict.flagged for each in with_new)
-
     @cached_property
     def impossible(self) -> tuple[Projection, ...]:
-        """Return the conditions whose pressure a new unit as described cannot hold, as it would be then."""
-        return tuple(each for each in self.unworn_projections if cannot_be(each)) if self.judged else ()
+        """Return the file's conditions whose pressure a new unit as described cannot hold, as it would be then."""
+        own = [each for each in self.unworn_projections if each.condition in self.controller.operating_points]
+        return tuple(each for each in own if cannot_be(each)) if self.judged else ()
 
     def decided(self, rule: Rule) -> RuleDecision | None:
         """Return the decision on one of the unit's rules; None where it depends on readings that are not there."""
@@ -503,7 +499,7 @@ def diagnose(
         over = as_unworn if any(state.judged for state in states) else None
         drive = driven(road_test, model, over, condition, limits, assumptions, guard_factor)
     log, road = None if drive is None else drive.log, None if drive is None else drive.road
-    rules = unit_rules(states, projections, unworn, limits)
+    rules = unit_rules(states, projections, unworn, limits, controller.operating_points)
     uncertainty: UnitUncertainty | None = None
     of_sheet: tuple[Message, ...] = ()
     if readings is not None and measured_at is not None:

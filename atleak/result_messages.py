@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
-from atleak.catalogue.controller import Controller, NewOrigin
+from atleak.catalogue.controller import Controller, NewOrigin, OperatingPoint
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.pump import Pump
 from atleak.driven import Driven
@@ -115,28 +115,38 @@ def _over_limit(name: str, um: float, most: float) -> Sentence:
     )
 
 
-def _cannot_be(unworn: Iterable[Projection]) -> Iterable[Message]:
-    """Doubt a description by which a new unit cannot hold its pressure: such a unit would never have run."""
-    without = {each.condition.label: each for each in unworn if cannot_be(each)}
-    if without:
+def _cannot_be(unworn: Iterable[Projection], points: Sequence[OperatingPoint]) -> Iterable[Message]:
+    """Doubt a description by which a new unit cannot hold its pressure, and a condition set by hand, likewise."""
+    lacking = [each for each in unworn if cannot_be(each)]
+    own = {each.condition.label: _lack(each) for each in lacking if each.condition in points}
+    if own:
         text = Sentence(
             "Not judged: the description of the unit cannot be right. With every land and its pump new it could not "
             "hold its pressure: {conditions}. Look at the pump's displacement, what consumers take, clearances (half "
             "of bore minus spool, in µm), diameters and pressures, and at temperature and speed where they were set "
             "by hand.",
-            conditions=tuple(
-                Sentence(
-                    "{held:.0f} of {required:.0f} {required.unit} at {condition}, its pump supplying {reserve:.2f} "
-                    "times what is taken",
-                    held=Quantity(each.main_pressure_held * KPA, "pressure"),
-                    required=Quantity(each.condition.main_pressure * KPA, "pressure"),
-                    condition=each.condition,
-                    reserve=each.reserve,
-                )
-                for each in without.values()
-            ),
+            conditions=tuple(own.values()),
         )
         yield Message("warning", "description_impossible", text)
+    by_hand = tuple(_lack(each) for each in lacking if each.condition not in points)
+    if by_hand:
+        text = Sentence(
+            "Not judged at the condition set by hand, which no new unit holds: {conditions}.", conditions=by_hand
+        )
+        yield Message("warning", "condition_impossible", text)
+
+
+def _lack(new: Projection) -> Sentence:
+    values = {"condition": new.condition, "reserve": new.reserve}
+    if not new.pressure_falls:
+        return Sentence("at {condition} its pump supplies {reserve:.2f} times what is taken", **values)
+    return Sentence(
+        "{held:.0f} of {required:.0f} {required.unit} at {condition}, its pump supplying {reserve:.2f} "
+        "times what is taken",
+        held=Quantity(new.main_pressure_held * KPA, "pressure"),
+        required=Quantity(new.condition.main_pressure * KPA, "pressure"),
+        **values,
+    )
 
 
 def messages_of(
@@ -163,7 +173,7 @@ def messages_of(
     unworn
         at every condition that is judged, with every land new.
     """
-    messages: list[Message] = [*_cannot_be(unworn), *controller.doubts, *fluid.doubts]
+    messages: list[Message] = [*_cannot_be(unworn, controller.operating_points), *controller.doubts, *fluid.doubts]
     if controller.representative:
         text = Sentence("{controller}: {what}", controller=Name(controller.name), what=Name(controller.representative))
         messages.append(Message("warning", "controller_representative", text))

@@ -173,6 +173,7 @@ def unit_rules(
     projections: Sequence[Projection],
     unworn: Sequence[Projection],
     limits: Limits,
+    points: Sequence[OperatingPoint] | None = None,
 ) -> UnitRules:
     """Make and judge every rule of a unit.
 
@@ -186,11 +187,14 @@ def unit_rules(
         leakage of the same unit as it may have been when new, at the same conditions and with the same fluid.
     limits
         the set that is applied.
+    points
+        those of the valve body's file: at another, which no new unit can hold, no pressure is judged; None: at all.
     """
     at = tuple(zip(projections, unworn, strict=True))
     lands = {state.land.key: land_rules(state, at, limits) for state in states if state.measured}
     totals = tuple(_share_rule(RuleKind.TOTAL_SHARE, now, now.share, new.share, limits.total_share) for now, new in at)
-    pressures = tuple(rule for now, new in at for rule in _pressure_rules(now, new, limits))
+    held = [(now, new) for now, new in at if points is None or now.condition in points or not cannot_be(new)]
+    pressures = tuple(rule for now, new in held for rule in _pressure_rules(now, new, limits))
     return UnitRules(lands, totals, pressures, limits)
 
 

@@ -80,7 +80,7 @@ def impossible_part(diagnosis: Diagnosis, say: Wording) -> str:
     """Say that the description cannot be right, by the condition at which its new unit lacks most."""
     new = min(diagnosis.impossible, key=lambda each: (each.main_pressure_held, each.reserve))
     return say(
-        "diagnosis.impossible",
+        "diagnosis.impossible" if new.pressure_falls else "diagnosis.impossible_reserve",
         condition=say.condition(new.condition),
         held=say.value(new.main_pressure_held * KPA, "pressure", 0),
         required=say.value(new.condition.main_pressure * KPA, "pressure", 0),

@@ -242,7 +242,8 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str | None:
         kind = "held.by_circuit" if held.now <= rule.new else "held.by_rise"
         because = say(kind, circuit=circuit, held=_kpa(held.now, say), new=_kpa(held.new, say), **values)
     said = [f"{because}."]
-    if diagnosis.mended_by_pump(rule):
+    with_new = () if diagnosis.pump_new is None or diagnosis.pump.verdict.flagged else diagnosis.pump_new.unit_rules
+    if any(each.id == rule.id and not each.verdict.flagged for each in with_new):
         keys = [land.key for land in diagnosis.flagged if land.key in keys]
         said.append(say("pump.new_does"))
     if keys:

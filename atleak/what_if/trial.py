@@ -55,7 +55,7 @@ def tried(diagnosis: Diagnosis, settings: WhatIf) -> Tried:
     projection = project(model, condition)
     states = [land.state for land in diagnosis.lands]
     unworn = project_unworn(states, model, [projection])
-    rules = unit_rules((), [projection], unworn, diagnosis.limits)
+    rules = unit_rules((), [projection], unworn, diagnosis.limits, diagnosis.controller.operating_points)
     temperature = condition.temperature
     return Tried(
         settings=settings,

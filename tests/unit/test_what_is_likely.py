@@ -241,6 +241,30 @@ def test_a_description_by_which_no_new_unit_holds_its_pressure_is_not_judged(
     assert "Not judged: the description cannot be right" in text
 
 
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_condition_set_by_hand_that_no_new_unit_holds_hides_no_verdict(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    unit = load_controller(name)
+    stated = replace(
+        unit.operating_points[0],
+        name="stated",
+        values_of=unit.operating_points[0].name,
+        engine_speed=unit.operating_points[0].engine_speed / 20.0,
+    )
+    for part in (0.0, 0.02):
+        read = sheet(unit, readings_of, lambda number, new, part=part: new * (1.0 + part))
+        usual = diagnose(unit, hipol, limits, readings=read)
+        diagnosis = diagnose(unit, hipol, limits, readings=read, condition=stated)
+        record = diagnosis_record(diagnosis)
+        codes = [message["code"] for message in record["messages"]]
+        assert diagnosis.impossible == ()
+        assert ("description_impossible" in codes, "condition_impossible" in codes) == (False, True)
+        assert diagnosis.verdict == usual.verdict
+        assert diagnosis.decided_by is None or getattr(diagnosis.decided_by, "condition", None) != stated
+        assert "of the required" not in first_sentence(diagnosis, wording("en"))
+
+
 @pytest.mark.parametrize("permissible", [(), (PermissiblePressure(frozenset({1}), "idle", 350 * KPA, None, "manual"),)])
 def test_a_line_that_falls_to_nothing_is_critical_though_it_does_when_new(
     permissible: tuple[PermissiblePressure, ...], minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 
 from xlsxwriter.worksheet import Worksheet
@@ -198,9 +198,14 @@ class RuleCells:
         fine = Verdict.OK if line.land is not None else self.diagnosis.within(rule)
         verdict = fine if rule.verdict == Verdict.OK else rule.verdict
         issued = RANKED.index(rule.verdict) + 1
-        if rule.probable:  # as issued, until the value is another one
+        if rule.probable:  # as issued, until it is another value, or a better one
             value, known = cell(row, _VALUE), exact(rule.value * factor) if isfinite(rule.value) else NOTHING_DELIVERED
-            rank = f"IF(ABS({value}-{known})<=ABS({known})*{ROUNDED},{issued},{rank})"
+            same, by_value = f"ABS({known})*{ROUNDED}", RANKED.index(replace(rule, reached=None).verdict) + 1
+            if issued > by_value:  # what is worse still is no milder
+                past = f"{value}<={known}+{same}" if rule.steps.falling else f"{value}>={known}-{same}"
+                rank = f"IF({past},MAX({issued},{rank}),{rank})"
+            else:
+                rank = f"IF(ABS({value}-{known})<={same},{issued},{rank})"
         formula(sheet, row, _RANK, rank, issued)
         words = verdict_of_rank(cell(row, _RANK), self.say, fine)
         formula(sheet, row, _VERDICT, words, self.say.signed(verdict), book.form(**AFTER_A_NUMBER))

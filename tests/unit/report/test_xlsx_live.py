@@ -13,6 +13,7 @@ import pytest
 
 from atleak.catalogue.controller import Controller, NewOrigin
 from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, Steps, load_limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import WORKSHOP
@@ -351,3 +352,23 @@ def test_a_limit_of_the_clearance_follows_its_cell_and_a_land_s_own_is_a_number_
     set_limit(sheets.book, "radial clearance", "watch", 500.0)
     sheets.known.clear()
     assert sheets.value("Rules", verdict) == signed(Verdict.OK)
+
+
+@pytest.mark.parametrize("name", ["ford_4r70w", "gm_4l60e", "jatco_jf506e"])
+def test_what_is_worse_than_a_likely_level_is_no_milder(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings], referee: Any
+) -> None:
+    unit = load_controller(name)
+    wide = {each.key: (each.nominal_diameter, each.nominal_diameter + 2.0 * each.new_clearance) for each in unit.lands}
+    diagnosis = diagnose(unit, hipol, limits, readings=readings_of(unit, wide))
+    totals = tuple(replace(rule, reached=(1.0, 1.0, 0.0)[: len(rule.steps.levels)]) for rule in diagnosis.total_rules)
+    assert totals[0].probable
+    content = write_workbook(replace(diagnosis, total_rules=totals))
+    sheets, sheet = referee.SheetCalculator(content), openpyxl.load_workbook(io.BytesIO(content))["Rules"]
+    label = str(totals[0].label)
+    row = next(cells for cells in sheet.iter_rows() if any(str(each.value) == label for each in cells))
+    heads = {each.value: each.column_letter for cells in sheet.iter_rows() for each in cells if each.value is not None}
+    number, value, verdict = row[0].row, heads["value"], heads["verdict"]
+    said = sheets.value("Rules", f"{verdict}{number}")
+    sheets.set("Rules", f"{value}{number}", sheets.value("Rules", f"{value}{number}") * 1.01)
+    assert sheets.value("Rules", f"{verdict}{number}") == said != signed(Verdict.OK)
