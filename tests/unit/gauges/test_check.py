@@ -444,3 +444,58 @@ def test_every_pattern_has_its_sentence_in_every_language(unit, judged) -> None:
     assert all("D, 3, 2, 1" in text for text in texts.values())
     for language in languages():
         assert {"practice", "project", "computed"} <= set(wording(language).texts["pattern_sources"])
+
+
+# --- a line for which nothing is permitted
+
+
+@pytest.mark.parametrize("name", ["zf_6hp26", "chrysler_41te", "aisin_aw55_50sn"])
+def test_a_line_without_a_permissible_pressure_is_judged_by_what_a_new_unit_holds(judged, capsys, name: str) -> None:
+    unit, readings = replace(load_controller(name), permissible=(), standing=()), {}
+    for engine, state in ((SLOW, "idle"), (STALL, "stall")):
+        point = next(each for each in unit.operating_points if (each.gear, each.state) == (1, state))
+        new = project(LeakageModel(unit, clearances(None, unit), load_fluid("hipol_atf_iid"), WORKSHOP), point)
+        readings[engine] = new.main_pressure_held / 1e3
+    for part in (0.97, 1.0, 1.03, 1.1):  # set within its tolerance, read with a gauge of 2 %, or set high
+        sound = judged(unit, *(at("D", engine, part * kpa) for engine, kpa in readings.items()))
+        assert {each.verdict for each in checked(sound)} == {Verdict.OK}, part
+    low = judged(unit, *(at("D", engine, 0.5 * kpa) for engine, kpa in readings.items()))
+    assert {each.verdict for each in checked(low)} == {Verdict.REPLACE}
+    assert low.decided_by.label.startswith("main pressure below that of a new unit, D, ")
+    print_diagnosis(low)
+    assert "decided by the main pressure below that of a new unit" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_line_and_a_tap_that_hangs_on_it_are_low_by_the_line(judged) -> None:
+    rows = (("D", SLOW, 300.0), ("D", SLOW, 298.0, "clutch_a"), ("D", STALL, 800.0), ("D", STALL, 797.0, "clutch_a"))
+    diagnosis = judged(load_controller("zf_6hp26"), *(at(*row) for row in rows))
+    assert [(each.cell.tap, each.verdict) for each in checked(diagnosis)] == [
+        (LINE, "replace"), (LINE, "replace"), ("clutch_a", "ok"), ("clutch_a", "ok"),
+    ]  # fmt: skip
+    assert diagnosis.decided_by.circuit is None
+    assert "operating_point" in diagnosis.provisional
+
+
+def test_of_a_line_that_fell_while_it_was_read_each_reading_is_judged(judged) -> None:
+    unit = load_controller("zf_6hp26")
+    readings = checked(judged(unit, *(at("D", STALL, kpa, repeat=no) for no, kpa in ((1, 1553.0), (2, 900.0)))))
+    assert [each.verdict for each in readings] == ["ok", "replace"]
+
+
+@pytest.mark.parametrize(
+    ("taps", "said"),
+    [
+        ({"clutch_a": 1550.0}, "by the circuit pressures of gauges alone"),
+        ({"clutch_a": 1550.0, LINE: 1553.0}, "by the main and circuit pressures of gauges alone"),
+        ({LINE: 1553.0}, "by the main pressure of gauges alone"),
+    ],
+)
+def test_a_terminal_names_what_gauges_judged(judged, capsys, taps, said: str) -> None:
+    print_diagnosis(judged(load_controller("zf_6hp26"), *(at("D", STALL, kpa, tap) for tap, kpa in taps.items())))
+    assert said in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_reading_that_others_contradict_is_not_called_higher_than_can_be(judged) -> None:
+    rows = (("D", SLOW, 0.0, "clutch_a"), ("D", STALL, 1550.0, "clutch_a"))
+    *_, stall = checked(judged(load_controller("zf_6hp26"), *(at(*row) for row in rows)))
+    assert "contradict one another" in str(stall.unjudged)
