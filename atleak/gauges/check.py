@@ -38,7 +38,7 @@ from atleak.pressure_table import (
     taps_of,
 )
 from atleak.readings import LandClearance, Readings
-from atleak.rules import Rule
+from atleak.rules import Rule, permissible_steps
 from atleak.sentence import Sentence, in_a_row
 from atleak.uncertainty import Assumptions, RuleDecision
 from atleak.uncertainty.decision import decide_rule
@@ -249,10 +249,10 @@ class _Checker:
         """Return one reading beside what is permissible and expected, main pressure judged."""
         cell, permissible = reading.cell, permitted(self.controller, reading.cell)
         rules = []
-        if permissible is not None and permissible.low is not None and self.limits.below_permissible is not None:
+        steps = None if permissible is None else permissible_steps(permissible, self.limits)
+        if permissible is not None and permissible.low is not None and steps is not None:
             below, u = 1.0 - reading.pressure / permissible.low, self.uncertainty * reading.pressure / permissible.low
-            kind, steps = RuleKind.PERMISSIBLE_PRESSURE, self.limits.below_permissible
-            rules.append((Rule(kind, None, below, steps, where=_where(cell)), u))
+            rules.append((Rule(RuleKind.PERMISSIBLE_PRESSURE, None, below, steps, where=_where(cell)), u))
         return CheckedReading(
             reading=reading,
             tap_name=tap_name(self.controller, cell.tap),

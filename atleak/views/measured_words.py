@@ -45,15 +45,15 @@ def _of_gauge(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str:
     each = next(each for each in readings if any(decided.rule == rule for decided in each.decisions))
     pressure, of_new = each.reading.pressure, rule.kind is RuleKind.BELOW_EXPECTED
     limit = pressure + rule.value if of_new else (each.permissible.low if each.permissible else None) or 0.0
-    chance = each.deciding.probability_over_limit if of_new and each.deciding else each.over_limit
-    below = each.loss if rule.circuit is not None else limit - pressure
+    decided = None if rule.kind is RuleKind.PERMISSIBLE_PRESSURE else diagnosis.decided(rule)
+    below = rule.value if rule.circuit is not None else limit - pressure
     return say(
         f"gauges.{'below_new' if of_new else 'below' if rule.circuit is None else 'circuit'}",
         tap=tap_text(diagnosis.controller, each.cell.tap, say),
         cell=f"{each.cell.range}, {say.sentence(each.cell.engine.label)}",
         pressure=say.value(pressure * KPA, "pressure", 0),
         limit=say.value(limit * KPA, "pressure", 0),
-        kpa=say.value((below or 0.0) * KPA, "pressure", 0),
-        percent=say.percent(rule.value, 1) if chance is None else say.percent(chance, 0),
+        kpa=say.value(below * KPA, "pressure", 0),
+        percent=say.percent(rule.value, 1) if decided is None else say.percent(decided.probability_over_limit, 0),
         verdict=say.signed(rule.verdict),
     )

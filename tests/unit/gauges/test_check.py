@@ -39,6 +39,7 @@ state = "idle"
 low_kpa = 400.0
 high_kpa = 539.0
 source = "own manual"
+evidence = "representative"
 
 [[permissible_pressure]]
 gear = 1
@@ -46,12 +47,14 @@ state = "stall"
 low_kpa = 1000.0
 high_kpa = 1200.0
 source = "own manual"
+evidence = "representative"
 
 [[permissible_pressure]]
 ranges = ["R"]
 state = "idle"
 low_kpa = 700.0
 source = "own manual"
+evidence = "representative"
 """
 
 
@@ -109,6 +112,19 @@ def test_the_gauges_uncertainty_says_how_sure_a_verdict_is(unit, judged, kpa, de
     assert checked(judged(unit, at("D", SLOW, kpa)))[0].deciding.decision == decision
     exact = replace(DEFAULTS, main_pressure=0.0)
     assert checked(judged(unit, at("D", SLOW, kpa), assumptions=exact))[0].deciding.decision in ("pass", "fail")
+
+
+@pytest.mark.parametrize("name", ["gm_4l60e", "five_speed_2005", "four_speed_2023"])
+def test_main_pressure_under_a_published_least_is_critical(judged, name: str) -> None:
+    unit = load_controller(name)
+    stated = next(each for each in unit.standing if each.low and each.state == "idle" and 1 in each.gears)
+    unit = replace(unit, standing=(replace(stated, published=True, ranges=frozenset()),))
+    for part, published, verdict in ((0.95, True, "critical"), (0.95, False, "watch"), (1.0, True, "ok")):
+        its = replace(unit, standing=(replace(unit.standing[0], published=published),))
+        (line,) = checked(judged(its, at("D", SLOW, part * stated.low / 1e3)))
+        assert line.verdict == verdict
+        assert (line.deciding.rule.origin == "published") == published
+    assert checked(judged(unit, at("D", FAST, 0.95 * stated.low / 1e3)))[0].verdict == Verdict.WATCH, "not published"
 
 
 def test_forward_ranges_stand_in_first_gear_and_a_range_goes_by_its_name(unit, judged) -> None:
@@ -350,7 +366,7 @@ def test_a_line_that_falls_while_it_is_read_is_not_the_clutchs_fault(hipol, limi
     taps = [each for each in checked(diagnosis) if each.cell.tap == "forward_clutch"]
     assert [each.below_line for each in taps] == pytest.approx([10e3] * 3, abs=1e-6)
     assert {each.verdict for each in taps} == {"ok"}
-    assert diagnosis.verdict == Verdict.WATCH, "the line itself is below what is permitted"
+    assert diagnosis.verdict == Verdict.CRITICAL, "the line itself is below what is published"
     assert "falling" in {each.kind for each in diagnosis.pressures.patterns}
 
 
