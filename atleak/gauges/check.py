@@ -437,6 +437,12 @@ class _Checker:
             stands=checked.stands,
             loss=checked.loss if reading.cell.tap != LINE and checked.verdict is not Verdict.OK else None,
             causes=checked.lost.causes if checked.lost is not None else {},
+            measured=any(
+                each.measured and reading.cell.tap in (gap.high.section, gap.low.section)
+                for gap in self.controller.gaps
+                for each in cast("Sequence[LandClearance]", self.model.clearances)
+                if each.land.key == gap.key
+            ),
         )
 
     @property

@@ -322,7 +322,9 @@ def test_lands_that_were_measured_count_as_measured(judged, tmp_path: Path) -> N
         rows += [f"{land.component},{part},{land.planes[0]},{angle},1,{diameter * 1e3:.4f}" for angle in (0, 90)]
     sheet = tmp_path / "sheet.csv"
     sheet.write_text("\n".join(rows), encoding="utf-8")
-    after = judged(unit, *readings, readings=read_readings(sheet, unit)).pressures.patterns[0].causes
+    (pattern,) = judged(unit, *readings, readings=read_readings(sheet, unit)).pressures.patterns
+    after = pattern.causes
+    assert pattern.measured
     assert after.get(("land", likeliest), 0.0) < 0.3 * before["land", likeliest]
 
 
@@ -449,6 +451,8 @@ def test_a_circuit_that_lost_pressure_names_what_may_leak_the_likeliest_first(la
     assert say.name("forward clutch") in text
     assert say("patterns.cause_seal") in text
     assert say("patterns.cause_line") not in text, "a fiftieth is not worth naming"
+    assert say.percent(0.3, 0) not in text, "no land of the circuit was measured: it rests on assumed rates"
+    assert say.percent(0.3, 0) in pattern_text(replace(pattern, measured=True), shipped, say)
 
 
 def test_every_pattern_has_its_sentence_in_every_language(unit, judged) -> None:
