@@ -180,4 +180,4 @@ def permitted(controller: Controller, cell: Cell) -> StandingPressure | None:
     idle = controller.permissible_in(cell.range, gear, Engine.SLOW_IDLE.state)
     if idle is None or idle.low is None:
         return None
-    return replace(idle, state="fast_idle", high=None, source=f"{idle.source}; {_AT_FAST_IDLE}")
+    return replace(idle, state="fast_idle", high=None, source=f"{idle.source}; {_AT_FAST_IDLE}", published=False)

@@ -57,6 +57,7 @@ _RESTS_ON: dict[RuleKind, set[Basis]] = {
     RuleKind.RESERVE: _HELD,
     RuleKind.CIRCUIT_LOSS: _HELD,
     RuleKind.BELOW_LINE: set(),
+    RuleKind.BELOW_EXPECTED: _HELD,
     RuleKind.PERMISSIBLE_PRESSURE: {*_HELD, Basis.PERMISSIBLE_PRESSURE},
     RuleKind.COMMANDED_PRESSURE: set(),
     RuleKind.PUMP_SIDE: set(),
@@ -119,7 +120,8 @@ def representative_bases(
             elif basis is Basis.FLUID:
                 rests = any(value not in _HARDLY_MATTERS for value in fluid.representative)
             elif basis is Basis.OPERATING_POINT:
-                rests = rule.condition is not None and rule.condition.like in of_tables.get(basis, ())
+                points = of_tables.get(basis, frozenset())  # gauges are read at several of them
+                rests = bool(points) if rule.condition is None else rule.condition.like in points
             else:
                 rests = basis in of_tables
             bases |= {basis} if rests else set()

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from atleak.catalogue.circuits import Circuit, PermissiblePressure
+from atleak.catalogue.circuits import Circuit, PermissiblePressure, StandingPressure
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import ROUNDING, Level, LimitOrigin, Limits, RuleKind, Steps, falls_below
 from atleak.catalogue.pump import Pump
@@ -129,6 +129,7 @@ _LABELS = {
     RuleKind.RESERVE: Sentence("reserve of the pump"),
     RuleKind.CIRCUIT_LOSS: Sentence("pressure lost against new"),
     RuleKind.BELOW_LINE: Sentence("pressure below the line"),
+    RuleKind.BELOW_EXPECTED: Sentence("main pressure below that of a new unit"),
     RuleKind.PERMISSIBLE_PRESSURE: Sentence("main pressure below the permissible"),
     RuleKind.COMMANDED_PRESSURE: Sentence("main pressure off the commanded"),
     RuleKind.PUMP_SIDE: Sentence("side clearance of the pump"),
@@ -142,6 +143,7 @@ _IDS = {
     RuleKind.RESERVE: "reserve",
     RuleKind.CIRCUIT_LOSS: "circuit_loss",
     RuleKind.BELOW_LINE: "below_line",
+    RuleKind.BELOW_EXPECTED: "below_expected_pressure",
     RuleKind.PERMISSIBLE_PRESSURE: "below_permissible_pressure",
     RuleKind.COMMANDED_PRESSURE: "off_commanded_pressure",
     RuleKind.PUMP_SIDE: "pump_side_clearance",
@@ -232,8 +234,8 @@ def permissible_low(now: Projection) -> float | None:
     return min(permissible.low, condition.main_pressure) or None
 
 
-def permissible_steps(permissible: PermissiblePressure, limits: Limits) -> Steps | None:
-    """Return the limits of a computed main pressure below the permissible: one under a published least is critical."""
+def permissible_steps(permissible: PermissiblePressure | StandingPressure, limits: Limits) -> Steps | None:
+    """Return the limits of main pressure below the permissible: one under a published least is critical."""
     if limits.below_permissible is None or not permissible.published:
         return limits.below_permissible
     return Steps(((Verdict.CRITICAL, 0.0),), LimitOrigin.PUBLISHED, permissible.source)

@@ -65,6 +65,7 @@ class RuleKind(StrEnum):
     RESERVE = "reserve"  # pump supply / (leakage + slip + consumers)
     CIRCUIT_LOSS = "circuit_loss"  # [Pa] pressure that a circuit has lost, or gained, against new
     BELOW_LINE = "below_line"  # [Pa] how far a circuit's gauge is below that of the line; limited as the loss
+    BELOW_EXPECTED = "below_expected"  # [Pa] how far the line's gauge is below a new unit's; limited as the loss
     PERMISSIBLE_PRESSURE = "permissible_pressure"  # how far main pressure is below the permissible, a fraction of it
     COMMANDED_PRESSURE = "commanded_pressure"  # [Pa] how far main pressure is from what is commanded
     PUMP_SIDE = "pump_side_clearance"  # [m] of the pump
@@ -116,6 +117,7 @@ _UNITS: Mapping[RuleKind, tuple[float, str, str, str | None]] = {
     RuleKind.RESERVE: (1.0, "", "", None),
     RuleKind.CIRCUIT_LOSS: _PRESSURE,
     RuleKind.BELOW_LINE: _PRESSURE,
+    RuleKind.BELOW_EXPECTED: _PRESSURE,
     RuleKind.PERMISSIBLE_PRESSURE: _FRACTION,
     RuleKind.COMMANDED_PRESSURE: _PRESSURE,
     RuleKind.PUMP_SIDE: _CLEARANCE,

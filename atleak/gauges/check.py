@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, cast
+from functools import cached_property, partial
+from typing import cast
 
 import numpy as np
 
@@ -38,7 +38,7 @@ from atleak.pressure_table import (
     taps_of,
 )
 from atleak.readings import LandClearance, Readings
-from atleak.rules import Rule
+from atleak.rules import Rule, permissible_steps
 from atleak.sentence import Sentence, in_a_row
 from atleak.uncertainty import Assumptions, RuleDecision
 from atleak.uncertainty.decision import decide_rule
@@ -64,6 +64,9 @@ _TOO_HIGH = Sentence(
     "they, or the line with them, are higher than the valve body's file says they can be: check gauge, unit and tap, "
     "and whether that file describes this unit"
 )
+_CONTRADICT = Sentence(
+    "they and the other gauge readings contradict one another: check gauge and tap, and read them again"
+)
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,7 @@ class CheckedReading:
     )  # [Pa] that pump or circuit hold there by the engine; None where no operating point is like it
     line: float | None  # [Pa] that the circuit should reach, from the line's gauge beside it; None where it need not
     decisions: tuple[RuleDecision, ...] = ()  # of every rule that judges it
-    lost: Lost | None = None  # by its circuit against new, given every reading; None where that is not judged
+    lost: Lost | None = None  # by its circuit, or the line, against new; None where that is not judged
     unjudged: Sentence | None = None  # why no rule judges it
 
     @property
@@ -215,10 +218,9 @@ def check_pressures(
     checked = [checker.checked(each) for each in taken]
     if limits.circuit_loss is not None:
         rests_on = model, readings, instruments, assumptions
-        kept: dict[str, Any] = kept_with(table, "losses", "", dict)
-        if "last" not in kept or kept["last"][0] != rests_on:
-            kept["last"] = rests_on, checker.losses(readings, instruments or load_instruments())
-        checked = [checker.with_loss(each, kept["last"][1]) for each in checked]
+        made = partial(checker.losses, readings, instruments or load_instruments())
+        lost = kept_with(table, "losses", rests_on, made, most=1)
+        checked = [checker.with_loss(each, lost) for each in checked]
     judged = tuple(each if each.decisions else checker.unjudged(each) for each in checked)
     patterns = find_patterns([checker.standing(each) for each in judged], checker.applied)
     return PressureCheck(table, judged, patterns, (*table.messages, *checker.messages(judged)))
@@ -247,10 +249,10 @@ class _Checker:
         """Return one reading beside what is permissible and expected, main pressure judged."""
         cell, permissible = reading.cell, permitted(self.controller, reading.cell)
         rules = []
-        if permissible is not None and permissible.low is not None and self.limits.below_permissible is not None:
+        steps = None if permissible is None else permissible_steps(permissible, self.limits)
+        if permissible is not None and permissible.low is not None and steps is not None:
             below, u = 1.0 - reading.pressure / permissible.low, self.uncertainty * reading.pressure / permissible.low
-            kind, steps = RuleKind.PERMISSIBLE_PRESSURE, self.limits.below_permissible
-            rules.append((Rule(kind, None, below, steps, where=_where(cell)), u))
+            rules.append((Rule(RuleKind.PERMISSIBLE_PRESSURE, None, below, steps, where=_where(cell)), u))
         return CheckedReading(
             reading=reading,
             tap_name=tap_name(self.controller, cell.tap),
@@ -264,18 +266,22 @@ class _Checker:
     # --- what circuits have lost
 
     def losses(self, readings: Readings | None, instruments: Instruments) -> dict[tuple[str, OperatingPoint], Lost]:
-        """Return what every circuit that was read has lost, at every operating point at which it was."""
+        """Return what every circuit that was read has lost, at every operating point at which it was.
+
+        So of the line, where the valve body's file does not say what it must reach.
+        """
         wanted: dict[tuple[str, OperatingPoint], None] = {}
         shown = []
         for reading in self.table.readings:
             point, tap = self._drawn_at(reading), reading.cell.tap
             if point is None or (tap != LINE and self._not_comparable(reading) is not None):
                 continue
-            pressure = self._at_the_lines_best(reading)
+            pressure, section = self._at_the_lines_best(reading), _section(tap)
             if pressure is not None:
-                shown.append(Shown(point, LINE_SECTION if tap == LINE else tap, pressure, reading.gauge))
-            if tap != LINE:
-                wanted[tap, point] = None
+                shown.append(Shown(point, section, pressure, reading.gauge))
+            permissible = permitted(self.controller, reading.cell)
+            if permissible is None or permissible.low is None:  # of a tap nothing is permitted
+                wanted[section, point] = None
         if not wanted:
             return {}
         states = cast("Sequence[LandClearance]", self.model.clearances)
@@ -322,22 +328,29 @@ class _Checker:
         return reading.pressure * highest / beside.pressure if follows and beside else reading.pressure
 
     def with_loss(self, checked: CheckedReading, found: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
-        """Return a tap's reading with what its circuit lost, judged; any other as it is."""
-        reading, steps = checked.reading, self.limits.circuit_loss
-        circuit, point = circuit_at(self.controller, reading.cell.tap), self._drawn_at(reading)
-        lost = None if circuit is None or point is None else found.get((circuit.id, point))
-        if steps is None:
+        """Return a reading with what its circuit or the line lost, judged; one that is judged already as it is."""
+        reading, steps, tap = checked.reading, self.limits.circuit_loss, checked.cell.tap
+        circuit, point = circuit_at(self.controller, tap), self._drawn_at(reading)
+        lost = None if point is None else found.get((_section(tap), point))
+        if steps is None or checked.decisions:
             return checked
         if lost is None:
             return self._by_the_line(checked, steps) if point is None else checked
-        reason = self._not_comparable(reading)
-        showed = self._at_the_lines_best(reading) or 0.0
-        if showed * (1.0 - _SURELY * self.uncertainty) > lost.quantile(0.975, lost.expected):
-            reason = reason or _TOO_HIGH
+        reason = None if tap == LINE else self._not_comparable(reading)
+        showed = self._at_the_lines_best(reading)
+        surely = (showed or 0.0) * (1.0 - _SURELY * self.uncertainty)
+        if surely > lost.quantile(0.975, lost.expected):
+            reason = reason or (_TOO_HIGH if surely > lost.highest else _CONTRADICT)
         if reason is not None:
             return replace(checked, unjudged=reason)
+        kind = RuleKind.BELOW_EXPECTED if tap == LINE else RuleKind.CIRCUIT_LOSS
+        if showed is None:  # the line fell after it was at its highest, by which the draws are weighed
+            below = replace(lost, draws=lost.draws + lost.expected - reading.pressure)
+            u = math.hypot(self.uncertainty * reading.pressure, below.standard_uncertainty)
+            rule = Rule(kind, None, max(below.quantile(0.5), 0.0), steps, where=_where(reading.cell))
+            return replace(checked, decisions=(self._decide(rule, u),))
         value = max(lost.quantile(0.5), 0.0)
-        rule = Rule(RuleKind.CIRCUIT_LOSS, None, value, steps, circuit=circuit, where=_where(reading.cell))
+        rule = Rule(kind, None, value, steps, circuit=circuit, where=_where(reading.cell))
         over = tuple(lost.probability_over(limit) for _, limit in steps.levels)
         u = (lost.standard_uncertainty,) * len(over)
         decided = decide_rule(rule, u, over, self.guard_factor, skewed=True)
@@ -422,8 +435,14 @@ class _Checker:
             repeat=reading.repeat,
             uncertainty=self.uncertainty * reading.pressure,
             stands=checked.stands,
-            loss=checked.loss if checked.lost is not None and checked.verdict is not Verdict.OK else None,
+            loss=checked.loss if reading.cell.tap != LINE and checked.verdict is not Verdict.OK else None,
             causes=checked.lost.causes if checked.lost is not None else {},
+            measured=any(
+                each.measured and reading.cell.tap in (gap.high.section, gap.low.section)
+                for gap in self.controller.gaps
+                for each in cast("Sequence[LandClearance]", self.model.clearances)
+                if each.land.key == gap.key
+            ),
         )
 
     @property
@@ -487,6 +506,10 @@ class _Checker:
         for reason in dict.fromkeys(error.sentence for error in self.outside):
             text = Sentence("No pressure is expected from the engine: {reason}", reason=reason)
             yield Message("warning", "pressure_not_expected", text, place)
+
+
+def _section(tap: str) -> str:
+    return LINE_SECTION if tap == LINE else tap
 
 
 def _where(cell: Cell) -> Sentence:

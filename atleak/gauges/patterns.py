@@ -36,6 +36,7 @@ class Standing:
     stands: Stands | None = None  # to what is permissible; None where nothing is
     loss: float | None = None  # [Pa] of a circuit that is flagged for it; None elsewhere
     causes: Mapping[Cause, float] = field(default_factory=dict)  # the part of that loss which each explains
+    measured: bool = False  # whether any land of its circuit was
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ class Pattern:
     worst: Cell | None = None  # of those that fall or have lost most
     amount: float | None = None  # there: by which fraction it fell, or what it has lost against new [Pa]
     causes: Mapping[Cause, float] = field(default_factory=dict)  # there: which part of that each explains
+    measured: bool = False  # whether any land that explains it was
 
 
 @dataclass(frozen=True)
@@ -178,4 +180,5 @@ def _circuit_loss(readings: Sequence[Standing]) -> Iterator[Pattern]:
             worst=worst.cell,
             amount=worst.loss,
             causes=worst.causes,
+            measured=worst.measured,
         )

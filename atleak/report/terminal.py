@@ -18,6 +18,7 @@ from atleak.intake.units import HHMMSS, find_unit, kinds_of
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import look_of
 from atleak.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
+from atleak.pressure_table import LINE
 from atleak.repair import RepairStep, plan_repairs
 from atleak.road_findings import RoadFindings
 from atleak.rules import Rule
@@ -277,7 +278,7 @@ def _verdict(diagnosis: Diagnosis) -> str:
         sentence = f"{pump}\n{sentence}"
     if decided_by is None:
         alone = diagnosis.without_sheet and diagnosis.verdict != Verdict.NOT_MEASURED
-        return f"{sentence}, by the main pressure of {_measured_by(diagnosis)} alone" if alone else sentence
+        return f"{sentence}, by the {_measured_by(diagnosis)} alone" if alone else sentence
     if isinstance(decided_by, Rule):
         because = because_of(diagnosis, decided_by, say)
         return f"{sentence} {because}" if because else f"{sentence}, decided by the {decided_by.label}"
@@ -287,9 +288,16 @@ def _verdict(diagnosis: Diagnosis) -> str:
 
 
 def _measured_by(diagnosis: Diagnosis) -> str:
-    """Name what main pressure was measured with: gauges, a log, or both."""
-    named = (("gauges", diagnosis.pressures), ("the log", diagnosis.log))
-    return " and ".join(name for name, given in named if given is not None)
+    """Name what was judged, and what it was measured with: gauges, a log, or both."""
+    readings = diagnosis.pressures.readings if diagnosis.pressures else ()
+    main = "main pressure"
+    taps = {each.cell.tap == LINE for each in readings if each.verdict is not None}
+    judged = "circuit pressures" if taps == {False} else "main and circuit pressures" if False in taps else main
+    if diagnosis.log is None:
+        return f"{judged} of gauges"
+    if diagnosis.pressures is None or judged == main:
+        return f"{main} of {'the log' if diagnosis.pressures is None else 'gauges and the log'}"
+    return f"{judged} of gauges and the {main} of the log"
 
 
 def _complaint(diagnosis: Diagnosis) -> Iterator[str]:

@@ -80,6 +80,7 @@ class Lost:
     weights: np.ndarray  # their sum is 1
     effective: float  # number of draws that the weights are worth
     causes: Mapping[Cause, float]  # the part of the loss that each explains, the largest first
+    highest: float  # [Pa] that it holds in 999 of 1000 units, before any gauge is read
 
     @property
     def standard_uncertainty(self) -> float:
@@ -362,7 +363,8 @@ def losses(
         the readings. Those of a circuit, of what feeds it and of the line tell of it; what others show acts on it by
         the line alone, which was read.
     wanted
-        circuits by id, each with an operating point in whose gear it is applied.
+        circuits by id, each with an operating point in whose gear it is applied; or the line, as p_g, whose regulator
+        then counts as new too: it loses what that lets it fall, and not what it is set to.
     draws
         a power of two.
     """
@@ -420,13 +422,15 @@ def _of_circuit(
 
     result = {}
     for point in points:
-        when_new = [unit.pressures(each, point, new=True) for each, _ in parts]
+        new_units = [replace(each, wear=0.0 * each.wear) if circuit == LINE else each for each, _ in parts]
+        when_new = [unit.pressures(each, point, new=True) for each in new_units]
         now, line = (of_all([held[point][name] for _, held in parts]) for name in (circuit, LINE))
         new, line_new = (of_all([held[name] for held in when_new]) for name in (circuit, LINE))
         leaks = [unit.leaks(each, circuit, point, held[point][circuit]) for each, held in parts]
         flows = {cause: of_all([each[cause] for each in leaks]) for cause in leaks[0]}
         causes = _shares(flows, new - now, line_new - line, weights)
-        result[point] = Lost((new - now)[kept], now[kept], weights[kept], effective, causes)
+        highest = float(np.quantile(held[point][circuit], 0.999))
+        result[point] = Lost((new - now)[kept], now[kept], weights[kept], effective, causes, highest)
     return result
 
 

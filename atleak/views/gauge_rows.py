@@ -105,13 +105,16 @@ def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
         for (what, *which), share in pattern.causes.items()
         if what == "land" and share >= LEAST_OF_A_LAND
     ][:MOST_LANDS]
+    causes = [(say(f"patterns.cause_{each[0]}"), share) for each, share in pattern.causes.items() if each[0] != "land"]
     others = [
-        say("patterns.part_of_it", what=say(f"patterns.cause_{cause[0]}"), percent=say.percent(share, 0))
-        for cause, share in pattern.causes.items()
-        if cause[0] != "land" and share >= WORTH_NAMING
+        say("patterns.part_of_it", what=what, percent=say.percent(share, 0)) if pattern.measured else what
+        for what, share in causes
+        if share >= WORTH_NAMING
     ]
     named = [say("patterns.lands_first", lands=", ".join(lands))] if lands else []
-    beside = [say("patterns.besides", causes=", ".join(others))] if others else []
+    beside = (
+        [say(f"patterns.besides{'' if pattern.measured else '_assumed'}", causes=", ".join(others))] if others else []
+    )
     by_a_land = next(iter(pattern.causes), ("land",))[0] == "land"
     return " ".join([sentence, *(named + beside if by_a_land else beside + named)])
 

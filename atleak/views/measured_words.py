@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
-from atleak.gauges.check import CheckedReading, PressureCheck
+from atleak.gauges.check import PressureCheck
 from atleak.rules import Rule
 from atleak.views.gauge_rows import tap_text
 from atleak.views.road_words import deciding_sentence as of_log
@@ -42,18 +43,17 @@ def gauges_within(check: PressureCheck, say: Wording) -> str:
 def _of_gauge(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str:
     readings = diagnosis.pressures.readings if diagnosis.pressures else ()
     each = next(each for each in readings if any(decided.rule == rule for decided in each.decisions))
-    below = each.loss if rule.circuit is not None else (_low(each) - each.reading.pressure)
+    pressure, of_new = each.reading.pressure, rule.kind is RuleKind.BELOW_EXPECTED
+    limit = pressure + rule.value if of_new else (each.permissible.low if each.permissible else None) or 0.0
+    decided = None if rule.kind is RuleKind.PERMISSIBLE_PRESSURE else diagnosis.decided(rule)
+    below = rule.value if rule.circuit is not None else limit - pressure
     return say(
-        f"gauges.{'below' if rule.circuit is None else 'circuit'}",
+        f"gauges.{'below_new' if of_new else 'below' if rule.circuit is None else 'circuit'}",
         tap=tap_text(diagnosis.controller, each.cell.tap, say),
         cell=f"{each.cell.range}, {say.sentence(each.cell.engine.label)}",
-        pressure=say.value(each.reading.pressure * KPA, "pressure", 0),
-        limit=say.value(_low(each) * KPA, "pressure", 0),
-        kpa=say.value((below or 0.0) * KPA, "pressure", 0),
-        percent=say.percent(rule.value if each.over_limit is None else each.over_limit, 0 if each.lost else 1),
+        pressure=say.value(pressure * KPA, "pressure", 0),
+        limit=say.value(limit * KPA, "pressure", 0),
+        kpa=say.value(below * KPA, "pressure", 0),
+        percent=say.percent(rule.value, 1) if decided is None else say.percent(decided.probability_over_limit, 0),
         verdict=say.signed(rule.verdict),
     )
-
-
-def _low(each: CheckedReading) -> float:
-    return (each.permissible.low if each.permissible else None) or 0.0

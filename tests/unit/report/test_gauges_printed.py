@@ -49,7 +49,7 @@ def test_the_pdf_lists_every_reading_and_what_the_table_hints_at(gauged: Diagnos
     assert say("sections.gauges") in text
     for reading in ("900", "690", "480"):
         assert reading in text
-    for word in (say.level("watch"), say.sentence(Engine.FAST_IDLE.label).split()[0], "gauges.csv"):
+    for word in (say.level("critical"), say.sentence(Engine.FAST_IDLE.label).split()[0], "gauges.csv"):
         assert word in text
     for kind in ("low_at_slow_idle", "circuit_loss"):
         start = say.texts["patterns"][kind].split("{")[0].strip() or say.name("forward clutch")
@@ -75,7 +75,7 @@ def test_the_workbook_has_a_sheet_of_them_with_numbers(gauged: Diagnosis) -> Non
     readings = readings_in(content)
     assert readings["Range"].tolist() == ["P", "R", "R", "D", "D", "2", "2", "D"]
     assert readings["Gauge [kPa]"].astype(float).tolist() == [700.0, 900.0, 1000.0, 700.0, 800.0, 690.0, 790.0, 480.0]
-    assert readings["Verdict"].iloc[0] == "▲ watch"  # park is judged as neutral is
+    assert readings["Verdict"].iloc[0] == "✖ critical"  # park is judged as neutral is
     assert float(readings["Lost [kPa]"].iloc[-1]) > 103.0
     sheet = openpyxl.load_workbook(io.BytesIO(content))[SHEET]
     notes = " ".join(str(row[1].value) for row in sheet.iter_rows() if row[0].value == "pattern")
