@@ -12,7 +12,7 @@ from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.limits import Level, RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.report.xlsx.book import Book, cell, exact, formula, span
+from atleak.report.xlsx.book import Book, cell, formula, span
 from atleak.report.xlsx.limit_cells import LimitCells
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
@@ -34,7 +34,7 @@ from atleak.wording import Wording
 RULES = Sentence("Rules")
 _VALUE, _NEW, _FIRST_LEVEL = 4, 5, 6
 _VERDICT = _FIRST_LEVEL + len(FLAGGED)  # behind a limit for every level
-_RANK, _DECISION = _VERDICT + 1, _VERDICT + 2
+_RANK, _DECISION, _ISSUED = _VERDICT + 1, _VERDICT + 2, _VERDICT + 5
 _FORMATS = {RuleKind.RESERVE: "reserve", RuleKind.PAIR_SHARE: "share", RuleKind.TOTAL_SHARE: "share"}
 OF_THE_UNIT = Sentence("whole unit")  # in place of a component
 _BEFORE_LEVELS = (
@@ -51,6 +51,7 @@ _BEHIND_LEVELS = (
     Sentence("decision as issued"),
     Sentence("origin of the limit"),
     Sentence("source"),
+    Sentence("value as issued"),  # of a rule whose level is the likelier one
 )
 
 
@@ -142,11 +143,12 @@ class RuleCells:
                 18,
                 24,
                 60,
+                16,
             )
         ):
             sheet.set_column(column, column, width)
         sheet.autofilter(0, 0, self.last, len(names) - 1)
-        sheet.print_area(0, 0, self.last, len(names) - 2)  # the sources stand beside the limits
+        sheet.print_area(0, 0, self.last, len(names) - 3)  # the sources stand beside the limits
         book.colour_words(sheet, (1, _VERDICT), (self.last, _VERDICT), VERDICTS)
 
     def _unit_line(self, rule: Rule, row: int, held: Callable[[SheetCondition, Circuit, str], str]) -> _Line:
@@ -199,7 +201,10 @@ class RuleCells:
         verdict = fine if rule.verdict == Verdict.OK else rule.verdict
         issued = RANKED.index(rule.verdict) + 1
         if rule.probable:  # as issued, until it is another value, or a better one
-            value, known = cell(row, _VALUE), exact(rule.value * factor) if isfinite(rule.value) else NOTHING_DELIVERED
+            value, known = cell(row, _VALUE), NOTHING_DELIVERED
+            if isfinite(rule.value):
+                known = cell(row, _ISSUED)
+                book.put(sheet, row, _ISSUED, rule.value * factor, form)
             same, by_value = f"ABS({known})*{ROUNDED}", RANKED.index(replace(rule, reached=None).verdict) + 1
             if issued > by_value:  # what is worse still is no milder
                 past = f"{value}<={known}+{same}" if rule.steps.falling else f"{value}>={known}-{same}"
