@@ -100,22 +100,24 @@ def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
         percent=say.percent(amount, 0),
         kpa=say.value(amount * KPA, "pressure", 0),
     )
+    assumed = "" if pattern.measured else "_assumed"  # no reading tells how likely each cause is
+
+    def part(what: str, share: float) -> str:
+        return what if assumed else say("patterns.part_of_it", what=what, percent=say.percent(share, 0))
+
     lands = [
-        say("patterns.part_of_it", what=land_words(controller, which[0], say), percent=say.percent(share, 0))
+        part(land_words(controller, which[0], say), share)
         for (what, *which), share in pattern.causes.items()
         if what == "land" and share >= LEAST_OF_A_LAND
     ][:MOST_LANDS]
-    causes = [(say(f"patterns.cause_{each[0]}"), share) for each, share in pattern.causes.items() if each[0] != "land"]
     others = [
-        say("patterns.part_of_it", what=what, percent=say.percent(share, 0)) if pattern.measured else what
-        for what, share in causes
-        if share >= WORTH_NAMING
+        part(say(f"patterns.cause_{what}"), share)
+        for (what, *_), share in pattern.causes.items()
+        if what != "land" and share >= WORTH_NAMING
     ]
-    named = [say("patterns.lands_first", lands=", ".join(lands))] if lands else []
-    beside = (
-        [say(f"patterns.besides{'' if pattern.measured else '_assumed'}", causes=", ".join(others))] if others else []
-    )
-    by_a_land = next(iter(pattern.causes), ("land",))[0] == "land"
+    named = [say(f"patterns.lands_first{assumed}", lands=", ".join(lands))] if lands else []
+    beside = [say(f"patterns.besides{assumed}", causes=", ".join(others))] if others else []
+    by_a_land = bool(assumed) or next(iter(pattern.causes), ("land",))[0] == "land"
     return " ".join([sentence, *(named + beside if by_a_land else beside + named)])
 
 
