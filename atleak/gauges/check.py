@@ -352,8 +352,8 @@ class _Checker:
         value = max(lost.quantile(0.5), 0.0)
         rule = Rule(kind, None, value, steps, circuit=circuit, where=_where(reading.cell))
         over = tuple(lost.probability_over(limit) for _, limit in steps.levels)
-        u = (lost.standard_uncertainty,) * len(over)
-        decided = decide_rule(rule, u, over, self.guard_factor, skewed=True)
+        uncertainties = (lost.standard_uncertainty,) * len(over)
+        decided = decide_rule(rule, uncertainties, over, self.guard_factor, skewed=True)
         return replace(checked, lost=lost, decisions=(decided,))
 
     def _by_the_line(self, checked: CheckedReading, steps: Steps) -> CheckedReading:
