@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.controller import OperatingPoint
-from atleak.catalogue.limits import RuleKind
+from atleak.catalogue.limits import RuleKind, falls_below, reaches
 from atleak.diagnosis import Diagnosis
 from atleak.engine.line import LINE
 from atleak.engine.projection import Projection
 from atleak.engine.repaired import WORTH_NAMING, LandStates, Repaired
+from atleak.equations.uncertainty import normal_quantile
 from atleak.readings import LandClearance
 from atleak.rules import LandKey, Rule, permissible_low
 from atleak.verdicts import BANDS, Band, Verdict
@@ -31,6 +32,20 @@ class Judged:
 
     rule: Rule  # of the unit as measured, whose limits hold after a repair too
     projection: Projection  # as measured
+    likely: float = 1.0  # the likely value over the value, where the unit is past a limit that its value keeps
+
+    @classmethod
+    def of(cls, diagnosis: Diagnosis, rule: Rule, projection: Projection) -> Judged:
+        """Return a rule with how far its likely value is from its value: a repaired unit is no surer than before."""
+        decided = diagnosis.decided(rule)
+        if not rule.probable or decided is None or not 0.0 < rule.value < math.inf:
+            return cls(rule, projection)
+        level = next(each for each in reversed(decided.levels) if each.probability_over >= 0.5)
+        u = decided.level_uncertainties[decided.levels.index(level)]
+        beyond = float(normal_quantile(min(level.probability_over, 0.999))) * (u if math.isfinite(u) else 0.0)
+        return cls(
+            rule, projection, (level.limit - beyond if rule.steps.falling else level.limit + beyond) / rule.value
+        )
 
     def value(self, leakage: Any, pressures: Mapping[str, Any]) -> Any:
         """Return the rule's value from the leakage [m³/s] and the pressures held [Pa]; numbers or arrays."""
@@ -47,9 +62,13 @@ class Judged:
         return 1.0 - pressures[LINE] / low if low else rule.value + 0.0 * pressures[LINE]
 
     def after(self, leakage: float, pressures: Mapping[str, float], *, repaired: bool) -> Rule:
-        """Return the rule with the value that it has then; how sure a level is, nobody computes for a repaired unit."""
-        rule = replace(self.rule, reached=None) if repaired else self.rule
-        return replace(rule, value=float(self.value(leakage, pressures)))
+        """Return the rule with the value that it has then, of a repaired unit at the level of the likely value."""
+        value = float(self.value(leakage, pressures))
+        if not repaired:
+            return replace(self.rule, value=value)
+        passes = falls_below if self.rule.steps.falling else reaches
+        past = tuple(float(passes(value * self.likely, limit)) for _, limit in self.rule.steps.levels)
+        return replace(self.rule, value=value, reached=past if self.likely != 1.0 else None)
 
     def limit(self, worst: Verdict) -> float | None:
         """Return the limit that the value must keep to be no worse than a verdict; None where there is none."""
@@ -61,7 +80,7 @@ class Judged:
         ]
         if not worse:
             return None
-        return max(worse) if steps.falling else min(worse)
+        return (max(worse) if steps.falling else min(worse)) / self.likely
 
 
 @dataclass(frozen=True)
@@ -177,9 +196,9 @@ class RepairableUnit:
         return tuple(tuple(self._judged(each)) for each in self.diagnosis.projections)
 
     def _judged(self, projection: Projection) -> Iterator[Judged]:
-        yield Judged(self.diagnosis.total_rule(projection), projection)
+        yield Judged.of(self.diagnosis, self.diagnosis.total_rule(projection), projection)
         for rule in self.diagnosis.pressure_rules_at(projection):
-            yield Judged(rule, projection)
+            yield Judged.of(self.diagnosis, rule, projection)
 
     def repaired(self, choices: Sequence[LandChoice]) -> list[Repaired]:
         """Compute every condition for several choices at once."""

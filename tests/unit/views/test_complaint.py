@@ -133,7 +133,7 @@ def test_a_complaint_is_linked_to_the_lands_that_take_a_pressure_past_its_limit(
 def test_a_reserve_explains_a_complaint_only_where_worn_lands_make_the_pump_fall_short(
     worn: Diagnosis, wanted: float, linked: bool
 ) -> None:
-    """At 1.2 it is to be watched, and every pressure is held; at 0.45 a pump with new lands falls short, too."""
+    """At 1.2 it is to be watched, and every pressure is held; at 0.45 no new unit holds it: nothing is judged there."""
     idle = worn.hot_idle
     assert idle is not None
     speed = idle.condition.engine_speed * wanted / idle.reserve
@@ -148,9 +148,9 @@ def test_a_reserve_explains_a_complaint_only_where_worn_lands_make_the_pump_fall
     )
     assert found.complaint is not None
     rule = found.pressure_rule(found.projection, RuleKind.RESERVE)
-    assert rule is not None
-    assert rule.verdict.flagged
-    assert rule.value == pytest.approx(wanted, abs=1e-6)
+    assert (rule is None) == (wanted == 0.45)
+    assert rule is None or rule.verdict.flagged
+    assert found.projection.reserve == pytest.approx(wanted, abs=1e-6)
     by_reserve = [each for each in explanations(found, found.complaint) if each.held is None]
     assert bool(by_reserve) == linked
 
