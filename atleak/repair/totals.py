@@ -32,20 +32,20 @@ class Judged:
 
     rule: Rule  # of the unit as measured, whose limits hold after a repair too
     projection: Projection  # as measured
-    likely: float = 1.0  # the likely value over the value, where the unit is past a limit that its value keeps
+    likely: float = 1.0  # the likely value over the value, where the two have reached different levels
 
     @classmethod
     def of(cls, diagnosis: Diagnosis, rule: Rule, projection: Projection) -> Judged:
         """Return a rule with how far its likely value is from its value: a repaired unit is no surer than before."""
         decided = diagnosis.decided(rule)
-        if not rule.probable or decided is None or not 0.0 < rule.value < math.inf:
-            return cls(rule, projection)
-        level = next(each for each in reversed(decided.levels) if each.probability_over >= 0.5)
-        u = decided.level_uncertainties[decided.levels.index(level)]
-        beyond = float(normal_quantile(min(level.probability_over, 0.999))) * (u if math.isfinite(u) else 0.0)
-        return cls(
-            rule, projection, (level.limit - beyond if rule.steps.falling else level.limit + beyond) / rule.value
-        )
+        passes, sign = (falls_below, -1.0) if rule.steps.falling else (reaches, 1.0)
+        levels = () if decided is None else zip(decided.levels, decided.level_uncertainties, strict=True)
+        apart = [
+            level.limit + sign * float(normal_quantile(min(max(level.probability_over, 0.001), 0.999))) * u
+            for level, u in levels
+            if (level.probability_over >= 0.5) != passes(rule.value, level.limit) and math.isfinite(u)
+        ]
+        return cls(rule, projection, apart[-1] / rule.value if apart and 0.0 < rule.value < math.inf else 1.0)
 
     def value(self, leakage: Any, pressures: Mapping[str, Any]) -> Any:
         """Return the rule's value from the leakage [m³/s] and the pressures held [Pa]; numbers or arrays."""

@@ -386,3 +386,22 @@ def test_every_language_says_where_a_plan_ends(
     assert say.condition(plan.remaining[0].total.projection.condition) in sentences[0]
     assert say.percent(plan.remaining[0].total.share) in sentences[0]
     assert "46" in sentences[1]
+
+
+@pytest.mark.parametrize("name", ["chrysler_41te", "gm_4l60e", "zf_6hp26"])
+def test_a_plan_is_judged_by_the_likely_value_as_the_unit_is(
+    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
+) -> None:
+    """Every land a little wider than new pairs may be: totals are likely past a limit that their values keep."""
+    unit = load_controller(name)
+    wide = {
+        land.key: (land.nominal_diameter, land.nominal_diameter + 2.24 * land.mounting_range[1]) for land in unit.lands
+    }
+    diagnosis = diagnose(unit, hipol, limits, readings=readings_of(unit, wide))
+    probable = [rule for rule in diagnosis.total_rules if rule.probable and rule.verdict.flagged]
+    assert probable
+    plan = plan_repairs(diagnosis)
+    for end in plan.ends:
+        assert end.total.likely > 1.0 or end.total.rule not in probable
+        within = end.share * end.total.likely < end.limit_above(Band.GREEN)
+        assert within is (end.band is Band.GREEN)

@@ -73,7 +73,7 @@ def green_sets(choice: Choice) -> list[list[Move]]:
         done = at.repaired(states)
         for judged in rules:
             first = [limit for _, limit in judged.rule.steps.levels]
-            value = judged.value(done.leakage, done.pressures)
+            value = judged.value(done.leakage, done.pressures) * judged.likely
             green &= value >= max(first) if judged.rule.steps.falling else value < min(first)
     return list(itertools.compress(sets, green))
 
