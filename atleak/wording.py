@@ -357,6 +357,14 @@ def own_texts(language: str) -> Mapping[str, Any]:
     return texts
 
 
+@cache
+def own_table(language: str, name: str, about: str = "") -> Mapping[str, str]:
+    """Return one table of `own_texts`, without reading the others: of the files alone that hold a text ``about``."""
+    written = (path.read_text(encoding="utf-8") for path in (_FOLDER / language).glob("*.toml"))
+    tables = [tomllib.loads(text)[name] for text in written if f"\n[{name}]\n" in text and about in text]
+    return {key: text for table in tables for key, text in table.items()}
+
+
 def wording(language: str, units: str = "metric") -> Wording:
     """Return the texts of a language, with quantities in a system of units: metric, metric_bar or us.
 

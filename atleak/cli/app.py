@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import argparse
 import errno
-import http.client
 import os
 import socket
 import subprocess
 import sys
-import webbrowser
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -105,12 +103,15 @@ def open_page(port: int, query: Mapping[str, str]) -> int:
         _check_streamlit()
         _check_free(_HERE, port)
         return _start(_HERE, port, _Reach(["--server.headless", "true"]))  # else a browser would open at another page
+    import webbrowser
+
     webbrowser.open(address)
     return 0
 
 
 def _is_up(port: int) -> bool:
     """Return whether a dashboard answers at a port of this machine."""
+    import http.client
     import urllib.request
 
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))

@@ -12,7 +12,7 @@ from atleak.errors import ReadingsError, nearest_name
 from atleak.intake.readings.words import plain, plane_names, text_of
 from atleak.intake.sheets.sheet import Cell
 from atleak.sentence import Name, Sentence
-from atleak.wording import languages, wording
+from atleak.wording import languages, own_table
 
 _LEADING = re.compile(
     r"^(?:no|nr|number|component|comp|valve|damper|item|pos|bauteil|ventil|element|#)[\s.:]*(?=\S)", re.I
@@ -38,8 +38,8 @@ class ControllerNames:
     def _spellings(self) -> dict[str, str]:
         spelled: dict[str, str] = {}
         for language in languages():
-            say = wording(language)
-            names = {component: plain(say.name(name)) for component, name in self.controller.components.items()}
+            known = own_table(language, "names")
+            names = {part: plain(known.get(name, name)) for part, name in self.controller.components.items()}
             often = Counter(names.values())
             spelled |= {name: component for component, name in names.items() if often[name] == 1}
         for component in self.controller.components:

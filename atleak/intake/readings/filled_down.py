@@ -16,7 +16,7 @@ from atleak.intake.readings.words import is_blank, plain, repeat_of, text_of
 from atleak.intake.sheets.sheet import rows_named
 from atleak.readings import NOMINAL_HEADING
 from atleak.sentence import Sentence
-from atleak.wording import languages, wording
+from atleak.wording import languages, own_table
 
 _FILLED: tuple[Role, ...] = ("component", "part", "plane", "land", "direction")
 FILL_DOWN = Sentence("or --fill-down, if an empty cell means the one above it")
@@ -132,4 +132,6 @@ def is_own_form(table: Table) -> bool:
 @cache
 def nominal_headings() -> frozenset[str]:
     """Return the heading of the form's own column of nominal diameters in every language, without its unit."""
-    return frozenset(" ".join(wording(each).sentence(NOMINAL_HEADING).split()) for each in languages())
+    english = str(NOMINAL_HEADING)
+    headings = (own_table(each, "messages", english.split()[0]).get(english, english) for each in languages())
+    return frozenset(" ".join(heading.split()) for heading in headings)
