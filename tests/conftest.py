@@ -40,6 +40,11 @@ NOTHING_MAY_SKIP = bool(os.environ.get("ATLEAK_NOTHING_MAY_SKIP"))
 _HOME = tempfile.TemporaryDirectory(prefix="atleak-tests-")
 os.environ["ATLEAK_HOME"] = _HOME.name
 
+# Where Python is told to keep no compiled modules, every process that a test starts would compile all of them anew.
+_COMPILED = tempfile.TemporaryDirectory(prefix="atleak-tests-compiled-")
+if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):
+    os.environ["PYTHONPYCACHEPREFIX"] = _COMPILED.name
+
 # What is left out of the quick round.
 WHOLE = (
     "e2e", "unit/cli", "unit/pages", "unit/report", "unit/intake/native",
@@ -71,6 +76,7 @@ def pytest_collection_finish() -> None:
 
 def pytest_unconfigure() -> None:
     _HOME.cleanup()
+    _COMPILED.cleanup()
 
 
 @pytest.hookimpl(wrapper=True)
