@@ -300,12 +300,10 @@ def test_a_run_without_workers_says_now_and_then_where_and_until_when_it_waits(
     clock = itertools.count(1000.0, 2.0)  # two seconds go by between any two looks at it
     monkeypatch.setattr(running, "time", SimpleNamespace(monotonic=lambda: next(clock), sleep=time.sleep))
     told: list[Message] = []
-    with (
-        Client(processes=False, n_workers=0, dashboard_address=f"{HERE}:0", set_as_default=False) as none,
-        pytest.raises(FleetError, match="there has been no worker for 3"),
-    ):
+    with Client(processes=False, n_workers=0, dashboard_address=f"{HERE}:0", set_as_default=False) as none:
         address = none.scheduler.address
-        run_fleet([small_unit(1)], results, none, tell=told.append)
+        with pytest.raises(FleetError, match="there has been no worker for 3"):
+            run_fleet([small_unit(1)], results, none, tell=told.append)
     said = [re.fullmatch(rf"no worker for (\d+) s at {address}; waiting until \d\d:\d\d", each.text) for each in told]
     seconds = [int(each[1]) for each in said if each]
     assert len(said) == len(seconds) == 5
