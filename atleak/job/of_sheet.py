@@ -125,11 +125,10 @@ def without_plan_as_number(choices: Mapping[str, Any], sheet: bytes) -> Mapping[
         the job's file of readings.
     """
     record = choices.get("job")
-    number = record.get("number") if isinstance(record, Mapping) else None
-    if not number or number != _number_of_plan(sheet):
+    if not isinstance(record, Mapping) or not record.get("number") or record["number"] != _number_of_plan(sheet):
         return choices
     note = "The job number was emptied: atleak 0.2.0 had put the plan of the typed readings in its place. It read:"
-    notes = "\n".join(text for text in (record.get("notes"), f"{note} {number}") if text)
+    notes = "\n".join(text for text in (record.get("notes"), f"{note} {record['number']}") if text)
     return {**choices, "job": {**{name: record[name] for name in record if name != "number"}, "notes": notes}}
 
 

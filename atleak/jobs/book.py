@@ -424,11 +424,12 @@ def _saved_elsewhere(row: Any) -> Sentence:
 
 def _refuse_erased(row: Any, version: int | None) -> None:
     if row.erased is not None and (version or 0) < row.erased:
-        problem = Sentence(
-            "the customer was erased from this job after it was opened here, so nothing of what is here can be saved"
+        raise ErasedElsewhere(
+            Sentence(
+                "the customer was erased from this job after it was opened here, so nothing of what is here can be "
+                "saved: what was typed since has to be typed again into the newer state"
+            )
         )
-        expected = Sentence("what was typed since to be typed anew into the job as it is now")
-        raise ErasedElsewhere(problem, expected=expected)
 
 
 def _called(row: Any) -> Sentence:

@@ -47,8 +47,9 @@ _LISTED = 1_000_000  # units: all of them
 
 def choose() -> KnownFolder | None:
     """Let one of the folders be chosen that this computer knows; say which are gone, and how to begin without any."""
-    show.set_aside(set_aside())
-    say, known = reader.say(), known_folders()
+    say, damaged, known = reader.say(), set_aside(), known_folders()
+    for file in damaged:
+        st.warning(say("fleet.set_aside", file=show.plain(file)))
     there = {each.id: each for each in known if each.is_there}
     if not there:
         st.info(say("fleet.none_yet"))

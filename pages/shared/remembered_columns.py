@@ -27,7 +27,8 @@ def draw() -> None:
         st.caption(say("remembered.help"))
         if fault := st.session_state.pop(_FAULT, ""):
             st.error(say("remembered.failed", why=show.plain(fault)))
-        show.set_aside(damaged_before(default_path()))
+        for file in damaged_before(default_path()):
+            st.warning(say("remembered.set_aside", file=show.plain(str(file))))
         kept = recall_all(default_path())
         if not kept:
             st.write(say("remembered.none"))

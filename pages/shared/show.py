@@ -10,7 +10,6 @@ import traceback
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache, partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -89,12 +88,6 @@ def refusal(what: str, refused: Refusal, kept: str) -> None:
     if len(problems) > SHOWN:
         lines.append(f"- {say('show.more', count=len(problems) - SHOWN)}")
     st.error("\n".join([f"{head} {plain(kept)}", "", *lines]))
-
-
-def set_aside(files: Iterable[Path]) -> None:
-    """Say where what was remembered is kept that was damaged."""
-    for file in files:
-        st.warning(reader.say()("remembered.set_aside", file=plain(file)))
 
 
 @contextmanager

@@ -56,7 +56,9 @@ def _empty(connection: sa.Connection, row: sa.Row, choices: bytes) -> None:
     visit, own = row.visit, {"number": "", "date": row.date, "mileage_km": row.mileage_km}
     if connection.execute(sa.select(_JOBS.c.id).where(_JOBS.c.visit == visit, _JOBS.c.id != row.id)).first():
         unit = connection.execute(sa.select(_VISITS.c.unit).where(_VISITS.c.id == visit)).scalar_one()
-        (visit,) = connection.execute(_VISITS.insert().values(unit=unit, **own)).inserted_primary_key
+        made = connection.execute(_VISITS.insert().values(unit=unit, **own)).inserted_primary_key
+        assert made is not None
+        visit = made[0]
     else:
         connection.execute(_VISITS.update().where(_VISITS.c.id == visit).values(**own))
     values = {"number": "", "visit": visit, "choices": choices, "version": row.version + 1}
