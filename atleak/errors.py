@@ -162,6 +162,10 @@ class ChangedElsewhere(BookError):
     """A job that somebody else has saved since it was opened here; nothing was written over."""
 
 
+class ErasedElsewhere(ChangedElsewhere):
+    """A job whose customer was erased since it was opened here: what was opened must not come back."""
+
+
 class FleetError(InputError):
     """A run over a fleet, or its results, that cannot be begun, gone on with or read."""
 

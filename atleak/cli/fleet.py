@@ -124,8 +124,9 @@ def _run(options: argparse.Namespace) -> int:
             note(options.out)
         try:
             with _shown(quiet=getattr(options, "quiet", False)) as progress:
+                retry = options.retry_errors
                 finished = run_fleet(
-                    found, results, client, time_limit=limit, retry_errors=options.retry_errors, progress=progress
+                    found, results, client, time_limit=limit, retry_errors=retry, progress=progress, tell=_say
                 )
         except KeyboardInterrupt:
             print("atleak: interrupted; what was finished is kept, and running again goes on from it", file=sys.stderr)

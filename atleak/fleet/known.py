@@ -13,7 +13,7 @@ from pathlib import Path
 
 from atleak.errors import AtleakError
 from atleak.fleet.results_folder import check_readable
-from atleak.system.entries import readable, rewritten
+from atleak.system.entries import damaged_before, readable, rewritten
 from atleak.system.home import home
 
 _MOST = 50  # folders that are remembered, those that were used last
@@ -62,6 +62,11 @@ def known_folders() -> tuple[KnownFolder, ...]:
     entries = readable(_path()).items()
     known = [KnownFolder(Path(path), when) for path, when in entries if isinstance(when, str)]
     return tuple(sorted(known, key=lambda each: each.when, reverse=True))
+
+
+def set_aside() -> list[Path]:
+    """Return the files of such folders that were set aside because they were damaged, the earliest first."""
+    return damaged_before(_path())
 
 
 def forget(folder: KnownFolder) -> None:

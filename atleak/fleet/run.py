@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from distributed import Client
 
+    from atleak.errors import Message
     from atleak.fleet.columns import ErrorKind
     from atleak.fleet.results import Results
     from atleak.fleet.running import Run
@@ -73,6 +74,7 @@ def run_fleet(
     time_limit: float | None = TIME_LIMIT,
     retry_errors: bool = False,
     progress: Callable[[Progress], None] | None = None,
+    tell: Callable[[Message], object] = lambda message: None,
 ) -> Finished:
     """Have every unit diagnosed that has no result yet, and write the results.
 
@@ -93,6 +95,8 @@ def run_fleet(
         whether units that ended in an error before are tried again.
     progress
         called about twice a second, and at the end.
+    tell
+        told, now and then, that there is no worker to wait for.
 
     Raises
     ------
@@ -116,13 +120,13 @@ def run_fleet(
             said = now
             progress(Progress(run.done, run.errors.total(), run.before, len(units), now - begun, run.workers))
 
-    run = Run(units, known, results, client, time_limit, say)
+    run = Run(units, known, results, client, time_limit, say, tell)
     run.go()
     say(run, at_once=True)
     results.tidy()
     verdicts, errors, before = run.verdicts, run.errors, run.before
     if run.met - results.done():  # of files that were renamed: another content took the place of an earlier result
-        run = Run(units, results.standing(), results, client, time_limit, say)
+        run = Run(units, results.standing(), results, client, time_limit, say, tell)
         run.go()
         results.tidy()
         verdicts, errors, before = verdicts + run.verdicts, errors + run.errors, before - run.done

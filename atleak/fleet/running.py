@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import datetime as dt
 import itertools
 import queue
 import secrets
@@ -24,7 +25,7 @@ from distributed.scheduler import KilledWorker
 from tornado.platform.asyncio import BaseAsyncIOLoop
 
 from atleak.doors import unexpected
-from atleak.errors import FleetError, InputError, Place
+from atleak.errors import FleetError, InputError, Message, Place
 from atleak.fleet.columns import ErrorKind
 from atleak.fleet.results import Results, Standing
 from atleak.fleet.rows import Rows, error_rows
@@ -39,6 +40,7 @@ TRIES_ALONE = 2  # of a unit whose worker ended, after the one among others
 WRITTEN_EVERY = 20.0  # [s]
 WRITTEN_AT = 500  # units
 PATIENCE = 300.0  # [s] without any worker
+TOLD_AFTER, TOLD_EVERY = 10.0, 60.0  # [s] without any worker
 _NO_ANSWER = 60.0  # [s] without an answer of a scheduler that seems to be there
 _TICK = 0.5  # [s]
 _LOOK = 2.0  # [s] between two looks at which workers there are
@@ -77,6 +79,8 @@ class Run:
         [s] for one unit; None: none.
     say
         called about twice a second with this run.
+    tell
+        told, now and then, that there is no worker.
     """
 
     def __init__(
@@ -87,12 +91,14 @@ class Run:
         client: Client,
         time_limit: float | None,
         say: Callable[[Run], object],
+        tell: Callable[[Message], object] = lambda message: None,
     ) -> None:
         self.verdicts: Counter[str] = Counter()
         self.errors: Counter[ErrorKind] = Counter()
         self.before = 0  # units that are known already
         self.workers = 0
         self._results, self._client, self._time_limit, self._say = results, client, time_limit, say
+        self._tell = tell
         assert isinstance(client.loop, BaseAsyncIOLoop)
         self._loop = client.loop.asyncio_loop
         self._units, self._all_seen = iter(units), False
@@ -110,6 +116,7 @@ class Run:
         self._threads = 0
         self._looked = 0.0  # when
         self._seen = self._answered = time.monotonic()  # when there was a worker, and a scheduler
+        self._told_at = self._seen + TOLD_AFTER  # when it is told next that there is no worker
         run = secrets.token_hex(6)
         self._names = (f"{run}-{number}" for number in itertools.count())
 
@@ -158,10 +165,22 @@ class Run:
         self.workers, self._threads = len(threads), sum(threads.values())
         self._looked = self._answered = now
         if self._threads:
-            self._seen = now
+            self._seen, self._told_at = now, now + TOLD_AFTER
         elif now - self._seen > PATIENCE:
             problem = Sentence("there has been no worker for {seconds:.0f} s", seconds=now - self._seen)
             raise FleetError(problem, expected=_AGAIN)
+        elif now >= self._told_at:
+            self._told_at = now + TOLD_EVERY
+            self._tell(Message("warning", "no_worker", self._without_worker(now - self._seen)))
+
+    def _without_worker(self, seconds: float) -> Sentence:
+        until = dt.datetime.now() + dt.timedelta(seconds=PATIENCE - seconds)
+        return Sentence(
+            "no worker for {seconds:.0f} s at {address}; waiting until {time}",
+            seconds=seconds,
+            address=self._client.scheduler.address,
+            time=f"{until:%H:%M}",
+        )
 
     def _hand_out(self) -> None:
         handed = [self._waiting.popleft() for _ in range(min(self._room, len(self._waiting)))]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import csv
+import io
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from atleak.errors import Message
-from atleak.intake.readings.words import plain
+from atleak.intake.readings.words import plain, text_of
 from atleak.job.record import InstrumentUsed, Job
-from atleak.readings import Readings
+from atleak.readings import TYPED_MARK, Readings
 from atleak.sentence import Sentence
 from atleak.sheet_identity import SheetIdentity
 from atleak.unit_systems import Quantity
@@ -108,3 +110,34 @@ def _contradictions(job: Job, head: SheetIdentity) -> Iterator[tuple[Sentence, s
     ):
         if own and written and plain(own) != plain(written):
             yield what, own, written
+
+
+def without_plan_as_number(choices: Mapping[str, Any], sheet: bytes) -> Mapping[str, Any]:
+    """Return the content of ``job.json`` without the number that version 0.2.0 made of the plan of typed readings.
+
+    The notes then say so. Only a number that is to the letter what 0.2.0 made of this very file goes.
+
+    Parameters
+    ----------
+    choices
+        as it was kept.
+    sheet
+        the job's file of readings.
+    """
+    record = choices.get("job")
+    if not isinstance(record, Mapping) or not record.get("number") or record["number"] != _number_of_plan(sheet):
+        return choices
+    note = "The job number was emptied: atleak 0.2.0 had put the plan of the typed readings in its place. It read:"
+    notes = "\n".join(text for text in (record.get("notes"), f"{note} {record['number']}") if text)
+    return {**choices, "job": {**{name: record[name] for name in record if name != "number"}, "notes": notes}}
+
+
+def _number_of_plan(sheet: bytes) -> str | None:
+    """Return what 0.2.0 took for the job's number in the first row of a file of typed readings; None in any other."""
+    try:
+        lines = io.StringIO(sheet.decode().removeprefix("sep=;\r\n"), newline="")
+        row = next(csv.reader(lines, delimiter=";"), [])
+    except (UnicodeDecodeError, csv.Error):
+        return None
+    number = text_of(row[1].partition(":")[2]) if row[:1] == [TYPED_MARK] and len(row) > 1 else ""
+    return number if 0 < len(number) <= 200 else None  # signs: 0.2.0 took no longer text for a field

@@ -22,6 +22,7 @@ from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
 from atleak.faults import validated
 from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
+from atleak.job.of_sheet import without_plan_as_number
 from atleak.job.photo_notes import without_notes
 from atleak.job.record import (
     Job,
@@ -304,6 +305,9 @@ class JobFile:
             problem = Sentence("job file of another format")
             expected = Sentence("format {format}", format=FORMAT)
             raise InputError(problem, place=Place(file=name), value=made, expected=expected)
+        sheet = sources.get("readings")
+        if isinstance(sheet, bytes):
+            data = without_plan_as_number(data, sheet)
         try:
             stated = validated(Choices, data, _within(name, "job.json"))
         except InputError as error:

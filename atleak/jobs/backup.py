@@ -10,13 +10,12 @@ import sqlite3
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import sqlalchemy as sa
 
 from atleak.errors import BookError, Place
 from atleak.jobs.book import Book
-from atleak.jobs.opening import in_words, opened_engine, writing
+from atleak.jobs.opening import copy_file, in_words, opened_engine, writing
 from atleak.jobs.rows import COPIED, copy_rows
 from atleak.jobs.tables import jobs
 from atleak.jobs.verify import Fault, verify
@@ -55,7 +54,7 @@ def backup(book: Book, path: str | Path) -> int:
         if book.engine.dialect.name == "sqlite":
             connection = book.engine.raw_connection()
             try:
-                _copy_file(connection.driver_connection, beside)
+                copy_file(connection.driver_connection, beside)
             finally:
                 connection.close()
         else:
@@ -147,9 +146,9 @@ def _opened(path: Path) -> Iterator[Book]:
         copy = Path(folder) / "book.sqlite"
         with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as connection:
             _check(connection, path)
-            _copy_file(connection, copy)
+            copy_file(connection, copy)
         try:
-            engine = opened_engine(sa.URL.create("sqlite", database=str(copy)))
+            engine = opened_engine(sa.URL.create("sqlite", database=str(copy)), a_copy=True)
         except BookError as error:
             error.rename_file(lambda _: str(path))
             raise
@@ -157,12 +156,6 @@ def _opened(path: Path) -> Iterator[Book]:
             yield Book(engine, str(path))
         finally:
             engine.dispose()
-
-
-def _copy_file(source: Any, path: Path) -> None:
-    """Copy what a connection of SQLite sees into a new file."""
-    with contextlib.closing(sqlite3.connect(path)) as target:
-        source.backup(target)
 
 
 def _check(connection: sqlite3.Connection, path: Path) -> None:

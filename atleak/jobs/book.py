@@ -15,7 +15,7 @@ from typing import Any
 import sqlalchemy as sa
 from sqlalchemy import exc
 
-from atleak.errors import BookError, ChangedElsewhere, Place
+from atleak.errors import BookError, ChangedElsewhere, ErasedElsewhere, Place
 from atleak.job.parts import JobFile, JobParts
 from atleak.jobs.log_table import log_table
 from atleak.jobs.opening import database_url, in_words, opened_engine, shown, writing
@@ -182,7 +182,8 @@ class Book:
         Raises
         ------
         ChangedElsewhere
-            the book holds another version of the job, or does not hold it any more.
+            the book holds another version of the job, or does not hold it any more; `ErasedElsewhere` where its
+            customer was erased since that version.
         BookError
             the database cannot be used.
         """
@@ -212,6 +213,7 @@ class Book:
         now = dt.datetime.now(dt.UTC)
         earlier = None if id is None else self._row(connection, id, lock=True)
         if earlier is not None and earlier.version != version:
+            _refuse_erased(earlier, version)
             raise ChangedElsewhere(_saved_elsewhere(earlier))
         saved = Saved(id or secrets.token_hex(8), 1 if earlier is None else earlier.version + 1)
         contents = {source.sha256: source.content for source in parts.sources.values()}
@@ -316,6 +318,19 @@ class Book:
             row = self._row(connection, id)
         return int(row.version)
 
+    def refuse_erased(self, id: str, version: int) -> None:
+        """Refuse what was seen of a job before its customer was erased; a job that is not there was not erased.
+
+        Raises
+        ------
+        ErasedElsewhere
+            the customer was erased after that version.
+        """
+        with self.reading() as connection:
+            row = connection.execute(sa.select(jobs.c.erased).where(jobs.c.id == id)).one_or_none()
+        if row is not None:
+            _refuse_erased(row, version)
+
     def rows(self, query: Query | None = None) -> list[JobRow]:
         """Return the jobs that a query asks for, the last changed one first."""
         with self.reading() as connection:
@@ -405,6 +420,16 @@ def _saved_elsewhere(row: Any) -> Sentence:
         return Sentence("this job was saved elsewhere at {at}, after it was opened here", at=at)
     who = row.technician
     return Sentence("this job was saved elsewhere by {who} at {at}, after it was opened here", who=who, at=at)
+
+
+def _refuse_erased(row: Any, version: int | None) -> None:
+    if row.erased is not None and (version or 0) < row.erased:
+        raise ErasedElsewhere(
+            Sentence(
+                "the customer was erased from this job after it was opened here, so nothing of what is here can be "
+                "saved: what was typed since has to be typed again into the newer state"
+            )
+        )
 
 
 def _called(row: Any) -> Sentence:

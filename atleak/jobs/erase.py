@@ -6,6 +6,7 @@ import json
 from collections import defaultdict
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import sqlalchemy as sa
@@ -14,7 +15,7 @@ from atleak.errors import AtleakError, BookError, InputError, Place
 from atleak.job.parts import JobParts
 from atleak.jobs.book import Book, JobRow, StoredJob, drop_files, packed
 from atleak.jobs.merge import key_stated, lead, root_of
-from atleak.jobs.opening import in_words
+from atleak.jobs.opening import in_words, kept_before
 from atleak.jobs.rows import replace_rows
 from atleak.jobs.search import Query
 from atleak.jobs.tables import job_files, jobs, key_of, lands, metadata, results, units, visits
@@ -138,14 +139,14 @@ def _erase(book: Book, connection: sa.Connection, id: str, version: int, parts: 
     before = connection.execute(sa.select(jobs).where(jobs.c.id == id)).one()
     stored = connection.execute(sa.select(results).where(results.c.job == id).order_by(results.c.made_at)).all()
     judged = [dict(row._mapping) for row in connection.execute(sa.select(lands).where(lands.c.job == id))]
-    book.save_in(connection, parts, id, version, sample)
+    saved = book.save_in(connection, parts, id, version, sample)
     kept = [_result(book, row, parts, last=row is stored[-1]) for row in stored]
     replace_rows(connection, results, id, kept)
     replace_rows(
         connection, lands, id, [{name: row[name] for name in row if name not in ("id", "job")} for row in judged]
     )
     unchanged = {name: getattr(before, name) for name in ("changed_at", "verdict", "mileage_km")}
-    connection.execute(jobs.update().where(jobs.c.id == id).values(**unchanged))
+    connection.execute(jobs.update().where(jobs.c.id == id).values(erased=saved.version, **unchanged))
 
 
 def _result(book: Book, row: Any, parts: JobParts, *, last: bool) -> dict[str, Any]:
@@ -197,7 +198,7 @@ def _keep_together(book: Book, connection: sa.Connection, ids: Sequence[str]) ->
 
 
 def sweep(book: Book) -> None:
-    """Write the database's files anew, so that nothing that was deleted is left in them.
+    """Write the database's files anew, so that nothing that was deleted is left in them, nor in what an update kept.
 
     Raises
     ------
@@ -209,6 +210,8 @@ def sweep(book: Book) -> None:
             for table in metadata.sorted_tables:
                 connection.exec_driver_sql(f"VACUUM (FULL, ANALYZE) {table.name}")
             return
+        for before in kept_before(Path(str(book.engine.url.database))):
+            before.unlink()
         usual = connection.exec_driver_sql("PRAGMA busy_timeout").scalar()
         connection.exec_driver_sql(f"PRAGMA busy_timeout = {_PATIENCE}")
         connection.exec_driver_sql("VACUUM")

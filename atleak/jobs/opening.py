@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import os
+import shutil
 import sqlite3
+import tempfile
+import weakref
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,11 +20,12 @@ from sqlalchemy import exc
 from atleak.errors import BookError, Place, extra_installed
 from atleak.jobs.tables import REVISION, about, metadata
 from atleak.sentence import Sentence
-from atleak.system.files import PRIVATE
+from atleak.system.files import PRIVATE, replacing
 from atleak.system.home import DATABASE_URL, PRIVATE_FOLDER, home, made
 from atleak.version import __version__
 
 FILE = "book.sqlite"
+_BEFORE = ".before-"  # what is between a book's name and the revision of the tables that took the place of its own
 _BESIDE = ("", "-wal", "-shm")  # what the names of a book's three files end in
 _PACKAGE = Path(__file__).resolve().parents[1]
 _WAITING = 30.0  # [s] for another writer
@@ -89,8 +94,13 @@ def _outside(path: Path) -> str:
     return str(path.absolute())
 
 
-def opened_engine(url: sa.URL) -> sa.Engine:
+def opened_engine(url: sa.URL, *, a_copy: bool = False) -> sa.Engine:
     """Return the engine of a database whose tables are there and are today's; a file that may only be read is read.
+
+    Parameters
+    ----------
+    a_copy
+        whether the file is a copy, which is not kept as it was before its tables are brought up to date.
 
     Raises
     ------
@@ -117,18 +127,50 @@ def opened_engine(url: sa.URL) -> sa.Engine:
                 current = _revision(connection)
             if current != REVISION:
                 if path is not None and _mode(path) != "rw":
-                    problem = Sentence("may not be written, as an update of its tables has to")
-                    raise BookError(problem, place=Place(file=name), expected=Sentence("a copy of it that may be"))
+                    copy = _brought_up_elsewhere(engine)
+                    engine.dispose()
+                    return copy
                 with writing(engine) as connection:
                     if url.get_backend_name() == "postgresql":
                         connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
-                    _bring_up(connection, name)
+                    _bring_up(connection, name, None if a_copy else path)
                 if path is not None and path.is_relative_to(home()):
                     _keep_private(path)
         except BaseException:
             engine.dispose()  # its connections, which nobody else closes
             raise
     return engine
+
+
+def _brought_up_elsewhere(engine: sa.Engine) -> sa.Engine:
+    """Return the engine of a copy of an earlier book that may only be read: today's tables, to be read likewise."""
+    folder = tempfile.mkdtemp(prefix="atleak-book-")
+    url = sa.URL.create("sqlite", database=str(Path(folder) / FILE))
+    try:
+        with contextlib.closing(engine.raw_connection()) as source:
+            copy_file(source.driver_connection, Path(folder) / FILE)
+        opened_engine(url, a_copy=True).dispose()
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    copy = sa.create_engine(url, **_options(url), poolclass=sa.NullPool)  # which holds no file that is to be deleted
+    sa.event.listen(copy, "connect", _prepare_sqlite)
+    sa.event.listen(copy, "connect", lambda connection, _: connection.execute("PRAGMA query_only = ON"))
+    sa.event.listen(copy, "begin", _begin_sqlite)
+    weakref.finalize(copy, shutil.rmtree, folder, ignore_errors=True)
+    return copy
+
+
+def copy_file(source: Any, path: Path) -> None:
+    """Write what a connection of SQLite sees as one file, with none beside it."""
+    with contextlib.closing(sqlite3.connect(path)) as target:
+        source.backup(target)
+        target.execute("PRAGMA journal_mode = DELETE")
+
+
+def kept_before(path: Path) -> list[Path]:
+    """Return what was kept of a book as it was before an update of its tables."""
+    return sorted(path.parent.glob(f"{glob.escape(path.name)}{_BEFORE}*"))
 
 
 @contextlib.contextmanager
@@ -242,8 +284,8 @@ def _revision(connection: sa.Connection) -> str | None:
     return connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar()
 
 
-def _bring_up(connection: sa.Connection, name: str) -> None:
-    """Make the tables of a new book, or bring those of an earlier version to today's."""
+def _bring_up(connection: sa.Connection, name: str, path: Path | None) -> None:
+    """Make the tables of a new book, or bring those of an earlier version to today's; a file is kept as it was."""
     current = _revision(connection)
     if current == REVISION:
         return  # another process was first
@@ -269,6 +311,10 @@ def _bring_up(connection: sa.Connection, name: str) -> None:
         )
         raise BookError(problem, place=Place(file=name), expected=Sentence("atleak to be updated; nothing was changed"))
     else:
+        if path is not None:
+            before = path.with_name(f"{path.name}{_BEFORE}{REVISION}")
+            with replacing(before, mode=PRIVATE) as beside, contextlib.closing(sqlite3.connect(path)) as as_it_is:
+                copy_file(as_it_is, beside)
         command.upgrade(config, "head")
     connection.execute(about.delete())
     connection.execute(about.insert().values(atleak=__version__))

@@ -39,7 +39,7 @@ class Moment(TypeDecorator[dt.datetime]):
         return value.replace(tzinfo=dt.UTC) if value.tzinfo is None else value.astimezone(dt.UTC)
 
 
-REVISION = "0002"
+REVISION = "0003"
 """The revision of these tables: the newest of the folder ``migrations``."""
 
 metadata = MetaData(
@@ -98,6 +98,7 @@ jobs = Table(
     metadata,
     Column("id", String(32), primary_key=True),
     Column("version", Integer, nullable=False),  # counts the saves: who saves says which one it saw
+    Column("erased", Integer),  # the version of it from which the customer was erased last
     Column("visit", ForeignKey("visits.id"), nullable=False, index=True),
     Column("sample", Boolean, nullable=False),  # made of the shipped sample: no unit of the workshop's
     Column("made_at", Moment, nullable=False),

@@ -1,8 +1,12 @@
-"""Keep what somebody is typing in the user's folder, so that it outlives a page that is closed or loaded anew."""
+"""Keep what somebody is typing in the user's folder, so that it outlives a page that is closed or loaded anew.
+
+Drafts of a person who is signed in are that person's alone; those of nobody are everybody's.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import re
 import secrets
 from pathlib import Path
@@ -10,7 +14,6 @@ from pathlib import Path
 from atleak.system.files import PRIVATE, replace_file
 from atleak.system.home import home, made
 
-_MOST = 20  # drafts that are kept, the newest
 _TOKEN = re.compile(r"[0-9a-f]{12}")
 
 
@@ -19,23 +22,22 @@ def new_token() -> str:
     return secrets.token_hex(6)
 
 
-def keep_draft(token: str, text: str) -> None:
-    """Keep a draft under its name, in place of what was kept under it; the oldest of too many go.
+def keep_draft(token: str, text: str, person: str = "") -> None:
+    """Keep a person's draft under its name, in place of what that person's was; it stays until it is forgotten.
 
     Raises
     ------
     OutputError
         where the user's folder cannot be written.
     """
-    replace_file(made(_folder()) / f"{token}.json", text.encode("utf-8"), mode=PRIVATE)
-    for other in [*drafts()][_MOST:]:
-        forget_draft(other)
+    replace_file(made(_folder(person)) / f"{token}.json", text.encode("utf-8"), mode=PRIVATE)
 
 
-def drafts() -> dict[str, Path]:
-    """Return the files of drafts by their names, the newest first."""
-    files = [(_written(path), path) for path in _folder().glob("*.json") if _TOKEN.fullmatch(path.stem)]
-    return {path.stem: path for _, path in sorted(files, reverse=True)}
+def drafts(person: str = "") -> dict[str, Path]:
+    """Return the files of a person's drafts, and of nobody's, by their names, the newest first."""
+    files = {path.stem: path for whose in ("", person) for path in _folder(whose).glob("*.json")}
+    kept = {name: path for name, path in files.items() if _TOKEN.fullmatch(name)}
+    return dict(sorted(kept.items(), key=lambda each: (_written(each[1]), each[1]), reverse=True))
 
 
 def _written(path: Path) -> float:
@@ -46,22 +48,20 @@ def _written(path: Path) -> float:
         return 0.0
 
 
-def draft_text(token: str) -> str | None:
+def draft_text(token: str, person: str = "") -> str | None:
     """Return what was kept under a name; None where there is nothing that can be read."""
-    if not _TOKEN.fullmatch(token):
-        return None
     try:
-        return (_folder() / f"{token}.json").read_text(encoding="utf-8")
-    except (OSError, ValueError):
+        return drafts(person)[token].read_text(encoding="utf-8")
+    except (KeyError, OSError, ValueError):
         return None
 
 
-def forget_draft(token: str) -> None:
+def forget_draft(token: str, person: str = "") -> None:
     """Delete a draft, where there is one that can be deleted."""
-    if _TOKEN.fullmatch(token):
-        with contextlib.suppress(OSError):  # held by another program, or no folder at all
-            (_folder() / f"{token}.json").unlink(missing_ok=True)
+    with contextlib.suppress(KeyError, OSError):  # the latter: held by another program
+        drafts(person)[token].unlink(missing_ok=True)
 
 
-def _folder() -> Path:
-    return home() / "drafts"
+def _folder(person: str) -> Path:
+    folder = home() / "drafts"
+    return folder / hashlib.sha256(person.encode("utf-8")).hexdigest()[:32] if person else folder

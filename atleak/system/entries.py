@@ -7,7 +7,7 @@ import glob
 import json
 import logging
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 
@@ -88,5 +88,9 @@ def _set_aside(path: Path) -> None:
 
 
 def damaged_before(path: Path) -> list[Path]:
-    """Return what of a file was set aside because it was damaged, the earliest first."""
+    """Return what of a file was set aside because it was damaged, the earliest first; one that is so now goes there."""
+    with suppress(OSError, OutputError):  # it stays where nothing may be written
+        if _load(path) is None:
+            with rewritten(path):
+                pass
     return sorted(path.parent.glob(f"{glob.escape(path.name)}{_DAMAGED}*"))

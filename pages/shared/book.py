@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import streamlit as st
 
-from atleak.errors import AtleakError, ChangedElsewhere
+from atleak.errors import AtleakError, ChangedElsewhere, ErasedElsewhere
 from atleak.job.judged_anew import judged_otherwise
 from atleak.job.parts import job_parts
 from atleak.sentence import Sentence
@@ -126,11 +126,23 @@ def _travel(step: Step | Left, rest: Steps, *, back: bool) -> None:
             case = step.case  # as what was chosen since fits only what the step did
         show_job(case, record, session().in_book, with_way(rest, step.turned))
         return
-    steps = with_way(step.steps, left(step.done, rest))
+    steps = with_way(_without_erased(step), left(step.done, rest))
     if not step.saved:
         show_job(step.case, step.record, step.in_book, steps)
     elif step.in_book.id is not None and not open_from_book(step.in_book.id, steps):
         session().steps = rest
+
+
+def _without_erased(step: Left) -> Steps:
+    """Return the steps of a job that was left; none where they would bring back whom somebody has erased since."""
+    try:
+        if step.in_book.id is not None:
+            book().refuse_erased(step.in_book.id, step.in_book.version)
+    except ErasedElsewhere:
+        return Steps()
+    except AtleakError:  # said where the job is opened or saved
+        pass
+    return step.steps
 
 
 def keep(page: str) -> bool:
@@ -166,6 +178,7 @@ def keep(page: str) -> bool:
 def _look_for_others(in_book: InBook) -> None:
     """Notice that a job which is only looked at here was changed elsewhere."""
     if in_book.id is not None and in_book.conflict is None and book().version(in_book.id) != in_book.version:
+        book().refuse_erased(in_book.id, in_book.version)
         in_book.conflict = ChangedElsewhere(
             Sentence("this job was changed elsewhere; what you see is as it was before")
         )
@@ -206,6 +219,8 @@ def show_theirs() -> None:
 def _save_or_say(now: Session, id: str | None) -> None:
     """Save a job in the place of the version that the book holds, or as a new one; keep what went wrong."""
     try:
+        if now.in_book.id is not None:
+            book().refuse_erased(now.in_book.id, now.in_book.version)
         _save(now, id, None if id is None else book().version(id))
     except ChangedElsewhere as error:
         now.in_book.conflict = error

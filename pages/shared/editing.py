@@ -17,7 +17,7 @@ from atleak.errors import OutputError
 from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
 from atleak.views.entry_form import Checked, Draft, Subject, checked, copy_of, draft_of, read_draft
 from atleak.wording import Wording
-from pages.shared import reader, show
+from pages.shared import entrance, reader, show
 
 _SHOWN = 15  # faults in one list
 UNITS = {"length": LENGTHS, "clearance": CLEARANCES, "pressure": PRESSURES}  # by attribute of `Units`
@@ -31,6 +31,9 @@ class Editing:
     state: str  # under which the session keeps it
     words: str = ""  # table of texts with its headings in the reader's language, "" for those that are declared
     token: str = field(default_factory=new_token)  # under which the draft is kept
+    seen: str | None = None  # the draft as it was read from there, or kept there last
+    apart: bool = False  # another window changed that draft, so that this is one of its own
+    widgets: str = field(default_factory=new_token)  # part of the keys of its widgets
     over: str = ""  # SHA-256 of the own file that it was read from or saved as
     own: str = ""  # id of that file
     generation: int = 0
@@ -40,15 +43,29 @@ class Editing:
     unkept: str = ""  # why the draft could not be kept
 
     def put(self, draft: Draft) -> None:
-        """Take over what was typed, and keep it where a page that is loaded anew still has it."""
+        """Take over what was typed, and keep it where a page that is loaded anew still has it.
+
+        A draft that another window has changed since stays as that one left it, and this one becomes another.
+        """
         if draft == self.draft:
             return
         self.draft = draft
+        if not self._is_mine():
+            self.token, self.apart = new_token(), True
         try:
-            keep_draft(self.token, draft.written())
-            self.unkept = ""
+            keep_draft(self.token, draft.written(), entrance.person())
+            self.unkept, self.seen = "", draft.written()
         except OutputError as error:
             self.unkept = error.sentence
+
+    def _is_mine(self) -> bool:
+        return draft_text(self.token, entrance.person()) in (None, self.seen)
+
+    def saved_as(self, name: str, sha256: str) -> None:
+        """Forget the draft, as the own file of this id holds it, unless another window has changed it since."""
+        self.own, self.over = name, sha256
+        if self._is_mine():
+            forget_draft(self.token, entrance.person())
 
     def anew(self) -> None:
         """Draw every field and table anew from the draft."""
@@ -58,7 +75,7 @@ class Editing:
 
     def key(self, name: str) -> str:
         """Return the key of a widget."""
-        return f"{self.state}-{self.token}-{self.generation}-{name}"
+        return f"{self.state}-{self.widgets}-{self.generation}-{name}"
 
     def said(self, text: str, say: Wording) -> str:
         """Return a heading or help as the reader reads it."""
@@ -110,8 +127,8 @@ class Desk:
     def kept(self) -> dict[str, str]:
         """Return the drafts of this kind that were kept, by token, each with its name and time."""
         labels = {}
-        for token, path in drafts().items():
-            draft = read_draft(self.subject, draft_text(token) or "")
+        for token, path in drafts(entrance.person()).items():
+            draft = read_draft(self.subject, draft_text(token, entrance.person()) or "")
             if draft is not None:
                 name = draft.cell(self.subject.sheets[0].name, "Name") or "–"
                 labels[token] = f"{name}, {datetime.fromtimestamp(path.stat().st_mtime):%Y-%m-%d %H:%M}"
@@ -119,13 +136,14 @@ class Desk:
 
     def go_on(self, token: str) -> None:
         """Go on with a draft that was kept."""
-        draft = read_draft(self.subject, draft_text(token) or "")
+        text = draft_text(token, entrance.person())
+        draft = read_draft(self.subject, text or "")
         if draft is not None:
-            self.take(draft, token=token)
+            self.take(draft, token=token, seen=text)
 
     def throw_away(self, token: str) -> None:
         """Delete a draft."""
-        forget_draft(token)
+        forget_draft(token, entrance.person())
         if (editing := self._held()) is not None and editing.token == token:
             self.close()
 
@@ -174,6 +192,8 @@ def draw_faults(editing: Editing, found: Checked, say: Wording) -> None:
                 st.markdown("\n".join(f"- {line}" for line in [*lines[:_SHOWN], *more]))
         for note in found.notes:
             st.caption(show.plain(note))
+        if editing.apart:
+            st.warning(say("typed_entries.apart"))
         if editing.unkept:
             st.caption(show.plain(say("typed_entries.unkept", why=editing.unkept)))
 
@@ -241,9 +261,7 @@ def _save(editing: Editing, saving: Saving, over: str, then: Callable[[str], Non
     except OutputError as error:
         st.session_state[editing.key("refused")] = error.sentence
         return
-    editing.over = hashlib.sha256(path.read_bytes()).hexdigest()
-    forget_draft(editing.token)
-    editing.own = saving.name
+    editing.saved_as(saving.name, hashlib.sha256(path.read_bytes()).hexdigest())
     if then is not None:
         then(saving.name)
 

@@ -78,6 +78,13 @@ def draw_sign_out() -> None:
             st.button(say("entrance.sign_out"), on_click=st.logout, width="stretch")
 
 
+def person() -> str:
+    """Return what tells who is signed in, as the provider has it; "" where nobody has to sign in."""
+    if not os.environ.get(ALLOWED) or not st.user.get("is_logged_in"):
+        return ""
+    return " ".join(str(st.user.get(claim) or "") for claim in ("iss", "sub")).strip() or _name()
+
+
 def _refusal(path: str) -> str:
     say = reader.say()
     try:

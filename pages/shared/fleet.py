@@ -12,7 +12,7 @@ import streamlit as st
 
 from atleak.errors import AtleakError, InputError
 from atleak.figures import fleet_figures as figures
-from atleak.fleet.known import KnownFolder, forget, known_folders
+from atleak.fleet.known import KnownFolder, forget, known_folders, set_aside
 from atleak.fleet.results import Results
 from atleak.fleet.summary import summed_up
 from atleak.fleet.summary_pdf import write_summary_pdf
@@ -47,7 +47,9 @@ _LISTED = 1_000_000  # units: all of them
 
 def choose() -> KnownFolder | None:
     """Let one of the folders be chosen that this computer knows; say which are gone, and how to begin without any."""
-    say, known = reader.say(), known_folders()
+    say, damaged, known = reader.say(), set_aside(), known_folders()
+    for file in damaged:
+        st.warning(say("fleet.set_aside", file=show.plain(file)))
     there = {each.id: each for each in known if each.is_there}
     if not there:
         st.info(say("fleet.none_yet"))

@@ -11,7 +11,7 @@ from streamlit.runtime.uploaded_file_manager import UploadedFile
 
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError
+from atleak.errors import AtleakError, ErasedElsewhere
 from atleak.intake.units import unit
 from atleak.job.case import SourceFile
 from atleak.wording import Wording
@@ -238,7 +238,7 @@ def _book_notices() -> None:
         st.warning(f"{say('panel.changed_elsewhere', what=show.plain(in_book.conflict))}{mine}")
         with st.container(horizontal=True):
             st.button(say("panel.show_newer"), on_click=book.show_theirs, key="book-theirs")
-            if unsaved:
+            if unsaved and not isinstance(in_book.conflict, ErasedElsewhere):
                 st.button(say("panel.keep_mine"), on_click=book.keep_as_another, key="book-another")
                 st.button(say("panel.write_over"), on_click=book.write_over, key="book-over")
     if in_book.judged_otherwise:

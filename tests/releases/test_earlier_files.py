@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 import stat
+import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from atleak import cli
 
 RELEASE = Path(__file__).parent / "0.2.0"
 JOBS = {"A-1": "four_speed", "B-7": "five_speed"}
+PLAN = '"parts", "directions": 2, "repeats": 2, "planes": null, "lands": []}'  # the number of the job that was typed
 Ran = Callable[..., str]
 
 
@@ -62,6 +64,44 @@ def test_a_job_book_opens_and_every_job_of_it_is_whole(run: Ran) -> None:
     listed = json.loads(run("jobs", "list", "--json", "-"))
     assert {job["number"] for job in listed if job["vin"]} == {"A-1", "A-2", "B-7"}
     assert len(listed) == 4  # one is archived
+
+
+@pytest.mark.usefixtures("book")
+def test_the_plan_of_typed_readings_is_no_job_number_any_more(run: Ran, tmp_path: Path) -> None:
+    listed = json.loads(run("jobs", "list", "--json", "-"))
+    (typed,) = [job for job in listed if not job["vin"]]
+    shown = json.loads(run("jobs", "show", typed["id"], "--json", "-"))
+    assert (typed["number"], shown["job"]["number"]) == ("", None)
+    assert shown["job"]["notes"] == (
+        f"The job number was emptied: atleak 0.2.0 had put the plan of the typed readings in its place. It read: {PLAN}"
+    )
+    assert json.loads(run("jobs", "list", "--text", "directions", "--json", "-")) == []
+    assert {job["number"] for job in listed if job["vin"]} == {"A-1", "A-2", "B-7"}
+    before = tmp_path / "book.sqlite.before-0003"
+    assert stat.S_IMODE(before.stat().st_mode) == 0o600 or os.name != "posix"
+    run("jobs", "restore", before, "--force")  # the book as 0.2.0 wrote it: it comes in as it was brought up to date
+    assert json.loads(run("jobs", "show", typed["id"], "--json", "-"))["job"] == shown["job"]
+    assert run("jobs", "verify").startswith("5 jobs, every one whole")
+
+
+@pytest.mark.usefixtures("book")
+def test_the_plan_of_typed_readings_is_no_job_number_of_a_job_file_either(run: Ran, tmp_path: Path) -> None:
+    (typed,) = [job for job in json.loads(run("jobs", "list", "--json", "-")) if not job["vin"]]
+    run("jobs", "export", typed["id"], "-o", tmp_path / "export")
+    earlier = tmp_path / "earlier.zip"  # as 0.2.0 exported it
+    with zipfile.ZipFile(tmp_path / "export" / f"{typed['id']}.zip") as now, zipfile.ZipFile(earlier, "w") as then:
+        for name in now.namelist():
+            content = now.read(name)
+            if name == "job.json":
+                content = json.dumps({**json.loads(content), "job": {"number": PLAN}}).encode()
+            then.writestr(name, content)
+    run("jobs", "import", earlier)
+    jobs = [job for job in json.loads(run("jobs", "list", "--json", "-")) if not job["vin"]]
+    records = [json.loads(run("jobs", "show", job["id"], "--json", "-"))["job"] for job in jobs]
+    assert len(records) == 2
+    assert records[0] == records[1]
+    assert records[0]["number"] is None
+    assert records[0]["notes"].endswith(PLAN)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")

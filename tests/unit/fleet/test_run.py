@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
+import itertools
 import pickle
+import re
 import socket
 import sys
 import time
@@ -22,7 +24,7 @@ import pytest
 from distributed import Client, get_worker
 from distributed.scheduler import KilledWorker
 
-from atleak.errors import FleetError
+from atleak.errors import FleetError, Message
 from atleak.fleet import cluster, running, task
 from atleak.fleet.cluster import HERE, SETTINGS, connected
 from atleak.fleet.results import Results
@@ -290,6 +292,23 @@ def test_a_run_without_workers_ends_and_says_so(results: Results, monkeypatch: p
         pytest.raises(FleetError, match=r"there has been no worker for \d+ s; expected the run to be started again"),
     ):
         run_fleet([small_unit(1)], results, none)
+
+
+def test_a_run_without_workers_says_now_and_then_where_and_until_when_it_waits(
+    results: Results, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = itertools.count(1000.0, 2.0)  # two seconds go by between any two looks at it
+    monkeypatch.setattr(running, "time", SimpleNamespace(monotonic=lambda: next(clock), sleep=time.sleep))
+    told: list[Message] = []
+    with Client(processes=False, n_workers=0, dashboard_address=f"{HERE}:0", set_as_default=False) as none:
+        address = none.scheduler.address
+        with pytest.raises(FleetError, match="there has been no worker for 3"):
+            run_fleet([small_unit(1)], results, none, tell=told.append)
+    said = [re.fullmatch(rf"no worker for (\d+) s at {address}; waiting until \d\d:\d\d", each.text) for each in told]
+    seconds = [int(each[1]) for each in said if each]
+    assert len(said) == len(seconds) == 5
+    assert 10 <= seconds[0] < 30
+    assert all(60 <= later - earlier < 90 for earlier, later in itertools.pairwise(seconds))
 
 
 def test_a_scheduler_that_ends_is_named_and_what_was_finished_is_kept(results: Results) -> None:

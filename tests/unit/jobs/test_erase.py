@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import sqlalchemy as sa
 
-from atleak.errors import BookError
+from atleak.errors import BookError, ChangedElsewhere, ErasedElsewhere
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
@@ -262,3 +262,38 @@ def test_a_job_that_cannot_be_opened_any_more_is_deleted_where_that_is_asked(
     ]
     assert [row.id for row in book.rows(Query(archived=None))] == [whole]
     assert NAME not in everything(book)
+
+
+def test_what_was_opened_before_the_customer_was_erased_is_refused_and_what_was_opened_since_is_saved(
+    book: Book, small_job: Callable[..., JobParts]
+) -> None:
+    first = book.save(small_job(number=NUMBER))
+    book.refuse_erased(first.id, first.version)
+    erase(book, [first.id])
+    for refused in (
+        lambda: book.refuse_erased(first.id, first.version),
+        lambda: book.save(small_job(number=NUMBER), id=first.id, version=first.version),
+    ):
+        with pytest.raises(ErasedElsewhere, match="the customer was erased from this job after it was opened here"):
+            refused()
+    now = book.version(first.id)
+    book.refuse_erased(first.id, now)
+    book.refuse_erased("of no job", 1)
+    later = book.save(small_job(technician="bench"), id=first.id, version=now)
+    with pytest.raises(ChangedElsewhere, match="saved elsewhere by bench") as changed:
+        book.save(small_job(), id=first.id, version=now)
+    assert not isinstance(changed.value, ErasedElsewhere)
+    assert book.version(first.id) == later.version
+
+
+def test_erasing_reaches_what_an_update_kept_of_the_book(
+    new_book_on: Callable[[str], Book], small_job: Callable[..., JobParts]
+) -> None:
+    book = new_book_on("sqlite")
+    path = Path(str(book.engine.url.database))
+    before, other = path.with_name(f"{path.name}.before-0003"), path.with_name("other.before-0003")
+    for each in (before, other):
+        each.write_bytes(NAME.encode())
+    erase(book, [book.save(small_job(customer={"name": NAME})).id])
+    assert not before.exists()
+    assert other.exists()

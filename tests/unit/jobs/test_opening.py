@@ -3,27 +3,36 @@
 from __future__ import annotations
 
 import datetime as dt
+import gc
+import gzip
 import os
 import shutil
 import stat
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 import sqlalchemy as sa
 
 from atleak.errors import BookError
-from atleak.job.parts import JobParts
+from atleak.job.case import Case, SourceFile
+from atleak.job.parts import JobParts, job_parts
+from atleak.job.record import Job
 from atleak.jobs import opening
 from atleak.jobs.backup import backup
 from atleak.jobs.book import Book, local_time, open_book
 from atleak.jobs.exchange import job_file
-from atleak.jobs.tables import jobs
+from atleak.jobs.search import Query
+from atleak.jobs.tables import jobs, visits
 from atleak.jobs.unit_visits import visits_of_unit
 from atleak.jobs.verify import verify
+from atleak.readings import TYPED_MARK
 
 Small = Callable[..., JobParts]
+RELEASE = Path(__file__).parents[2] / "releases" / "0.2.0"
 POSIX = pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
 
 
@@ -171,7 +180,11 @@ def unwritable(tmp_path: Path, opened: Callable[..., Book], small_job: Small, mo
     path.chmod(0o400)
     path.parent.chmod(0o500)
     may = os.access  # who runs tests may be allowed everything
-    monkeypatch.setattr(os, "access", lambda path, mode, **_: mode != os.W_OK and may(path, mode))
+
+    def may_here(where: str | Path, mode: int, **_: object) -> bool:
+        return may(where, mode) and not (mode == os.W_OK and Path(where).is_relative_to(path.parent))
+
+    monkeypatch.setattr(os, "access", may_here)
     return path
 
 
@@ -191,12 +204,92 @@ def test_a_book_that_may_only_be_read_is_listed_shown_exported_and_backed_up(
     assert [file.name for file in unwritable.parent.iterdir()] == ["book.sqlite"]
 
 
-def test_an_earlier_book_that_may_only_be_read_says_what_to_do(
-    unwritable: Path, opened: Callable[..., Book], monkeypatch: pytest.MonkeyPatch
+def test_an_earlier_book_that_may_only_be_read_is_read_from_a_copy_that_goes_with_it(
+    unwritable: Path, small_job: Small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(opening, "REVISION", "9999")
-    with pytest.raises(BookError, match="may not be written, as an update of its tables has to; expected a copy of it"):
-        opened(f"sqlite:///{unwritable}")
+    unwritable.parent.chmod(0o700)
+    unwritable.chmod(0o600)
+    unwritable.write_bytes(gzip.decompress((RELEASE / "book.sqlite.gz").read_bytes()))
+    held = unwritable.read_bytes()
+    (copies := tmp_path / "copies").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(copies))
+    book = open_book(f"sqlite:///{unwritable}")
+    assert book.name == str(unwritable)
+    assert {row.number for row in book.rows()} == {"", "A-1", "A-2", "B-7"}
+    assert verify(book) == ()
+    assert backup(book, tmp_path / "copy") == 5
+    with pytest.raises(BookError, match="it may not be written"):
+        book.save(small_job())
+    with pytest.raises(BookError, match="it may not be written"):
+        book.archive(book.rows()[0].id)
+    assert list(copies.iterdir())
+    del book
+    gc.collect()
+    assert not list(copies.iterdir())
+    assert [file.name for file in unwritable.parent.iterdir()] == ["book.sqlite"]
+    assert unwritable.read_bytes() == held
+
+
+# --- numbers that 0.2.0 made of a plan
+
+PLAN = '"parts", "directions": 2, "repeats": 2, "planes": null, "lands": []}'
+
+
+@pytest.fixture
+def typed_job() -> Callable[..., JobParts]:
+    """Makes a job of readings that were typed in one plan, for one vehicle; the keywords are those of its record."""
+    rows = ["sep=;", TYPED_MARK + ';"{""order"": ' + PLAN.replace('"', '""') + '"', "Controller minimal_example"]
+    rows += ["No.;Part;Plane;Direction;Repeat;Diameter [mm];Counts;Taken at"]
+    rows += [
+        f"tcc_regulator;{part};1;{d};1;11.0{n};yes;" for n, part in enumerate(("spool", "sleeve")) for d in (0, 90)
+    ]
+    case = Case(readings=SourceFile("typed readings.csv", "\r\n".join(rows).encode()), controller="minimal_example")
+    diagnosis = case.diagnose()
+
+    def make(**record: Any) -> JobParts:
+        return job_parts(diagnosis, Job(**record, vehicle={"vin": "WVWZZZ1JZXW000001"}), case)
+
+    return make
+
+
+def test_a_number_that_was_a_plan_is_emptied_once_and_noted_and_no_other(
+    book: Book, opened: Callable[..., Book], typed_job: Callable[..., JobParts], small_job: Small
+) -> None:
+    mine = {
+        "of a plan": typed_job(number=PLAN, notes="leaks when hot", date=dt.date(2026, 3, 2)),
+        "of a plan, later": typed_job(number=PLAN, date=dt.date(2026, 4, 2)),
+        "typed": typed_job(number=PLAN.replace("2", "3")),
+        "without such a sheet": small_job(number=PLAN),
+    }
+    ids = {name: book.save(parts).id for name, parts in mine.items()}
+    assert len({row.visit for row in book.rows()}) == 3  # those of a plan are one
+    with book.writing() as connection:  # the book as 0.2.0 would have it
+        connection.exec_driver_sql("ALTER TABLE jobs DROP COLUMN erased")
+        connection.exec_driver_sql("UPDATE alembic_version SET version_num = '0002'")
+    url = book.engine.url.render_as_string(hide_password=False)
+    book.engine.dispose()
+    for _ in range(2):
+        now = opened(url)
+        rows = {row.id: row for row in now.rows()}
+        assert {name: rows[id].number for name, id in ids.items()} == {
+            "of a plan": "",
+            "of a plan, later": "",
+            "typed": mine["typed"].job.number,
+            "without such a sheet": PLAN,
+        }
+        assert len({row.visit for row in rows.values()}) == 4
+        assert len({row.unit for row in rows.values()}) == 2
+        stored = [now.load(ids[name]) for name in mine]
+        assert [each.version for each in stored] == [2, 2, 1, 1]
+        first, *rest = stored[0].file.job.notes.splitlines()
+        assert first == "leaks when hot"
+        assert [line.endswith(f"It read: {PLAN}") for line in (*rest, stored[1].file.job.notes)] == [True, True]
+        assert stored[2].file.job.notes == stored[3].file.job.notes == ""
+        with now.reading() as connection:
+            days = connection.execute(sa.select(visits.c.date).where(visits.c.number == "")).scalars()
+            assert sorted(days) == [dt.date(2026, 3, 2), dt.date(2026, 4, 2)]
+        assert now.count(Query(number="lands")) == 2
+        assert verify(now) == ()
 
 
 # --- moments and days

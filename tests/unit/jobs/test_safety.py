@@ -289,6 +289,7 @@ ALTER TABLE visits ADD COLUMN vehicle INTEGER REFERENCES vehicles (id);
 UPDATE visits SET vehicle = 1;
 ALTER TABLE decisions ALTER COLUMN component TYPE VARCHAR(80);
 ALTER TABLE jobs DROP COLUMN made_on;
+ALTER TABLE jobs DROP COLUMN erased;
 ALTER TABLE units DROP COLUMN merged_with;
 UPDATE units SET merged_into = id + 1 WHERE id < (SELECT max(id) FROM units);
 UPDATE alembic_version SET version_num = '0001'

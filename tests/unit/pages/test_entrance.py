@@ -41,6 +41,21 @@ def visited_by(monkeypatch: pytest.MonkeyPatch, claims: dict[str, Any], address:
     monkeypatch.setattr(entrance, "st", SimpleNamespace(user=Visitor(claims), get_option=lambda _: address))
 
 
+def test_who_is_signed_in_is_told_by_provider_and_subject_and_nobody_else_is_anybody(
+    allowed: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert entrance.person() == ""
+    told = {}
+    for name, more in {"ana": {"sub": "1"}, "ben": {"sub": "2"}, "elsewhere": {"sub": "1", "iss": "https://b"}}.items():
+        visited_by(monkeypatch, {**ANA, "iss": "https://a", **more})
+        told[name] = entrance.person()
+    assert len({*told.values(), ""}) == 4
+    visited_by(monkeypatch, ANA)
+    assert entrance.person() == "ana@shop.example"
+    monkeypatch.delenv(ALLOWED)
+    assert entrance.person() == ""
+
+
 @pytest.mark.parametrize(
     ("claims", "is_open"),
     [

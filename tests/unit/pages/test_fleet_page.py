@@ -18,6 +18,7 @@ from atleak.job.parts import job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import open_book
 from atleak.jobs.search import Query
+from atleak.system.home import home
 from atleak.verdicts import Verdict
 from pages.shared import fleet, fleet_units
 
@@ -89,6 +90,21 @@ def test_a_folder_that_is_gone_is_said_and_can_be_forgotten(app: AppTest, tmp_pa
     assert not app.exception
     assert "gone" not in texts(app)
     assert known_folders() == ()
+
+
+def test_a_damaged_list_of_folders_is_set_aside_and_said(app: AppTest, tmp_path: Path) -> None:
+    note(tmp_path / "gone")
+    path = home() / "fleets.json"
+    path.write_bytes(damaged := path.read_bytes()[:-4])
+    go(app, PAGE)
+    assert not app.exception
+    (aside,) = home().glob("fleets.json.damaged-*")
+    assert aside.read_bytes() == damaged
+    said = [each.value.replace("\\", "") for each in app.warning]
+    assert [each.startswith("The list of the results") and str(aside) in each for each in said] == [True]
+    note(tmp_path / "gone")
+    assert [folder.path.name for folder in known_folders()] == ["gone"]
+    assert list(home().glob("fleets.json.damaged-*")) == [aside]
 
 
 def test_results_are_shown_as_a_whole_by_valve_body_and_by_group(app: AppTest, tmp_path: Path) -> None:

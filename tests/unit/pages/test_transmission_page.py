@@ -5,12 +5,14 @@ from __future__ import annotations
 import tomllib
 from typing import Any
 
+import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.entries import own_folder, read_tables
 from atleak.controller_sheets.layout import SHEETS
 from atleak.report.controller_workbook import write_controller_workbook
 from atleak.system.drafts import drafts
+from pages.shared import entrance
 from pages.shared.transmission_tables import STEPS
 
 from .conftest import choice, go, texts
@@ -113,6 +115,52 @@ def test_a_draft_is_gone_on_with_in_its_units_and_thrown_away(app: AppTest) -> N
     labelled(app.button, "Throw it away").click().run()
     assert not drafts()
     assert not app.exception
+
+
+def other_window(app: AppTest) -> AppTest:
+    """The address of a draft, opened once more."""
+    other = AppTest.from_file(app._script_path, default_timeout=240)
+    other.query_params["draft"] = app.query_params["draft"]
+    return go(other, PAGE)
+
+
+def test_a_draft_that_two_windows_change_becomes_two_and_the_second_is_told(app: AppTest) -> None:
+    labelled(start(app).text_input, "Name *").set_value("Half a box").run()
+    other = other_window(app)
+    assert labelled(other.text_input, "Name *").value == "Half a box"
+    labelled(app.text_input, "Name *").set_value("First window").run()
+    labelled(other.text_input, "Name *").set_value("Second window").run()
+    assert not other.exception
+    assert "changed in another window meanwhile" in texts(other)
+    labelled(app.text_input, "Note").set_value("typed on").run()
+    labelled(other.text_input, "Note").set_value("typed on as well").run()
+    assert "another window" not in texts(app)
+    assert [labelled(each.text_input, "Name *").value for each in (app, other)] == ["First window", "Second window"]
+    labelled(app.button, "Describe another one").click().run()
+    names = [option.split(",")[0] for option in labelled(app.selectbox, "Go on with a draft").options]
+    assert sorted(names) == ["First window", "Second window"]
+
+
+def test_saving_leaves_a_draft_that_another_window_has_changed(app: AppTest) -> None:
+    labelled(start(app).text_input, "Name *").set_value("Our box").run()
+    other = other_window(app)
+    labelled(other.text_input, "Note").set_value("typed elsewhere").run()
+    labelled(app.button, "Save as own file").click().run()
+    assert "Saved:" in texts(app)
+    (path,) = drafts().values()
+    assert "typed elsewhere" in path.read_text(encoding="utf-8")
+
+
+def test_a_draft_of_somebody_who_is_signed_in_is_offered_to_nobody_else(
+    app: AppTest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whose = "https://shop ana"
+    monkeypatch.setattr(entrance, "person", lambda: whose)
+    labelled(start(app).text_input, "Name *").set_value("Box of Ana").run()
+    labelled(app.button, "Describe another one").click().run()
+    assert len(labelled(app.selectbox, "Go on with a draft").options) == 1
+    whose = "https://shop bert"
+    assert labelled(app.run().selectbox, "Go on with a draft").options == []
 
 
 def test_a_workbook_is_read_into_the_tables_and_a_damaged_one_refused(app: AppTest) -> None:

@@ -154,6 +154,43 @@ def test_a_job_erased_by_somebody_else_is_not_brought_back(app: AppTest) -> None
     assert field(app, "Job number").value == ""
 
 
+def test_a_step_of_a_job_that_somebody_else_erased_brings_nothing_back(app: AppTest) -> None:
+    with_sheet(app, "Zyxwvut.csv")
+    (row,) = open_book().rows()
+    press(app, "undo")  # the sheet is out of the job, and could be taken in again
+    assert offered(app)[-1] == "Redo: Zyxwvut.csv taken in"
+    press_new(app)
+    erase(open_book(), [row.id])
+    press(app, "undo")
+    assert not app.exception
+    assert offered(app) == ["Redo: new, empty job"]
+
+
+@pytest.mark.parametrize("key", ["book-over", "book-another"])
+def test_nobody_comes_back_whom_somebody_else_erased_from_the_job_on_the_screen(app: AppTest, key: str) -> None:
+    with_sheet(app)
+    field(app, "Job number").set_value("A-1").run()
+    (row,) = open_book().rows()
+    changed = open_book().load(row.id).file.job.model_copy(update={"notes": "written elsewhere"})
+    open_book().save(small_job(**changed.model_dump()), id=row.id, version=open_book().version(row.id))
+    field(app, "Technician").set_value("bench 2").run()
+    assert "Changed elsewhere." in texts(app)
+    erase(open_book(), [row.id])
+    press(app, key)
+    assert not app.exception
+    assert "the customer was erased from this job" in texts(app)
+    assert not [each.key for each in app.button if each.key in ("book-over", "book-another")]
+    (kept,) = open_book().rows()
+    assert not open_book().load(kept.id).file.job.number
+    field(app, "Technician").set_value("bench 3").run()
+    assert "the customer was erased from this job" in texts(app)
+    press(app, "book-theirs")
+    field(app, "Technician").set_value("bench 4").run()
+    assert "Changed elsewhere." not in texts(app)
+    record = open_book().load(row.id).file.job
+    assert (record.number, record.technician) == ("", "bench 4")
+
+
 def test_a_second_photo_of_one_name_is_a_second_photo_and_both_can_be_undone(app: AppTest) -> None:
     uploads = {"image.jpg": picture("red")}
     uploader(app).upload_all(uploads).run()

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from atleak.system import drafts as kept
 from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
 from atleak.system.home import made
 
@@ -23,14 +22,29 @@ def test_a_draft_is_kept_replaced_and_forgotten(own_home: Path) -> None:
     assert not drafts()
 
 
-def test_the_newest_drafts_are_kept(own_home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept, "_MOST", 2)
-    tokens = [new_token() for _ in range(3)]
+def test_every_draft_is_kept_the_newest_first(own_home: Path) -> None:
+    tokens = [new_token() for _ in range(30)]
     for age, token in enumerate(tokens):
         keep_draft(token, token)
         os.utime(drafts()[token], (1e9 + age, 1e9 + age))
-    keep_draft(tokens[2], "again")
-    assert list(drafts()) == [tokens[2], tokens[1]]
+    assert list(drafts()) == tokens[::-1]
+
+
+def test_a_draft_is_its_persons_alone_and_one_of_nobody_everybodys(own_home: Path) -> None:
+    mine, nobodys = new_token(), new_token()
+    keep_draft(mine, "mine", "https://shop ana")
+    keep_draft(nobodys, "first")
+    assert set(drafts("https://shop ana")) == {mine, nobodys}
+    assert set(drafts("https://shop bert")) == set(drafts()) == {nobodys}
+    assert draft_text(mine, "https://shop bert") is None
+    forget_draft(mine, "https://shop bert")
+    keep_draft(nobodys, "gone on with", "https://shop ana")
+    assert draft_text(nobodys, "https://shop ana") == "gone on with"
+    assert draft_text(nobodys, "https://shop bert") == draft_text(nobodys) == "first"
+    forget_draft(nobodys, "https://shop ana")
+    assert draft_text(nobodys) == "first"
+    assert draft_text(mine, "https://shop ana") == "mine"
+    assert not any("ana" in path.name for path in own_home.rglob("*"))
 
 
 @pytest.mark.parametrize("token", ["../secret", "", "ABCDEF012345", "0123456789ab/"])
