@@ -60,12 +60,17 @@ def number(label: str, asked: AskedNumber, start: float | None, *, key: str, opt
             place.warning(show.plain(say.sentence(entry.doubt)))
         return entry.value
     last = taken.setdefault(key, start)
-    if last is None:
-        used = say("written.none_used", name=say.sentence(shown.name))
-    else:
-        used = say("written.stays", value=f"{written(_convert(last, asked, say), shown, say)} {shown.unit}".strip())
-    place.error(show.plain(f"{say.sentence(entry.doubt)} {used}"))
+    value = "" if last is None else f"{written(_convert(last, asked, say), shown, say)} {shown.unit}".strip()
+    with place:
+        fault(entry.doubt, shown.name, value)
     return last
+
+
+def fault(why: Sentence, name: Sentence, last: str) -> None:
+    """Say at a field why what is written there is not used, and which value stays in use; "" where there is none."""
+    say = reader.say()
+    used = say("written.stays", value=last) if last else say("written.none_used", name=say.sentence(name))
+    st.error(show.plain(f"{say.sentence(why)} {used}"))
 
 
 def _entry(text: str, asked: AskedNumber, first: str, start: float | None, optional: bool) -> WrittenNumber:

@@ -299,28 +299,23 @@ def _fields(asked: _Asked, file: SourceFile) -> None:
             places = st.columns([3, 1, 3, 1])
             for name, left, right in zip(names[first : first + 2], places[::2], places[1::2], strict=False):
                 picked[name], units[name] = _field(asked, file, name, left, right)
-    lacking, typed = _lacking(asked, file)
+    lacking, usable = _lacking(asked, file)
     st.caption(say("mapping.remembered_here"))
     used = st.form_submit_button(say("mapping.use"))
     place = st.container()
-    interval = read_number(typed, INTERVAL.to(say)) if typed else None
-    if used and interval is not None and interval.value is None:
-        place.error(show.plain(say.sentence(interval.reason)))
-    elif used:
-        if interval is not None and interval.value is not None:
-            lacking["time"] = interval.value
+    if used and usable:
         _use(asked, file, picked, {name: unit for name, unit in units.items() if unit}, lacking, place)
 
 
-def _lacking(asked: _Asked, file: SourceFile) -> tuple[dict[str, float | str], str]:
+def _lacking(asked: _Asked, file: SourceFile) -> tuple[dict[str, float | str], bool]:
     """Ask what stands for a clock and for a main pressure that the log lacks.
 
     Returns
     -------
-    tuple[dict[str, float | str], str]
-        what stands for them, and the interval between rows as it was typed.
+    tuple[dict[str, float | str], bool]
+        what stands for them, and whether what was typed can be used.
     """
-    say, lacking, given, typed = asked.say, dict(asked.constants), dict(asked.constants), ""
+    say, lacking, given, usable = asked.say, dict(asked.constants), dict(asked.constants), True
     without_clock, without_pressure = not asked.log.time_label, asked.taken("main_pressure") is None
     if without_clock or without_pressure:
         st.markdown(f"**{say('mapping.lacking')}**")
@@ -328,6 +323,13 @@ def _lacking(asked: _Asked, file: SourceFile) -> tuple[dict[str, float | str], s
         first = written(given["time"], INTERVAL, say) if "time" in given else ""
         typed = st.text_input(say("mapping.interval"), first, key=f"interval-{file.sha256}").strip()
         lacking.pop("time", None)
+        if typed:
+            interval = read_number(typed, INTERVAL.to(say))
+            if interval.value is None:
+                usable = False
+                fields.fault(interval.doubt, INTERVAL.name, "")
+            else:
+                lacking["time"] = interval.value
     if without_pressure:
         kept = given.get("main_pressure") == OPERATING_POINTS
         chosen = st.checkbox(say("mapping.assume_points"), kept, key=f"points-{file.sha256}")
@@ -335,7 +337,7 @@ def _lacking(asked: _Asked, file: SourceFile) -> tuple[dict[str, float | str], s
             lacking["main_pressure"] = OPERATING_POINTS
         elif kept:
             del lacking["main_pressure"]
-    return lacking, typed
+    return lacking, usable
 
 
 def _field(asked: _Asked, file: SourceFile, name: str, left: Any, right: Any) -> tuple[str, str]:

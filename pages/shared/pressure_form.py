@@ -6,17 +6,23 @@ from dataclasses import replace
 from functools import partial
 
 import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
 
 from atleak.catalogue.controller import Controller
+from atleak.errors import PressureTableError
+from atleak.intake.gauge_table import read_pressure_table
+from atleak.intake.gauge_table.rows import asked_pressure
 from atleak.intake.gauge_table.typed import TYPED_FILE, TypedGauges, typed_gauges
-from atleak.intake.units import unit_names
+from atleak.intake.units import unit, unit_names
 from atleak.job.case import SourceFile
 from atleak.pressure_table import Cell, Engine, ranges_of, tap_name, taps_of
-from pages.shared import reader, show
-from pages.shared.cases import PageCase
+from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE, read_number
+from pages.shared import fields, reader, show
+from pages.shared.cases import PageCase, controller_of
 from pages.shared.state import put_file, session
 
 UNITS = [name for name in unit_names("pressure") if name in ("kPa", "bar", "psi", "MPa")]
+_BESIDE = {"temperature": TEMPERATURE, "fast_idle": ENGINE_SPEED}  # fields beside the readings
 
 
 def pending(case: PageCase) -> SourceFile | None:
@@ -32,57 +38,79 @@ def draw(case: PageCase, controller: Controller) -> None:
     if file is not None and typed_gauges(file.content) is None:
         st.caption(say("gauge_page.read_from", file=show.plain(file.name)))
         return
-    owner = f"gauges{session().generation}-{controller.sha256[:12]}"
+    owner, faults = f"gauges{session().generation}-{controller.sha256[:12]}", _faults(typed)
+    both = (typed, _counted())
+
+    def text_field(place: DeltaGenerator, part: Cell | str, label: str, shown: str) -> None:
+        text, last = (each.cells.get(part, "") if isinstance(part, Cell) else getattr(each, part) for each in both)
+        key = f"{owner}-{part}"
+        with place:
+            st.text_input(f"{label} [{shown}]", text, key=key, on_change=_put, args=(part, key))
+            with st.container():
+                if part in faults:
+                    asked = asked_pressure(unit(typed.unit, "pressure")) if isinstance(part, Cell) else _BESIDE[part]
+                    fields.fault(read_number(text, asked).doubt, asked.name, f"{last} {shown}" if last else "")
+
     places = st.columns(4)
     tap = places[0].selectbox(
         say("gauge_page.gauge_at"), taps_of(controller), format_func=partial(_tap, controller), key=f"{owner}-tap"
     )
-    unit, first = f"{owner}-unit", UNITS.index(typed.unit) if typed.unit in UNITS else 0
-    places[1].selectbox(say("gauge_page.unit"), UNITS, first, key=unit, on_change=_put, args=("unit", unit))
-    for place, name, label in (
-        (places[2], "temperature", f"{say('gauge_page.temperature')} [°C]"),
-        (places[3], "fast_idle", f"{say('gauge_page.fast_idle')} [{say.unit('engine_speed')}]"),
-    ):
-        key = f"{owner}-{name}"
-        place.text_input(label, getattr(typed, name), key=key, on_change=_put, args=(name, key))
+    key, first = f"{owner}-unit", UNITS.index(typed.unit) if typed.unit in UNITS else 0
+    places[1].selectbox(say("gauge_page.unit"), UNITS, first, key=key, on_change=_put, args=("unit", key))
+    for place, name, shown in zip(places[2:], _BESIDE, ("°C", say.unit("engine_speed")), strict=True):
+        text_field(place, name, say(f"gauge_page.{name}"), shown)
     for selected in ranges_of(controller):
         for place, engine in zip(st.columns(3), Engine, strict=True):
-            cell, key = Cell(selected, engine, tap), f"{owner}-{tap}-{selected}-{engine}"
             label = say("gauge_page.cell", range=selected, engine=say.sentence(engine.label))
-            place.text_input(
-                f"{label} [{typed.unit}]", typed.cells.get(cell, ""), key=key, on_change=_put_cell, args=(cell, key)
-            )
+            text_field(place, Cell(selected, engine, tap), label, typed.unit)
 
 
 def _tap(controller: Controller, tap: str) -> str:
     return tap_name(controller, tap)
 
 
-def _typed() -> TypedGauges:
-    """Return what was typed so far, with what was chosen before the first reading."""
+def _counted() -> TypedGauges:
+    """Return what of the typed readings is in the job."""
     file = pending(session().case)
-    typed = None if file is None else typed_gauges(file.content)
-    return typed or st.session_state.get(_before(), TypedGauges())
+    return (None if file is None else typed_gauges(file.content)) or TypedGauges()
 
 
-def _before() -> str:
-    """Return the key under which unit, temperature and speed are kept while no reading is typed."""
-    return f"typed-gauges-{session().generation}"
+def _in_job() -> tuple[int, str | None]:
+    """Return what tells the job's gauge readings from others."""
+    file = pending(session().case)
+    return session().generation, None if file is None else file.sha256
 
 
-def _put_cell(cell: Cell, key: str) -> None:
-    _keep(_typed().with_cell(cell, st.session_state[key]))
+def _typed() -> TypedGauges:
+    """Return what was typed so far, with what does not count."""
+    of, typed = st.session_state.get("typed-gauges", (None, None))
+    return typed if typed is not None and of == _in_job() else _counted()
 
 
-def _put(name: str, key: str) -> None:
-    _keep(replace(_typed(), **{name: st.session_state[key].strip()}))
+def _faults(typed: TypedGauges) -> set[Cell | str]:
+    """Return the fields in which something stands that cannot be read, those beside the readings even without one."""
+    controller = controller_of(session().case)
+    judged = replace(typed, cells={Cell(ranges_of(controller)[0], Engine.FAST_IDLE): "1", **typed.cells})
+    try:
+        read_pressure_table(judged.written() or b"", controller, name=TYPED_FILE)
+    except PressureTableError as error:
+        return {judged.part_at(each.place) for each in (error, *error.others)}
+    return set()
 
 
-def _keep(typed: TypedGauges) -> None:
-    """Put what was typed into the job; a job of which the last reading was taken away has no such file."""
-    st.session_state[_before()] = replace(typed, cells={})
-    content = typed.written()
+def _put(part: Cell | str, key: str) -> None:
+    """Put what was typed into the job; what cannot be read waits at its field, and the value before it stays."""
+    before, text = _typed(), st.session_state[key].strip()
+    typed = before.with_cell(part, text) if isinstance(part, Cell) else replace(before, **{part: text})
+    counting, last = typed, _counted()
+    for fault in _faults(typed):
+        if isinstance(fault, Cell):
+            counting = counting.with_cell(fault, last.cells.get(fault, "") if last.unit == typed.unit else "")
+        else:
+            counting = replace(counting, **{fault: getattr(last, fault)})
+    content = counting.written()
     if content is None:
         session().refused.pop("pressures", None)
     if content is not None or session().case.pressures is not None:
         put_file("pressures", None if content is None else SourceFile(TYPED_FILE, content))
+    st.session_state["typed-gauges"] = (_in_job(), typed)

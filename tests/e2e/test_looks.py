@@ -48,6 +48,62 @@ SMALL = f"""() => [...document.querySelectorAll("[data-testid^=stBaseButton], su
     .filter(([box]) => box.right > 0 && Math.min(box.width, box.height) < {LEAST_TARGET})
     .map(([box, name]) => `${{name}}: ${{box.width}} x ${{box.height}}`)"""
 
+# What lies over something else: a button over a button, a tab's words over another's, a table's toolbar over what it
+# belongs to or stands below.
+OVER = """() => {
+    const shown = kind => [...document.querySelectorAll(kind)]
+        .filter(each => each.checkVisibility({opacityProperty: true, visibilityProperty: true}))
+        .map(each => {
+            const words = document.createRange()
+            words.selectNodeContents(each)
+            return [each, (each.role === "tab" ? words : each).getBoundingClientRect()]
+        })
+    const depth = (a, b) => Math.min(
+        Math.min(a.right, b.right) - Math.max(a.left, b.left), Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top))
+    const lies = ([a, box], [b, other]) => a !== b && !a.contains(b) && !b.contains(a) && depth(box, other) > 1
+    const name = ([each, box]) => `${each.innerText || each.ariaLabel || each.dataset.testid} ${JSON.stringify(box)}`
+    const over = (upper, lower) => upper.flatMap(
+        each => lower.filter(other => lies(each, other)).map(other => `${name(each)} over ${name(other)}`))
+    const main = "[data-testid=stMain]", texts = ["h1", "h2", "h3", "p", "li", "label", "summary", "canvas", "img"]
+    const alike = [main, "[data-testid=stSidebar]", "[data-testid=stHeader]"].flatMap(
+        place => ["button:not([role=tab])", "[role=tab]"].map(kind => shown(`${place} ${kind}`)))
+    return alike.flatMap(kind => over(kind, kind))
+        .concat(over(shown(`${main} [data-testid=stElementToolbar]`), shown(`${main} :is(${texts})`)))
+}"""
+PAGES = sorted(path.stem for path in Path(__file__).parents[2].joinpath("pages").glob("[1-9]*_*.py"))
+# Goes to a page as the browser's own buttons do.
+GO = "name => { history.pushState({}, '', name + location.search); dispatchEvent(new PopStateEvent('popstate')) }"
+ANOTHER = "heading => ![heading, undefined].includes(document.querySelector('h1')?.innerText)"
+
+
+@pytest.mark.parametrize("job", ["sample", pytest.param("empty", marks=pytest.mark.slow)])
+def test_nothing_that_is_touched_lies_over_anything_else(
+    browser: playwright_api.Browser, server: str, job: str
+) -> None:
+    context = browser.new_context(viewport={"width": 820, "height": 1180}, has_touch=True, is_mobile=True)
+    context.set_default_timeout(SOON)
+    page, found = context.new_page(), {}
+    sample, idle = page.get_by_text("Sample job: representative data"), "stApp][data-test-script-state=notRunning"
+    page.goto(f"{server}/Settings")
+    sample.wait_for()
+    if job == "empty":
+        page.get_by_role("button", name="New, empty job").tap()
+        sample.wait_for(state="detached")
+    for stem in PAGES:
+        name, heading = stem.partition("_")[2], page.locator("h1").first.inner_text()
+        if not page.url.partition("?")[0].endswith(f"/{name}"):
+            page.evaluate(GO, f"/{name}")
+            page.wait_for_function(ANOTHER, arg=heading)
+        page.locator(f"[data-testid={idle}]").wait_for()
+        for width in (820, 390):
+            page.set_viewport_size({"width": width, "height": 1180})
+            page.wait_for_timeout(300)  # the panel moves
+            if over := page.evaluate(OVER):
+                found[name, width] = over
+        page.set_viewport_size({"width": 820, "height": 1180})
+    context.close()
+    assert found == {}
+
 
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_a_finger_scrolls_over_a_chart_and_finds_what_it_touches(

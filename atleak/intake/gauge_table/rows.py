@@ -94,6 +94,11 @@ class Rows:
             ]
 
 
+def asked_pressure(unit: Unit) -> AskedNumber:
+    """Return the pressure that is asked for in a cell, in its unit."""
+    return AskedNumber(KINDS["pressure"], unit.name, round(450e3 / unit.factor, 3), (0.0, HIGHEST / unit.factor))
+
+
 def read_rows(tables: Sequence[GaugeTable], words: Words, ranges: Sequence[SelectorRange]) -> Rows:
     """Return the readings of several tables of one file, and what of them cannot be read."""
     rows = Rows()
@@ -210,10 +215,7 @@ class _Reader:
         known = find_unit(written, "pressure") if written else self._unit(row, column)
         if known is None:
             return None
-        asked = AskedNumber(
-            KINDS["pressure"], known.name, round(450e3 / known.factor, 3), (0.0, HIGHEST / known.factor)
-        )
-        number = _written(cell, text, asked)
+        number = _written(cell, text, asked_pressure(known))
         if number.value is None:
             self.rows.refuse(no_pressure, place, str(cell), expected=number.reason)
             return None

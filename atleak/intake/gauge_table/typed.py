@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import cast
 
 from atleak.catalogue.circuit_tables import SelectorRange
+from atleak.errors import Place
 from atleak.intake.units import find_unit
 from atleak.pressure_table import LINE, RANGES, Cell, Engine, PressureTable
 from atleak.workshop_units import KPA, RPM
@@ -46,6 +47,11 @@ class TypedGauges:
         """Return this with another text in a cell; an empty one takes the cell out."""
         others = {known: said for known, said in self.cells.items() if known != cell}
         return replace(self, cells={**others, cell: text.strip()} if text.strip() else others)
+
+    def part_at(self, place: Place) -> Cell | str:
+        """Return what stands in a place of the file that `written` gives: a cell, or the name of another field."""
+        named = {_TEMPERATURE: "temperature", _SPEED: "fast_idle"}.get(place.column or "")
+        return named or list(self.cells)[(place.row or 0) - 2]
 
     def written(self) -> bytes | None:
         """Return the file; None where no reading was typed."""

@@ -299,8 +299,18 @@ def test_a_log_without_clock_and_pressure_takes_an_interval_and_the_operating_po
     next(
         widget for widget in app.main.selectbox if widget.key.startswith("unit-") and "engine_speed" in widget.key
     ).select("rpm")
-    next(widget for widget in app.main.text_input if widget.label.startswith("Seconds from row to row")).input("0.1")
     next(widget for widget in app.main.checkbox if widget.label.startswith("Assume the main pressure")).check()
+
+    def interval():
+        return next(each for each in app.main.text_input if each.label.startswith("Seconds from row to row"))
+
+    interval().input("o.1")
+    use_columns(app)
+    drawn = list(app.main)
+    beneath = drawn[next(at for at, each in enumerate(drawn) if each.key == interval().key) + 1]
+    assert beneath.type == "error"
+    assert beneath.value.startswith("'o.1' is not a number")
+    interval().input("0.1")
     use_columns(app)
     assert not app.exception
     assert "the log names no columns by which others like it could be told" in texts(app)

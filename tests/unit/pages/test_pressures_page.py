@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -72,21 +74,64 @@ def test_a_unit_and_further_cells_are_kept_with_what_was_typed_before(page: AppT
     assert "Expected [kPa]" in shown(page)[0]
 
 
-def test_a_cell_that_is_no_pressure_is_named_and_the_others_stay(page: AppTest) -> None:
+def said_wrong(app: AppTest, label: str) -> list[str]:
+    """What is said beneath a field of a value that is not taken; of no field anything is said elsewhere."""
+    said = {
+        widget.label: [error.value.replace("\\", "") for error in column.error]
+        for column in app.main.columns
+        for widget in column.text_input
+    }
+    everywhere = [error.value for error in app.error if re.search(r"use|not taken", error.value)]
+    assert len(everywhere) == sum(map(len, said.values()))
+    return said[label]
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("1.050", "'1.050' can be read in two ways"),
+        ("4oo", "'4oo' is not a number"),
+        ("450 miles", "'450 miles' is not a number"),
+    ],
+)
+def test_what_is_no_pressure_is_said_once_at_its_field_and_the_others_stay(page: AppTest, text: str, why: str) -> None:
     field(page, "D, slow idle [kPa]").set_value("450").run()
-    field(page, "R, slow idle [kPa]").set_value("4oo").run()
+    field(page, "R, slow idle [kPa]").set_value(text).run()
     assert not page.exception
-    said = texts(page).replace("\\", "")
-    assert "4oo" in said
-    assert "row 3" in said
-    assert field(page, "R, slow idle [kPa]").value == "4oo"
-    assert len(shown(page)) == 1
+    (said,) = said_wrong(page, "R, slow idle [kPa]")
+    assert why in said
+    assert said.startswith(f"'{text}'")
+    assert said.endswith("No pressure is used.")
+    assert not re.search(r"typed gauge readings|row|column", said)
+    assert field(page, "R, slow idle [kPa]").value == text
+    field(page, "1, slow idle [kPa]").set_value("420").run()
+    assert [row["Range"] for row in shown(page)] == ["D", "1"]
     go(page, "2_Readings")
+    assert not page.error
     go(page, PAGE)
-    assert field(page, "R, slow idle [kPa]").value == "4oo"
+    assert field(page, "R, slow idle [kPa]").value == text
+    assert len(said_wrong(page, "R, slow idle [kPa]")) == 1
     field(page, "R, slow idle [kPa]").set_value("400").run()
-    assert len(shown(page)) == 2
-    assert "4oo" not in texts(page)
+    assert len(shown(page)) == 3
+    assert not page.error
+
+
+def test_the_last_good_value_of_a_field_stays_in_use(page: AppTest) -> None:
+    field(page, "ATF temperature [°C]").set_value("8o").run()  # before any reading
+    assert said_wrong(page, "ATF temperature [°C]")[0].endswith("No temperature is used.")
+    field(page, "ATF temperature [°C]").set_value("85").run()
+    field(page, "D, slow idle [kPa]").set_value("450,5").run()
+    field(page, "D, slow idle [kPa]").set_value("1.050").run()
+    assert said_wrong(page, "D, slow idle [kPa]")[0].endswith("450,5 kPa stays in use.")
+    assert shown(page)[0]["Gauge [kPa]"] == pytest.approx(450.5, abs=1e-9)
+    field(page, "ATF temperature [°C]").set_value("850").run()
+    (said,) = said_wrong(page, "ATF temperature [°C]")
+    assert said == "850 °C is not taken: the temperature must be from −60 to 200 °C. 85 °C stays in use."
+    assert shown(page)[0]["Gauge [kPa]"] == pytest.approx(450.5, abs=1e-9)
+    field(page, "D, slow idle [kPa]").set_value("450").run()
+    tap(page, "Unit").select("bar").run()  # 450 kPa are no 450 bar
+    assert said_wrong(page, "D, slow idle [bar]")[0].endswith("No pressure is used.")
+    assert page.session_state["atleak"].good.pressures is None
 
 
 def test_the_last_reading_taken_away_leaves_no_table(page: AppTest) -> None:
