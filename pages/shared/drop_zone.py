@@ -1,7 +1,7 @@
-"""Take files that are dropped into a place which stays where it is, so that one dropped while another is read counts.
+"""Take files that are dropped into a place which stays where it is: one dropped while another is read counts too.
 
-An uploader that gives way to an empty one once its file is taken loses what is dropped, or still on its way, until the
-empty one is drawn. This one stays; what was taken out of it is no longer offered, and `page.css` hides its name there.
+Streamlit ends what a page does, in a callback as well, as soon as the browser sends something new. So a file counts as
+taken once all that is done with it is done; until then every drawing of the place begins with it again.
 """
 
 from __future__ import annotations
@@ -24,33 +24,36 @@ def draw(
     several: bool = False,
     help: str | None = None,
 ) -> None:
-    """Offer a place for files, and hand over each file that comes into it once.
+    """Offer a place for files, and hand over each file that comes into it once; then the page is drawn anew.
 
     Parameters
     ----------
     name
         of the place, for its key.
     take
-        called with the files that are new, in a callback: before the page is drawn.
+        called with the files that are new; again with the same ones where it was broken off.
     types
         endings that are taken; any unless given.
     several
         whether more than one file can be dropped at a time.
     """
-    key = f"{KEY}-{name}"
+    taken: set[str] = st.session_state.setdefault(f"{KEY}-taken", set())
+    held = st.file_uploader(label, types, accept_multiple_files=several, key=f"{KEY}-{name}", help=help)
+    new = [each for each in (held if isinstance(held, list) else [held]) if each and each.file_id not in taken]
+    if not new:
+        return
+    try:
+        take(new)
+    except Exception:  # Streamlit's own end of a run is none
+        _done(new, taken)
+        raise
+    _done(new, taken)
+    st.rerun()
 
-    def changed() -> None:
-        held = st.session_state[key]
-        new = [each for each in (held if isinstance(held, list) else [held]) if isinstance(each, UploadedFile)]
-        _let_go(new)
-        if new:
-            take(new)
 
-    st.file_uploader(label, types, accept_multiple_files=several, key=key, on_change=changed, help=help)
-
-
-def _let_go(files: Sequence[UploadedFile]) -> None:
-    """Take files out of what the server keeps of the visitor's: the browser names them again with every change."""
+def _done(files: Sequence[UploadedFile], taken: set[str]) -> None:
+    """Offer files no more, and give back their memory where this Streamlit can: it keeps them for the whole visit."""
+    taken.update(file.file_id for file in files)
     context = get_script_run_ctx()
     remove = None if context is None else getattr(context.uploaded_file_mgr, "remove_file", None)
     if context is not None and remove is not None:

@@ -257,7 +257,8 @@ def _uploads(what: str, *, several: bool) -> None:
             except InputError as error:
                 st.session_state[fault_key] = error.sentence
 
-    drop_zone.draw(what, reader.say()(f"job_form.{what}"), take, types=PICTURE_KINDS, several=several)
+    name = f"{what}-{session().in_book.place}"
+    drop_zone.draw(name, reader.say()(f"job_form.{what}"), take, types=PICTURE_KINDS, several=several)
     with st.container():
         if fault := st.session_state.pop(fault_key, None):
             st.error(show.plain(fault))

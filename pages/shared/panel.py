@@ -89,7 +89,8 @@ def _drop_zone() -> None:
     def take(files: Sequence[UploadedFile]) -> None:
         dropped.take([SourceFile(each.name, each.getvalue()) for each in files])
 
-    drop_zone.draw("job", say("panel.files"), take, several=True, help=say("panel.files_help"))
+    name = f"job-{session().in_book.place}"
+    drop_zone.draw(name, say("panel.files"), take, several=True, help=say("panel.files_help"))
 
 
 def _status(slot: str, result: Diagnosis) -> None:

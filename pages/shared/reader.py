@@ -17,7 +17,18 @@ _CHANGES = "reader-changes"
 _MARK = st.components.v2.component(
     "atleak_reader",
     css=".st-key-atleak-reader {position: absolute}",  # it shows nothing and takes no place
-    js="""export default function({data}) {
+    # A field that loses the focus to a link sends what was typed a few tasks later, from the page on which it stands;
+    # a click handled before that would lead away and be led back. So a plain click on a link waits until they are done,
+    # and 50 ms more: a page that is left while the server still takes the text in would lose it.
+    js="""const later = window.requestIdleCallback ?? (task => setTimeout(task, 100))
+    document.addEventListener("click", event => {
+        const link = event.target.closest?.("a[href]:not([target=_blank], [download])")
+        if (!link || !event.isTrusted || event.ctrlKey || event.metaKey || event.shiftKey || event.altKey) return
+        event.preventDefault()
+        event.stopImmediatePropagation()
+        later(() => setTimeout(() => link.click(), 50), {timeout: 300})
+    }, true)
+    export default function({data}) {
         document.documentElement.lang = data.language
         for (const [name, value] of Object.entries(data.cookies))
             document.cookie = `${name}=${value}; path=/; max-age=157680000; samesite=lax`

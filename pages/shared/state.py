@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import weakref
 from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import Any
 
 import streamlit as st
@@ -72,6 +73,7 @@ class InBook:
     archived: bool = False
     result_by: str = ""  # version of atleak that gave the stored result
     judged_otherwise: tuple[JudgedOtherwise, ...] = ()  # where this version judges otherwise
+    place: int = field(default_factory=count().__next__)  # part of the keys of its drop zones: each job has its own
 
     @property
     def news(self) -> tuple[str, str]:
@@ -239,7 +241,8 @@ def open_job(name: str, content: bytes) -> bool:
     except AtleakError as error:
         now.refused["job"] = Refusal(name, error)
         return False
-    in_book = InBook(new=True, result_by=job_file.result_by, judged_otherwise=otherwise)
+    place = now.in_book.place  # what is dropped after it is meant for it
+    in_book = InBook(new=True, result_by=job_file.result_by, judged_otherwise=otherwise, place=place)
     show_job(case, job_file.job, in_book, way_back(reader.say()("done.opened", name=name)))
     return True
 

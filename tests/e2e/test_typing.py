@@ -34,9 +34,7 @@ def wait_until_idle(page: Page) -> None:
 
 
 def to(page: Page, name: str) -> None:
-    page.get_by_role("link", name=name, exact=True).click(
-        delay=80
-    )  # [ms], a hand's: Streamlit misses a click that takes no time
+    page.get_by_role("link", name=name, exact=True).click()
     expect(page.get_by_role("heading", name=name, level=1)).to_be_visible()
     wait_until_idle(page)
 
@@ -147,13 +145,25 @@ def test_what_is_typed_last_is_not_lost_by_leaving_the_page(page: Page) -> None:
     page.keyboard.type("Mercedes", delay=60)
     page.keyboard.press("Tab")
     page.keyboard.type("W210", delay=60)
-    page.wait_for_timeout(500)  # the hand goes from the keyboard to the mouse
-    wait_until_idle(page)
     to(page, "Readings")  # straight from the field
     to(page, "Job")
     assert field(page, "Make").input_value() == "Mercedes"
     assert field(page, "Model").input_value() == "W210"
     expect_record(page, {"vehicle": {"make": "Mercedes", "model": "W210"}})
+
+
+@pytest.mark.page("1_Job")
+@pytest.mark.parametrize("held", [0, 30])
+def test_a_quick_click_on_a_link_straight_from_a_field_leads_to_its_page(page: Page, held: int) -> None:
+    links = page.get_by_test_id("stTopNavLink").or_(page.locator(".st-key-steps a")).filter(has_text="Diagnosis")
+    for number in range(2):  # at the head of the page, among the steps
+        wait_until_idle(page)
+        field(page, "Technician").click()
+        page.keyboard.type("Anna", delay=60)
+        links.nth(number).click(delay=held)
+        expect(page.get_by_role("heading", name="Diagnosis", level=1)).to_be_visible()
+        to(page, "Job")
+        expect(field(page, "Technician")).to_have_value("Anna" * (number + 1))
 
 
 @pytest.mark.slow

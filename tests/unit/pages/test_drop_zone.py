@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import pytest
+import streamlit as st
 from streamlit.testing.v1 import AppTest
 
 SCRIPT = """
@@ -24,6 +28,29 @@ def test_a_file_is_taken_once_and_the_place_stays_for_one_that_comes_meanwhile()
     app.file_uploader[0].upload("b.csv", b"2", "text/csv").run()
     assert app.session_state["taken"] == [("a.csv", b"1"), ("b.csv", b"2")]
     assert app.file_uploader[0].proto.id == place
+    assert not app.exception
+
+
+@pytest.mark.parametrize("broken_off", [st.stop, st.rerun])
+def test_a_file_whose_taking_is_broken_off_is_taken_by_the_next_run(broken_off: Callable[[], None]) -> None:
+    def page(broken_off):  # a script of its own, without the names of this module
+        import streamlit as st
+
+        from pages.shared import drop_zone
+
+        def take(files: list) -> None:
+            tried = st.session_state["tried"] = st.session_state.get("tried", 0) + 1
+            if tried == 1:
+                broken_off()  # as Streamlit does with what the browser sends meanwhile
+            st.session_state["taken"] = [each.name for each in files]
+
+        drop_zone.draw("here", "Files", take, several=True)
+
+    app = AppTest.from_function(page, args=(broken_off,)).run()
+    app.file_uploader[0].set_value([("a.csv", b"1", "text/csv")]).run()
+    app.run()
+    assert app.session_state["taken"] == ["a.csv"]
+    assert app.session_state["tried"] == 2
     assert not app.exception
 
 

@@ -165,6 +165,16 @@ def test_a_job_file_opens_to_the_same_result_and_stays_so(app: AppTest, content:
     assert shown(app) == expected
 
 
+def test_a_file_on_its_way_stays_out_of_another_job_but_follows_the_job_file_that_it_came_with(
+    app: AppTest, content: bytes
+) -> None:
+    place = app.sidebar.file_uploader[0].proto.id
+    open_job(app, content)
+    assert app.sidebar.file_uploader[0].proto.id == place
+    next(button for button in app.sidebar.button if button.label == "New, empty job").click().run()
+    assert app.sidebar.file_uploader[0].proto.id != place
+
+
 def test_panel_and_settings_start_from_the_job(app: AppTest, content: bytes) -> None:
     open_job(app, content)
     go(app, "22_Settings")
