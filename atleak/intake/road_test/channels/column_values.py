@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from atleak.columns import Column
 from atleak.intake.road_test.blocks import each
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.headers_between import refuse_another_header
@@ -281,7 +280,7 @@ class CellTally:
         self.without_gear += len(unnamed)
         return values
 
-    def usable(self, candidate: Candidate, values: Column, decimal: Decimal, assigner: Assigner) -> bool:
+    def usable(self, candidate: Candidate, values: np.ndarray, decimal: Decimal, assigner: Assigner) -> bool:
         """Tell whether the column can be used, and say what is to be said of it; ``values`` are all its numbers."""
         if not self.unreadable:
             return _without_thousands(candidate, values, assigner)
@@ -323,7 +322,7 @@ def _only_positions(cells: Iterable[str]) -> bool:
     return words_as_numbers.only_positions(pd.Series(list(cells), dtype="str"))
 
 
-def _without_thousands(candidate: Candidate, values: Column, assigner: Assigner) -> bool:
+def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assigner) -> bool:
     """Refuse a column in which 1.250 means 1250: whole numbers beside small ones with three decimals."""
     kind = QUANTITIES[candidate.quantity].unit_kind
     if kind not in ("rotational_speed", "pressure") or not len(values):
