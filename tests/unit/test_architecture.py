@@ -53,7 +53,6 @@ FLOORS = (
     ),
     (
         "equations",
-        "columns",
         "faults",
         "doors",
         "system.files",
