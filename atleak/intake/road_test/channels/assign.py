@@ -237,8 +237,8 @@ class Assigner:
         if needed <= self.room:
             return
         expected = Sentence("part of the drive")
-        if thins:
-            fits = math.ceil(HELD * wide * rows / max(self.room - BESIDE, 1 << 20))
+        if thins and self.room > BESIDE:
+            fits = math.ceil(HELD * wide * rows / (self.room - BESIDE))
             expected = Sentence("part of the drive, or one row in {every}: --every {every}", every=fits)
         raise RoadTestError(
             Sentence(
