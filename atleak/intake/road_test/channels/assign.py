@@ -31,7 +31,7 @@ _AT_100 = {  # [rpm] at 100 km/h between which cars with automatic transmissions
 }  # fmt: skip
 _DRIVES, _DRIVES_AT = 30.0, 1000.0  # in either unit of speed, and [rpm], above which a car drives in such a gear
 _DRIVEN_ROWS = 20
-HELD, BESIDE = 5, 200 << 20
+HELD, BESIDE = 6, 200 << 20
 """How many times the size of its numbers a log takes while it is read and evaluated, and how many bytes beside."""
 
 

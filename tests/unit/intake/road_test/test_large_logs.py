@@ -200,7 +200,7 @@ def test_a_log_that_would_not_fit_is_refused_before_it_is_read_and_what_fits_is_
     found = re.search(said + r" row in (\d+): --every \1$", str(problem))
     assert found is not None
     every = int(found[1])
-    assert every == 3  # 20 000 rows of three numbers, five times
+    assert every == 3  # 20 000 rows of three numbers, six times
     assert understand(path, every=every).road_test is not None
     monkeypatch.setattr(importer, "free_memory", lambda: 1 << 40)
     assert understand(path).road_test is not None
