@@ -25,7 +25,7 @@ from atleak.sentence import Sentence
 
 @dataclass
 class LeftOut:
-    """What of a table's lines is no row, and what else was met in reading them; parts of a table add up."""
+    """What of a table's lines is no row, and what else was met in reading them."""
 
     above: int = 0  # rows of another table above
     too_wide: int = 0  # rows with more numbers than columns
@@ -44,13 +44,6 @@ class LeftOut:
     def rows(self) -> int:
         """Return how many lines were left out."""
         return self.above + self.too_wide + self.lines + self.blank
-
-    def add(self, other: LeftOut) -> None:
-        """Add what was met in the next part of the same table."""
-        self.too_wide += other.too_wide
-        self.short += other.short
-        self.breaks_off |= other.breaks_off
-        self.lines += other.lines
 
     def say(self, assigner: Assigner) -> None:
         """Say how many rows were left out, and why."""
@@ -125,7 +118,7 @@ REMARKS = 0.3  # part of a log's lines that may have a word in place of the time
 
 def without_words(
     frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner,
-    word_for_time: np.ndarray, first: int = 0,
+    word_for_time: np.ndarray,
 ) -> tuple[pd.DataFrame, int]:  # fmt: skip
     """Remove comments, markers, repeated headers and blank lines; return the rest, and how many there were.
 
@@ -133,8 +126,6 @@ def without_words(
     ----------
     word_for_time
         lines with a word in place of the time.
-    first
-        number of rows before these, of a table that is read in parts.
 
     Raises
     ------
@@ -177,7 +168,7 @@ def without_words(
         lines = frame[text_only].astype(object)
         for index, cells in words_in_columns.items():
             lines[index] = lines[index].where(lines[index].notna(), cells.reindex(lines.index))
-        refuse_another_header(lines, times + channels, assigner, first)
+        refuse_another_header(lines, times + channels, assigner)
         # rows that hold nothing but words where the table has numbers are markers
         attributes = frame.attrs
         frame = frame[~text_only]
@@ -245,7 +236,7 @@ _FEW_WORDS = 0.02  # part of a column's cells that may be no numbers
 
 @dataclass
 class CellTally:
-    """The cells of a column that are no numbers, as far as they decide whether it is used; its parts add up."""
+    """The cells of a column that are no numbers, as far as they decide whether it is used."""
 
     quantity: str
     cells: int = 0
