@@ -25,7 +25,6 @@ from atleak.errors import Message
 from atleak.gauges.check import PressureCheck, check_pressures
 from atleak.keeping import kept_with
 from atleak.land_diagnosis import LandDiagnosis, PumpDiagnosis, diagnosed_land, diagnosed_pump
-from atleak.large_log import LargeLog
 from atleak.pressure_table import PressureTable
 from atleak.provisional import Basis, representative_bases
 from atleak.readings import MeasuringTemperature, Readings, clearances
@@ -409,7 +408,7 @@ def diagnose(
     *,
     fluid_state: FluidState | None = None,
     readings: Readings | None = None,
-    road_test: RoadTest | LargeLog | None = None,
+    road_test: RoadTest | None = None,
     pressures: PressureTable | None = None,
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,

@@ -1,4 +1,4 @@
-"""Evaluate a unit's road test: what the log says by itself, and leakage over it; a large log is taken in pieces."""
+"""Evaluate a unit's road test: what the log says by itself, and leakage over it."""
 
 from __future__ import annotations
 
@@ -10,11 +10,9 @@ from atleak.catalogue.limits import Limits
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.road_bands import TemperatureClass, temperature_classes
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
-from atleak.engine.road_pieces import RoadLeakageInPieces, evaluate_in_pieces
 from atleak.errors import Message, RoadTestError
 from atleak.keeping import kept_with
-from atleak.large_log import LargeLog
-from atleak.road_findings import RoadFindings, findings_in_pieces, road_findings
+from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
 from atleak.sentence import Sentence
 from atleak.uncertainty import Assumptions
@@ -33,7 +31,7 @@ class Driven:
 
 
 def driven(
-    road_test: RoadTest | LargeLog,
+    road_test: RoadTest,
     model: LeakageModel,
     unworn: LeakageModel | None,
     condition: OperatingPoint,
@@ -53,13 +51,8 @@ def driven(
     limits, assumptions, guard_factor
         by which the log is judged, and what is uncertain.
     """
-    judged = limits, assumptions, guard_factor
+    log = road_findings(model.controller, road_test, limits, assumptions, guard_factor)
     try:
-        if isinstance(road_test, LargeLog):
-            log = findings_in_pieces(model.controller, road_test, *judged)
-            events, shares = log.events, limits.total_share
-            return Driven(log, evaluate_in_pieces(model, road_test, condition, events, shares, unworn), None)
-        log = road_findings(model.controller, road_test, *judged)
         return Driven(log, evaluated(model, road_test, condition), None)
     except RoadTestError as error:
         text = Sentence(
@@ -94,6 +87,4 @@ def classes_over(road: RoadLeakage | None, unworn: LeakageModel | None, limits: 
     """Return the classes of fluid temperature that a log passes through; none without leakage over it."""
     if road is None:
         return ()
-    if isinstance(road, RoadLeakageInPieces):
-        return road.classes
     return temperature_classes(road, limits.total_share, unworn)

@@ -11,7 +11,6 @@ from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.lasting import CountedSamples
-from atleak.engine.pressure_pieces import pressure_in_pieces
 from atleak.engine.road_pressure import (
     CommandedPressure,
     NotJudged,
@@ -21,9 +20,7 @@ from atleak.engine.road_pressure import (
 )
 from atleak.equations.uncertainty import normal_cdf
 from atleak.events import ConverterSlip, Event, converter_slip, events
-from atleak.events.in_pieces import events_in_pieces, slip_in_pieces
 from atleak.keeping import kept_with
-from atleak.large_log import LargeLog
 from atleak.road_test import RoadTest
 from atleak.rules import Rule
 from atleak.sentence import Sentence
@@ -98,31 +95,6 @@ def road_findings(
         commanded=commanded,
         decisions=tuple(_decided(rule, u, guard_factor) for rule, u in judged),
         slip=kept_with(road_test, "slip", "", lambda: converter_slip(road_test)),
-    )
-
-
-def findings_in_pieces(
-    controller: Controller,
-    log: LargeLog,
-    limits: Limits,
-    assumptions: Assumptions = DEFAULTS,
-    guard_factor: float = GUARD_FACTOR,
-) -> RoadFindings:
-    """Return what a log that is larger than memory says by itself; parameters are those of `road_findings`."""
-    happened = events_in_pieces(log, gears=controller.gears)
-    found = pressure_in_pieces(controller, log, happened)
-    judged = _judged(found.pressure, found.commanded, limits, assumptions.main_pressure)
-    ends = [_span(log.values("atf_temperature", start, stop)) for start, stop in log.spans()]
-    known = [end for end in ends if end is not None]
-    return RoadFindings(
-        road_test=log.head,
-        events=happened,
-        gears=found.gears,
-        temperatures=(min(low for low, _ in known), max(high for _, high in known)) if known else None,
-        pressure=found.pressure,
-        commanded=found.commanded,
-        decisions=tuple(_decided(rule, u, guard_factor) for rule, u in judged),
-        slip=slip_in_pieces(log, happened),
     )
 
 

@@ -219,7 +219,6 @@ class RoadTest:
     decimal: str | None = None
     refused: Mapping[str, Sentence] = field(default_factory=dict)
     date: dt.date | None = None  # of the first sample, where the log states it beyond doubt
-    in_pieces: bool = False  # whether it is larger than memory: then no sample stands here (`atleak.large_log`)
     _held: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
 
     @property

@@ -250,6 +250,7 @@ def chosen_case(options: argparse.Namespace) -> Case:
         columns=tuple(options.map),
         units=tuple(options.unit),
         constants=log_constants(options),
+        every=options.every,
         assumptions=tuple(pair for pair in options.assume if pair[0] != _POSITION),
         guard_factor=options.guard,
         complaint=options.complaint,

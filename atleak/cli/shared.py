@@ -195,12 +195,25 @@ def add_columns(parser: Options) -> None:
         type=number_of(INTERVAL),
         help="seconds from row to row of a log without a clock: 0.033",
     )
+    parser.add_argument(
+        "--every",
+        metavar="N",
+        type=_every,
+        default=1,
+        help="read only one row in N of the log, where all would take too much memory",
+    )
 
 
 _WITH_UNIT = re.compile(r"(?P<number>[\d.,]+)\s*(?P<unit>[^\d\s.,].*)")
 
 
 # --- what an option takes -----------------------------------------------------------------------------------------
+
+
+def _every(text: str) -> int:
+    if not text.isdecimal() or not int(text):
+        raise argparse.ArgumentTypeError(f"{text!r} is no whole number above 0")
+    return int(text)
 
 
 def pair(text: str) -> tuple[str, str]:
@@ -282,9 +295,11 @@ def chosen_controller(options: argparse.Namespace) -> Controller:
 
 
 def log_choices(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the choices about a log: columns, units and values for missing channels."""
+    """Return the choices about a log: columns, units, values for missing channels, and of how many rows one is read."""
     constants = {name: value for name, value in log_constants(options) if not isinstance(value, str)}
-    return {"mapping": dict(options.map), "units": dict(options.unit), "constants": constants}
+    return {
+        "mapping": dict(options.map), "units": dict(options.unit), "constants": constants, "every": options.every,
+    }  # fmt: skip
 
 
 def log_constants(options: argparse.Namespace) -> tuple[tuple[str, float | str], ...]:

@@ -12,7 +12,6 @@ from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.circuits import IDLE_SPEED
 from atleak.catalogue.controller import Controller, OperatingPoint
 from atleak.errors import Message
-from atleak.large_log import LargeLog
 from atleak.road_test import Channel, RoadTest
 from atleak.sentence import Sentence, in_a_row
 from atleak.unit_systems import Quantity
@@ -30,61 +29,25 @@ def with_assumed_pressure(controller: Controller, road_test: RoadTest) -> RoadTe
     returned as it is where it holds a main pressure, with a message that nothing was assumed.
     """
     if road_test.channel("main_pressure") is not None:
-        return replace(road_test, messages=(*road_test.messages, _not_assumed()))
-    assumed = _Assumed(controller)
-    pressure = assumed.at(road_test.values("gear"), road_test.values("engine_speed"), len(road_test.time))
+        text = Sentence("The log has a main pressure: none is assumed from the valve body's operating points.")
+        said = Message("warning", "pressure_not_assumed", text)
+        return replace(road_test, messages=(*road_test.messages, said))
+    points, used = controller.operating_points, dict[tuple[float, int], OperatingPoint]()
+    first, count = points[0], len(road_test.time)
+    gear, speed = road_test.values("gear"), road_test.values("engine_speed")
+    gears = np.full(count, float(first.gear)) if gear is None else np.nan_to_num(gear, nan=float(first.gear))
+    idle = np.full(count, first.state == "idle") if speed is None else speed < IDLE_SPEED
+    pressure = np.full(count, np.nan)
+    for each in np.unique(gears).tolist():
+        for rank, there in enumerate((idle, ~idle)):
+            here = there & (gears == each)
+            if here.any():
+                used[each, rank] = _nearest(points, int(each), "driving" if rank else "idle")
+                pressure[here] = used[each, rank].main_pressure
     channel = Channel("main_pressure", road_test.time, pressure, np.zeros(len(pressure), bool), source="derived")
-    messages = (*road_test.messages, _said(assumed.points))
+    messages = (*road_test.messages, _said([used[key] for key in sorted(used)]))
     channels = MappingProxyType({**road_test.channels, "main_pressure": channel})
     return replace(road_test, channels=channels, messages=messages, _held={})
-
-
-def with_assumed_pressure_in_pieces(controller: Controller, log: LargeLog) -> LargeLog:
-    """Return a log that is larger than memory with such a main pressure, as `with_assumed_pressure` does."""
-    if log.head.channel("main_pressure") is not None:
-        return replace(log, head=replace(log.head, messages=(*log.head.messages, _not_assumed())))
-    assumed, nothing = _Assumed(controller), np.empty(0)
-    parts = (
-        assumed.at(log.values("gear", start, stop), log.values("engine_speed", start, stop), stop - start)
-        for start, stop in log.spans()
-    )
-    channel = Channel("main_pressure", nothing, nothing, np.empty(0, bool), source="derived")
-    with_pressure = log.with_channel(channel, parts)
-    head = with_pressure.head
-    return replace(with_pressure, head=replace(head, messages=(*head.messages, _said(assumed.points))))
-
-
-class _Assumed:
-    """The main pressure that is assumed, and by which operating points."""
-
-    def __init__(self, controller: Controller) -> None:
-        self._points = controller.operating_points
-        self._used: dict[tuple[float, int], OperatingPoint] = {}
-
-    @property
-    def points(self) -> list[OperatingPoint]:
-        """Return the operating points that were used, by gear, that of idle first."""
-        return [self._used[key] for key in sorted(self._used)]
-
-    def at(self, gear: np.ndarray | None, speed: np.ndarray | None, count: int) -> np.ndarray:
-        """Return the pressure of some samples [Pa]."""
-        first = self._points[0]
-        gears = np.full(count, float(first.gear)) if gear is None else np.nan_to_num(gear, nan=float(first.gear))
-        idle = np.full(count, first.state == "idle") if speed is None else speed < IDLE_SPEED
-        pressure = np.full(count, np.nan)
-        for each in np.unique(gears).tolist():
-            for rank, there in enumerate((idle, ~idle)):
-                here = there & (gears == each)
-                if here.any():
-                    point = _nearest(self._points, int(each), "driving" if rank else "idle")
-                    pressure[here] = point.main_pressure
-                    self._used[each, rank] = point
-        return pressure
-
-
-def _not_assumed() -> Message:
-    text = Sentence("The log has a main pressure: none is assumed from the valve body's operating points.")
-    return Message("warning", "pressure_not_assumed", text)
 
 
 def _nearest(points: Sequence[OperatingPoint], gear: int, state: State) -> OperatingPoint:

@@ -59,24 +59,6 @@ class Extremes(Protocol):
     def instants(self) -> tuple[Instant, ...]: ...
 
 
-@dataclass(frozen=True)
-class FoundExtremes:
-    """Extremes that were worked out before."""
-
-    window: float  # [s] of the running median
-    samples: int  # that count
-    max_leakage: Instant
-    min_leakage: Instant
-    max_share: Instant | None
-    max_leakage_sustained: Instant | None
-    max_share_sustained: Instant | None
-
-    @property
-    def instants(self) -> tuple[Instant, ...]:
-        """Return every extreme there is."""
-        return instants_of(self)
-
-
 def instants_of(extremes: Extremes) -> tuple[Instant, ...]:
     """Return every extreme there is."""
     every = (
@@ -242,17 +224,11 @@ def running_median(values: np.ndarray, clock: np.ndarray, window: float) -> np.n
     return rolling.median().to_numpy()
 
 
-def clock_of(
-    time: np.ndarray, segments: Sequence[Segment], window: float, begin: float | None = None, before: int = 0
-) -> np.ndarray:
-    """Return the stamps from zero on, with the segments so far apart that no window reaches from one into the next.
-
-    Of a part of a log, ``begin`` is the first stamp of the whole and ``before`` the number of segments that lie before
-    the part: its clock is then that of the whole.
-    """
+def clock_of(time: np.ndarray, segments: Sequence[Segment], window: float) -> np.ndarray:
+    """Return the stamps from zero on, with the segments so far apart that no window reaches from one into the next."""
     breaks = np.zeros(len(time))
     breaks[[segment.start_row for segment in segments]] = 1.0
-    return time - (time[0] if begin is None else begin) + 2.0 * window * (before + np.cumsum(breaks))
+    return time - time[0] + 2.0 * window * np.cumsum(breaks)
 
 
 def _median(values: np.ndarray) -> float | None:

@@ -35,26 +35,11 @@ class CountedSamples:
     """The samples of a log that count: not those of a standstill or start of the engine, nor of short shifts.
 
     What does not count is cut out of the clock: it neither lasts nor parts what lies before from what lies behind.
-
-    Parameters
-    ----------
-    cut_out
-        events whose samples do not count, as `events_cut_out` gives them; those of the log itself unless given.
-    begin, before
-        of a part of a log, as `clock_of` takes them.
     """
 
-    def __init__(
-        self,
-        road_test: RoadTest,
-        cut_out: Iterable[Event] | None = None,
-        begin: float | None = None,
-        before: int = 0,
-    ) -> None:
+    def __init__(self, road_test: RoadTest) -> None:
         self.time, self._segments = road_test.time, road_test.segments
-        self._begin, self._before = begin, before
-        if cut_out is None:
-            cut_out = events_cut_out((*engine_starts(road_test), *gear_shifts(road_test)))
+        cut_out = events_cut_out((*engine_starts(road_test), *gear_shifts(road_test)))
         engine, out = road_test.values("engine_speed"), within(self.time, cut_out)
         if engine is not None:
             out |= engine < Thresholds.idle_low
@@ -76,7 +61,7 @@ class CountedSamples:
 
     def smooth(self, values: np.ndarray) -> np.ndarray:
         """Return the median of half a second where there are samples enough for one; what is unknown stays so."""
-        clock = clock_of(self.time, self._segments, SUSTAINED_SECONDS, self._begin, self._before)
+        clock = clock_of(self.time, self._segments, SUSTAINED_SECONDS)
         medians = running_median(values, clock, SUSTAINED_SECONDS)
         return np.where(np.isnan(values) | np.isnan(medians), values, medians)
 

@@ -108,7 +108,7 @@ class _Sums:
 
 
 class TemperatureSums:
-    """The classes of a log as they grow from piece to piece; several pieces sum to what the whole log gives."""
+    """The classes of a log as they grow; samples may be added in several parts."""
 
     def __init__(self) -> None:
         self._sums: dict[int, _Sums] = {}

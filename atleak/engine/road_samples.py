@@ -1,7 +1,4 @@
-"""Compute leakage and pump flow of a log's samples, and say what of them had to be assumed or left out.
-
-Counts add up: what is said of a log that comes in pieces is what is said of the whole.
-"""
+"""Compute leakage and pump flow of a log's samples, and say what of them had to be assumed or left out."""
 
 from __future__ import annotations
 

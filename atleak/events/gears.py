@@ -8,7 +8,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-from atleak.columns import Stream, median_of
 from atleak.errors import Message
 from atleak.events.event import Event, Thresholds, gear_engaged, segments
 from atleak.road_test import Channel, ChannelSource, RoadTest
@@ -116,6 +115,9 @@ def speed_ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", 
     return np.where(moving & (above > 0), above / np.where(moving, below, 1.0), np.nan)
 
 
+_APART, _NEAR = 0.12, 0.03  # of the logarithm: between two levels, and around one
+
+
 def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
     """Return the ratios at which a log stays, highest first: the gears. Levels closer than 12 % are one.
 
@@ -123,48 +125,29 @@ def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
     >>> [round(level, 2) for level in ratio_levels(r)]
     [2.8, 1.5, 1.0]
     """
-    logarithms = logarithms_of(ratio)
-    return levels_among(lambda: iter([logarithms]), share)
-
-
-def logarithms_of(ratio: np.ndarray) -> np.ndarray:
-    """Return the logarithms of the ratios that are known and above zero."""
-    return np.log(ratio[np.isfinite(ratio) & (ratio > 0)])
-
-
-_APART, _NEAR = 0.12, 0.03  # of the logarithm: between two levels, and around one
-
-
-def levels_among(logarithms: Stream, share: float = 0.02) -> list[float]:
-    """Return the levels as `ratio_levels`, of ratios whose logarithms come in pieces."""
-
-    def around(middle: float, width: float) -> Stream:
-        return lambda: (part[np.abs(part - middle) < width] for part in logarithms())
-
-    count, least, most = 0, np.inf, -np.inf
-    for part in logarithms():
-        count += len(part)
-        least, most = min(least, part.min(initial=np.inf)), max(most, part.max(initial=-np.inf))
-    if count < 50:
+    logarithms = np.log(ratio[np.isfinite(ratio) & (ratio > 0)])
+    if len(logarithms) < 50:
         return []
+    least, most = logarithms.min(), logarithms.max()
     edges = np.arange(least - 0.02, most + 0.04, 0.02)
-    counts = np.sum([np.histogram(part, edges)[0] for part in logarithms()], axis=0)
+    counts = np.histogram(logarithms, edges)[0]
     wide = np.convolve(counts, np.ones(3), "same")
     order = np.argsort(wide)[::-1]
     levels: list[float] = []
     for index in order:
-        if wide[index] < share * count:
+        if wide[index] < share * len(logarithms):
             break
         bin_middle = 0.5 * (edges[index] + edges[index + 1])
         if any(abs(bin_middle - level) <= _APART - _NEAR for level in levels):
             continue  # whatever is near it is near that level
-        middle = median_of(around(bin_middle, _NEAR))
-        if not np.isfinite(middle):
+        near = logarithms[np.abs(logarithms - bin_middle) < _NEAR]
+        if not len(near):
             continue
+        middle = float(np.median(near))
         if all(abs(middle - level) > _APART for level in levels):
             # a gear stands out from the ratios that a shift passes through
-            wider, near = (sum(map(len, around(middle, width)())) for width in (_APART, _NEAR))
-            if near / wider > 0.45:
+            wide_around, near_it = (np.count_nonzero(np.abs(logarithms - middle) < width) for width in (_APART, _NEAR))
+            if near_it / wide_around > 0.45:
                 levels.append(middle)
     return [float(np.exp(level)) for level in sorted(levels, reverse=True)]
 

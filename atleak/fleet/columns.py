@@ -82,7 +82,7 @@ _OF_UNIT = {
     "road_sha256": _TEXT,
     "road_rows": _WHOLE,
     "road_duration_s": _NUMBER,
-    "road_in_pieces": _YES_NO,  # too large to be held at once; null without a log
+    "road_in_pieces": _YES_NO,  # yes: by an earlier version, which took a large log in pieces; null without a log
     "max_leakage_dm3_min": _NUMBER,
     "max_leakage_low_dm3_min": _NUMBER,
     "max_leakage_high_dm3_min": _NUMBER,

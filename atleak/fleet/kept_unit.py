@@ -53,12 +53,8 @@ class KeptUnit:
         Raises
         ------
         AtleakError
-            its files are not there any more, cannot be read, or are others than the result rests on; a log so large
-            that it was evaluated in pieces.
+            its files are not there any more, cannot be read, or are others than the result rests on.
         """
-        if self.unit["road_in_pieces"]:
-            problem = Sentence("{unit} has a log that is too large to be held at once", unit=self.unit["name"])
-            raise FleetError(problem, expected=Sentence("a unit whose log was not evaluated in pieces"))
         return reopened(self.unit["reference"], choices=self.unit["choices"] or "", input_sha256=self.unit[HASH])
 
 

@@ -78,7 +78,7 @@ def rows_of(
     """
     folder_of(diagnosis.controller.id)  # here, where an id that names no folder concerns this unit alone
     record = diagnosis_record(diagnosis)
-    road, log = record["road_test"], diagnosis.log
+    road = record["road_test"]
     of_unit = {
         **_named(unit, tries),
         "seconds": seconds,
@@ -86,7 +86,7 @@ def rows_of(
         **_diagnosed_with(record),
         "lands_judged": diagnosis.judged,
         **_judged(record["unit"]),
-        **_road(road, in_pieces=log is not None and log.road_test.in_pieces),
+        **_road(road),
         "result_sha256": result_sha256(record),
     }
     own = {HASH: unit.input_sha256}
@@ -198,7 +198,7 @@ def _judged(unit: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _road(road: Mapping[str, Any] | None, *, in_pieces: bool) -> dict[str, Any]:
+def _road(road: Mapping[str, Any] | None) -> dict[str, Any]:
     """Return what the record of a road test says of the unit; nothing without one."""
     if road is None:
         return {}
@@ -214,7 +214,7 @@ def _road(road: Mapping[str, Any] | None, *, in_pieces: bool) -> dict[str, Any]:
         "road_sha256": road["sha256"],
         "road_rows": road["rows"],
         "road_duration_s": road["duration_s"],
-        "road_in_pieces": in_pieces,
+        "road_in_pieces": False,
         **instants,
         "below_s": permissible["below_s"] if permissible else None,
         "worst_below_kpa": permissible["worst_below_kpa"] if permissible else None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,8 +14,7 @@ from atleak.doors import unexpected
 from atleak.errors import AtleakError, InputError
 from atleak.fleet.rows import Rows, error_rows, rows_of
 from atleak.fleet.units import FleetUnit
-from atleak.intake.road_test import Understood, default_path
-from atleak.intake.road_test.pieces.any_size import understand_of_any_size
+from atleak.intake.road_test import Understood, default_path, understand
 from atleak.job.case import Case, Choice, Reader, Slot
 from atleak.job.of_sheet import with_sheet
 
@@ -26,43 +25,31 @@ _KEPT = 64  # entries of the catalogue
 class Room:
     """What a unit may take of the machine that it is evaluated on."""
 
-    memory: int | None = None  # bytes; None: as much as a log wants that is read whole
-    folder: Path | None = None  # where the samples of a large log lie meanwhile; None: with temporary files
+    memory: int | None = None  # bytes; None: as much as is free
+    folder: Path | None = None  # where the files of a job are unpacked; None: with temporary files
 
 
 _ENTRIES: dict[tuple[str, str, str], Any] = {}
 
 
 class _Reader(Reader):
-    """Read every file of a job anew, but keep what jobs take from the catalogue: a fleet is of few valve bodies.
+    """Read every file of a job anew, but keep what jobs take from the catalogue: a fleet is of few valve bodies."""
 
-    A large log is read in pieces, whose samples lie on the disk until the unit is done.
-    """
-
-    def __init__(self, room: Room, done: ExitStack) -> None:
-        self._room, self._done = room, done
+    def __init__(self, memory: int | None) -> None:
+        self._memory = memory
 
     def log(self, case: Case) -> Understood:
-        """Read the job's log, a large one in pieces.
+        """Read the job's log.
 
         Raises
         ------
         RoadTestError
-            for a file that is no log.
+            for a file that is no log, or takes more memory than a unit may.
         """
         file = case.road_test
         assert file is not None
-        understood = understand_of_any_size(
-            file.given,
-            memory=self._room.memory,
-            folder=self._room.folder,
-            name=file.name,
-            remembered=default_path() if case.remember else None,
-            **case.log_choices,
-        )
-        if understood.large is not None:
-            self._done.callback(understood.large.close)
-        return understood
+        remembered = default_path() if case.remember else None
+        return understand(file.given, name=file.name, memory=self._memory, remembered=remembered, **case.log_choices)
 
     def entry(self, slot: Slot, choice: Choice) -> Any:
         """Return an entry as it was loaded before, where it is of the same bytes."""
@@ -80,8 +67,8 @@ class _Reader(Reader):
 def _reading(room: Room) -> Iterator[tuple[_Reader, Path]]:
     """Give what reads the files of one unit, and a folder to unpack it in; nothing of either stays on the disk."""
     folders = tempfile.TemporaryDirectory(prefix="atleak-", dir=room.folder, ignore_cleanup_errors=True)
-    with folders as folder, ExitStack() as done:
-        yield _Reader(room, done), Path(folder)
+    with folders as folder:
+        yield _Reader(room.memory), Path(folder)
 
 
 def evaluate(unit: FleetUnit, *, tries: int = 1, room: Room | None = None) -> Rows:
@@ -96,7 +83,7 @@ def evaluate(unit: FleetUnit, *, tries: int = 1, room: Room | None = None) -> Ro
     tries
         how many times it was begun, this time with it.
     room
-        what it may take; without one a large log is read in pieces, too.
+        what it may take.
     """
     begun = time.perf_counter()
     try:

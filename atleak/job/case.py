@@ -31,11 +31,7 @@ from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import find_repairs
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.doors import DAMAGE, reason_in_short
-from atleak.engine.assumed_pressure import (
-    OPERATING_POINTS,
-    with_assumed_pressure,
-    with_assumed_pressure_in_pieces,
-)
+from atleak.engine.assumed_pressure import OPERATING_POINTS, with_assumed_pressure
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
 from atleak.errors import AtleakError, InputError, Message, Place, RoadTestError
@@ -44,7 +40,6 @@ from atleak.intake.plain_words import words
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import NOT_LOGGED, Understood, default_path, recall, understand
 from atleak.keeping import kept_with
-from atleak.large_log import LargeLog
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.road_test import RoadTest
@@ -176,6 +171,7 @@ class LogChoices(TypedDict):
     mapping: dict[str, str]
     units: dict[str, str]
     constants: dict[str, float]
+    every: int
 
 
 class Loader(Protocol):
@@ -219,6 +215,7 @@ class Case:
     columns: tuple[tuple[str, str], ...] = ()  # quantity → column of the log, where the user chose it
     units: tuple[tuple[str, str], ...] = ()  # quantity → unit
     constants: Pairs = ()  # quantity → value in SI of a channel that the log lacks; of main pressure `OPERATING_POINTS`
+    every: int = 1  # N: only one row in N of the log is read
     remember: bool = True  # whether to use what this computer remembers of such logs
     assumptions: Pairs = ()  # those that differ from the defaults
     guard_factor: float | None = None
@@ -230,6 +227,8 @@ class Case:
         """Return a key under which a result can be kept: equal for equal files and choices, and only for those."""
         files = {name: (file.name, file.sha256) for name, file in self._files()}
         values = {name: files.get(name, value) for name, value in vars(self).items() if not name.startswith("_")}
+        if self.every == 1:  # results that were kept before there was such a choice
+            del values["every"]
         return hashlib.sha256(repr(sorted(values.items())).encode("utf-8", "backslashreplace")).hexdigest()
 
     def with_files(self, files: Mapping[str, SourceFile | None]) -> Self:
@@ -267,7 +266,7 @@ class Case:
     def log_choices(self) -> LogChoices:
         """Return how the log's columns are read."""
         constants = {name: float(value) for name, value in self.constants if value != OPERATING_POINTS}
-        return {"mapping": dict(self.columns), "units": dict(self.units), "constants": constants}
+        return {"mapping": dict(self.columns), "units": dict(self.units), "constants": constants, "every": self.every}
 
     @property
     def assumes_pressure(self) -> bool:
@@ -349,11 +348,9 @@ class Case:
         )
         return replace(diagnosis, repairs=find_repairs(controller.repairs, self.repairs, controller.name))
 
-    def _driven(self, log: Understood, controller: Controller) -> RoadTest | LargeLog:
+    def _driven(self, log: Understood, controller: Controller) -> RoadTest:
         """Return the road test of a log, with the main pressure that is assumed for it."""
         road_test = _road_test(log)
-        if log.large is not None:
-            return with_assumed_pressure_in_pieces(controller, log.large) if self.assumes_pressure else log.large
         if not self.assumes_pressure:
             return road_test
         make = partial(with_assumed_pressure, controller, road_test)

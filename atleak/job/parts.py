@@ -89,7 +89,17 @@ class ReadingChoices(_Strict):
         return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
 
-_LogChoices = dict[Literal["mapping", "units", "constants"], dict[str, str | float] | None]
+def _every_alone_a_number(choices: dict[str, Any]) -> dict[str, Any]:
+    for name, value in choices.items():
+        if isinstance(value, int) != (name == "every"):
+            raise ValueError(Sentence("a whole number for 'every', and for nothing else"))
+    return choices
+
+
+_LogChoice = Annotated[int, Field(ge=1, strict=True)] | dict[str, str | float] | None
+_LogChoices = Annotated[
+    dict[Literal["mapping", "units", "constants", "every"], _LogChoice], AfterValidator(_every_alone_a_number)
+]
 
 
 class Choices(_Strict):
@@ -120,6 +130,7 @@ class Choices(_Strict):
     def case(self, sources: Mapping[str, SourceFile]) -> Case:
         """Return the case that these choices and files make up; nothing that this computer remembers is used."""
         profile = find_profile(self.profile, {name: str(value) for name, value in self.options.items()})
+        log: Any = self.road_test
         return Case(
             profile=profile.name,
             options=differing_options(profile),
@@ -134,9 +145,10 @@ class Choices(_Strict):
             sheet_unit=self.readings.unit,
             sheet_where=pairs_of(self.readings.where),
             sheet_fill_down=self.readings.fill_down,
-            columns=pairs_of(self.road_test.get("mapping")),
-            units=pairs_of(self.road_test.get("units")),
-            constants=pairs_of(self.road_test.get("constants")),
+            columns=pairs_of(log.get("mapping")),
+            units=pairs_of(log.get("units")),
+            constants=pairs_of(log.get("constants")),
+            every=log.get("every", 1),
             remember=False,
             assumptions=() if self.assumptions == DEFAULTS.settings else pairs_of(self.assumptions),
             guard_factor=None if self.guard_factor == GUARD_FACTOR else self.guard_factor,
@@ -158,10 +170,14 @@ def _reading_choices(case: Case) -> ReadingChoices:
     )
 
 
-def _log_choices(case: Case) -> _LogChoices:
+def _log_choices(case: Case) -> Any:
     chosen = case.log_choices
-    columns: _LogChoices = {"mapping": {**chosen["mapping"]}, "units": {**chosen["units"]}}
-    return columns | {"constants": dict(case.constants)} if case.constants else columns
+    columns: dict[str, Any] = {"mapping": {**chosen["mapping"]}, "units": {**chosen["units"]}}
+    if case.constants:
+        columns["constants"] = dict(case.constants)
+    if case.every > 1:
+        columns["every"] = case.every
+    return columns
 
 
 # --- a job in parts

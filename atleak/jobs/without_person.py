@@ -57,6 +57,7 @@ def without_person(file: JobFile) -> WithoutPerson:
         sheet_fill_down=False,
         columns=log.columns if log else (),
         units=log.units if log else (),
+        every=1,
         remember=False,
     )
     diagnosis = bare.diagnose()

@@ -4,40 +4,31 @@ from __future__ import annotations
 
 import ctypes
 import gc
-import os
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
+import psutil
 
-def of_machine() -> int | None:
-    """Return how many bytes of memory this machine has, or this container; None where the system does not say."""
-    found = [_physical(), *(_limit_in(path) for path in _CONTAINERS)]
-    known = [size for size in found if size is not None and size > 0]
-    return min(known, default=None)
-
-
-_CONTAINERS = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"))
+_CONTAINERS = (
+    ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
+    ("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes"),
+)
 
 
-def _physical() -> int | None:
-    if sys.platform == "win32":
-        status = (ctypes.c_uint64 * 8)()  # first its size and the load, in four bytes each; then the memory there is
-        ctypes.memmove(status, ctypes.byref(ctypes.c_uint32(ctypes.sizeof(status))), 4)
-        return int(status[1]) if ctypes.windll.kernel32.GlobalMemoryStatusEx(ctypes.byref(status)) else None
-    try:
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (OSError, ValueError):
-        return None
+def free_memory() -> int:
+    """Return how many bytes of memory are free on this machine, or within this container."""
+    found = [int(psutil.virtual_memory().available)]
+    for limit, used in _CONTAINERS:
+        with suppress(OSError, ValueError):  # a container without a limit writes max
+            found.append(_number_in(limit) - _number_in(used))
+    return max(min(found), 0)
 
 
-def _limit_in(path: Path) -> int | None:
-    """Return the limit that a container has; None where it has none, which is written as max."""
-    try:
-        return int(path.read_text(encoding="ascii"))
-    except (OSError, ValueError):
-        return None
+def _number_in(path: str) -> int:
+    return int(Path(path).read_text(encoding="ascii"))
 
 
 def give_back() -> None:

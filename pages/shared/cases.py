@@ -45,7 +45,7 @@ SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
 LARGE, LARGE_KEPT = 4_000_000, 2
 _CHOICES = {  # those that belong to one file, and go with it
     "readings": ("sheet_name", "sheet_unit", "sheet_where", "sheet_fill_down"),
-    "road_test": ("columns", "units", "constants", "remember"),
+    "road_test": ("columns", "units", "constants", "every", "remember"),
     "pressures": (),
 }
 FITTED: dict[str, dict[str, Any]] = {  # the same, as a fresh job has them

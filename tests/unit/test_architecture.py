@@ -52,7 +52,6 @@ FLOORS = (
     ),
     (
         "equations",
-        "columns",
         "faults",
         "doors",
         "system.files",
@@ -68,19 +67,16 @@ FLOORS = (
     ("written_numbers", "phrases", "report.printed_fonts"),
     ("pressure_table", "controller_sheets", "own_lands", "sheet_identity", "wear_line"),
     ("readings", "road_test", "gauge_study"),
-    ("large_log",),
     ("events", "engine.profile", "engine.extremes", "engine.restrictions"),
     ("engine.balance",),
     ("engine.circuits",),
     ("engine.leakage", "engine.lasting"),
-    ("engine.lasting_pieces",),
     ("engine.line", "engine.gap_polynomials", "engine.assumed_pressure"),
     ("engine.circuit_series",),
     ("engine.series", "engine.projection", "engine.repaired", "engine.flows"),
     ("engine.road_samples",),
     ("engine.road_leakage", "engine.road_pressure", "rules"),
-    ("engine.road_bands", "engine.pressure_pieces", "uncertainty", "variants"),
-    ("engine.road_pieces",),
+    ("engine.road_bands", "uncertainty", "variants"),
     ("sheet_checks", "provisional", "replace_mileage", "road_findings", "gauges", "learning"),
     ("driven",),
     ("land_diagnosis", "result_messages"),
@@ -128,7 +124,7 @@ FLOORS = (
 )
 FLOOR_OF = {room: number for number, floor in enumerate(FLOORS) for room in floor}
 # The intake stands beside the engine and neither knows the other: its floor is above the engine, its imports end here.
-INTAKE_STANDS_ON = FLOOR_OF["large_log"]
+INTAKE_STANDS_ON = FLOOR_OF["road_test"]
 MODULES = {".".join(path.relative_to(ROOT / "atleak").with_suffix("").parts): path for path in CORE}
 
 

@@ -6,61 +6,51 @@ import io
 import json
 import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 MdfPart = tuple[str, dict[str, Any]]
 
 
-def mdf_parts(data: bytes) -> Iterator[MdfPart]:
-    """Yield what an MDF file holds, part by part; arrays are the bytes of floats unless stated otherwise.
+def mdf_request(content: bytes | None, path: str | None, **asked: Any) -> bytes:
+    """Return a request about an MDF file: its bytes, or its path in full, and what is asked besides."""
+    return json.dumps({"path": path, **asked}).encode("ascii") + b"\n" + (content or b"")
 
-    ``file`` with its ``version``; then each ``channel`` that holds numbers, with ``label``, ``unit`` or None,
-    ``values`` and ``stamps`` [s], these None where they are those of the channel before; then ``frames`` of each group
-    of a CAN bus, with their ``count`` and, where they carry eight bytes, ``stamps`` [s], ``identifiers`` (int64) and
-    ``data`` (uint8, shape (frames, 8)).
-    """
+
+@contextmanager
+def _opened(request: bytes) -> Iterator[tuple[dict[str, Any], Any]]:
+    """Give what is asked for, and the file."""
     from asammdf import MDF
 
+    header, _, content = request.partition(b"\n")
+    asked = json.loads(header)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        with MDF(io.BytesIO(data)) as mdf:
-            yield "file", {"version": str(mdf.version)}
-            for channel in _channels(mdf):
-                yield "channel", channel
-            for frames in _frames(mdf):
-                yield "frames", frames
+        with MDF(io.BytesIO(content) if asked["path"] is None else asked["path"]) as mdf:
+            yield asked, mdf
 
 
 def mdf_contents(request: bytes) -> Iterator[MdfPart]:
-    """Yield what an MDF file holds that lies at a path, without its numbers.
+    """Yield what an MDF file holds without the numbers of its channels; arrays are bytes.
 
-    ``file`` with its ``version``, then each ``channel`` that holds numbers, with ``label``, ``unit`` or None, its
-    ``group`` and ``index``, by which `mdf_ranges` finds it, its ``count`` of samples, and whether it is ``marked``:
-    the file says of each sample whether it is valid; then the ``count`` of ``frames`` of each group of a CAN bus.
-
-    Parameters
-    ----------
-    request
-        JSON, with the file's ``path``, in full.
+    ``file`` with its ``version``; then each ``channel`` that holds numbers, with ``label``, ``unit`` or None, its
+    ``group`` and ``index``, by which `mdf_ranges` finds it, its ``count`` of valid samples among the ``cycles`` of its
+    group; then ``frames`` of each group
+    of a CAN bus, with their ``count`` and, where they carry eight bytes, ``stamps`` [s], ``identifiers`` (int64) and
+    ``data`` (uint8, shape (frames, 8)).
     """
-    from asammdf import MDF
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        with MDF(json.loads(request)["path"]) as mdf:
-            yield "file", {"version": str(mdf.version)}
-            for number, index, channel in _named(mdf):
-                first = mdf.get(
-                    group=number, index=index, record_offset=0, record_count=1, ignore_invalidation_bits=True
-                )
-                if _holds_numbers(first):
-                    count = int(mdf.groups[number].channel_group.cycles_nr)
-                    marked = first.invalidation_bits is not None
-                    where = {"group": number, "index": index, "count": count, "marked": marked}
-                    yield "channel", {"label": channel.name, "unit": first.unit or None, **where}
-            for group in mdf.groups:
-                if "CAN_DataFrame.ID" in {channel.name for channel in group.channels}:
-                    yield "frames", {"count": int(group.channel_group.cycles_nr)}
+    with _opened(request) as (_, mdf):
+        yield "file", {"version": str(mdf.version)}
+        for number, index, channel in _named(mdf):
+            first = mdf.get(group=number, index=index, record_offset=0, record_count=1, ignore_invalidation_bits=True)
+            count = cycles = int(mdf.groups[number].channel_group.cycles_nr)
+            if _holds_numbers(first) and first.invalidation_bits is not None:  # which says of each whether it is valid
+                count = len(mdf.get(group=number, index=index).samples)
+            if _holds_numbers(first) and count:
+                where = {"group": number, "index": index, "count": count, "cycles": cycles}
+                yield "channel", {"label": channel.name, "unit": first.unit or None, **where}
+        for frames in _frames(mdf):
+            yield "frames", frames
 
 
 def mdf_ranges(request: bytes) -> Iterator[MdfPart]:
@@ -72,23 +62,19 @@ def mdf_ranges(request: bytes) -> Iterator[MdfPart]:
     Parameters
     ----------
     request
-        JSON, with the file's ``path``, in full, and the ``indexes`` of the channels by the number of their group.
+        with the ``indexes`` of the channels by the number of their group, and the ``length`` of a range.
     """
     import numpy as np
-    from asammdf import MDF
 
-    asked = json.loads(request)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        with MDF(asked["path"]) as mdf:
-            for group, indexes in asked["indexes"].items():
-                chosen = [(None, int(group), index) for index in indexes]
-                count = int(mdf.groups[int(group)].channel_group.cycles_nr)
-                for start in range(0, count, asked["length"]):
-                    signals = mdf.select(chosen, record_offset=start, record_count=min(asked["length"], count - start))
-                    stamps = np.asarray(signals[0].timestamps, float)
-                    channels = [_valid(signal) for signal in signals]
-                    yield "range", {"group": int(group), "stamps": bytearray(stamps), "channels": channels}
+    with _opened(request) as (asked, mdf):
+        for group, indexes in asked["indexes"].items():
+            chosen = [(None, int(group), index) for index in indexes]
+            count = int(mdf.groups[int(group)].channel_group.cycles_nr)
+            for start in range(0, count, asked["length"]):
+                signals = mdf.select(chosen, record_offset=start, record_count=min(asked["length"], count - start))
+                stamps = np.asarray(signals[0].timestamps, float)
+                channels = [_valid(signal) for signal in signals]
+                yield "range", {"group": int(group), "stamps": bytearray(stamps), "channels": channels}
 
 
 def _valid(signal: Any) -> dict[str, bytearray | None]:
@@ -117,25 +103,6 @@ def _holds_numbers(signal: Any) -> bool:
 
     samples = np.asarray(signal.samples)
     return not samples.dtype.names and samples.ndim == 1 and samples.dtype.kind in "fiub" and len(samples) > 0
-
-
-def _channels(mdf: Any) -> Iterator[dict[str, Any]]:
-    import numpy as np
-
-    before = None
-    for number, index, channel in _named(mdf):
-        signal = mdf.get(group=number, index=index)
-        if not _holds_numbers(signal):
-            continue
-        stamps = np.asarray(signal.timestamps, float)
-        same = before is not None and np.array_equal(stamps, before)
-        before = stamps
-        yield {
-            "label": channel.name,
-            "unit": signal.unit or None,
-            "stamps": None if same else bytearray(stamps),
-            "values": bytearray(np.asarray(signal.samples).astype(float)),
-        }
 
 
 def _frames(mdf: Any) -> Iterator[dict[str, Any]]:

@@ -32,6 +32,7 @@ def read_road_test(
     mapping: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     constants: Mapping[str, float] | None = None,
+    every: int = 1,
     remembered: Path | None = None,
 ) -> RoadTest:
     """Read a road-test log as the logger wrote it.
@@ -48,15 +49,19 @@ def read_road_test(
     constants
         Quantity → value in SI [°C for temperatures] for a channel the log does not hold. For ``time``, the seconds from
         row to row of a log without a clock.
+    every
+        Of how many rows, or of how many samples of a channel with its own clock, one is read.
     remembered
         A file of mappings chosen earlier (see `remember` and `default_path`); None: none are consulted.
 
     Raises
     ------
     RoadTestError
-        when the file is no log, or its time cannot be read; says what is needed.
+        when the file is no log, its time cannot be read, or it takes more memory than is free; says what is needed.
     """
-    understood = understand(source, name=name, mapping=mapping, units=units, constants=constants, remembered=remembered)
+    understood = understand(
+        source, name=name, mapping=mapping, units=units, constants=constants, every=every, remembered=remembered
+    )
     if understood.road_test is None:
         raise understood.problem or RoadTestError(Sentence("cannot be read"), place=Place(file=understood.file))
     return understood.road_test

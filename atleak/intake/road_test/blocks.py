@@ -1,18 +1,13 @@
-"""Looks through long columns a block at a time, each small enough for the processor's cache, without a copy.
-
-The columns may lie on disk: what a block holds is all that is in memory.
-"""
+"""Looks through long columns a block at a time, each small enough for the processor's cache, without a copy."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
-
-from atleak.columns import Column
 
 _BLOCK = 1 << 15
 """Numbers in a block: 256 kB."""
@@ -22,6 +17,20 @@ _MANY = 200_000
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+
+class Filled:
+    """An array that takes each ``every``-th of some numbers that come part by part."""
+
+    def __init__(self, count: int, every: int, kind: Any = float) -> None:
+        self.numbers, self._every, self._met = np.empty(-(-count // every), kind), every, 0
+
+    def add(self, part: np.ndarray) -> None:
+        """Add the next numbers."""
+        kept, first = part[-self._met % self._every :: self._every], -(-self._met // self._every)
+        self.numbers[first : first + len(kept)] = kept
+        self._met += len(part)
+
 
 Ends = tuple[float, float]
 """The least and the greatest number of a column whose cells are all finite numbers."""
@@ -35,7 +44,7 @@ def each(work: Callable[[Item], Result], columns: Iterable[Item], rows: int) -> 
         return list(pool.map(work, columns))
 
 
-def ends_of(values: Column) -> Ends | None:
+def ends_of(values: np.ndarray) -> Ends | None:
     """Return the least and the greatest number; None where there is none, or one of them is NaN or infinite.
 
     >>> ends_of(np.array([3.0, -1.0, 2.0])), ends_of(np.array([3.0, np.nan])), ends_of(np.array([]))
@@ -51,27 +60,27 @@ def ends_of(values: Column) -> Ends | None:
     return (least, most) if least <= most else None
 
 
-def blocks_of(values: Column) -> Iterator[np.ndarray]:
+def blocks_of(values: np.ndarray) -> Iterator[np.ndarray]:
     """Yield a column block by block."""
     return (values[start : start + _BLOCK] for start in range(0, len(values), _BLOCK))
 
 
-def any_finite(values: Column) -> bool:
+def any_finite(values: np.ndarray) -> bool:
     """Return whether any number of a column is finite."""
     return any(bool(np.isfinite(block).any()) for block in blocks_of(values))
 
 
-def finite_of(values: Column) -> np.ndarray:
+def finite_of(values: np.ndarray) -> np.ndarray:
     """Return the finite numbers of a column."""
     return np.concatenate([np.empty(0), *(block[np.isfinite(block)] for block in blocks_of(values))])
 
 
-def only(values: Column, value: float) -> bool:
+def only(values: np.ndarray, value: float) -> bool:
     """Return whether a column holds nothing but one value, and cells without any."""
     return all(bool(((block == value) | np.isnan(block)).all()) for block in blocks_of(values))
 
 
-def span_of(values: Column) -> Ends | None:
+def span_of(values: np.ndarray) -> Ends | None:
     """Return the least and the greatest number of a column, NaN left out; None where it has none.
 
     >>> span_of(np.array([3.0, np.nan, 2.0])), span_of(np.array([np.nan]))
@@ -82,7 +91,7 @@ def span_of(values: Column) -> Ends | None:
     return (min(low for low, _ in known), max(high for _, high in known)) if known else None
 
 
-def rising(values: Column) -> int:
+def rising(values: np.ndarray) -> int:
     """Return how often a finite number of a column is larger than the finite one before it."""
     count, last = 0, np.nan
     for block in blocks_of(values):
@@ -93,7 +102,7 @@ def rising(values: Column) -> int:
     return count
 
 
-def ends_of_steps(values: Column) -> Ends | None:
+def ends_of_steps(values: np.ndarray) -> Ends | None:
     """Return the least and the greatest step from a number to the next; None as `ends_of` does.
 
     >>> ends_of_steps(np.array([3.0, -1.0, 2.0])), ends_of_steps(np.array([3.0]))
@@ -108,7 +117,7 @@ def ends_of_steps(values: Column) -> Ends | None:
     return (least, most) if least <= most else None
 
 
-def steps_over(values: Column, limit: float) -> np.ndarray:
+def steps_over(values: np.ndarray, limit: float) -> np.ndarray:
     """Return the places from which the step to the next number is larger than a limit.
 
     >>> steps_over(np.array([0.0, 1.0, 5.0, 5.5, 9.0]), 2.0).tolist()
@@ -130,7 +139,7 @@ def turned(table: np.ndarray) -> np.ndarray:
     return result
 
 
-def steps_in(values: Column) -> Iterator[tuple[int, np.ndarray]]:
+def steps_in(values: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
     """Yield where a block begins, and its steps, each block's in place of the ones before."""
     room = np.empty(min(_BLOCK, max(len(values) - 1, 0)))
     for start in range(0, len(values) - 1, _BLOCK):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -13,13 +14,13 @@ import numpy as np
 from atleak.doors import own_errors_only
 from atleak.errors import InputError, Message, Place, RoadTestError
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.channels.assign import Ambiguous, Assigner, stated_units
+from atleak.intake.road_test.channels.assign import BESIDE, Ambiguous, Assigner, stated_units
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.reader import read_table
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.intake.road_test.clock.timeline import build as build_timeline
-from atleak.intake.road_test.files.delimited import Delimited, open_delimited
-from atleak.intake.road_test.files.log_file import BESIDE, HEAD, TIMES, LogFile, fitting, open_source
+from atleak.intake.road_test.files.delimited import Delimited, must_be_held, open_delimited
+from atleak.intake.road_test.files.log_file import HEAD, TIMES, LogFile, open_source
 from atleak.intake.road_test.files.log_sheets import LogSheet, open_sheets
 from atleak.intake.road_test.files.other_files import of_measured_parts, without_a_table
 from atleak.intake.road_test.files.parquet_table import open_parquet
@@ -27,7 +28,7 @@ from atleak.intake.road_test.mdf import understand_mdf
 from atleak.intake.road_test.names import memory
 from atleak.intake.road_test.outcome import Understood, finish, labels_of
 from atleak.sentence import Sentence
-from atleak.system.memory import of_machine
+from atleak.system.memory import free_memory
 from atleak.written_numbers import INTERVAL
 
 
@@ -40,6 +41,8 @@ class Job:
     units: Mapping[str, str]
     constants: Mapping[str, float]
     memory: Path | None
+    every: int = 1
+    room: float = math.inf  # bytes of memory that may be taken
 
     @property
     def interval(self) -> float | None:
@@ -64,11 +67,18 @@ def understand(
     mapping: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     constants: Mapping[str, float] | None = None,
+    every: int = 1,
     remembered: Path | None = None,
+    memory: int | None = None,
 ) -> Understood:
     """Read a road-test log of any logger and return what is understood of it.
 
-    Parameters are those of `atleak.intake.road_test.read_road_test`.
+    Parameters
+    ----------
+    memory
+        bytes that this process may take, where they are fewer than are free.
+
+    The others are those of `atleak.intake.road_test.read_road_test`.
 
     Raises
     ------
@@ -76,23 +86,14 @@ def understand(
         when the file is no log at all: empty, a picture, damaged. A log that lacks an answer does not raise:
         ``problem`` says what is needed.
     """
-    opened = open_source(source, name)
-    return read_as(
-        Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered), understood_whole
-    )
-
-
-def read_as(job: Job, read: Callable[[Job], Understood]) -> Understood:
-    """Return what a reader understands of a log, with its SHA-256; its file is closed.
-
-    Raises
-    ------
-    RoadTestError
-        as the reader, whatever kind of wrong input it names.
-    """
-    opened, done = job.source, False
+    if every < 1:
+        problem = Sentence("no number of rows of which one is read")
+        raise RoadTestError(problem, value=every, expected=Sentence("a whole number above 0"))
+    opened, done = open_source(source, name), False
+    room = min(free_memory(), math.inf if memory is None else memory)
+    job = Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered, every, room)
     try:
-        understood = read(job)
+        understood = _by_form(job)
     except InputError as error:
         if isinstance(error, RoadTestError):
             raise
@@ -100,6 +101,9 @@ def read_as(job: Job, read: Callable[[Job], Understood]) -> Understood:
             error.problem, place=error.place if str(error.place) else Place(file=opened.file), value=error.value,
             expected=error.expected, nearest=error.nearest,
         ) from error  # fmt: skip
+    except MemoryError as error:
+        problem = Sentence("is too large for the memory of this computer")
+        raise RoadTestError(problem, place=Place(file=opened.file), expected=_LESS) from error
     else:
         done = True
     finally:
@@ -112,30 +116,7 @@ def read_as(job: Job, read: Callable[[Job], Understood]) -> Understood:
     return replace(understood, sha256=digest, road_test=replace(test, sha256=digest) if test else None)
 
 
-def understood_whole(job: Job) -> Understood:
-    """Return what is understood of a log that is held in memory.
-
-    Raises
-    ------
-    RoadTestError
-        as `understand`.
-    """
-    opened, memory = job.source, of_machine()
-    if opened.form == "text" and memory is not None and opened.size > fitting(memory):
-        problem = Sentence(
-            "takes up to {needed:.1f} GB of memory where it is read whole, and this computer has {memory:.1f} GB",
-            needed=(TIMES * opened.size + BESIDE) / 1e9,
-            memory=memory / 1e9,
-        )
-        raise RoadTestError(problem, place=Place(file=opened.file), expected=_IN_A_FLEET)
-    try:
-        return _by_form(job)
-    except MemoryError as error:
-        problem = Sentence("is too large for the memory of this computer")
-        raise RoadTestError(problem, place=Place(file=opened.file), expected=_IN_A_FLEET) from error
-
-
-_IN_A_FLEET = Sentence("less of the drive, or the unit as one of a fleet: atleak fleet run reads large logs in pieces")
+_LESS = Sentence("part of the drive, or one row in {every}: --every {every}", every=10)
 
 
 def _by_form(job: Job) -> Understood:
@@ -143,7 +124,7 @@ def _by_form(job: Job) -> Understood:
     if opened.form == "workbook":
         return _workbook(job)
     if opened.form == "mdf":
-        return understand_mdf(opened, job.mapping, job.units, job.constants)
+        return understand_mdf(job.source, job.mapping, job.units, job.constants, job.every, job.room)
     if opened.form == "parquet":
         return _parquet(job)
     return _delimited(job)
@@ -155,13 +136,13 @@ _BUS_TRACE = re.compile(
 )
 
 
-def located(job: Job, *, held: bool = True) -> tuple[Delimited, Understood]:
-    """Locate the table in a delimited text, which may be held in memory or not; return what is known of it.
+def _located(job: Job) -> tuple[Delimited, Understood]:
+    """Locate the table in a delimited text; return what is known of it.
 
     Raises
     ------
     RoadTestError
-        where there is none.
+        where there is none, or the text is held as a whole to be read and would take more memory than there is.
     """
     if _BUS_TRACE.search(job.source.head[:8192]):
         raise RoadTestError(
@@ -169,7 +150,18 @@ def located(job: Job, *, held: bool = True) -> tuple[Delimited, Understood]:
             place=Place(file=job.source.file),
             expected=Sentence("the logger's export with decoded channels"),
         )
-    table = open_delimited(job.source, held=held)
+    needed = TIMES * job.source.size + BESIDE
+    if needed > job.room and must_be_held(job.source):
+        raise RoadTestError(
+            Sentence(
+                "takes up to {needed:.1f} GB of memory where it is read whole, and {room:.1f} GB are free",
+                needed=needed / 1e9,
+                room=job.room / 1e9,
+            ),
+            place=Place(file=job.source.file),
+            expected=Sentence("UTF-8 or a code page of one byte a sign, with a line feed behind every line"),
+        )
+    table = open_delimited(job.source)
     if table is None:
         raise without_a_table(job.source.head[:HEAD], job.source.file)
     return table, Understood(
@@ -179,7 +171,7 @@ def located(job: Job, *, held: bool = True) -> tuple[Delimited, Understood]:
 
 
 def _delimited(job: Job) -> Understood:
-    table, blank = located(job)
+    table, blank = _located(job)
     understood = _one_table(table, blank, job)
     if understood.road_test is None and not job.mapping:
         parts = of_measured_parts(job.source.head[:HEAD], job.source.file)
@@ -204,7 +196,7 @@ def _one_table(table: LogTable, blank: Understood, job: Job) -> Understood:
 def assigner_for(table: LogTable, blank: Understood, job: Job) -> tuple[Assigner, Mapping[str, str]]:
     """Return what is to decide on a table's columns, and which of them were named, now or earlier."""
     mapping, units, notes = _with_memory(job, blank.signature)
-    assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval)
+    assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval, job.every, job.room)
     assigner.messages += notes
     assigner.leave_out(mapping)
     return assigner, mapping
@@ -277,7 +269,7 @@ class _SheetReading(NamedTuple):
 
 def _read_sheet(sheet: LogSheet, job: Job) -> _SheetReading | None:
     """Read one sheet of several; None where it is no log."""
-    assigner = Assigner(job.source.file, job.units, stated_units(sheet.headings), job.interval)
+    assigner = Assigner(job.source.file, job.units, stated_units(sheet.headings), job.interval, job.every, job.room)
     labels = {heading.label for heading in sheet.headings}
     mapping = {quantity: column for quantity, column in job.mapping.items() if column in (*labels, memory.NOT_LOGGED)}
     try:
@@ -291,7 +283,7 @@ def _sheet_per_signal(job: Job, good: list[_SheetReading]) -> Understood:
     headings = tuple(heading for reading in good for heading in reading.sheet.headings)
     signature = memory.signature(labels_of(headings))
     blank = replace(blank_of(job, good[0].sheet, "workbook"), headings=headings, signature=signature)
-    main = Assigner(job.source.file, job.units, ())
+    main = Assigner(job.source.file, job.units, (), every=job.every)
     offered: dict[str, list[_SheetReading]] = {}
     for reading in good:
         main.messages += reading.assigner.messages
@@ -312,9 +304,9 @@ def _sheet_per_signal(job: Job, good: list[_SheetReading]) -> Understood:
             continue
         source = sources[0]
         signal = source.assigner.signals[quantity]
-        time = signal.stamps
+        time = signal.time
         if time is None:
-            values, timeline = signal.numbers, source.result.timeline
+            values, timeline = signal.values, source.result.timeline
             values = values if timeline.order is None else values[timeline.order]
             kept = np.isfinite(values)
             time = timeline.time[kept]

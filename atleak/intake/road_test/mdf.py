@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from atleak.errors import Place, RoadTestError, extra_installed
-from atleak.intake.native.measurements import mdf_parts
-from atleak.intake.native.process import MDF, read_apart
-from atleak.intake.road_test.channels.assign import Assigner, Candidate, find_candidates, map_columns
+from atleak.intake.native.measurements import mdf_contents, mdf_ranges, mdf_request
+from atleak.intake.native.process import MDF, read_apart, read_apart_in_parts
+from atleak.intake.road_test.blocks import Filled
+from atleak.intake.road_test.channels.assign import Assigner, find_candidates, map_columns
 from atleak.intake.road_test.channels.protocol import TableResult
 from atleak.intake.road_test.clock.clocks import Clock
 from atleak.intake.road_test.clock.timeline import build as build_timeline
@@ -24,14 +26,23 @@ from atleak.intake.road_test.outcome import Understood, finish
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
+RANGE = 1 << 19
+"""Samples of each channel that are handed over at once."""
+
 
 @dataclass(frozen=True)
 class _MdfChannel:
-    """One channel of the file: its heading, its stamps [s] and its numbers."""
+    """One channel of the file: its heading, how many valid samples it has, and where they are found.
+
+    Of an answer on a CAN bus the stamps [s] and the numbers are known already.
+    """
 
     heading: Heading
-    time: np.ndarray
-    values: np.ndarray
+    count: int
+    cycles: int = 0  # of its group, each with a sample, valid or not
+    group: int = -1
+    index: int = -1
+    known: tuple[np.ndarray, np.ndarray] | None = None
 
 
 @dataclass(frozen=True)
@@ -99,39 +110,65 @@ def decode_obd2(
 
 
 def understand_mdf(
-    source: LogFile, mapping: Mapping[str, str], units: Mapping[str, str], constants: Mapping[str, float]
+    source: LogFile,
+    mapping: Mapping[str, str],
+    units: Mapping[str, str],
+    constants: Mapping[str, float],
+    every: int = 1,
+    room: float = math.inf,
 ) -> Understood:
-    """Read an MDF file.
+    """Read an MDF file, of which only the channels that may hold a quantity.
+
+    Parameters
+    ----------
+    every, room
+        of how many samples one is kept, and the bytes of memory that may be taken.
 
     Raises
     ------
     RoadTestError
-        when asammdf is not installed, the file is damaged, or it holds bus frames that need a database.
+        when asammdf is not installed, the file is damaged, it holds bus frames that need a database, or it would take
+        more memory than there is.
     """
-    channels, frames, version = _load(source)
+    channels, frames, version = _contents(source)
     headings = tuple(channel.heading for channel in channels)
-    blank, assigner, candidates = prepared(source.file, headings, frames, version, mapping, units)
+    blank, assigner = _blank(source.file, headings, frames, version, mapping, units)
+    assigner.every, assigner.room = every, room
+    named_columns = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
+    candidates = [candidate for candidate in find_candidates(headings) if candidate.quantity != "time"]
+    candidates = map_columns(candidates, headings, named_columns, source.file)
+    wanted = [channels[index] for index in sorted({candidate.heading.index for candidate in candidates})]
+    longest = max(channels, key=lambda channel: channel.count)
+    assigner.refuse_too_large(max(each.count for each in wanted or [longest]), 8 * (len(wanted) + 1))
+    samples = _samples(source, wanted or [longest], every)
     for quantity in QUANTITIES:
-        offered = [_offer(candidate, channels) for candidate in candidates if candidate.quantity == quantity]
+        offered = [
+            (candidate, *samples[candidate.heading.index][::-1])
+            for candidate in candidates
+            if candidate.quantity == quantity
+        ]
         if offered:
             assigner.decide(quantity, offered)
     main = assigner.signals.get("engine_speed") or next(iter(assigner.signals.values()), None)
-    stamps = main.stamps if main is not None else max(channels, key=lambda channel: len(channel.time)).time
+    if main is not None:
+        stamps = main.time
+    else:
+        stamps, _ = (samples | _samples(source, [longest], every))[longest.heading.index]
     assert stamps is not None
     timeline = build_timeline(stamps)
     reading = TableResult(len(stamps), timeline, "", Clock(stamps, "s"))
     return finish(blank, assigner, reading, constants)
 
 
-def prepared(
+def _blank(
     file: str,
     headings: tuple[Heading, ...],
     frames: int,
     version: str,
     mapping: Mapping[str, str],
     units: Mapping[str, str],
-) -> tuple[Understood, Assigner, list[Candidate]]:
-    """Return what is known of an MDF file without its samples, what is to decide on them, and what they may be.
+) -> tuple[Understood, Assigner]:
+    """Return what is known of an MDF file without its samples, and what is to decide on them.
 
     Raises
     ------
@@ -169,10 +206,7 @@ def prepared(
         (),
         memory.signature(heading.label for heading in headings),
     )
-    named_columns = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
-    candidates = [candidate for candidate in find_candidates(headings) if candidate.quantity != "time"]
-    candidates = map_columns(candidates, headings, named_columns, file)
-    return blank, assigner, candidates
+    return blank, assigner
 
 
 def mdf_columns(source: LogFile) -> list[tuple[Heading, np.ndarray]]:
@@ -183,26 +217,25 @@ def mdf_columns(source: LogFile) -> list[tuple[Heading, np.ndarray]]:
     RoadTestError
         when asammdf is not installed, or the file is damaged.
     """
-    return [(channel.heading, channel.values) for channel in _load(source)[0]]
+    channels, _, _ = _contents(source)
+    samples = _samples(source, channels)
+    return [(channel.heading, samples[channel.heading.index][1]) for channel in channels]
 
 
-def _offer(candidate: Candidate, channels: list[_MdfChannel]) -> tuple[Candidate, np.ndarray, np.ndarray]:
-    channel = channels[candidate.heading.index]
-    return candidate, channel.values, channel.time
-
-
-def _load(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
+def _contents(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
     """Return the channels, with those decoded from OBD2 answers, the number of CAN frames and the version."""
-    check_readable(source)
+    _check_readable(source)
     channels: list[_MdfChannel] = []
     frames, bus, version = 0, [], ""
-    for kind, part in read_apart(mdf_parts, source.data, source.file, RoadTestError, MDF):
+    for kind, part in read_apart(mdf_contents, _request(source), source.file, RoadTestError, MDF, size=source.size):
         if kind == "file":
             version = part["version"]
         elif kind == "channel":
-            heading = heading_of(len(channels), part)
-            time = channels[-1].time if part["stamps"] is None else np.frombuffer(part["stamps"])
-            channels.append(_MdfChannel(heading, time, np.frombuffer(part["values"])))
+            name = split_unit(part["label"].split("\\")[0])
+            heading = Heading(len(channels), part["label"], (name.text,), part["unit"] or name.unit)
+            channels.append(
+                _MdfChannel(heading, **{name: part[name] for name in ("count", "cycles", "group", "index")})
+            )
         else:
             frames += part["count"]
             if "data" in part:
@@ -210,11 +243,54 @@ def _load(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
     for code, (time, values) in sorted(_obd2(bus).items()):
         pid = PIDS[code]
         label = f"{pid.name} (OBD2 01 {code:02X})"
-        channels.append(_MdfChannel(Heading(len(channels), label, (pid.name,), pid.unit or None), time, values))
+        heading = Heading(len(channels), label, (pid.name,), pid.unit or None)
+        channels.append(_MdfChannel(heading, len(time), known=(time, values)))
     return channels, frames, version
 
 
-def check_readable(source: LogFile) -> None:
+def _request(source: LogFile, **asked: Any) -> bytes:
+    path = None if source.in_memory or source.path is None else str(source.path.absolute())
+    return mdf_request(source.data if path is None else None, path, **asked)
+
+
+def _samples(
+    source: LogFile, wanted: Sequence[_MdfChannel], every: int = 1
+) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+    """Return stamps [s] and numbers of some channels by their places, of ``every`` samples one.
+
+    Channels that follow each other and have the same stamps share them.
+    """
+    by_place = {channel.heading.index: channel for channel in wanted}
+    groups: dict[int, list[_MdfChannel]] = {}
+    for channel in by_place.values():
+        if channel.known is None:
+            groups.setdefault(channel.group, []).append(channel)
+    common = {group: Filled(these[0].cycles, every) for group, these in groups.items()}
+    values = {each.heading.index: Filled(each.count, every) for these in groups.values() for each in these}
+    own = {index: Filled(each.count, every) for index, each in by_place.items() if each.count < each.cycles}
+    indexes = {group: [channel.index for channel in these] for group, these in groups.items()}
+    request = _request(source, indexes=indexes, length=RANGE)
+    parts = read_apart_in_parts(mdf_ranges, request, source.file, RoadTestError, MDF, source.size)
+    for _, part in parts if groups else ():
+        common[part["group"]].add(np.frombuffer(part["stamps"]))
+        for channel, read in zip(groups[part["group"]], part["channels"], strict=True):
+            values[channel.heading.index].add(np.frombuffer(read["values"]))
+            if channel.heading.index in own:
+                stamps = part["stamps"] if read["stamps"] is None else read["stamps"]
+                own[channel.heading.index].add(np.frombuffer(stamps))
+    result: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+    before = np.empty(0)
+    for index, channel in sorted(by_place.items()):
+        if channel.known is not None:
+            time, numbers = (each[::every] for each in channel.known)
+        else:
+            time, numbers = own.get(index, common[channel.group]).numbers, values[index].numbers
+        before = before if np.array_equal(time, before) else time
+        result[index] = before, numbers
+    return result
+
+
+def _check_readable(source: LogFile) -> None:
     """Refuse an MDF file that is cut off, or that nothing is there to read.
 
     Raises
@@ -230,12 +306,6 @@ def check_readable(source: LogFile) -> None:
         )
     if source.head[64:66] != b"HD" and source.head[64:68] != b"##HD":
         raise RoadTestError(Sentence("is a damaged MDF file: its header is missing"), place=Place(file=source.file))
-
-
-def heading_of(number: int, part: Mapping[str, Any]) -> Heading:
-    """Return the heading of a channel."""
-    name = split_unit(part["label"].split("\\")[0])
-    return Heading(number, part["label"], (name.text,), part["unit"] or name.unit)
 
 
 def _obd2(bus: Sequence[Mapping[str, bytearray]]) -> dict[int, tuple[np.ndarray, np.ndarray]]:

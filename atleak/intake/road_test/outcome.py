@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -13,8 +13,7 @@ from atleak.intake.road_test.channels.protocol import TableResult
 from atleak.intake.road_test.clock.clocks import YEAR
 from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names.memory import NOT_LOGGED
-from atleak.large_log import LargeLog
-from atleak.road_test import QUANTITIES, Channel, RoadTest, Segment
+from atleak.road_test import QUANTITIES, RoadTest, Segment
 from atleak.sentence import Sentence
 
 FORMATS: Mapping[str, Sentence] = MappingProxyType(  # of files, as pages name them; those of MDF and Parquet are names
@@ -28,8 +27,7 @@ class Understood:
 
     ``road_test`` is None while ``problem`` says what is needed. ``headings`` are all columns, ``preview`` the first
     rows as text, ``ambiguous`` the quantities to choose a column for, ``unused`` the columns no quantity came from.
-    ``signature`` is the key under which an answer is remembered; ``segments`` count the file's rows. ``large`` are the
-    samples of a log that is larger than memory, of which the road test says all but these.
+    ``signature`` is the key under which an answer is remembered; ``segments`` count the file's rows.
     """
 
     file: str
@@ -51,7 +49,6 @@ class Understood:
     time_assumed: bool = False
     segments: tuple[Segment, ...] = ()
     rows_left_out: int = 0  # lines below the header that are no rows: messages say what they are
-    large: LargeLog | None = None
 
     @property
     def rows(self) -> int:
@@ -74,21 +71,22 @@ def finish(
     assigner: Assigner,
     reading: TableResult,
     constants: Mapping[str, float],
-    make: Callable[[], Mapping[str, Channel]] | None = None,
 ) -> Understood:
     """Make the road test of signals and clock, with every message about it.
 
-    ``make`` gives the channels of a log that is not held in memory. A log that lasts for more than a year is none:
+    A log that lasts for more than a year is none:
     ``problem`` says so.
     """
     timeline = reading.timeline
+    if assigner.every > 1:
+        assigner.say("thinned", Sentence("only one row in {every} of the log is read", every=assigner.every))
     build.time_messages(assigner, timeline)
     if timeline.duration > YEAR:
         return replace(blank, messages=tuple(assigner.messages), problem=_lasts_too_long(blank.file, reading))
     if "time" in constants and reading.clock.form != "counted":
         text = Sentence("the log has a clock, {column!r}: the stated interval is not used", column=reading.time_label)
         assigner.say("interval_not_used", text, "warning")
-    channels = build.channels(assigner, timeline, constants) if make is None else make()
+    channels = build.channels(assigner, timeline, constants)
     used = {signal.candidate.label for signal in assigner.signals.values()} | {reading.time_label}
     if not reading.long:
         used |= set(reading.used)
@@ -113,7 +111,7 @@ def finish(
         blank.file, blank.sha256, reading.rows, timeline.duration, timeline.time, channels, timeline.segments,
         tuple(assigner.messages), blank.format, blank.encoding, blank.delimiter, blank.decimal,
         MappingProxyType({name: why for name, why in assigner.refused.items() if name not in channels}),
-        reading.clock.date, make is not None,
+        reading.clock.date,
     )  # fmt: skip
     return replace(
         blank,

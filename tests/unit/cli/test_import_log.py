@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+from atleak.intake.road_test import importer
+from atleak.intake.road_test.channels.assign import BESIDE
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -60,3 +64,25 @@ def test_the_table_shows_every_number_in_the_unit_beside_it(run: Run, tmp_path: 
     record = {column["quantity"]: column["max"] for column in json.loads(out)["columns"]}
     assert record["time"] == pytest.approx(19.5, rel=1e-9, abs=0.0)
     assert record["atf_temperature"] == pytest.approx((179 - 32) / 1.8, rel=1e-9, abs=0.0)
+
+
+def test_one_row_in_some_is_read_and_that_is_said(run: Run, sample_log: Path) -> None:
+    _, out, _ = run("import-log", sample_log, "--json", "-")
+    status, some, _ = run("import-log", sample_log, "--every", "7", "--json", "-")
+    assert status == 0
+    assert json.loads(some)["rows"] == -(-json.loads(out)["rows"] // 7)
+    assert "only one row in 7 of the log is read" in {each["text"] for each in json.loads(some)["messages"]}
+    for wrong in ("0", "-1", "2.5", "x"):
+        status, _, err = run("import-log", sample_log, f"--every={wrong}")
+        assert (status, "is no whole number above 0" in err) == (2, True)
+
+
+def test_a_log_that_does_not_fit_exits_with_what_to_do(
+    run: Run, sample_log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(importer, "free_memory", lambda: BESIDE + 60_000)
+    status, _, err = run("diagnose", "--road-test", sample_log)
+    assert status == 2
+    every = re.search(r"would take .* GB of memory .* one row in (\d+): --every \1", " ".join(err.split()))
+    assert every is not None
+    assert run("diagnose", "--road-test", sample_log, "--every", every[1])[0] == 0

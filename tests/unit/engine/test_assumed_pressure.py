@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from atleak.catalogue.controller_reading import load_controller
-from atleak.engine.assumed_pressure import with_assumed_pressure, with_assumed_pressure_in_pieces
+from atleak.engine.assumed_pressure import with_assumed_pressure
 from atleak.engine.road_pressure import judge_pressure
 from atleak.intake.road_test import read_road_test
-from atleak.large_log import LargeLog
 from atleak.road_test import RoadTest
 
 
@@ -41,13 +40,3 @@ def test_a_logged_pressure_is_never_replaced() -> None:
     driven = with_assumed_pressure(load_controller("four_speed_2023"), logged)
     assert driven.values("main_pressure") is logged.values("main_pressure")
     assert "pressure_not_assumed" in {message.code for message in driven.messages}
-
-
-def test_pieces_have_the_pressure_of_the_whole_and_the_same_is_said() -> None:
-    controller = load_controller("four_speed_2023")
-    for whole in (log(), log("Time (s),ATF Temp (C)", "{i},80"), log("Time (s),Line Pressure (kPa)", "{i},{rpm}")):
-        driven = with_assumed_pressure(controller, whole)
-        pieces = with_assumed_pressure_in_pieces(controller, LargeLog.of(whole, 7))
-        np.testing.assert_array_equal(pieces.values("main_pressure", 0, 40), driven.values("main_pressure"))
-        assert [str(each) for each in pieces.head.messages] == [str(each) for each in driven.messages]
-        assert list(pieces.head.channels) == list(driven.channels)

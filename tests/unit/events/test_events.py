@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.events import (
-    Event,
     Thresholds,
     engine_starts,
     events,
@@ -24,8 +23,6 @@ from atleak.events import (
     steady_driving,
     with_derived_gear,
 )
-from atleak.events.in_pieces import events_in_pieces
-from atleak.large_log import LargeLog
 from atleak.road_test import Channel, RoadTest, Segment, hold
 
 STEP = 0.1
@@ -184,11 +181,6 @@ def test_an_engine_that_turns_an_idle_turbine_along_locks_nothing_up(shown: str,
         channels.pop("vehicle_speed")
         channels |= {"vehicle_speed" if shown == "standing" else "output_speed": np.zeros(size)}
     assert lock_ups(road_test(**channels)) == []
-    assert pieces(channels) == events(road_test(**channels))
-
-
-def pieces(channels: dict[str, np.ndarray]) -> tuple[Event, ...]:
-    return events_in_pieces(LargeLog.of(road_test(**channels), 37))
 
 
 def in_turn(*stretches: tuple[float, float]) -> np.ndarray:
@@ -222,7 +214,6 @@ def test_a_shift_leads_from_one_gear_to_the_next(gear: np.ndarray, expected: lis
     shifts = gear_shifts(road_test(**channels))
     assert [(event.from_gear, event.to_gear) for event in shifts] == expected
     assert all(event.duration <= Thresholds().shift_pause for event in shifts)
-    assert pieces(channels) == events(road_test(**channels))
 
 
 def test_neighbours_are_a_shift_however_slow_the_logger() -> None:
@@ -241,7 +232,6 @@ def test_an_engine_that_is_revved_while_nothing_is_known_of_the_gear_is_no_stall
         (channels["engine_speed"] > 1400 / 60) & (channels["vehicle_speed"] < 0.1), np.nan, bare[hidden]
     )
     assert stalls(road_test(**bare)) == []
-    assert pieces(bare) == events(road_test(**bare))
     in_neutral = {**channels, "selector": np.zeros(len(channels["gear"]))}
     in_neutral.pop("turbine_speed")
     assert stalls(road_test(**in_neutral)) == []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -80,11 +79,3 @@ def test_a_job_that_has_changed_since_or_is_gone_is_not_opened(tmp_path: Path) -
     path.unlink()
     with pytest.raises(InputError, match="not there any more"):
         kept.opened()
-
-
-def test_a_log_that_was_evaluated_in_pieces_is_not_taken_into_memory(tmp_path: Path) -> None:
-    path = job_file(tmp_path / "1.zip")
-    kept = kept_unit(results_of(path, folder=tmp_path / "fleet"), "minimal_example", f"file:{path}")
-    large = replace(kept, unit={**kept.unit, "road_in_pieces": True})
-    with pytest.raises(FleetError, match=r"1\.zip has a log that is too large"):
-        large.opened()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import datetime as dt
 import pickle
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,10 +16,8 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import InputError
 from atleak.fleet.columns import DATA_SETS, ERROR_KINDS, HASH, Rows, columns_of
 from atleak.fleet.rows import error_rows, rows_of
-from atleak.intake.road_test import read_road_test
 from atleak.job.issued import issued_record
 from atleak.job.record import Job, Transmission, Vehicle
-from atleak.large_log import LargeLog
 from atleak.verdicts import BANDS, Verdict
 from atleak.version import __version__
 
@@ -177,22 +174,6 @@ def test_the_classes_of_temperature_stand_in_the_units_of_their_names(rows: Rows
         road.min_leakage.leakage * 6e4 <= each["leakage_mean_dm3_min"] <= road.max_leakage.leakage * 6e4
         for each in told
     )
-
-
-def test_a_log_in_pieces_is_named_so_and_has_its_classes(
-    four_speed: Controller, hipol: Fluid, limits: Limits, sample_log: Path
-) -> None:
-    road_test = read_road_test(sample_log)
-    whole, pieces = (
-        rows_of(Named(), diagnose(four_speed, hipol, limits, road_test=each))
-        for each in (road_test, LargeLog.of(road_test, 50))
-    )
-    assert [each.tables["units"]["road_in_pieces"].to_pylist() for each in (whole, pieces)] == [[False], [True]]
-    for one, other in zip(
-        *(each.tables["temperatures"].drop(HASH).to_pylist() for each in (pieces, whole)), strict=True
-    ):
-        assert one == pytest.approx(other, rel=1e-12, abs=0.0)
-    assert whole.tables["events"].equals(pieces.tables["events"])
 
 
 def test_a_unit_of_which_nothing_is_known_has_a_row_too(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import hashlib
+import io
+import json
+import zipfile
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.limits import load_limits
-from atleak.errors import CatalogueError
+from atleak.errors import CatalogueError, InputError
 from atleak.intake.road_test import default_path, read_road_test, remember, understand
 from atleak.job.case import Case, SourceFile, load_source, with_log_choices
+from atleak.job.file import read_job_file, write_job_file
 
 SAMPLE = Path(__file__).resolve().parents[3] / "sample_data" / "measuring_sheet_four_speed.xlsx"
 ROWS = "".join(f"{step / 10};800;{6 + step};{9 + step};80;2\n" for step in range(30))
@@ -78,3 +84,42 @@ def test_equal_files_and_choices_have_one_key_and_others_have_not() -> None:
         replace(case, fluid_state="used"),
     ]
     assert len({case.key, *(other.key for other in others)}) == 1 + len(others)
+
+
+def test_of_how_many_rows_one_is_read_is_a_choice_that_older_results_did_not_have() -> None:
+    case = Case(road_test=SourceFile("a.csv", LOG))
+    assert "every" not in {name for name, value in case.log_choices.items() if value != 1}
+    assert replace(case, every=2).key != case.key
+    assert replace(case, every=2).log_choices["every"] == 2
+    values = {name: value for name, value in vars(case).items() if name != "every"}  # as before there was the choice
+    values["road_test"] = ("a.csv", case.road_test.sha256)
+    assert case.key == hashlib.sha256(repr(sorted(values.items())).encode()).hexdigest()
+
+
+def test_a_job_file_keeps_of_how_many_rows_one_is_read() -> None:
+    columns = (("main_pressure", "p one [bar]"), ("converter_pressure", "p two [bar]"))
+    case = Case(road_test=SourceFile("a.csv", LOG), columns=columns, remember=False)
+    for every, kept in ((1, {}), (3, {"every": 3})):
+        chosen = replace(case, every=every)
+        diagnosis = chosen.diagnose()
+        content = write_job_file(diagnosis, None, chosen)
+        with zipfile.ZipFile(io.BytesIO(content)) as job:
+            road_test = json.loads(job.read("job.json"))["road_test"]
+        assert {name: value for name, value in road_test.items() if name not in ("mapping", "units")} == kept
+        again = read_job_file(content).diagnose()
+        assert again.log.road_test.rows == diagnosis.log.road_test.rows == -(-30 // every)
+
+
+@pytest.mark.parametrize("choice", [{"every": 0}, {"every": {}}, {"mapping": 3}, {"every": True}, {"every": "2"}])
+def test_a_job_file_with_another_number_of_rows_is_refused(choice: dict[str, Any]) -> None:
+    case = Case(road_test=SourceFile("a.csv", LOG), columns=(("main_pressure", "p one [bar]"),), remember=False)
+    source, changed = io.BytesIO(write_job_file(case.diagnose(), None, case)), io.BytesIO()
+    with zipfile.ZipFile(source) as job, zipfile.ZipFile(changed, "w") as target:
+        for name in job.namelist():
+            content = job.read(name)
+            if name == "job.json":
+                told = json.loads(content)
+                content = json.dumps(told | {"road_test": told["road_test"] | choice}).encode()
+            target.writestr(name, content)
+    with pytest.raises(InputError):
+        read_job_file(changed.getvalue())

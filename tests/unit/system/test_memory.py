@@ -9,10 +9,11 @@ import threading
 from pathlib import Path
 from types import ModuleType
 
+import psutil
 import pytest
 
 from atleak.system import memory
-from atleak.system.memory import collect_soon, give_back, of_machine, set_imports_aside
+from atleak.system.memory import collect_soon, free_memory, give_back, set_imports_aside
 
 SCRIPT = """
 import psutil
@@ -74,14 +75,15 @@ def test_what_was_freed_goes_back() -> None:
     assert float(said) > 150.0  # of 200 MB
 
 
-def test_the_memory_of_a_machine_is_what_it_has_and_of_a_container_what_it_may_take(
+def test_free_is_what_the_machine_has_left_and_of_a_container_what_it_may_still_take(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    psutil = pytest.importorskip("psutil")
-    none, unlimited, limited = tmp_path / "none", tmp_path / "unlimited", tmp_path / "limited"
-    unlimited.write_text("max\n", encoding="ascii")
-    limited.write_text("1000000\n", encoding="ascii")
-    monkeypatch.setattr(memory, "_CONTAINERS", (none, unlimited))
-    assert of_machine() == pytest.approx(psutil.virtual_memory().total, rel=0.01, abs=0.0)
-    monkeypatch.setattr(memory, "_CONTAINERS", (unlimited, limited))
-    assert of_machine() == 1_000_000
+    none, unlimited, limit, used = (str(tmp_path / name) for name in ("none", "unlimited", "limit", "used"))
+    for name, text in ((unlimited, "max"), (limit, "1000000"), (used, "400000")):
+        Path(name).write_text(f"{text}\n", encoding="ascii")
+    monkeypatch.setattr(memory, "_CONTAINERS", ((none, none), (unlimited, used)))
+    assert free_memory() == pytest.approx(psutil.virtual_memory().available, rel=0.2, abs=0.0)
+    monkeypatch.setattr(memory, "_CONTAINERS", ((none, none), (limit, used)))
+    assert free_memory() == 600_000
+    monkeypatch.setattr(memory, "_CONTAINERS", ((used, limit),))
+    assert free_memory() == 0

@@ -5,13 +5,13 @@ Where doubt remains the user is asked; nothing is guessed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from atleak.columns import Column, DiskColumn, held
 from atleak.errors import Message, MessageLevel, Place, RoadTestError, one_of, unknown
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.blocks import Ends, any_finite, blocks_of, only
@@ -31,6 +31,8 @@ _AT_100 = {  # [rpm] at 100 km/h between which cars with automatic transmissions
 }  # fmt: skip
 _DRIVES, _DRIVES_AT = 30.0, 1000.0  # in either unit of speed, and [rpm], above which a car drives in such a gear
 _DRIVEN_ROWS = 20
+HELD, BESIDE = 6, 200 << 20
+"""How many times the size of its numbers a log takes while it is read and evaluated, and how many bytes beside."""
 
 
 @dataclass(frozen=True)
@@ -55,24 +57,9 @@ class Signal:
     """A column taken for a quantity: the file's numbers, the unit, and the stamps if it has its own."""
 
     candidate: Candidate
-    values: Column
+    values: np.ndarray
     fit: Fit
-    time: Column | None = None
-
-    @property
-    def numbers(self) -> np.ndarray:
-        """Return the file's numbers, all of them held in memory."""
-        return held(self.values)
-
-    @property
-    def on_disk(self) -> DiskColumn | None:
-        """Return the column of the file's numbers; None where they are held in memory."""
-        return self.values if isinstance(self.values, DiskColumn) else None
-
-    @property
-    def stamps(self) -> np.ndarray | None:
-        """Return its own stamps, all of them held in memory; None where it has none."""
-        return None if self.time is None else held(self.time)
+    time: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -190,10 +177,17 @@ class Assigner:
     """Collects the decisions about one file: chosen signals, open questions, messages."""
 
     def __init__(
-        self, file: str, units: Mapping[str, str], neighbours: Iterable[str], interval: float | None = None
+        self,
+        file: str,
+        units: Mapping[str, str],
+        neighbours: Iterable[str],
+        interval: float | None = None,
+        every: int = 1,
+        room: float = math.inf,
     ) -> None:
         self.file, self.units, self.neighbours = file, units, tuple(neighbours)
         self.interval = interval  # [s] between rows, as the user states it
+        self.every, self.room = every, room  # of how many rows one is read; bytes of memory that may be taken
         self.signals: dict[str, Signal] = {}
         self.ambiguous: list[Ambiguous] = []
         self.refused: dict[str, Sentence] = {}  # by quantity, why a column that bears its name was not taken
@@ -224,13 +218,45 @@ class Assigner:
         text = Sentence("{problem}: confirm or name the unit", problem=text)
         self.say("unit_assumed", text, "warning", column)
 
+    def refuse_too_large(self, rows: float, wide: float, *, thins: bool = True) -> None:
+        """Refuse a log that would take more memory than there is, before it is read.
+
+        Parameters
+        ----------
+        rows, wide
+            how many it has, more or less, and bytes that the cells of one take that are kept.
+        thins
+            whether fewer are kept where one of some rows is read.
+
+        Raises
+        ------
+        RoadTestError
+            with the memory that it would take, and of how many rows one would fit.
+        """
+        needed = BESIDE + HELD * wide * rows / (self.every if thins else 1)
+        if needed <= self.room:
+            return
+        expected = Sentence("part of the drive")
+        if thins and self.room > BESIDE:
+            fits = math.ceil(HELD * wide * rows / (self.room - BESIDE))
+            expected = Sentence("part of the drive, or one row in {every}: --every {every}", every=fits)
+        raise RoadTestError(
+            Sentence(
+                "would take {needed:.1f} GB of memory with its evaluation, and {room:.1f} GB are free",
+                needed=needed / 1e9,
+                room=self.room / 1e9,
+            ),
+            place=Place(file=self.file),
+            expected=expected,
+        )
+
     def leave_out(self, mapping: Mapping[str, str]) -> None:
         """Note which quantities the user says are not logged: nothing is asked about them."""
         for quantity, column in mapping.items():
             if column == NOT_LOGGED:
                 self.refused[quantity] = Sentence("it is stated that no column of this log holds it")
 
-    def decide(self, quantity: str, offered: Sequence[tuple[Candidate, Column, Column | None]]) -> None:
+    def decide(self, quantity: str, offered: Sequence[tuple[Candidate, np.ndarray, np.ndarray | None]]) -> None:
         """Choose one of the candidates for a quantity, or list them as ambiguous.
 
         Each candidate comes with its numbers and its own stamps (None: the rows').
@@ -293,7 +319,7 @@ class Assigner:
             gear=top, kmh=at_100["km/h"], mph=at_100["mph"],
         )  # fmt: skip
 
-    def _fit(self, candidate: Candidate, values: Column, time: Column | None) -> Signal | None:
+    def _fit(self, candidate: Candidate, values: np.ndarray, time: np.ndarray | None) -> Signal | None:
         kind = QUANTITIES[candidate.quantity].unit_kind
         sample = values[:: max(1, len(values) // 10_000)]
         if not np.isfinite(sample).any() and not any_finite(values):
@@ -374,10 +400,8 @@ class Assigner:
 
     def _same_name_elsewhere(self, first: Signal, other: Signal) -> bool:
         """Return whether a channel of another group, with its own clock, is the same: name and course must agree."""
-        if isinstance(first.values, DiskColumn) or isinstance(other.values, DiskColumn):
-            return False  # of columns that are not held the user is asked
-        own, time = self.base if first.time is None else first.stamps, other.stamps
-        base, values = first.fit.to_si(first.numbers), other.fit.to_si(other.numbers)
+        own, time = self.base if first.time is None else first.time, other.time
+        base, values = first.fit.to_si(first.values), other.fit.to_si(other.values)
         if first.candidate.label != other.candidate.label or own is None or time is None or len(own) != len(base):
             return False
         if len(base) < 3 or len(values) < 3 or not np.all(np.diff(time) >= 0):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -20,21 +20,30 @@ from atleak.sentence import Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import KPA
 
+_LONG = 2_000_000  # rows from which on channels are made one by one, so that not all are held twice
+_NOTHING = np.empty(0)
+
 
 def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, float]) -> Mapping[str, Channel]:
     """Return the channels of a road test, in the order of `QUANTITIES`."""
     built: dict[str, Channel] = {}
-    speeds = [assigner.signals[name] for name in SPEEDS if name in assigner.signals]
+    beside = [name for name in SPEEDS if name in assigner.signals][:2]  # one, and another for itself
+    speeds = [assigner.signals[name] for name in beside]
     logged = {name: signal for name, signal in assigner.signals.items() if name != "time"}
 
     def check(signal: Signal) -> _Checked:
         speed = next((speed for speed in speeds if speed is not signal), None)
         return _checked(signal, timeline, speed, assigner.ends.get(signal.candidate.heading.index))
 
-    checked = dict(zip(logged, each(check, logged.values(), len(timeline.time)), strict=True))
+    long = len(timeline.time) > _LONG
+    checked = {} if long else dict(zip(logged, each(check, logged.values(), len(timeline.time)), strict=True))
     for quantity in QUANTITIES:
         if quantity in logged:
-            built[quantity] = _channel(assigner, logged[quantity], checked[quantity], timeline)
+            found = check(logged[quantity]) if long else checked[quantity]
+            built[quantity] = _channel(assigner, logged[quantity], found, timeline)
+            del found
+            if long and quantity not in beside:  # the file's numbers are let go of as soon as nothing asks for them
+                assigner.signals[quantity] = logged[quantity] = replace(logged[quantity], values=_NOTHING)
         elif quantity in constants and quantity != "time":  # of which the constant is the interval between rows
             built[quantity] = constant(assigner, quantity, constants[quantity], timeline.time[:1])
     refuse_unknown(constants)
@@ -70,7 +79,7 @@ class _Checked:
 
 def _checked(signal: Signal, timeline: Timeline, speed: Signal | None, ends: Ends | None) -> _Checked:
     """Check a signal; ``ends`` are those of its column, where all its cells are known to be finite numbers."""
-    raw, time = signal.numbers, signal.stamps
+    raw, time = signal.values, signal.time
     if time is None:
         time = timeline.time
         if timeline.order is not None:
@@ -83,7 +92,7 @@ def _checked(signal: Signal, timeline: Timeline, speed: Signal | None, ends: End
     def moving() -> np.ndarray | None:
         if speed is None or speed.time is not None or signal.time is not None or len(raw) != len(timeline.time):
             return None
-        beside = speed.numbers if timeline.order is None else speed.numbers[timeline.order]
+        beside = speed.values if timeline.order is None else speed.values[timeline.order]
         return np.concatenate([[False], np.diff(beside) != 0])
 
     known = (ends, _in_si(ends, signal.fit)) if ends is not None else None

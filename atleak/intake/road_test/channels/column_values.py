@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from atleak.columns import Column
 from atleak.intake.road_test.blocks import each
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.headers_between import refuse_another_header
@@ -26,7 +25,7 @@ from atleak.sentence import Sentence
 
 @dataclass
 class LeftOut:
-    """What of a table's lines is no row, and what else was met in reading them; parts of a table add up."""
+    """What of a table's lines is no row, and what else was met in reading them."""
 
     above: int = 0  # rows of another table above
     too_wide: int = 0  # rows with more numbers than columns
@@ -45,13 +44,6 @@ class LeftOut:
     def rows(self) -> int:
         """Return how many lines were left out."""
         return self.above + self.too_wide + self.lines + self.blank
-
-    def add(self, other: LeftOut) -> None:
-        """Add what was met in the next part of the same table."""
-        self.too_wide += other.too_wide
-        self.short += other.short
-        self.breaks_off |= other.breaks_off
-        self.lines += other.lines
 
     def say(self, assigner: Assigner) -> None:
         """Say how many rows were left out, and why."""
@@ -126,7 +118,7 @@ REMARKS = 0.3  # part of a log's lines that may have a word in place of the time
 
 def without_words(
     frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner,
-    word_for_time: np.ndarray, first: int = 0,
+    word_for_time: np.ndarray,
 ) -> tuple[pd.DataFrame, int]:  # fmt: skip
     """Remove comments, markers, repeated headers and blank lines; return the rest, and how many there were.
 
@@ -134,8 +126,6 @@ def without_words(
     ----------
     word_for_time
         lines with a word in place of the time.
-    first
-        number of rows before these, of a table that is read in parts.
 
     Raises
     ------
@@ -178,7 +168,7 @@ def without_words(
         lines = frame[text_only].astype(object)
         for index, cells in words_in_columns.items():
             lines[index] = lines[index].where(lines[index].notna(), cells.reindex(lines.index))
-        refuse_another_header(lines, times + channels, assigner, first)
+        refuse_another_header(lines, times + channels, assigner)
         # rows that hold nothing but words where the table has numbers are markers
         attributes = frame.attrs
         frame = frame[~text_only]
@@ -246,7 +236,7 @@ _FEW_WORDS = 0.02  # part of a column's cells that may be no numbers
 
 @dataclass
 class CellTally:
-    """The cells of a column that are no numbers, as far as they decide whether it is used; its parts add up."""
+    """The cells of a column that are no numbers, as far as they decide whether it is used."""
 
     quantity: str
     cells: int = 0
@@ -281,7 +271,7 @@ class CellTally:
         self.without_gear += len(unnamed)
         return values
 
-    def usable(self, candidate: Candidate, values: Column, decimal: Decimal, assigner: Assigner) -> bool:
+    def usable(self, candidate: Candidate, values: np.ndarray, decimal: Decimal, assigner: Assigner) -> bool:
         """Tell whether the column can be used, and say what is to be said of it; ``values`` are all its numbers."""
         if not self.unreadable:
             return _without_thousands(candidate, values, assigner)
@@ -323,7 +313,7 @@ def _only_positions(cells: Iterable[str]) -> bool:
     return words_as_numbers.only_positions(pd.Series(list(cells), dtype="str"))
 
 
-def _without_thousands(candidate: Candidate, values: Column, assigner: Assigner) -> bool:
+def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assigner) -> bool:
     """Refuse a column in which 1.250 means 1250: whole numbers beside small ones with three decimals."""
     kind = QUANTITIES[candidate.quantity].unit_kind
     if kind not in ("rotational_speed", "pressure") or not len(values):

@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
 import pandas as pd
 
-from atleak.columns import Column, part_of
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.blocks import any_finite
@@ -113,7 +113,7 @@ def _refuse_another_unit(cell: _Cell, unit: str, row: int, assigner: Assigner) -
 
 
 def with_units_stated_again(
-    channels: list[Candidate], columns: Mapping[int, Column], place: Callable[[int], int], assigner: Assigner
+    channels: list[Candidate], columns: Mapping[int, np.ndarray], place: Callable[[int], int], assigner: Assigner
 ) -> list[Candidate]:
     """Return the channels, with its unit each that a header in the middle of the log states for the first time.
 
@@ -134,7 +134,7 @@ def with_units_stated_again(
             result.append(channel)
             continue
         at, values = place(again.row), columns[channel.heading.index]
-        before, after = part_of(values, 0, at), part_of(values, at, len(values))
+        before, after = values[:at], values[at:]
         silent, telling = (before, after) if again.unit is not None else (after, before)
         unit = again.unit or channel.unit or ""
         guess = fit(channel.quantity, None, silent, assigner.neighbours)

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from atleak.columns import held
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Assigner, Candidate, find_candidates, map_columns
 from atleak.intake.road_test.channels.column_values import LeftOut
-from atleak.intake.road_test.channels.protocol import LogTable, TableResult
+from atleak.intake.road_test.channels.protocol import LogTable, TableResult, width_of
 from atleak.intake.road_test.channels.timing import clock_of, no_time, runs
 from atleak.intake.road_test.channels.unit_cells import UNIT_HEADERS, say_two_units, two_units
 from atleak.intake.road_test.clock.timeline import Timeline
@@ -121,7 +120,7 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     RoadTestError
         when its time cannot be read or the user names a column that it lacks.
     """
-    read, frame, names = _rows(table, shape)
+    read, frame, names = _rows(table, shape, assigner)
     left = LeftOut.of(read, table)
     left.say(assigner)
     left_out = left.rows + _say_nameless(read, frame, assigner)
@@ -130,7 +129,7 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
         raise no_time(table, assigner)
     if clock.unit_assumed:
         assigner.assume_unit(shape.time.label, clock.unit, "time")
-    whole = build_timeline(held(clock.seconds))
+    whole = build_timeline(clock.seconds)
     row_times = np.full(len(frame), np.nan)
     row_times[whole.order if whole.order is not None else slice(None)] = whole.time
     values, *_ = numbers(frame, shape.value.index, table.decimal)
@@ -159,11 +158,12 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
             good = np.isfinite(channel_values) & np.isfinite(row_times[rows])
             time = row_times[rows][good]
             by_time = np.argsort(time, kind="stable")
+            by_time = by_time[:: assigner.every]
             offered.append((candidate, channel_values[good][by_time], time[by_time]))
         if offered:
             assigner.decide(quantity, offered)
             signal = assigner.signals.get(quantity)
-            if signal is not None and (own := signal.stamps) is not None:
+            if signal is not None and (own := signal.time) is not None:
                 stamps.append(own)
     base = np.unique(np.concatenate(stamps)) if stamps else np.unique(whole.time)
     timeline = _on_base(base, whole)
@@ -180,12 +180,17 @@ def _say_nameless(read: pd.DataFrame, kept: pd.DataFrame, assigner: Assigner) ->
     return count
 
 
-def _rows(table: LogTable, shape: _LongColumns) -> tuple[pd.DataFrame, pd.DataFrame, pd.Series]:
+def _rows(
+    table: LogTable, shape: _LongColumns, assigner: Assigner | None = None
+) -> tuple[pd.DataFrame, pd.DataFrame, pd.Series]:
     """Return all rows, those that name a signal, and those names."""
     columns = [shape.time.heading.index, shape.name.index, shape.value.index]
     if shape.unit:
         columns.append(shape.unit.index)
-    frame = table.read(sorted(set(columns)))
+    columns = sorted(set(columns))
+    if assigner is not None:
+        assigner.refuse_too_large(table.rows, width_of(table, columns), thins=False)
+    frame = table.read(columns)
     names = frame[shape.name.index].astype("str").str.strip()
     keep = frame[shape.name.index].notna() & (names != shape.name.label)
     return frame, frame[keep], names[keep]

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from atleak.columns import held
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import (
@@ -19,7 +18,7 @@ from atleak.intake.road_test.channels.build import say_strays
 from atleak.intake.road_test.channels.column_values import Rows, columns_of_numbers, rows_of
 from atleak.intake.road_test.channels.headers_between import check_clock_stated_again, with_units_stated_again
 from atleak.intake.road_test.channels.long import long_shape, read_long
-from atleak.intake.road_test.channels.protocol import LogTable, TableResult, reach
+from atleak.intake.road_test.channels.protocol import LogTable, TableResult, reach, width_of
 from atleak.intake.road_test.channels.timing import (
     best_clock,
     clock_of,
@@ -84,7 +83,9 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     times = time_candidates(table, candidates)
     channels = [candidate for candidate in candidates if candidate.quantity != "time"]
     chosen = [candidate.heading.index for candidate in (*times, *channels)]
-    frame = table.read(sorted(set(chosen)) or [0])
+    columns_read = sorted(set(chosen)) or [0]
+    assigner.refuse_too_large(table.rows, width_of(table, columns_read))
+    frame = table.read(columns_read, assigner.every)
     rows = rows_of(frame, times, channels, table, assigner)
     frame = rows.frame
     channels, unit_columns = with_units_beside(channels, table, frame.index, assigner)
@@ -104,10 +105,10 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
         table,
         assigner,
         lambda candidate: clock_of(candidate, frame, table, assigner, motions),
-        lambda interval: np.arange(rows.number) * interval,
+        lambda interval: np.arange(rows.number) * (interval * assigner.every),
     )
     check_clock_stated_again(times, (label, clock), unit_before, assigner)
-    timeline = build_timeline(held(clock.seconds))
+    timeline = build_timeline(clock.seconds)
     if not len(timeline.time):
         raise no_time(table, assigner)
     for quantity in QUANTITIES:
@@ -221,7 +222,7 @@ def _read_own_times(
     if not clocks_by_column:
         raise no_time(table, assigner)
     first = min(clocks_by_column)
-    timelines = {index: build_timeline(held(clock.seconds)) for index, clock in clocks_by_column.items()}
+    timelines = {index: build_timeline(clock.seconds) for index, clock in clocks_by_column.items()}
     base = timelines[first]
     for index, timeline in timelines.items():
         if index != first:  # what is to be said of the first is said of the log

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from atleak.columns import Column, held
 from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.blocks import any_finite, finite_of, rising, span_of, steps_in
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
@@ -27,7 +26,7 @@ from atleak.intake.road_test.names.unit_choice import given
 from atleak.sentence import Sentence
 
 
-def motions_beside(channels: list[Candidate], columns: Mapping[int, Column]) -> list[Motion]:
+def motions_beside(channels: list[Candidate], columns: Mapping[int, np.ndarray]) -> list[Motion]:
     """Return the speeds in the log, whose changes show whether a unit of time is possible."""
     limits = {"engine_speed": 12000.0, "vehicle_speed": 60.0}
     return [
@@ -94,7 +93,7 @@ def say_destroyed(candidate: Candidate, probe: Iterable[str], assigner: Assigner
 class TimeNumbers:
     """A time column as numbers, with its cells that are none, or some of these."""
 
-    numbers: Column
+    numbers: np.ndarray
     words: pd.Series
     unreadable: int  # cells that are no numbers
     finite: int
@@ -154,7 +153,7 @@ def stamped_clock(column: pd.Series) -> Clock:
 _COARSE = 600.0  # [s] between stamps that only rounding explains
 
 
-def rounded(seconds: Column) -> bool:
+def rounded(seconds: np.ndarray) -> bool:
     """Return whether an epoch keeps so few digits that many rows share each stamp and the next is far off."""
     onward = 0
     for _, steps in steps_in(seconds):
@@ -197,7 +196,7 @@ def best_clock(
     table: LogTable,
     assigner: Assigner,
     read: Callable[[Candidate], Clock | None],
-    counted: Callable[[float], Column],
+    counted: Callable[[float], np.ndarray],
 ) -> tuple[str, Clock]:
     """Return the name and the clock of the time column that serves best, or a clock counted from the interval.
 
@@ -260,13 +259,13 @@ def _best(readable: list[tuple[Candidate, Clock]]) -> tuple[Candidate, Clock]:
     return max(readable, key=worth)
 
 
-def _counts_rows(seconds: Column) -> bool:
+def _counts_rows(seconds: np.ndarray) -> bool:
     """Return whether a clock goes on by exactly one with every row: a number of rows, perhaps, and no time."""
     part = seconds[:10_000]
     return len(part) > 2 and bool((np.diff(part) == 1).all())
 
 
-def _counted(table: LogTable, assigner: Assigner, counted: Callable[[float], Column]) -> Clock:
+def _counted(table: LogTable, assigner: Assigner, counted: Callable[[float], np.ndarray]) -> Clock:
     """Return a clock that counts rows by the interval that is stated.
 
     Raises
@@ -301,7 +300,7 @@ def _ask_where_it_cannot_be(candidate: Candidate, clock: Clock, table: LogTable,
     """
     if candidate.mapped or "time" in assigner.units or clock.unit not in ("ms", "µs", "ns"):
         return
-    part, other, span = held(clock.seconds[:_SOME]), rising_without_name(table), _span(clock.seconds)
+    part, other, span = clock.seconds[:_SOME], rising_without_name(table), _span(clock.seconds)
     if clock.absolute or np.isfinite(part).sum() < _LEAST_ROWS or not (span < _BRIEF or (other and span < 10 * _BRIEF)):
         return
     problem = Sentence(
@@ -328,20 +327,20 @@ def rising_without_name(table: LogTable) -> str | None:
 _SOME = 1_000_000  # rows that show it
 
 
-def _span(seconds: Column) -> float:
+def _span(seconds: np.ndarray) -> float:
     """Return the time from the least stamp to the greatest [s]."""
     span = span_of(seconds)
     return 0.0 if span is None else span[1] - span[0]
 
 
-def _starts_again(seconds: Column) -> bool:
+def _starts_again(seconds: np.ndarray) -> bool:
     """Return whether a clock rises and falls back to where it began, again and again."""
     finite = finite_of(seconds[:_SOME])
     falls = np.diff(finite) < 0
     return len(finite) > _LEAST_ROWS and bool(np.mean(falls) > 0.1 and np.ptp(finite[1:][falls]) < 0.1 * np.ptp(finite))
 
 
-def runs(seconds: Column) -> bool:
+def runs(seconds: np.ndarray) -> bool:
     """Return whether a clock runs on: its time passes, and seldom steps back."""
     if len(seconds) < 2:
         return any_finite(seconds) and len(seconds) == 1

@@ -65,7 +65,7 @@ def with_units_beside(
         if units is None:
             result.append(channel)
             continue
-        units.add(table.read([units.heading.index])[units.heading.index].reindex(rows))
+        units.add(table.read([units.heading.index], assigner.every)[units.heading.index].reindex(rows))
         told = units.told(assigner)
         if told is not None:
             result.append(told)

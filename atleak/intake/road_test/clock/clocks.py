@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
 
-from atleak.columns import Column, percentiles_of, spans
 from atleak.intake.dates import day_number, half_day, likely_order, sure_date
 from atleak.intake.road_test.blocks import blocks_of, turned
 from atleak.intake.road_test.clock.timeline import Running, strays_of
@@ -27,7 +26,7 @@ _FIRST_EXCEL_DAY = dt.date(1899, 12, 30)
 class Clock:
     """A time column in seconds (NaN where unreadable), with the unit and form it was read in."""
 
-    seconds: Column
+    seconds: np.ndarray
     unit: str
     unit_assumed: bool = False
     form: str = "number"
@@ -40,22 +39,15 @@ class Clock:
 class Motion:
     """A channel that cannot change faster than ``limit`` per second: it shows whether stamps are s or ms."""
 
-    values: Column
+    values: np.ndarray
     limit: float
 
-    def possible(self, stamps: Column, factor: float) -> bool:
+    def possible(self, stamps: np.ndarray, factor: float) -> bool:
         """Return whether the channel's changes are possible with stamps in a unit of so many seconds."""
-
-        def rates() -> Iterator[np.ndarray]:
-            for start, stop in spans(len(stamps) - 1):
-                step = np.diff(stamps[start : stop + 1] * factor)
-                change = np.abs(np.diff(self.values[start : stop + 1]))
-                use = (step > 0) & (change > 0)
-                yield change[use] / step[use]
-
-        if sum(map(len, rates())) < 5:
-            return True
-        return percentiles_of(rates, [75])[0] <= self.limit
+        step, change = np.diff(stamps * factor), np.abs(np.diff(self.values))
+        use = (step > 0) & (change > 0)
+        rates = change[use] / step[use]
+        return len(rates) < 5 or float(np.percentile(rates, 75)) <= self.limit
 
 
 @dataclass(frozen=True)
@@ -64,31 +56,15 @@ class _Finite:
 
     middle: float
     part: np.ndarray  # the first of them
-    column: Column
+    column: np.ndarray
 
     @classmethod
-    def of(cls, values: Column, whole: bool) -> _Finite | None:
+    def of(cls, values: np.ndarray, whole: bool) -> _Finite | None:
         """Look through a column; None where no number is finite. ``whole``: that all are is known."""
         if whole and len(values):
             return cls(float(np.median(_sample(values))), values[:_PART], values)
-        if isinstance(values, np.ndarray):
-            finite = values[np.isfinite(values)]
-            return cls.of(finite, True) if len(finite) else None
-        count, part = 0, [np.empty(0)]
-        for block in blocks_of(values):
-            good = block[np.isfinite(block)]
-            if count < _PART:
-                part.append(good)
-            count += len(good)
-        if not count:
-            return None
-        first = np.concatenate(part)[:_PART]
-        stride, seen, sample = max(1, count // _SAMPLE), 0, []
-        for block in blocks_of(values):
-            good = block[np.isfinite(block)]
-            sample.append(good[-seen % stride :: stride])
-            seen += len(good)
-        return cls(float(np.median(np.concatenate(sample))), first, values)
+        finite = values[np.isfinite(values)]
+        return cls.of(finite, True) if len(finite) else None
 
     def all_whole(self) -> bool:
         """Return whether every number is a whole one."""
@@ -98,7 +74,7 @@ class _Finite:
 _SAMPLE = 10_000
 
 
-def _sample(values: Column) -> np.ndarray:
+def _sample(values: np.ndarray) -> np.ndarray:
     sample: np.ndarray = values[:: max(1, len(values) // _SAMPLE)]
     return sample
 
@@ -132,7 +108,7 @@ class NumericForm:
                 seconds = values * self.factor
         return np.where(np.isinf(seconds), np.nan, seconds)
 
-    def clock(self, seconds: Column) -> Clock:
+    def clock(self, seconds: np.ndarray) -> Clock:
         """Return the clock of these seconds."""
         return Clock(seconds, self.unit, self.assumed, self.form, (), self.absolute, self.date)
 
@@ -162,7 +138,9 @@ def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion
     return form.clock(form.seconds(values, Running(form.period)))
 
 
-def numeric_form(values: Column, unit: str | None, motions: Sequence[Motion] = (), whole: bool = False) -> NumericForm:
+def numeric_form(
+    values: np.ndarray, unit: str | None, motions: Sequence[Motion] = (), whole: bool = False
+) -> NumericForm:
     """Tell what numbers count; parameters are those of `numeric_clock`."""
     finite = _Finite.of(values, whole)
     if finite is None:
@@ -190,7 +168,7 @@ def numeric_form(values: Column, unit: str | None, motions: Sequence[Motion] = (
     return NumericForm(name, not sure or leaps > 0, factor={"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name])
 
 
-def _epoch_form(values: Column, unit: Unit, middle: float) -> NumericForm:
+def _epoch_form(values: np.ndarray, unit: Unit, middle: float) -> NumericForm:
     """Return how an epoch is read: from the first stamp that lies within a year of the middle one."""
     near = YEAR / unit.factor
     begun = (block[np.abs(block - middle) < near] for block in blocks_of(values))
@@ -250,7 +228,7 @@ def _excel_days(values: np.ndarray) -> bool:
     )
 
 
-def _guess(finite: _Finite, values: Column, motions: Sequence[Motion]) -> tuple[str, bool]:
+def _guess(finite: _Finite, values: np.ndarray, motions: Sequence[Motion]) -> tuple[str, bool]:
     steps = np.diff(finite.part)
     steps = steps[steps > 0]
     if not len(steps):
@@ -401,7 +379,7 @@ class TextForm:
             seconds = seconds + self.days[read.dates]
         return runs.on(seconds)
 
-    def clock(self, seconds: Column) -> Clock:
+    def clock(self, seconds: np.ndarray) -> Clock:
         """Return the clock of these seconds."""
         return Clock(seconds, "clock", False, self.form, self.notes, self.days is not None, self.date)
 

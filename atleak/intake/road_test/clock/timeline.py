@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from atleak.columns import Column, positive, ranked, steps_of
 from atleak.intake.road_test.blocks import ends_of_steps, steps_over
 from atleak.road_test import Segment
 
@@ -73,10 +72,7 @@ def gap_limit(steps: np.ndarray) -> float:
     steps = steps[steps > 0]
     if not len(steps):
         return np.inf
-    return _limit(float(np.median(steps)), float(np.percentile(steps, 95, method="lower")))
-
-
-def _limit(median: float, usual: float) -> float:
+    median, usual = float(np.median(steps)), float(np.percentile(steps, 95, method="lower"))
     if usual <= 1.5 * median:
         return max(0.5, 3.5 * usual)
     return max(1.0, 10 * median, 5 * usual)
@@ -85,14 +81,13 @@ def _limit(median: float, usual: float) -> float:
 _MANY = 100_000
 
 
-def gap_limit_of(time: Column) -> float:
+def gap_limit_of(time: np.ndarray) -> float:
     """Return the limit by some 100 000 steps of a long log; by all where none of those goes on."""
     stride = max(1, (len(time) - 1) // _MANY)
     limit = gap_limit(time[1::stride] - time[0 : len(time) - 1 : stride])
     if limit < np.inf or stride == 1:
         return limit
-    found = ranked(positive(steps_of(time)), lambda count: [(count - 1) // 2, count // 2, int(0.95 * (count - 1))])
-    return _limit(0.5 * (found[0] + found[1]), found[2]) if found else np.inf
+    return gap_limit(np.diff(time))
 
 
 def build(seconds: np.ndarray) -> Timeline:
@@ -137,7 +132,7 @@ def strays_of(stamps: np.ndarray) -> np.ndarray:
     return stray
 
 
-def an_end_is_far(stamps: Column) -> bool:
+def an_end_is_far(stamps: np.ndarray) -> bool:
     """Return whether the first or the last stamp is farther from its neighbour than all others are from each other."""
     if len(stamps) < 4:
         return False
@@ -187,7 +182,7 @@ def _in_order(
     return shifted, order, reordered, (len(starts), tuple(starts))
 
 
-def restarts(stamps: Column, falls: np.ndarray, median: float) -> list[int]:
+def restarts(stamps: np.ndarray, falls: np.ndarray, median: float) -> list[int]:
     """Return the places at which the clock begins anew, of those behind which it falls and does not go back at once."""
     starts, begin = [], 0
     for fall in falls.tolist():

@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ import pandas as pd
 from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.blocks import Ends, ends_of
 from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, kind_of, without_unit
-from atleak.intake.road_test.files.decoding import LogText, to_text
+from atleak.intake.road_test.files.decoding import LogText, to_text, without_nul
 from atleak.intake.road_test.files.headings import Heading, Row
 from atleak.intake.road_test.files.layout import WHITESPACE, Layout, OfLayout, find_dialect, find_table, split_line
 from atleak.intake.road_test.files.log_file import HEAD, LARGE, PIECE, LogFile, Look, beside
@@ -25,6 +26,11 @@ from atleak.sentence import Sentence
 _Numeric = dict[int, Literal["float64"]]  # column → how it is read
 
 _LONG_HEAD = 1 << 18
+BLOCKS = 64 << 20
+"""Bytes of a text from which on it is read in blocks of whole lines: then little is held beside its numbers."""
+BLOCK = 8 << 20
+"""Bytes of such a block."""
+_LONGEST = 64 << 20  # bytes of a line
 LOOK = 150
 """Number of lines in which the table's beginning is sought first."""
 
@@ -33,8 +39,8 @@ LOOK = 150
 class Delimited(OfLayout):
     """Delimited text whose table is located but not read yet.
 
-    ``text`` is the whole text, or None where the fast reader may take the file at ``source.path`` as it is.
-    ``per_line``: how many delimiters and quotation marks each of the first rows has, where all have as many.
+    ``text`` is the whole text, or None where the fast reader may take the file at ``source.path``, or blocks of it, as
+    it is. ``per_line``: how many delimiters and quotation marks each of the first rows has, where all have as many.
     ``breaks_off``: whether the last line's last cell, perhaps half-written, is left out. ``of_many``: whether it is one
     block of many: how many of all rows are too wide is then for others to judge.
     """
@@ -64,18 +70,75 @@ class Delimited(OfLayout):
         """Return whether any row names the columns."""
         return self.layout.has_header
 
-    def read(self, columns: Sequence[int]) -> pd.DataFrame:
+    @cached_property
+    def rows(self) -> int:
+        """Return how many rows there are, more or less: as if all were as long as the first ones."""
+        first = self.source.whole_lines[self.offset :] if self.text is None else self.text.data[self.offset :][:LARGE]
+        size = self.source.size if self.text is None else len(self.text.data)
+        return int((size - self.offset) / max(len(first), 1) * (first.count(b"\n") + 1))
+
+    def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
         """Read these columns from the first data row on: numbers as floats, anything else as text.
 
-        Every line is a row. How many were left out, because they have more numbers than the table has columns, stands
-        in ``attrs["too_wide"]``, how many have fewer cells in ``attrs["short"]``, and whether the last line breaks off
-        in ``attrs["breaks_off"]``.
+        Every line is a row, of which each ``every``-th is kept. How many were left out, because they have more numbers
+        than the table has columns, stands in ``attrs["too_wide"]``, how many have fewer cells in ``attrs["short"]``,
+        and whether the last line breaks off in ``attrs["breaks_off"]``.
 
         Raises
         ------
         RoadTestError
             when its lines cannot be told apart, or many of them have more numbers than the table has columns.
         """
+        if self.text is None and self.source.size > BLOCKS:
+            return self._joined(columns, every)
+        return thinned(self._read_lines(columns), every)
+
+    def _joined(self, columns: Sequence[int], every: int) -> pd.DataFrame:
+        """Read columns of a text that is not held, block by block."""
+        self.source.digest.start()
+        joined = {index: _Joined(self.rows // every, self.decimal) for index in columns}
+        lines = kept = too_wide = short = 0
+        breaks_off = False
+        for block in self._blocks():
+            frame = block._read_lines(columns)
+            too_wide, short = too_wide + frame.attrs.get("too_wide", 0), short + frame.attrs.get("short", 0)
+            some = thinned(frame, every, lines)
+            for index, column in joined.items():
+                column.add(some[index], some.attrs.get("words", {}).get(index), kept)
+            lines, kept, breaks_off = lines + len(frame), kept + len(some), block.breaks_off
+        refuse_too_wide(too_wide, lines, self.source.file)
+        result = pd.DataFrame({index: column.cells(kept) for index, column in joined.items()}, copy=False)
+        words = {index: pd.concat(column.words) for index, column in joined.items() if column.words}
+        short = counted_short(short, lines, breaks_off)
+        result.attrs = {"words": words, "too_wide": too_wide, "short": short, "breaks_off": breaks_off}
+        return result
+
+    def _blocks(self) -> Iterator[Delimited]:
+        """Yield tables of whole lines that together are this one.
+
+        Raises
+        ------
+        RoadTestError
+            for a line without end.
+        """
+        rest, at = b"", self.offset + 3 * self.encoding.endswith("sig")
+        while True:
+            data = self.source.part(at, at + BLOCK)
+            at, last = at + len(data), at + len(data) >= self.source.size or not data
+            data = rest + data
+            end = len(data) if last else data.rfind(b"\n") + 1
+            if not end and len(data) > _LONGEST:
+                problem = Sentence("has a line of more than {size} MB", size=_LONGEST >> 20)
+                raise RoadTestError(problem, place=Place(file=self.source.file))
+            whole = LogText(one_line_end(without_nul(data[:end])), self.encoding, self.codec)
+            text, rest = without_cut_cell(whole) if last else whole, data[end:]
+            if text.data.strip():
+                yield replace(self, text=text, offset=0, breaks_off=text is not whole, of_many=True)
+            if last:
+                return
+
+    def _read_lines(self, columns: Sequence[int]) -> pd.DataFrame:
+        """Read columns of a text that is held, or that the fast reader takes at once."""
         tallying = Tallying(self.delimiter, self.quoted)
         wait = self._look_through(tallying.add)
         try:
@@ -244,6 +307,76 @@ class Delimited(OfLayout):
         }
 
 
+class _Joined:
+    """A column whose cells come in blocks: numbers in one array, the cells that are none apart, or all of them as text.
+
+    Where some blocks hold text alone and others numbers alone, it is read cell by cell.
+    """
+
+    def __init__(self, rows: int, decimal: Decimal) -> None:
+        self._numbers, self._decimal, self._texts = np.empty(rows + 1), decimal, list[pd.Series]()
+        self._blank = True  # whether no number was met so far
+        self.words: list[pd.Series] = []
+
+    def add(self, cells: pd.Series, words: pd.Series | None, before: int) -> None:
+        """Add the next cells, of which so many stand before; ``words`` are known of numbers that were read as such."""
+        cells = pd.Series(cells.array)  # without what stands in the frame's attrs, which pandas would compare
+        is_text = cells.dtype.kind not in "fiub"
+        if self._blank and (is_text or (self._texts and cells.isna().all())):
+            if not self._texts:
+                self._texts.append(pd.Series([None] * before, dtype="str"))
+            self._texts.append(cells if is_text else pd.Series([None] * len(cells), dtype="str"))
+            return
+        texts, self._texts, at = self._texts, [], 0
+        for each in texts:
+            self._put(split_words(each, self._decimal), at)
+            at += len(each)
+        read = split_words(cells, self._decimal)
+        self._put(read if words is None else read._replace(words=words), before)
+
+    def _put(self, cells: Cells, before: int) -> None:
+        values, words, _ = cells
+        if before + len(values) > len(self._numbers):
+            self._numbers = np.concatenate([self._numbers, np.empty(len(self._numbers) // 4 + len(values))])
+        self._numbers[before : before + len(values)] = values
+        self._blank = self._blank and not len(words) and bool(np.isnan(values).all())
+        if len(words):
+            self.words.append(words.set_axis(words.index + before))
+
+    def cells(self, count: int) -> np.ndarray | pd.Series:
+        """Return all cells."""
+        return pd.concat(self._texts, ignore_index=True) if self._texts else self._numbers[:count]
+
+
+_WORD = r"\s*[^\W\d]|\s*#"  # what begins like no number and no clock
+
+
+def thinned(frame: pd.DataFrame, every: int, before: int = 0) -> pd.DataFrame:
+    """Return each ``every``-th row, and those without a number but with a word: remarks, and headers among the rows.
+
+    Parameters
+    ----------
+    before
+        how many rows of the same table stand before these.
+    """
+    if every == 1:
+        return frame
+    keep = (before + np.arange(len(frame))) % every == 0
+    words, numeric = frame.attrs.get("words", {}), frame.select_dtypes("number")
+    without_number = numeric.isna().all(axis=1).to_numpy() if len(numeric.columns) else np.zeros(len(frame), bool)
+    for cells in words.values():
+        keep[cells.index] |= without_number[cells.index]
+    rows = np.flatnonzero(without_number)
+    for index in frame.columns.difference(numeric.columns) if len(rows) else ():
+        keep[rows] |= frame[index].iloc[rows].astype("str").str.match(_WORD, na=False).to_numpy(dtype=bool)
+    result, places = frame[keep].reset_index(drop=True), np.cumsum(keep) - 1
+    kept = {index: cells[keep[cells.index]] for index, cells in words.items()}
+    result.attrs = {
+        **frame.attrs, "words": {index: cells.set_axis(places[cells.index]) for index, cells in kept.items()},
+    }  # fmt: skip
+    return result
+
+
 def counted_short(short: int, rows: int, breaks_off: bool) -> int:
     """Return how many rows have fewer cells, but for a last one that breaks off; 0 where many write blanks so."""
     return max(short - breaks_off, 0) if 2 * short < rows else 0
@@ -286,13 +419,18 @@ def _plain_head(source: LogFile) -> LogText | None:
     return head
 
 
-def open_delimited(source: LogFile, *, held: bool = True) -> Delimited | None:
-    """Locate the table in a delimited text; None when there is none.
+def must_be_held(source: LogFile) -> bool:
+    """Return whether a text has to be held as a whole while it is read: no byte tells where its lines end."""
+    head = source.head.removesuffix(b"\r")
+    other_ends = b"\r" in head and (b"\n" not in head[:HEAD] or one_line_end(head) is not head)
+    return other_ends or b"\x00" in head or to_text(source.whole_lines).encoding.startswith("utf-16")
 
-    ``held``: whether the whole text may be held in memory. What is not is read in pieces, each as it stands.
-    """
+
+def open_delimited(source: LogFile) -> Delimited | None:
+    """Locate the table in a delimited text; None when there is none."""
     if source.size > LARGE and not any(end in source.head for end in (b"\n", b"\r")):
         return None  # one endless line
+    held = source.size <= BLOCKS or must_be_held(source)
     plain = _plain_head(source) if held else to_text(source.whole_lines)
     whole = plain or _whole(source)
     text = plain or without_cut_cell(whole)

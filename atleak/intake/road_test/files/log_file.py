@@ -32,8 +32,8 @@ SPARE = 120 << 20
 """Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
 GROWTH = 4
 
-TIMES, BESIDE = 6, 200 << 20
-"""How many times its size a text takes at most while it is read whole, and how many bytes beside."""
+TIMES = 6
+"""How many times its size a text takes at most while it is read whole."""
 
 Form = Literal["text", "workbook", "mdf", "parquet"]
 _READ_FROM_DISK = ("text", "parquet", "mdf")  # forms of which a large file is not held
@@ -61,15 +61,6 @@ def pieces_of(path: Path, start: int = 0) -> Iterator[memoryview]:
         stream.seek(start)
         while length := stream.readinto(piece):
             yield piece[:length]
-
-
-def fitting(memory: int) -> int:
-    """Return how many bytes of text a process reads whole that may take so much memory.
-
-    >>> fitting(1_000_000_000) >> 20
-    125
-    """
-    return max((memory - BESIDE) // TIMES, 0)
 
 
 class Digest:

@@ -15,6 +15,7 @@ from atleak.intake.native.process import WORKBOOK, read_apart
 from atleak.intake.native.workbooks import log_blocks, stray_cells
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, without_unit
+from atleak.intake.road_test.files.delimited import thinned
 from atleak.intake.road_test.files.headings import Heading, Row, nameless
 from atleak.intake.road_test.files.layout import Layout, OfLayout, find_table
 from atleak.intake.road_test.files.log_file import LogFile
@@ -65,9 +66,14 @@ class LogSheet(OfLayout):
         body = self.cells.head[self.layout.start : self.layout.start + 400]
         return tuple([text_of(cell, self.decimal) for cell in row] for row in body)
 
-    def read(self, columns: Sequence[int]) -> pd.DataFrame:
+    @property
+    def rows(self) -> int:
+        """Return how many rows there are, blank ones among them."""
+        return self.cells.rows - self.layout.start
+
+    def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
         """Read these columns from the first data row on, as `delimited.Delimited.read` does."""
-        return pd.DataFrame({index: self._column(index) for index in columns})
+        return thinned(pd.DataFrame({index: self._column(index) for index in columns}), every)
 
     def _column(self, index: int) -> pd.Series:
         cells = self.cells.column(index, self.layout.start)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import pandas as pd
 from atleak.errors import Place, RoadTestError
 from atleak.intake.native.parquet_tables import parquet_head, parquet_parts, request_of
 from atleak.intake.native.process import PARQUET, read_apart, read_apart_in_parts
+from atleak.intake.road_test.blocks import Filled
 from atleak.intake.road_test.files.cells import Decimal, kind_of, unit_in_cells, without_unit
 from atleak.intake.road_test.files.headings import Heading, Row, headings_of, names_columns
 from atleak.intake.road_test.files.layout import Layout, OfLayout
@@ -45,8 +46,8 @@ class ParquetLog(OfLayout):
         """Return whether the columns have names: those of a table that had none are numbers."""
         return self.layout.has_header
 
-    def read(self, columns: Sequence[int]) -> pd.DataFrame:
-        """Read these columns, as `delimited.Delimited.read` does; stamps are dates with times in UTC.
+    def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
+        """Read these columns, block by block, as `delimited.Delimited.read` does; stamps are dates with times in UTC.
 
         Raises
         ------
@@ -54,31 +55,21 @@ class ParquetLog(OfLayout):
             where the file is damaged, or unfolds to more than its reading may take.
         """
         limit = _LARGEST + int(PARQUET.memory_per_byte * self.source.size)
-        numbers: dict[int, np.ndarray] = {}
+        numbers: dict[int, Filled] = {}
         texts: dict[int, list[pd.Series]] = {}
         done = 0
         for block in _blocks(self.source, columns, limit):
             for index, part in zip(columns, block, strict=True):
                 cells = _cells(part, self.kinds[index])
                 if isinstance(cells, pd.Series):
-                    texts.setdefault(index, []).append(cells)
+                    texts.setdefault(index, []).append(cells.iloc[-done % every :: every])
                 else:
-                    numbers.setdefault(index, np.empty(self.rows, cells.dtype))[done : done + len(cells)] = cells
+                    numbers.setdefault(index, Filled(self.rows, every, cells.dtype)).add(cells)
             done += len(cells)
-        together = {index: pd.concat(parts, ignore_index=True) for index, parts in texts.items()}
-        return self._without_cell_units(pd.DataFrame({index: {**numbers, **together}[index] for index in columns}))
-
-    def blocks(self, columns: Sequence[int]) -> Generator[pd.DataFrame]:
-        """Yield these columns block by block, as `read` gives the whole.
-
-        Raises
-        ------
-        RoadTestError
-            where the file is damaged.
-        """
-        for block in _blocks(self.source, columns, None):
-            frame = {index: _cells(part, self.kinds[index]) for index, part in zip(columns, block, strict=True)}
-            yield self._without_cell_units(pd.DataFrame(frame))
+        together: dict[int, Any] = {index: pd.concat(parts, ignore_index=True) for index, parts in texts.items()}
+        joined = together | {index: room.numbers for index, room in numbers.items()}
+        frame = pd.DataFrame({index: joined[index] for index in columns}, copy=False)
+        return self._without_cell_units(frame)
 
     def _without_cell_units(self, frame: pd.DataFrame) -> pd.DataFrame:
         """Take the unit out of the cells of the columns in which it stands behind every number."""
@@ -120,18 +111,6 @@ def open_parquet(source: LogFile) -> ParquetLog:
     layout = Layout(0, len(names), headings, has_header, (), (names,), units)
     sample = tuple([list(row) for row in zip(*texts, strict=True)])
     return ParquetLog(source, layout, kinds, rows, sample, decimal)
-
-
-def cells_of_parquet(source: LogFile) -> int:
-    """Return how many cells the table of a Parquet file has, as the file says.
-
-    Raises
-    ------
-    RoadTestError
-        where it is damaged.
-    """
-    ((_, told),) = _parts(source, (), limit=None)
-    return int(told["rows"]) * len(told["columns"])
 
 
 def head_of_parquet(source: str | Path | bytes, name: str) -> bytes:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.columns import Column
 from atleak.errors import InputError
 from atleak.intake.road_test.blocks import finite_of
 from atleak.intake.road_test.names.matching import clean_unit
@@ -87,7 +86,7 @@ def given(quantity: str, name: str) -> Fit:
 
 
 def fit(
-    quantity: str, stated: str | None, values: Column, neighbours: Iterable[str] = (), *, commanded: bool = False
+    quantity: str, stated: str | None, values: np.ndarray, neighbours: Iterable[str] = (), *, commanded: bool = False
 ) -> Fit:
     """Determine the unit of a column from what the file states, else from its values.
 
