@@ -7,9 +7,9 @@ What happens to a file:
 
 1. `intake.sheets` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
 2. `sheet_tables` cuts a sheet into tables; `one_heading` says what a column is by its heading, `headings` (with
-   `heading_numbers`, `counts` and `numbered_lands`) by all of them; ``vocabulary.toml`` holds the words in every
+   `heading_numbers`) by all of them; ``vocabulary.toml`` holds the words in every
    language, and `words` understands single cells. What is laid out unusually becomes usual before anything else is
-   read: `pivot` writes out a pivot table, `turned` exchanges rows and columns, `split_labels` (with `labels`) gives
+   read: `turned` exchanges rows and columns, `split_labels` (with `labels`) gives
    each thing that a cell says a column, `deviations` adds them to nominal diameters, `filled_down` fills blocks.
 3. `choice` picks the tables that are the measurement, of the visible sheets or of the one that was asked for.
 4. `columns` decides which columns of a table to read, by headings and contents.
@@ -44,7 +44,6 @@ from atleak.intake.readings.head import is_typed, read_head
 from atleak.intake.readings.headings import best_header
 from atleak.intake.readings.land_values import LandValues, read_land_values
 from atleak.intake.readings.one_unit import units_apart
-from atleak.intake.readings.pivot import without_pivot
 from atleak.intake.readings.problems import ReadingsRefused
 from atleak.intake.readings.rows import Rows, read_rows
 from atleak.intake.readings.sheet_tables import Table
@@ -121,7 +120,7 @@ def read_readings(
     data, file = read_bytes(source, name)
     names = ControllerNames(controller)
     of_gauges = likeness_of(controller)
-    sheets = read_sheets(data, file, lambda each: max(_score(without_pivot(each, names)), of_gauges(each)), is_word)
+    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)), is_word)
     tabs = find_tabs(sheets, controller)
     pressures = tabs.read(file, data)
     sheets = [each for each in sheets if each not in tabs]
