@@ -16,7 +16,6 @@ from atleak.equations.small_samples import student_quantile
 from atleak.errors import Message
 from atleak.fleet.label_shuffles import SHUFFLES, MeanDifferences, Pairing, mean_differences
 from atleak.fleet.lands import Lands
-from atleak.fleet.spreading import rate, spread
 from atleak.fleet.summed import (
     MOST_COMPARED,
     MOST_IN_PAIRS,
@@ -29,7 +28,7 @@ from atleak.fleet.summed import (
 from atleak.fleet.verdict_counts import groups_of
 from atleak.fleet.wear import class_width, classes_of
 from atleak.sentence import Sentence, some
-from atleak.spreads import ENOUGH_UNITS, Rate
+from atleak.spreads import ENOUGH_UNITS, Rate, rate, spread
 from atleak.unit_systems import Quantity
 from atleak.verdicts import FLAGGED, Verdict
 from atleak.workshop_units import PERCENT

@@ -1,16 +1,17 @@
-"""Bring what the head of a measuring sheet says of the job into its record, and doubt where the two differ."""
+"""Bring what a measuring sheet's head says of the job into its record, and what that says of measuring into a case."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from atleak.errors import Message
 from atleak.intake.readings.words import plain
+from atleak.job.case import CaseKind
 from atleak.job.record import InstrumentUsed, Job
-from atleak.readings import Readings
+from atleak.readings import Readings, SheetIdentity
 from atleak.sentence import Sentence
-from atleak.sheet_identity import SheetIdentity
 from atleak.unit_systems import Quantity
 
 
@@ -108,3 +109,18 @@ def _contradictions(job: Job, head: SheetIdentity) -> Iterator[tuple[Sentence, s
     ):
         if own and written and plain(own) != plain(written):
             yield what, own, written
+
+
+def with_record(case: CaseKind, job: Job) -> CaseKind:
+    """Return a case with the mileage, the measuring temperature and the pump's clearances that the record states.
+
+    Parameters
+    ----------
+    case
+        what it says of these counts.
+    job
+        what the workshop wrote down.
+    """
+    stated: dict[str, Any] = {"mileage": job.vehicle.mileage_km, "measuring_temperature": job.measuring_temperature_c}
+    missing = {name: value for name, value in stated.items() if getattr(case, name) is None}
+    return replace(case, **missing, pump_clearances=case.pump_clearances.or_else(job.pump_clearances))

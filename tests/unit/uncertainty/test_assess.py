@@ -22,7 +22,7 @@ from atleak.readings import clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, NOTHING_ELSE, Assumptions, assess
 from atleak.verdicts import Band, Verdict
-from atleak.views.uncertainty_rows import budget_rows
+from atleak.views.clearances import budget_rows
 from atleak.wording import wording
 from tests.unit.equations import referees
 
