@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 
 from atleak.equations.proportions import newcombe_interval
-from atleak.equations.small_samples import student_quantile
 from atleak.errors import Message
 from atleak.fleet.label_shuffles import SHUFFLES, MeanDifferences, Pairing, mean_differences
 from atleak.fleet.lands import Lands
@@ -211,8 +210,10 @@ def _chance(first: np.ndarray, second: np.ndarray) -> float:
     both = of_first + of_second
     if not both:
         return 0.0
+    from scipy.special import stdtrit  # dear to import, and seldom needed
+
     freedom = both**2 / (of_first**2 / (len(first) - 1) + of_second**2 / (len(second) - 1))
-    return float(student_quantile(1.0 - 0.5 * _LEVEL, freedom)) * math.sqrt(both)
+    return float(stdtrit(freedom, 1.0 - 0.5 * _LEVEL)) * math.sqrt(both)
 
 
 def _driven_further(first: str, second: str | None, further: float) -> Sentence:

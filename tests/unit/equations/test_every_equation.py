@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import atleak.equations
-from atleak.equations import clearance, fluid, gap, orifice, pressure, proportions, pump, small_samples
+from atleak.equations import clearance, fluid, gap, orifice, pressure, proportions, pump
 
 GAP = (8e5, 0.010, 30e-6, 10.93e-6, 783.0, 0.008)
 FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)
@@ -62,14 +62,11 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (pump.capacity, (1.7e-5, 40.0, 0.95)),
     (pump.slip_flow, (1.7e-5, 1e-7, 8e5, 8.5e-3)),
     (pump.minimum_speed, (1e-4, 2e-5, 1.7e-5)),
-    (small_samples.student_tail, (2.2, 10.5)),
-    (small_samples.student_quantile, (0.975, 10.5)),
 ]
 # These give a pair, words, truth values or reduce an axis; the tests of their own rooms cover them.
 OTHERS = {
     clearance.one_sided_moments,
     gap.obliteration,
-    small_samples.one_sided_squares_tail,
     proportions.wilson_interval,
     proportions.newcombe_interval,
     gap.entry_loss_terms,
@@ -77,7 +74,7 @@ OTHERS = {
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
 }
-ROOMS = [clearance, fluid, gap, orifice, pressure, proportions, pump, small_samples]
+ROOMS = [clearance, fluid, gap, orifice, pressure, proportions, pump]
 every_equation = pytest.mark.parametrize(("equation", "arguments"), EQUATIONS, ids=[e.__name__ for e, _ in EQUATIONS])
 
 
