@@ -31,7 +31,7 @@ class Run(NamedTuple):
 
     @property
     def factor(self) -> np.ndarray:
-        return float(stats.t.ppf(0.975, self.found.degrees))
+        return stats.t.ppf(0.975, self.found.degrees)
 
     @property
     def covered(self) -> np.ndarray:
