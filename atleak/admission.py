@@ -1,11 +1,13 @@
-"""Who may use the dashboard where other machines reach it, and with whom these people sign in."""
+"""Who may use the dashboard where other machines reach it, with whom they sign in, and under which names it answers."""
 
 from __future__ import annotations
 
+import ipaddress
 import os
+import socket
 import stat
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -163,3 +165,41 @@ def _tables(path: Path, expected: Sentence) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         problem = Sentence("is not valid TOML: {reason}", reason=text_reason(error))
         raise InputError(problem, place=Place(file=str(path)), expected=expected) from error
+
+
+ALLOWED = "ATLEAK_ALLOWED"
+"""The variable of the environment by which the server knows the file of who may use it; empty where nobody signs in."""
+
+
+def is_here_alone(name: str) -> bool:
+    """Tell whether a name or address of this machine reaches no other one.
+
+    >>> [is_here_alone(name) for name in ("localhost", "127.0.0.1", "::1", "0.0.0.0", "192.168.1.5", "shop.example")]
+    [True, True, True, False, False, False]
+    """
+    try:
+        return ipaddress.ip_address(name).is_loopback
+    except ValueError:
+        return name.casefold() == "localhost"
+
+
+def answered_names(address: str, addresses: Collection[str], named: Collection[str]) -> tuple[str, ...]:
+    """Return the names under which the dashboard answers when it serves an address; the first is what people type.
+
+    Parameters
+    ----------
+    address
+        that is served; an address of every interface serves all of them.
+    addresses
+        of this machine.
+    named
+        further names, such as that of a proxy.
+
+    >>> answered_names("192.168.1.5", ["127.0.0.1", "192.168.1.5", "10.0.0.2"], ["shop.example"])[:2]
+    ('shop.example', '192.168.1.5')
+    """
+    every = address in ("0.0.0.0", "::")
+    own = [each.partition("%")[0] for each in addresses] if every else [address]
+    host = socket.gethostname()
+    names = (*named, *([] if every else own), host, f"{host}.local", *own, "localhost", "127.0.0.1", "::1")
+    return tuple(dict.fromkeys(name.casefold() for name in names))

@@ -30,13 +30,17 @@ class DomainError(AtleakError, ValueError):
     """A number outside the domain in which an equation holds."""
 
 
+Steps = tuple[str | int, ...]
+"""Where in a file's tables a value stands: ``("components", 2, "lands", 0, "contact_length_mm")``."""
+
+
 @dataclass(frozen=True)
 class Place:
     """Where in the user's material something stands; any part may be unknown.
 
     ``row`` counts from 1 as a spreadsheet does, ``column`` is the column's letter or heading.
     ``table`` and ``key`` serve for TOML files; ``steps`` lead to the same place through the file's tables as data, list
-    entries counted from 0: ``("components", 2, "lands", 0, "contact_length_mm")``.
+    entries counted from 0.
     """
 
     file: str | None = None
@@ -45,7 +49,7 @@ class Place:
     column: str | None = None
     table: str | None = None
     key: str | None = None
-    steps: tuple[str | int, ...] = field(default=(), compare=False)
+    steps: Steps = field(default=(), compare=False)
 
     @property
     def known(self) -> dict[str, Any]:

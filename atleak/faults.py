@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from atleak.errors import AnyInputError, InputError, Place, nearest_name, one_of
+from atleak.errors import AnyInputError, InputError, Place, Steps, nearest_name, one_of
 from atleak.sentence import Sentence
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -117,7 +117,7 @@ def place_of_table(steps: Sequence[str | int], data: Any, file: str) -> Place:
     return Place(file=file, table=_table_name(steps, data) or None, steps=tuple(steps))
 
 
-def steps_to(fault: Any) -> tuple[str | int, ...]:
+def steps_to(fault: Any) -> Steps:
     """Return the steps through a file's tables to what pydantic found wrong."""
     location = tuple(fault["loc"])
     # a fault in a table's own name is marked by one step more; an unknown key may be called like that mark

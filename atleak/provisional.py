@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Iterator
 from enum import StrEnum
 
 from atleak.catalogue.controller import Controller, Land
-from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.entries import Evidence
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.known_values import known_values
 from atleak.catalogue.limits import RuleKind

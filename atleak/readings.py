@@ -24,8 +24,26 @@ from atleak.own_lands import OwnLands
 from atleak.phrases import PART_WORDS, angle, in_mm, in_um, named
 from atleak.pressure_table import PressureTable
 from atleak.sentence import Sentence
-from atleak.sheet_identity import SheetIdentity
 from atleak.unit_systems import Quantity
+
+
+@dataclass(frozen=True)
+class SheetIdentity:
+    """Whose unit was measured, by whom and with what, as the sheet's head says it; empty where it does not."""
+
+    job: str = ""  # number of the job
+    vehicle: str = ""  # in the words of whoever wrote it
+    vin: str = ""
+    serial: str = ""  # of the transmission
+    technician: str = ""  # who measured
+    instruments: tuple[str, ...] = ()  # where the head names two, that for spools and then that for bores
+    mileage: float | None = None  # [km]
+
+    @property
+    def empty(self) -> bool:
+        """Tell whether the head says nothing of this."""
+        return self == SheetIdentity()
+
 
 Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
 
@@ -75,7 +93,7 @@ class Readings:
     messages: tuple[Message, ...] = ()
     temperature: float | None = None  # [°C] of gauge and parts, as the sheet's head states it
     date: dt.date | None = None  # of the measurement, as the sheet's head states it
-    identity: SheetIdentity = SheetIdentity()  # noqa: RUF009  frozen, so safe to share; whose unit, by whom measured
+    identity: SheetIdentity = SheetIdentity()  # whose unit, by whom measured
     pressures: PressureTable | None = None  # of the sheet's own tab, where it is filled in
     pump: PumpClearances = NO_CLEARANCES  # of the pump, as the sheet's head states them
     own_lands: OwnLands = OwnLands()  # noqa: RUF009  frozen, so safe to share; lengths measured, repairs fitted
@@ -331,15 +349,7 @@ def _land_clearance(
         }
     spool, sleeve = means["spool"], means["sleeve"]
     place = next((reading.place for part_readings in parts.values() for reading in part_readings), None)
-    status: Status = (
-        "not_measured"
-        if spool is None and sleeve is None
-        else "sleeve_only"
-        if spool is None
-        else "spool_only"
-        if sleeve is None
-        else "measured"
-    )
+    status: Status = ("measured" if sleeve else "spool_only") if spool else "sleeve_only" if sleeve else "not_measured"
     spool_diameter = land.nominal_diameter if spool is None else spool.diameter
     sleeve_diameter = land.nominal_sleeve_diameter if sleeve is None else sleeve.diameter
     if gauges is not None and sleeve_diameter < spool_diameter:
@@ -384,13 +394,9 @@ def _land_clearance(
         spool_repeats=spool.repeats if spool else 0,
         sleeve_repeats=sleeve.repeats if sleeve else 0,
     )
-    messages = (
-        *(spool.messages if spool else ()),
-        *(sleeve.messages if sleeve else ()),
-        *_land_messages(result, place),
-    )
-    doubts = (*(spool.doubts if spool else ()), *(sleeve.doubts if sleeve else ()))
-    return replace(result, messages=messages, doubts=doubts)
+    measured = [mean for mean in (spool, sleeve) if mean]
+    messages = (*(each for mean in measured for each in mean.messages), *_land_messages(result, place))
+    return replace(result, messages=messages, doubts=tuple(each for mean in measured for each in mean.doubts))
 
 
 def _part_mean(land: Land, part: Part, readings: list[Reading]) -> _PartMean:
@@ -422,7 +428,7 @@ def _part_mean(land: Land, part: Part, readings: list[Reading]) -> _PartMean:
             if len(counted[station]) < len(group)
         ),
     )
-    return replace(mean, messages=tuple(_part_messages(land, part, readings, mean)))
+    return replace(mean, messages=tuple(_part_messages(land, part, readings, groups.values(), mean)))
 
 
 def repeats_that_count(repeats: Sequence[Reading]) -> list[Reading]:
@@ -486,7 +492,9 @@ def _stations(
     )
 
 
-def _part_messages(land: Land, part: Part, readings: list[Reading], mean: _PartMean) -> Iterable[Message]:
+def _part_messages(
+    land: Land, part: Part, readings: list[Reading], groups: Iterable[list[Reading]], mean: _PartMean
+) -> Iterable[Message]:
     word = land.part_name if part == "spool" else PART_WORDS[part]
     name = Sentence("{land}, {part}", land=named(land), part=word)
     for doubt in mean.doubts:
@@ -506,10 +514,7 @@ def _part_messages(land: Land, part: Part, readings: list[Reading], mean: _PartM
         )
         place = next(reading for reading in doubt.repeats if reading not in doubt.counted).place
         yield Message("warning", "repeats_disagree", text, place)
-    groups: dict[tuple[str, float | None], list[Reading]] = defaultdict(list)
-    for reading in readings:
-        groups[reading.plane, reading.direction].append(reading)
-    kept = {id(reading) for group in groups.values() for reading in independent_repeats(group)}
+    kept = {id(reading) for group in groups for reading in independent_repeats(group)}
     lost = [reading for reading in readings if id(reading) not in kept]
     if lost:
         text = Sentence(

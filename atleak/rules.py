@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from atleak.catalogue.circuits import Circuit, PermissiblePressure, StandingPressure
+from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import ROUNDING, Level, LimitOrigin, Limits, RuleKind, Steps, falls_below
 from atleak.catalogue.pump import Pump
@@ -21,7 +22,6 @@ from atleak.readings import LandClearance
 from atleak.sentence import Name, Sentence
 from atleak.verdicts import Band, Verdict
 
-LandKey = tuple[str, int]
 _OWN_LIMIT_SOURCE = "the valve body's file"
 _MANUAL = "the pump's manual, as the valve body's file states it"
 _EVERYWHERE = Sentence("")
@@ -74,14 +74,6 @@ class Rule:
         ):
             return None
         return self.value / self.new - 1.0
-
-    @property
-    def past_first(self) -> float:
-        """Return how far the value is past its first limit, as a fraction of that; zero within it."""
-        limits = [limit for _, limit in self.steps.levels]
-        first = max(limits) if self.steps.falling else min(limits)
-        past = first - self.value if self.steps.falling else self.value - first
-        return max(past / abs(first) if first else past, 0.0)
 
     @property
     def severity(self) -> float:

@@ -21,7 +21,7 @@ from atleak.catalogue.circuits import (
     SetPressure,
     StandingPressure,
 )
-from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.entries import Evidence
 from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.section_pressures import DRAINS, SECTIONS
 from atleak.sentence import Sentence

@@ -24,8 +24,7 @@ from atleak.catalogue.circuits import (
 )
 from atleak.catalogue.complaints import Complaint, LandKey, find_complaint
 from atleak.catalogue.controller_tables import PART_NAMES, SEALS, ControllerFile, NewOrigin, PartKind, Seal
-from atleak.catalogue.entries import Origin
-from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.entries import Evidence, Origin
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.pump import Pump, PumpClearances
 from atleak.catalogue.repairs import Repair

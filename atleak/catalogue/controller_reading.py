@@ -33,8 +33,7 @@ from atleak.catalogue.controller_tables import (
     NewOrigin,
 )
 from atleak.catalogue.doubts import doubts_of
-from atleak.catalogue.entries import Origin, listed, read_tables
-from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.entries import Evidence, Origin, listed, read_tables
 from atleak.catalogue.limits import DEFAULT_LIMITS, load_limits, reaches
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_reading import read_pump

@@ -22,16 +22,16 @@ from atleak.catalogue.circuit_tables import (
 from atleak.catalogue.complaints import ComplaintTable
 from atleak.catalogue.entries import (
     Entry,
+    Evidence,
     Finite,
     Identifier,
+    MountingClearance,
     NonEmptyText,
     NonNegative,
     Positive,
     StatedEvidence,
     Strict,
 )
-from atleak.catalogue.evidence import Evidence
-from atleak.catalogue.mounting import MountingClearance
 from atleak.catalogue.pump_tables import PumpTable
 from atleak.catalogue.repairs import RepairTable
 from atleak.faults import NotAccepted

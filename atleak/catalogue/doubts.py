@@ -25,11 +25,10 @@ from atleak.catalogue.usual import (
     Usual,
 )
 from atleak.equations.fluid import astm_d341, astm_d341_coefficients
-from atleak.errors import Message
+from atleak.errors import Message, Steps
 from atleak.faults import place_of
 from atleak.sentence import Sentence
 
-Steps = tuple[str | int, ...]
 _CLEARANCE = "mounting_clearance_um"
 _OF_USED = "mounting_clearance_of_used_unit"
 _FEWEST_LANDS = 3  # whose median says something
@@ -185,16 +184,11 @@ def _of_viscosities(data: Mapping[str, Any]) -> Iterator[tuple[Steps, Sentence]]
             at, value = float(stated["temperature_c"]), float(stated[key])
             if not _COLD <= at <= _HOT:
                 continue
-            low, high = (_two_digits(_viscosity(ends, at)) for ends in (THINNEST, THICKEST))
+            low, high = (float(f"{_viscosity(ends, at):.2g}") for ends in (THINNEST, THICKEST))
             fluid = Sentence("a transmission fluid at {temperature:g} °C", temperature=at)
             usual = Usual(fluid, "mm²/s", low, high, {"m²/s": 1e6, "µm²/s": 1e-6})
             if text := usual.doubt(value):
                 yield (*steps, key), text
-
-
-def _two_digits(value: float) -> float:
-    """Return a value with two digits, as bounds of what is usual are told to people."""
-    return float(f"{value:.2g}")
 
 
 def _viscosity(at_40_and_100: tuple[float, float], temperature: float) -> float:

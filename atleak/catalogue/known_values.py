@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, get_args
 
 from atleak.catalogue.controller_tables import ControllerFile, LandValue, PumpTable
-from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.entries import Evidence
 from atleak.catalogue.pump_tables import OF_GAPS
 
 LAND_VALUES: tuple[LandValue, ...] = get_args(LandValue)

@@ -12,11 +12,9 @@ from typing import Any, Literal
 from atleak.catalogue.circuit_tables import ByGearTable, CurrentTable, DutyTable, FollowingTable, SetTable
 from atleak.catalogue.circuits import Following, SetPressure
 from atleak.catalogue.section_pressures import Pressure
-from atleak.errors import CatalogueError, nearest_name, one_of
+from atleak.errors import CatalogueError, Steps, nearest_name, one_of
 from atleak.faults import NotAccepted, place_of, place_of_table
 from atleak.sentence import Sentence
-
-Steps = tuple[str | int, ...]  # to a place in the file's tables: see `Place`
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from atleak.catalogue.complaints import written_land
-from atleak.errors import CatalogueError
+from atleak.errors import CatalogueError, Steps
 from atleak.faults import place_of, steps_to
-
-Steps = tuple[str | int, ...]
 
 # What stands for a head, a pump, a material or a default that is wrong: none of it matters to the other tables.
 _STAND_INS: dict[str, Any] = {

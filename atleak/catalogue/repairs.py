@@ -3,32 +3,28 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Annotated, Literal, get_args
 
 from pydantic import AfterValidator, Field, model_validator
 
-from atleak.catalogue.entries import Identifier, NonEmptyText, NonNegative, Positive, StatedEvidence, Strict
-from atleak.catalogue.evidence import Evidence
-from atleak.catalogue.mounting import MountingClearance
+from atleak.catalogue.entries import (
+    Evidence,
+    Identifier,
+    MountingClearance,
+    NonEmptyText,
+    NonNegative,
+    Positive,
+    StatedEvidence,
+    Strict,
+)
 from atleak.errors import InputError, unknown
 from atleak.faults import NotAccepted
 from atleak.sentence import Name, Sentence
 
 RepairKind = Literal["clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "other"]
 REPAIR_KINDS: tuple[RepairKind, ...] = get_args(RepairKind)
-_KIND_NAMES: Mapping[RepairKind, str] = MappingProxyType(
-    {
-        "clean_and_reuse": "clean and reuse",
-        "oversize_valve": "oversize valve, bore reamed",
-        "sleeve": "bore sleeved",
-        "new_valve": "new valve",
-        "new_casting": "new casting",
-        "other": "other",
-    }
-)
 
 
 def currency_code(text: str) -> str:
@@ -88,11 +84,6 @@ class Repair:
     def label(self) -> str:
         """Name it with its part number."""
         return f"{self.name} ({self.part_number})" if self.part_number else self.name
-
-    @property
-    def kind_name(self) -> str:
-        """Say its kind in plain words."""
-        return _KIND_NAMES[self.kind]
 
     @property
     def ends(self) -> tuple[float, ...]:

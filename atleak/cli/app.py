@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
+from atleak.admission import ALLOWED, answered_names, is_here_alone
 from atleak.cli.parser import add_command
 from atleak.errors import InputError, extra_installed
-from atleak.network import ALLOWED, answered_names, is_here_alone
 from atleak.sentence import Sentence
+from atleak.system.files import shipped
 from atleak.system.home import DATABASE_URL, HOME, home
 from atleak.system.reasons import reason_of
-from atleak.system.shipped import shipped
 
 PORT = 8501  # streamlit's own
 _HERE = "127.0.0.1"

@@ -46,8 +46,7 @@ def _path(options: argparse.Namespace) -> int:
 
 def _controllers(options: argparse.Namespace) -> int:
     from atleak.catalogue.controller_reading import load_controller
-    from atleak.catalogue.entries import listed
-    from atleak.catalogue.evidence import Evidence
+    from atleak.catalogue.entries import Evidence, listed
     from atleak.views.evidence_rows import evidence_counts, still_to_measure
 
     known = listed("controllers", load_controller)

@@ -206,7 +206,7 @@ def chosen_job(options: argparse.Namespace) -> tuple[Case, Job | None]:
     case, job = chosen_case(options), None
     if options.job is not None:
         from atleak.job.file import load_job
-        from atleak.job.of_record import with_record
+        from atleak.job.of_sheet import with_record
 
         job = load_job(options.job)
         case = with_record(case, job)

@@ -10,7 +10,7 @@ from atleak.cli.parser import add_command
 from atleak.cli.shared import SAMPLES, say_written, write
 from atleak.errors import OutputError, Place
 from atleak.sentence import Sentence
-from atleak.system.shipped import shipped
+from atleak.system.files import shipped
 
 
 def add_parser(commands: Any) -> None:

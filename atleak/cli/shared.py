@@ -15,10 +15,9 @@ from atleak.cli.parser import Options
 from atleak.errors import InputError, Message, Place, unknown
 from atleak.paper import DEFAULT_PAPER, PAPERS
 from atleak.sentence import Sentence
-from atleak.system.files import replace_file
+from atleak.system.files import replace_file, shipped
 from atleak.system.marks import Kind
 from atleak.system.printable import asked_for, unguarded
-from atleak.system.shipped import shipped
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages
 from atleak.written_numbers import INTERVAL, AskedNumber, decimal_number, read_number
@@ -67,7 +66,7 @@ def job_files(names: Sequence[str]) -> list[Path]:
         if path.is_dir():
             found += sorted(_alike(path / "*"))
         else:
-            alike = [path] if path.exists() or not _is_pattern(path) else sorted(_alike(path))
+            alike = [path] if path.exists() or not any(sign in path.name for sign in "*?[") else sorted(_alike(path))
             if not alike:
                 raise _no_job_file(name)
             found += alike
@@ -78,10 +77,6 @@ def job_files(names: Sequence[str]) -> list[Path]:
 
 def _no_job_file(named: str) -> InputError:
     return InputError(Sentence("no job file is there"), value=named, expected=Sentence("job files (zip)"))
-
-
-def _is_pattern(path: Path) -> bool:
-    return any(sign in path.name for sign in "*?[")
 
 
 def _alike(pattern: Path) -> Iterator[Path]:

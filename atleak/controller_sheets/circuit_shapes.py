@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from atleak.controller_sheets.description import Description, Row, Steps
+from atleak.controller_sheets.description import Description, Row
 from atleak.controller_sheets.kinds import (
     NEUTRAL,
     REVERSE,
@@ -18,7 +18,7 @@ from atleak.controller_sheets.kinds import (
 )
 from atleak.controller_sheets.shapes import Column, Sheet, Values, by_id, owner_of, point_of
 from atleak.controller_sheets.units import Units
-from atleak.errors import one_of
+from atleak.errors import Steps, one_of
 from atleak.faults import NotAccepted
 from atleak.sentence import Sentence
 

@@ -7,13 +7,10 @@ from dataclasses import dataclass, field
 from difflib import SequenceMatcher
 from typing import Any
 
-from atleak.errors import nearest_name, one_of
+from atleak.errors import Steps, nearest_name, one_of
 from atleak.sentence import Sentence
 
 _SURELY = 0.85  # how alike two names are of which one is a slip of the pen
-
-Steps = tuple[str | int, ...]
-"""Where in a controller's tables a value stands: ``("components", 2, "lands", 0, "contact_length_mm")``."""
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,21 @@ from typing import get_args
 
 from atleak.catalogue.circuit_tables import SelectorRange, StandingState
 from atleak.controller_sheets.circuit_shapes import SET_BY, ApplyChart, SetPressures
-from atleak.controller_sheets.fields import KPA, MM, OF_ORIFICE, PLAIN, evidence, in_unit, source
 from atleak.controller_sheets.kinds import Choice, Gears, Names, Number, Whole, YesNo
-from atleak.controller_sheets.shapes import Column, NamedTables, Parts, Tables, ValuesByPoint
+from atleak.controller_sheets.shapes import (
+    KPA,
+    MM,
+    OF_ORIFICE,
+    PLAIN,
+    Column,
+    NamedTables,
+    Parts,
+    Tables,
+    ValuesByPoint,
+    evidence,
+    in_unit,
+    source,
+)
 from atleak.controller_sheets.units import Measure
 
 CIRCUITS = Tables(

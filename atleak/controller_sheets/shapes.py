@@ -10,8 +10,22 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from atleak.controller_sheets.description import Description, Fault, Row, Spot, Steps
-from atleak.controller_sheets.kinds import EVERY, Gears, Kind
+from atleak.catalogue.entries import Evidence
+from atleak.controller_sheets.description import Description, Fault, Row, Spot
+from atleak.controller_sheets.kinds import EVERY, Choice, Gears, Kind, Number
+from atleak.controller_sheets.units import (
+    CLEARANCE,
+    CONTACT_LENGTH,
+    LAND_DIAMETER,
+    LENGTH,
+    NUMBER,
+    ORIFICE,
+    PRESSURE,
+    SMALL_LENGTH,
+    VOLUME,
+    Measure,
+)
+from atleak.errors import Steps
 from atleak.sentence import Sentence
 
 Values = dict[str, Any]
@@ -362,3 +376,26 @@ def point_of(row: Row, heading: str, into: Description) -> str | None:
         return name
     into.unknown(row, heading, Sentence("no such operating point"), points)
     return None
+
+
+TEXT = Kind()
+MM, UM, C_R, MM3, KPA = (Number(measure) for measure in (LENGTH, SMALL_LENGTH, CLEARANCE, VOLUME, PRESSURE))
+OF_LAND, L_C, OF_ORIFICE = (Number(measure) for measure in (LAND_DIAMETER, CONTACT_LENGTH, ORIFICE))
+PLAIN = Number(NUMBER)
+EVIDENCE = Choice(tuple(Evidence))
+
+
+def in_unit(unit: str) -> Number:
+    return Number(Measure(unit))
+
+
+def source(needed: bool = True) -> Column:
+    return Column("Source", ("source",), required=needed, width=40, help="Manual and page, or who measured it")
+
+
+def evidence(key: str = "evidence", heading: str = "How known") -> Column:
+    return Column(heading, (key,), EVIDENCE, help="Empty: not stated", width=15)
+
+
+def known(heading: str, key: str, *, kind: Choice = EVIDENCE) -> Column:
+    return Column(heading, (), kind, how_known=key, help="Empty: as the head says", width=15)

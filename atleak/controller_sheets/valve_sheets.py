@@ -6,10 +6,11 @@ from typing import get_args
 
 from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.controller_tables import Bore, PartKind, Seal
-from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.entries import Evidence
 from atleak.catalogue.pump_tables import PumpKind, PumpTable
 from atleak.catalogue.repairs import REPAIR_KINDS
-from atleak.controller_sheets.fields import (
+from atleak.controller_sheets.kinds import Choice, Day, Gear, Gears, Kind, Names, Number, Whole, Wholes, YesNo
+from atleak.controller_sheets.shapes import (
     C_R,
     EVIDENCE,
     KPA,
@@ -19,13 +20,17 @@ from atleak.controller_sheets.fields import (
     OF_LAND,
     PLAIN,
     UM,
+    Column,
+    Form,
+    KnownOfAll,
+    NamedTables,
+    Parts,
+    Tables,
     evidence,
     in_unit,
     known,
     source,
 )
-from atleak.controller_sheets.kinds import Choice, Day, Gear, Gears, Kind, Names, Number, Whole, Wholes, YesNo
-from atleak.controller_sheets.shapes import Column, Form, KnownOfAll, NamedTables, Parts, Tables
 from atleak.controller_sheets.units import EXPANSION
 
 _OF_ALL = "How known, of all lands that do not say otherwise; empty: not stated"

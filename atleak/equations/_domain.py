@@ -18,7 +18,6 @@ from atleak.errors import DomainError
 from atleak.sentence import Sentence
 
 POSITIVE, _NOT_NEGATIVE = Sentence("positive"), Sentence("zero or positive")
-NOT_UNDER_SPOOL = Sentence("at least the spool's")
 # Those that a file or a person can state so that no equation holds; any other is named to programmers only.
 STATED: dict[str, Sentence] = {
     name: name
@@ -152,16 +151,5 @@ def pair_of_diameters(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> 
     """Return both diameters, the sleeve's at least as large as the spool's."""
     sleeve = positive("sleeve diameter", sleeve_diameter, "m")
     spool = positive("spool diameter", spool_diameter, "m")
-    refuse("sleeve diameter", sleeve, sleeve < spool, NOT_UNDER_SPOOL, "m")
+    refuse("sleeve diameter", sleeve, sleeve < spool, Sentence("at least the spool's"), "m")
     return sleeve, spool
-
-
-def net_areas(a_1: ArrayLike, a_2w: ArrayLike, a_3w: ArrayLike, a_g1: ArrayLike, a_g2: ArrayLike) -> tuple[Any, Any]:
-    """Return the net area that control pressure acts on, and the net area that main pressure acts on."""
-    control = (
-        not_negative("area A_1", a_1, "m²")
-        - not_negative("area A_2W", a_2w, "m²")
-        + not_negative("area A_3W", a_3w, "m²")
-    )
-    main = not_negative("area A_g1", a_g1, "m²") - not_negative("area A_g2", a_g2, "m²")
-    return control, main

@@ -230,8 +230,7 @@ def effective_clearance(radial_clearance: ArrayLike, thermal_rate: ArrayLike, te
 
     Notes
     -----
-    Strain by pressure is left out: negligible up to 1000 kPa. With body and spool at temperatures of their own, the
-    equation is `atleak.equations.referees.effective_clearance_two_temperatures`.
+    Strain by pressure is left out: negligible up to 1000 kPa.
 
     References
     ----------

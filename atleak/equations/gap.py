@@ -455,7 +455,7 @@ def flow_equal_clearance(clearance: ArrayLike, second_moment: ArrayLike, third_m
 
     Examples
     --------
-    Half of the circumference at 20 µm and half at 40 µm, as in `atleak.equations.referees.circumferential_cube`:
+    Half of the circumference at 20 µm and half at 40 µm:
 
     >>> round(flow_equal_clearance(30e-6, 100e-12, 0.0) * 1e6, 3)
     33.019

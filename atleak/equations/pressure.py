@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.equations._domain import POSITIVE, net_areas, not_negative, positive, refuse, result, values
+from atleak.equations._domain import POSITIVE, not_negative, positive, refuse, result, values
 from atleak.sentence import Sentence
 
 
@@ -212,7 +212,12 @@ def control_pressure(
     320.5437
     """
     p_g = values(main_pressure)
-    control, main = net_areas(a_1, a_2w, a_3w, a_g1, a_g2)
+    control = (
+        not_negative("area A_1", a_1, "m²")
+        - not_negative("area A_2W", a_2w, "m²")
+        + not_negative("area A_3W", a_3w, "m²")
+    )
+    main = not_negative("area A_g1", a_g1, "m²") - not_negative("area A_g2", a_g2, "m²")
     # What subtraction leaves of equal areas is no area.
     nothing = control <= 1e-12 * values(a_1)
     refuse("area left for control pressure (A_1 - A_2W + A_3W)", control, nothing, POSITIVE, "m²")

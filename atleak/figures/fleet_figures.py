@@ -50,7 +50,7 @@ def verdicts(rows: Sequence[tuple[str, VerdictCounts]], say: Wording) -> Figure:
     figure = Figure()
     names = [name for name, _ in rows]
     for what, counts, marker in _stacked(rows, say):
-        parts = [_part(count, of.units) for count, (_, of) in zip(counts, rows, strict=True)]
+        parts = [(PERCENT * count / of.units if of.units else 0.0) for count, (_, of) in zip(counts, rows, strict=True)]
         figure.add_bar(
             y=_places(names),
             x=parts,
@@ -115,10 +115,6 @@ def or_worse(level: Verdict | Band, say: Wording) -> str:
     """Name a level and those that are worse, with its sign."""
     is_worst = level in (VERDICTS[-1], BANDS[-1])
     return say.signed(level) if is_worst else say("fleet_summary.or_worse", level=say.signed(level))
-
-
-def _part(count: int, of: int) -> float:
-    return PERCENT * count / of if of else 0.0
 
 
 # --- pairs

@@ -12,11 +12,9 @@ import numpy as np
 import pandas as pd
 
 from atleak.equations.proportions import newcombe_interval
-from atleak.equations.small_samples import student_quantile
 from atleak.errors import Message
 from atleak.fleet.label_shuffles import SHUFFLES, MeanDifferences, Pairing, mean_differences
 from atleak.fleet.lands import Lands
-from atleak.fleet.spreading import rate, spread
 from atleak.fleet.summed import (
     MOST_COMPARED,
     MOST_IN_PAIRS,
@@ -29,7 +27,7 @@ from atleak.fleet.summed import (
 from atleak.fleet.verdict_counts import groups_of
 from atleak.fleet.wear import class_width, classes_of
 from atleak.sentence import Sentence, some
-from atleak.spreads import ENOUGH_UNITS, Rate
+from atleak.spreads import ENOUGH_UNITS, Rate, rate, spread
 from atleak.unit_systems import Quantity
 from atleak.verdicts import FLAGGED, Verdict
 from atleak.workshop_units import PERCENT
@@ -212,8 +210,10 @@ def _chance(first: np.ndarray, second: np.ndarray) -> float:
     both = of_first + of_second
     if not both:
         return 0.0
+    from scipy.special import stdtrit  # dear to import, and seldom needed
+
     freedom = both**2 / (of_first**2 / (len(first) - 1) + of_second**2 / (len(second) - 1))
-    return float(student_quantile(1.0 - 0.5 * _LEVEL, freedom)) * math.sqrt(both)
+    return float(stdtrit(freedom, 1.0 - 0.5 * _LEVEL)) * math.sqrt(both)
 
 
 def _driven_further(first: str, second: str | None, further: float) -> Sentence:

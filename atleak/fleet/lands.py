@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.compute as pc
+import pandas as pd
 
 from atleak.fleet.columns import HASH
 from atleak.fleet.results import Results
@@ -16,19 +15,17 @@ from atleak.verdicts import VERDICTS, Verdict
 
 _CLEARANCES = ("mounting_clearance_low_um", "radial_clearance_um", "mounting_clearance_um")
 _COLUMNS = (HASH, "component", "land", "measured", "seal", "fitted_repair", "wear_percent", "verdict", *_CLEARANCES)
-Table = np.ndarray
-"""A value of every land (column) at every visit (row)."""
 
 
 @dataclass(frozen=True)
 class Lands:
-    """What is known of every land at every visit of a valve body, in the order of `Visits.rows`."""
+    """What is known of every land (column) at every visit (row) of a valve body, in the order of `Visits.rows`."""
 
     keys: tuple[LandKey, ...]  # by component and land
-    measured: Table  # whether both of its parts were, and no ring seals it
-    rank: Table  # of its verdict
-    repaired: Table  # whether a repair was fitted
-    wear: Table  # [%]; none within what new ones have; NaN where not measured, and of a land that was repaired
+    measured: np.ndarray  # whether both of its parts were, and no ring seals it
+    rank: np.ndarray  # of its verdict
+    repaired: np.ndarray  # whether a repair was fitted
+    wear: np.ndarray  # [%]; none within what new ones have; NaN where not measured, and of a land that was repaired
 
     def at(self, visits: np.ndarray) -> Lands:
         """Return the same at some visits."""
@@ -37,35 +34,29 @@ class Lands:
 
 def read_lands(results: Results, controller: str, visits: Visits) -> Lands:
     """Read the lands of one valve body."""
-    table = results.table("lands", _COLUMNS, [controller])
-    places = visits.places(table[HASH])
-    table, places = table.filter(pa.array(places >= 0)), places[places >= 0]
-    component, land = table["component"].combine_chunks().dictionary_encode(), table["land"].to_numpy()
-    names = component.dictionary.to_pylist()
-    codes = component.indices.to_numpy()
-    pairs, column = np.unique(np.stack([codes, land], axis=1), axis=0, return_inverse=True)
-    keys = [(names[code], int(number)) for code, number in pairs]
-    order = sorted(range(len(keys)), key=lambda each: _by_number(keys[each]))
-    column = np.argsort(order)[column.ravel()]
-    shape = (len(visits.rows), len(keys))
+    frame = results.table("lands", _COLUMNS, [controller])
+    frame = frame.to_pandas().assign(visit=visits.places(frame[HASH]))
+    frame = frame[frame["visit"] >= 0]
+    low, clearance, high = (frame[name] for name in _CLEARANCES)
+    frame = frame.assign(
+        measured=(frame["measured"] == "measured") & frame["seal"].isna(),
+        repaired=frame["fitted_repair"].notna(),
+        rank=frame["verdict"].map({str(each): each.rank for each in VERDICTS}),
+        wear=frame["wear_percent"].mask((low < high) & (low <= clearance) & (clearance <= high), 0.0),
+    )
+    keys = sorted(set(zip(frame["component"], frame["land"], strict=True)), key=_by_number)
 
-    def laid_out(values: np.ndarray, otherwise: float | bool) -> Table:
-        out = np.full(shape, otherwise, dtype=values.dtype)
-        out[places, column] = values
-        return out
+    def laid_out(name: str) -> pd.DataFrame:
+        wide = frame.pivot(index="visit", columns=["component", "land"], values=name)  # noqa: PD010 - nothing to average
+        return wide[keys].reindex(visits.rows.index)
 
-    ranks = pc.index_in(table["verdict"], value_set=pa.array([str(each) for each in VERDICTS]))
-    measured = laid_out(pc.and_(pc.equal(table["measured"], "measured"), pc.is_null(table["seal"])).to_numpy(), False)
-    repaired = laid_out(pc.is_valid(table["fitted_repair"]).to_numpy(), False)
-    low, clearance, high = (table[name].to_numpy() for name in _CLEARANCES)
-    within_new = (low < high) & (low <= clearance) & (clearance <= high)
-    wear = laid_out(np.where(within_new, 0.0, table["wear_percent"].to_numpy()), np.nan)
+    measured, repaired = laid_out("measured").eq(True).to_numpy(), laid_out("repaired").eq(True).to_numpy()
     return Lands(
-        keys=tuple(keys[each] for each in order),
+        keys=tuple(keys),
         measured=measured,
-        rank=laid_out(pc.fill_null(ranks, 0).to_numpy(), Verdict.NOT_MEASURED.rank),
+        rank=laid_out("rank").fillna(Verdict.NOT_MEASURED.rank).to_numpy(int),
         repaired=repaired,
-        wear=np.where(measured & ~repaired, wear, np.nan),
+        wear=np.where(measured & ~repaired, laid_out("wear").to_numpy(float), np.nan),
     )
 
 

@@ -15,11 +15,10 @@ from atleak.errors import FleetError, Message, Place
 from atleak.fleet.columns import ERROR_KINDS, PARTITION
 from atleak.fleet.groups import compared
 from atleak.fleet.lands import Lands, read_lands
-from atleak.fleet.pareto import troubles_of
 from atleak.fleet.results import Results
 from atleak.fleet.summed import LISTED, ErrorKind, FleetSummary, SummedUnit, ValveBody
 from atleak.fleet.temperatures import conditions_of, temperatures_of
-from atleak.fleet.verdict_counts import counts_of, deciders_of, groups_of
+from atleak.fleet.verdict_counts import counts_of, deciders_of, groups_of, troubles_of
 from atleak.fleet.visits import Visits, read_visits
 from atleak.fleet.wear import wear_over_mileage
 from atleak.sentence import Sentence
@@ -70,7 +69,7 @@ def summed_up(
     units = visits.counted.assign(past=pd.concat(past) if past else 0)
     return FleetSummary(
         folder=str(results.folder),
-        atleak=_version(visits.rows),
+        atleak=str(visits.rows["atleak"].iloc[0]) if len(visits.rows) else __version__,
         by=visits.by,
         visits=len(visits.rows),
         counts=counts_of(units),
@@ -99,18 +98,8 @@ def _body(results: Results, controller: str, visits: Visits, lands: Lands) -> Va
         conditions=conditions_of(results, controller, visits),
         comparison=compared(units, of_units),
         messages=tuple(_body_messages(units)),
-        name=_name(visits.rows["controller_name"]),
+        name=next(iter(sorted(visits.rows["controller_name"].dropna().mode())), None),
     )
-
-
-def _name(names: pd.Series) -> str | None:
-    """Return what a valve body is called in most results; of several, the first of the alphabet."""
-    return next(iter(sorted(names.dropna().mode())), None)
-
-
-def _version(rows: pd.DataFrame) -> str:
-    """Return the version that made the results: a folder holds those of one."""
-    return str(rows["atleak"].iloc[0]) if len(rows) else __version__
 
 
 def _past(lands: Lands) -> np.ndarray:

@@ -8,9 +8,9 @@ import pandas as pd
 
 from atleak.fleet.columns import HASH, DataSet
 from atleak.fleet.results import Results
-from atleak.fleet.spreading import spread
 from atleak.fleet.summed import ConditionSpread, TemperatureClass
 from atleak.fleet.visits import Visits
+from atleak.spreads import spread
 from atleak.verdicts import BANDS, Band
 from atleak.workshop_units import PERCENT
 

@@ -1,13 +1,15 @@
-"""Count units by verdict and decision, and what decided their verdicts."""
+"""Count units by verdict and decision, what decided their verdicts, and which pairs give the most trouble."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from atleak.fleet.spreading import rate, spread
-from atleak.fleet.summed import Decider, Group, VerdictCounts
+from atleak.fleet.lands import Lands
+from atleak.fleet.summed import Decider, Group, PairTrouble, VerdictCounts
+from atleak.spreads import rate, spread
 from atleak.uncertainty import DECISIONS, Decision
 from atleak.verdicts import FLAGGED, VERDICTS, Verdict
 
@@ -56,3 +58,42 @@ def groups_of(units: pd.DataFrame) -> tuple[Group, ...]:
         Group(str(name), counts_of(mine), spread(mine["mileage_km"]), int(mine["mileage_km"].isna().sum()))
         for name, mine in units.groupby("label", sort=True)
     )
+
+
+def troubles_of(units: pd.DataFrame, lands: Lands, judged: int) -> tuple[PairTrouble, ...]:
+    """Return how often each land is flagged and past *replace* and decides, the most often past *replace* first.
+
+    Parameters
+    ----------
+    units
+        of one valve body, a row each.
+    lands
+        of the same rows.
+    judged
+        how many of the units have a verdict.
+    """
+    measured, flagged = lands.measured.sum(axis=0), lands.rank >= FLAGGED[0].rank
+    replace = (lands.measured & (lands.rank >= Verdict.REPLACE.rank)).sum(axis=0)
+    by_both, by_one = (lands.measured & flagged).sum(axis=0), (~lands.measured & flagged).sum(axis=0)
+    deciding = _deciding(units, lands)
+    troubles = (
+        PairTrouble(
+            key=key,
+            flagged=rate(by_both[place], measured[place]),
+            replace=rate(replace[place], measured[place]),
+            deciding=rate(deciding[place], judged),
+            not_measured=len(units) - int(measured[place]),
+            flagged_by_one_part=int(by_one[place]),
+        )
+        for place, key in enumerate(lands.keys)
+    )
+    # sorted keeps the order of components where all are even
+    return tuple(sorted(troubles, key=lambda each: (-each.replace.count, -each.flagged.count, -each.deciding.count)))
+
+
+def _deciding(units: pd.DataFrame, lands: Lands) -> np.ndarray:
+    """Return how many units each land gave their verdict."""
+    decided = units[units["verdict"].isin(FLAGGED) & units["decided_by_land"].notna()]
+    keys = zip(decided["decided_by_component"], decided["decided_by_land"].astype(int), strict=True)
+    counted = pd.Series(list(keys), dtype=object).value_counts()
+    return np.array([counted.get(key, 0) for key in lands.keys])

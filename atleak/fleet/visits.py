@@ -60,10 +60,6 @@ class Visits:
         """Return the number of the row of each hash, −1 of those that are of none."""
         return pc.fill_null(pc.index_in(hashes, value_set=self._hashes), -1).to_numpy()
 
-    def visits_of(self, unit: int) -> int:
-        """Return how many visits a unit has."""
-        return int((self.rows["unit"] == unit).sum())
-
 
 def read_visits(results: Results, *, by: str | None, controller: str | None) -> Visits:
     """Read the rows of all units, or of those of one valve body.

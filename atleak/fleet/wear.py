@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from atleak.fleet.lands import Lands
-from atleak.fleet.spreading import spread
 from atleak.fleet.summed import LandOverMileage, MileageClass
 from atleak.fleet.visits import Visits
+from atleak.spreads import spread
 
 _WIDTHS = (5_000.0, 10_000.0, 20_000.0, 25_000.0, 50_000.0, 100_000.0)  # [km] of a class of mileage
 _CLASSES, _MOST_UNITS = 8, 0.95  # of which so many hold so great a part of the visits: choices of this project

@@ -3,15 +3,41 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+from numpy.typing import NDArray
+
 from atleak.catalogue.controller import Land, NewOrigin
-from atleak.history.shared_errors import Factors, covariance, factors_of
 from atleak.history.visits import Visits
 from atleak.rules import LandKey
-from atleak.uncertainty import LandSources
+from atleak.uncertainty.sources import MEASURING_TEMPERATURE, LandSources
 from atleak.wear_line import WearLine, wear_line
+
+Factors = Mapping[Hashable, float]  # [m] by which one standard deviation of each shared error acts on a clearance
+
+
+def factors_of(land: LandSources, visit: int) -> Factors:
+    """Return the errors that a clearance shares with others; ``visit`` is its number among those of the unit."""
+    factors: dict[Hashable, float] = defaultdict(float)
+    for source in land.sources:
+        if source.group == MEASURING_TEMPERATURE:
+            factors[visit, MEASURING_TEMPERATURE] += source.standard_uncertainty
+        elif source.group is not None and source.part is not None:
+            factors[visit, source.group, land.instruments.of(source.part).id] += source.standard_uncertainty
+    return dict(factors)
+
+
+def covariance(points: Sequence[tuple[Factors, float]]) -> NDArray[np.float64]:
+    """Return the covariance of clearances [m²], each with its shared errors and the variance that it has alone."""
+    names = {name for factors, _ in points for name in factors}
+    shared = np.array([[factors.get(name, 0.0) for name in names] for factors, _ in points])
+    alone = np.diag([variance for _, variance in points])
+    return alone + shared @ shared.T if names else alone
+
 
 SURELY_NARROWER = 3.0  # standard uncertainties of the difference of two visits: choice of this project
 

@@ -247,7 +247,7 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
         road_test=_log_choices(case) if log else {},
         assumptions=uncertainty.assumptions.settings if uncertainty else _assumptions(case),
         guard_factor=uncertainty.guard_factor if uncertainty else case.guard_factor,
-        files=_names(own, entries),
+        files={slot: source.name for slot, source in {**own, **entries}.items() if source is not None},
     )
     sources = {slot: source for slot, source in {**own, **entries}.items() if source is not None}
     pictures = {name: without_notes(content) for name, content in job.pictures.items()}
@@ -465,7 +465,3 @@ def _source(source: SourceFile | None, used: Any, called: Sentence) -> SourceFil
     if source.data is not None and source.name == used.file:
         return source  # its digest is known
     return SourceFile(used.file, source.content)
-
-
-def _names(own: Mapping[str, SourceFile | None], catalogue: Mapping[str, SourceFile]) -> dict[str, str]:
-    return {slot: source.name for slot, source in {**own, **catalogue}.items() if source is not None}

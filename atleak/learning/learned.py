@@ -12,11 +12,10 @@ import numpy as np
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Instruments, load_instruments
-from atleak.equations.small_samples import student_quantile
 from atleak.errors import Place, ReadingsError
 from atleak.faults import together
 from atleak.learning.estimate import Estimate, estimate
-from atleak.learning.outliers import Outliers, Table, WhyUnit, find_outliers
+from atleak.learning.outliers import MOST_DEGREES, Outliers, Table, WhyUnit, find_outliers
 from atleak.readings import Readings, clearances
 from atleak.sentence import Sentence
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
@@ -256,7 +255,7 @@ def _uncertainties(land: LandSources) -> tuple[float, float]:
 
 def _land(land: Land, column: int, estimated: Estimate, *, calibration: float, unworn_ends: int) -> LearnedLand:
     by_units = _factor(estimated.degrees[column]) * float(estimated.standard_error[column])
-    uncertainty = math.hypot(by_units, _FACTOR * calibration)
+    uncertainty = math.hypot(by_units, _factor(math.inf) * calibration)
     spread = float(estimated.spread[column])
     if math.isnan(spread):
         apart, tolerance_from = _known_tolerance(land)
@@ -279,10 +278,10 @@ def _land(land: Land, column: int, estimated: Estimate, *, calibration: float, u
 
 
 def _factor(degrees_of_freedom: float) -> float:
-    return float(student_quantile(0.5 + 0.5 * COVERED, degrees_of_freedom))
+    """Return how many standard uncertainties reach as far as is covered, by Student's distribution."""
+    from scipy.special import stdtrit  # dear to import, and seldom needed
 
-
-_FACTOR = _factor(math.inf)
+    return float(stdtrit(min(degrees_of_freedom, MOST_DEGREES), 0.5 + 0.5 * COVERED))
 
 
 def _known_tolerance(land: Land) -> tuple[float, ToleranceFrom]:

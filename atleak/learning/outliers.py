@@ -13,17 +13,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from atleak.equations.small_samples import one_sided_squares_tail, student_tail
 from atleak.equations.uncertainty import normal_quantile
 
 Table = NDArray[np.float64]  # one row for each unit, one column for each land; NaN where nothing was measured
 Mask = NDArray[np.bool_]
 
+MOST_DEGREES = 1e5  # of freedom, from where on Student's distribution is the normal one to five digits
 # All choices of this project; the tests say how often they are right.
 FALSE_ALARM = 0.05  # chance that any pair or unit of a set is left out though all are new
 FEWEST_DEGREES = 5.0  # of freedom of the pooled spread; with fewer nothing is called an outlier
@@ -187,7 +187,7 @@ def _compared(clearances: Table, measured: Mask, kept: Mask, least: float, *, cu
         variance = (prior * pooled + np.maximum(squares - taken, 0.0)) / left
     t = deviation / np.sqrt(np.maximum(variance, least**2) * factor)
     comparable = measured & ~np.isnan(t)
-    tail = np.where(comparable, student_tail(np.where(comparable, np.abs(t), 0.0), np.maximum(left, 1.0)), 0.5)
+    tail = np.where(comparable, _student_tail(np.where(comparable, np.abs(t), 0.0), np.maximum(left, 1.0)), 0.5)
     deviate = np.where(comparable, np.sign(t) * normal_quantile(1.0 - np.clip(tail, 1e-15, 0.5)), 0.0)
     # of two the wider is the worn one
     probability = np.where(t > 0.0, tail, 1.0) if len(clearances) < UNITS_TO_NAME_ONE else 2.0 * tail
@@ -216,9 +216,28 @@ def _units_left_out(fit: _Fit, measured: Mask, kept: Mask, units: Mask) -> dict[
             why[row] = WhyUnit.WIDE_THROUGHOUT if fit.shifts[row] > 0.0 else WhyUnit.TIGHT_THROUGHOUT
         elif wide[row] >= WIDE_LANDS_OF_A_WORN_UNIT:
             why[row] = WhyUnit.WIDE_LANDS
-        elif fit.degrees >= _MANY_DEGREES and one_sided_squares_tail(float(over @ over), over.size) <= limit:
+        elif fit.degrees >= _MANY_DEGREES and _one_sided_squares_tail(float(over @ over), over.size) <= limit:
             why[row] = WhyUnit.WIDER_TOGETHER
     return why if count - len(why) >= 2 else {}
+
+
+def _student_tail(deviate: Any, degrees_of_freedom: Any) -> Any:
+    """Return the probability that a variable of Student's distribution is above a deviate."""
+    from scipy.special import stdtr  # dear to import, and seldom needed
+
+    return stdtr(np.minimum(degrees_of_freedom, MOST_DEGREES), -deviate)
+
+
+def _one_sided_squares_tail(value: float, number: int) -> float:
+    """Return the probability that Σ max(zᵢ, 0)² of so many independent standard normal zᵢ is above a value.
+
+    Each zᵢ counts with probability ½: ``Σ_k C(n, k) 2⁻ⁿ P(χ²_k > q)`` (A. Shapiro, Biometrika 72 (1985) 133-144).
+    """
+    from scipy.special import bdtr, chdtrc
+
+    counting = np.arange(1, number + 1)
+    weights = bdtr(counting, number, 0.5) - bdtr(counting - 1, number, 0.5)
+    return float(weights @ chdtrc(counting, value))
 
 
 def _shift_probability(fit: _Fit, units: Mask, row: int) -> float:
@@ -228,7 +247,7 @@ def _shift_probability(fit: _Fit, units: Mask, row: int) -> float:
         return 1.0
     spread = max(float(np.std(others, ddof=1)), float(fit.shift_error[row]))
     t = (fit.shifts[row] - float(others.mean())) / (spread * math.sqrt(1.0 + 1.0 / others.size))
-    return 2.0 * float(student_tail(abs(t), others.size - 1))
+    return 2.0 * float(_student_tail(abs(t), others.size - 1))
 
 
 def _show_shift(pairs: Mask) -> Mask:

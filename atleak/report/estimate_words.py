@@ -17,8 +17,7 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.repair.money import decimals
 from atleak.rules import Rule
 from atleak.views.land_names import component_words, has_number, land_number
-from atleak.views.rule_words import rule_limited
-from atleak.views.sentences import rule_value
+from atleak.views.sentences import rule_limited, rule_value
 from atleak.wording import Wording, isolated
 
 _COLUMNS = (

@@ -10,7 +10,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from atleak.errors import OutputError, Place
+from atleak.errors import InputError, OutputError, Place
 from atleak.sentence import Sentence
 from atleak.system.reasons import reason_of
 
@@ -166,3 +166,19 @@ def _put_in_place(beside: Path, target: Path) -> None:
                 reason = Sentence("{problem}: {reason}", problem=reason_of(error), reason=question)
                 raise PermissionError(error.errno, reason) from error
             time.sleep(_PAUSE)
+
+
+def shipped(name: str) -> Path:
+    """A file that lies beside the package: inside an installed wheel, or at the root of a checkout.
+
+    Raises
+    ------
+    InputError
+        where neither has it.
+    """
+    package = Path(__file__).resolve().parents[1]
+    for folder in (package / "_dashboard", package.parent):
+        if (folder / name).exists():
+            return folder / name
+    problem, expected = Sentence("{file} is not beside the package", file=name), Sentence("a complete installation")
+    raise InputError(problem, place=Place(file=str(package)), expected=expected)

@@ -28,9 +28,8 @@ from atleak.uncertainty.draws import (
 )
 from atleak.uncertainty.points import Beside, Cube, Draws, rounded_up
 from atleak.uncertainty.pressures import DrawnUnit, demand_shape
-from atleak.uncertainty.results import Interval
 from atleak.uncertainty.sources import LandSources
-from atleak.uncertainty.spread import flow_ratio, interval_of
+from atleak.uncertainty.spread import Interval, flow_ratio, interval_of
 
 _UNIT, _VISITS = 1, (4, 5)  # streams of what the unit keeps, and of what each visit measured
 _LENGTH = 3  # dimension of a land's length, behind what it had when new and how its wear is seen, measured or not

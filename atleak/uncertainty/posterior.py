@@ -28,6 +28,7 @@ from atleak.engine.line import LINE
 from atleak.engine.projection import Projection
 from atleak.engine.restrictions import Branch, Gap, Orifice, Restriction
 from atleak.equations.uncertainty import normal_cdf
+from atleak.rules import LandKey
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.drawn import Condition
 from atleak.uncertainty.draws import (
@@ -57,7 +58,6 @@ _LAND, _SEAL, _HOLE, _PUMP, _LINE, _SET = "land", "seal", "hole", "pump", "line"
 MOST_RISE = 5.0  # of a line that is set high, over the mean rise
 _SEALS = _SEAL, _HOLE
 
-LandKey = tuple[str, int]
 Cause = tuple[Any, ...]  # (what, which): ("land", key), ("seal", circuit), ("pump",), ("line",)
 
 

@@ -16,9 +16,7 @@ from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.line import consumed, fall_to_set_pressure, sections_held
 from atleak.engine.projection import Projection
 from atleak.rules import permissible_steps
-from atleak.uncertainty.spread import Spread, interval_of, spread_of
-
-Interval = tuple[float, float]
+from atleak.uncertainty.spread import Interval, Spread, interval_of, spread_of
 
 _GRID = np.linspace(0.0, 1.0, 17)  # fractions of the required pressure at which the demand is worked out
 _HALVINGS = 40  # of the pressure that holds

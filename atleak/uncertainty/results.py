@@ -17,10 +17,9 @@ from atleak.uncertainty.advice import Remedy, advise, gauges_that_do, remedy
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.decision import Decision, RuleDecision
 from atleak.uncertainty.sources import LandSources, RepeatSpread
+from atleak.uncertainty.spread import Interval
 from atleak.verdicts import Band
 from atleak.workshop_units import UM
-
-Interval = tuple[float, float]
 
 
 @dataclass(frozen=True)

@@ -484,7 +484,7 @@ def _spread(
     squares, degrees_of_repeats, shown = pooled**2 * freedom, freedom, pooled
     if pooled < STEP_TOLERANCE:  # identical repeats show the resolution, not perfection
         freedom, pooled = 0, 0.0
-    widened = _widened(pooled, freedom)
+    widened = pooled * math.sqrt(freedom / (freedom - 2.0) if freedom > 2 else 3.0)
     before_rounding = _before_rounding(widened, resolution, roundings) if freedom else 0.0
     s, origin = _single_reading(before_rounding, freedom, instrument)
     ovalities = [state.spool_ovality if part == "spool" else state.sleeve_ovality for state in states]
@@ -499,11 +499,6 @@ def _spread(
         ovality=math.sqrt(math.fsum(o * o for o in measured) / len(measured)) if measured else None,
         pooled=PooledRepeats(squares, degrees_of_repeats, shown, widened, before_rounding, step),
     )
-
-
-def _widened(pooled: float, freedom: int) -> float:
-    """Return the spread of few repeats, which may agree by chance, with Student's variance: JCGM 101, 6.4.9."""
-    return pooled * math.sqrt(freedom / (freedom - 2.0) if freedom > 2 else 3.0)
 
 
 def _single_reading(

@@ -9,13 +9,15 @@ from typing import Any
 
 import numpy as np
 
+Interval = tuple[float, float]
+
 
 @dataclass(frozen=True)
 class Spread:
     """The standard uncertainty and the interval of one quantity, from its draws."""
 
     standard_uncertainty: float
-    interval: tuple[float, float]
+    interval: Interval
     probabilities: tuple[float, ...]  # that the quantity has reached each of the limits
     level_uncertainties: tuple[float, ...]  # of the quantity over each limit, which may follow what was new
 

@@ -26,7 +26,7 @@ from atleak.engine.series import leakage_series
 from atleak.errors import Message
 from atleak.readings import LandClearance, clearances
 from atleak.road_test import Channel, RoadTest
-from atleak.system.shipped import shipped
+from atleak.system.files import shipped
 
 FRESH_FLUID = "hipol_atf_iid"
 USED_FLUID = "hipol_atf_iid_used"

@@ -1,4 +1,4 @@
-"""List the measured clearances land by land: rows with the unit in the key, unrounded, None where unknown."""
+"""List the measured clearances land by land, and what makes them uncertain: rows with the unit in the key."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.land_diagnosis import LandDiagnosis
+from atleak.uncertainty import LandUncertainty
 from atleak.views.columns import VERDICT, Column
 from atleak.views.land_names import has_number
 from atleak.wording import Wording
@@ -75,3 +76,17 @@ def _row(land: LandDiagnosis, controller: Controller, say: Wording) -> dict[str,
 
 def _scaled(metres: float | None) -> float | None:
     return None if metres is None else metres * UM
+
+
+def budget_rows(land: LandUncertainty, say: Wording) -> list[dict[str, Any]]:
+    """Return what makes one land's clearance, and its share at the stated condition, uncertain [%]."""
+    of_clearance = dict(land.budget)
+    of_share = dict(land.conditions[0].budget) if land.conditions else {}
+    return [
+        {
+            "uncertain_source": say.get("uncertainty_sources", name),
+            "of_clearance": PERCENT * of_clearance.get(name, 0.0),
+            "of_share": PERCENT * of_share.get(name, 0.0),
+        }
+        for name in dict.fromkeys([*of_share, *of_clearance])
+    ]

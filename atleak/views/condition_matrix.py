@@ -57,7 +57,7 @@ class MatrixRow:
     @property
     def worst(self) -> LandAtCondition:
         """Return the condition at which the land's share is judged worst; of several, where it is largest."""
-        return max(self.cells, key=lambda cell: (_rank(cell.verdict), cell.share))
+        return max(self.cells, key=lambda cell: (-1 if cell.verdict is None else cell.verdict.rank, cell.share))
 
     @property
     def circuits(self) -> tuple[str | None, ...]:
@@ -127,10 +127,6 @@ def _verdict(land: LandDiagnosis, rule: Rule | None) -> Verdict | None:
     if rule is None:
         return None if land.state.judged else Verdict.NOT_MEASURED
     return rule.verdict if land.state.can_be_ok or rule.verdict.flagged else Verdict.NOT_MEASURED
-
-
-def _rank(verdict: Verdict | None) -> int:
-    return -1 if verdict is None else verdict.rank
 
 
 def _largest(row: MatrixRow) -> float:

@@ -1,4 +1,4 @@
-"""Turn one condition of a diagnosis into its JSON record: leakage, pump, pressures and circuits."""
+"""Turn one condition of a diagnosis, and its pump, into JSON records: leakage, slip, pressures and circuits."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from atleak.engine.projection import CircuitState, Projection
 from atleak.rules import Rule
 from atleak.uncertainty import TotalUncertainty
 from atleak.views.positions import concentric_factors
-from atleak.views.pump_record import slips
-from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
+from atleak.workshop_units import DM3_MIN, KPA, MM3_S, PERCENT, RPM
 
 
 def finite(value: float) -> float | None:
@@ -131,3 +130,27 @@ def _circuit(
             for (component, land), loss in diagnosis.losses_at(projection).get(circuit.id, {}).items()
         ],
     }
+
+
+def slips(diagnosis: Diagnosis, projection: Projection) -> tuple[float, float | None]:
+    """Return what the pump slips at a condition, and what it did when new [m³/s]; None where that is not known."""
+    compared = diagnosis.controller.pump.as_new is not None
+    return projection.slip, diagnosis.new_at(projection).slip if compared else None
+
+
+def pump_record(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the pump as ``atleak diagnose --json`` has it."""
+    pump = diagnosis.controller.pump
+    record: dict[str, Any] = {
+        "kind": pump.kind,
+        "displacement_mm3": pump.displacement * MM3_S,
+        "held_at_demand": pump.held_at_demand,
+        "slip_coefficient": pump.slip_coefficient if diagnosis.model.uses_slip else None,
+        "slip_coefficient_new": pump.as_new.slip_coefficient if pump.as_new is not None else None,
+    }
+    of = {"measured": pump.measured, "new": pump.clearances, "limit": pump.limits}
+    verdict = diagnosis.pump.verdict
+    record |= {"verdict": verdict, "repairs": [{"work": "as_new"}] if verdict.flagged else []}
+    for number, name in enumerate(("side", "tip")):
+        record |= {f"{name}_clearance_{which}_um": each.um[number] for which, each in of.items()}
+    return record

@@ -18,10 +18,9 @@ from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
 from atleak.views.complaint import explanations, finding, measure_first, reason
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
-from atleak.views.condition_record import condition_record, finite, scaled, unit_rule_record
+from atleak.views.condition_record import condition_record, finite, pump_record, scaled, unit_rule_record
 from atleak.views.gauge_rows import gauge_record
 from atleak.views.message_record import message_record
-from atleak.views.pump_record import pump_record
 from atleak.views.repair_options import cost_record, option_record
 from atleak.views.repair_words import plan_ends
 from atleak.views.road_record import road_record

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.entries import Evidence
 from atleak.catalogue.known_values import KnownValue, counted, known_values
 from atleak.views.catalogue_table import CatalogueTable, Rows, columns
 from atleak.views.columns import Column

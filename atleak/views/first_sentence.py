@@ -13,8 +13,7 @@ from atleak.views.land_names import land_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import worst_pressure
 from atleak.views.pump_words import worn_pump
-from atleak.views.rule_words import rule_reached
-from atleak.views.sentences import because_of, land_in_words, may_be
+from atleak.views.sentences import because_of, land_in_words, may_be, rule_reached
 from atleak.wording import Wording
 from atleak.workshop_units import KPA
 

@@ -12,8 +12,7 @@ from atleak.rules import Rule
 from atleak.verdicts import Verdict, worst
 from atleak.views.condition_matrix import MatrixRow
 from atleak.views.pair_table import Cell, Row, Table, clearance, decision, share_cell, why
-from atleak.views.rule_words import rule_name, rule_value
-from atleak.views.sentences import wear_words
+from atleak.views.sentences import rule_name, rule_quantity, wear_words
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import KPA, MM, UM
 
@@ -117,7 +116,7 @@ def _shares(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> Table:
     costs = any(cell.loss for cell in row.cells)
     rows = []
     for cell in row.cells:
-        limit = "–" if cell.rule is None else rule_value(cell.rule, cell.rule.limit, say)
+        limit = "–" if cell.rule is None else rule_quantity(cell.rule, cell.rule.limit, say)
         cells = [Cell(say.condition(cell.projection.condition)), share_cell(cell, say), Cell(limit)]
         if costs:
             cells.append(Cell(say.quantity(cell.loss * KPA, "pressure") if cell.loss else "–"))
@@ -135,7 +134,7 @@ def _rules(land: LandDiagnosis, say: Wording) -> Table:
             land.key,
             (
                 Cell(rule_name(rule, say)),
-                Cell(rule_value(rule, rule.value, say), rule.verdict),
+                Cell(rule_quantity(rule, rule.value, say), rule.verdict),
                 Cell("; ".join(_levels(rule, say))),
                 Cell(say.get("origins", rule.origin)),
             ),
@@ -147,7 +146,7 @@ def _rules(land: LandDiagnosis, say: Wording) -> Table:
 
 def _levels(rule: Rule, say: Wording) -> Iterator[str]:
     for level, limit in rule.steps.levels:
-        yield say("rules.level", level=say.signed(level), limit=rule_value(rule, limit, say))
+        yield say("rules.level", level=say.signed(level), limit=rule_quantity(rule, limit, say))
 
 
 def _headings(names: Iterable[str], say: Wording) -> tuple[str, ...]:

@@ -12,8 +12,7 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import LandKey
 from atleak.verdicts import Band, Verdict
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
-from atleak.views.rule_words import rule_reached
-from atleak.views.sentences import land_in_words, wear_words
+from atleak.views.sentences import land_in_words, rule_reached, wear_words
 from atleak.wording import Wording
 from atleak.workshop_units import MM, PERCENT, UM
 

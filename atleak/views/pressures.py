@@ -13,9 +13,8 @@ from atleak.engine.projection import CircuitState, Projection
 from atleak.repair import Total
 from atleak.rules import LandKey, Rule, permissible_low
 from atleak.uncertainty import RuleDecision
+from atleak.uncertainty.spread import Interval
 from atleak.verdicts import Verdict
-
-Interval = tuple[float, float]
 
 
 @dataclass(frozen=True)

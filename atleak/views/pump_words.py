@@ -9,8 +9,8 @@ from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import project
 from atleak.rules import Rule, unit_rules
+from atleak.views.condition_record import slips
 from atleak.views.pressures import pressures_at
-from atleak.views.pump_record import slips
 from atleak.views.sentences import pressure_sentence, reserve_sentence
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, UM

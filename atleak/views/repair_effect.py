@@ -13,8 +13,7 @@ from atleak.verdicts import Verdict
 from atleak.views.land_names import land_number
 from atleak.views.pair_table import Cell, Row, Table
 from atleak.views.repair_options import repair_name
-from atleak.views.rule_words import rule_reached
-from atleak.views.sentences import land_in_words
+from atleak.views.sentences import land_in_words, rule_reached
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import KPA
 

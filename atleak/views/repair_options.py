@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.entries import Evidence
 from atleak.catalogue.repairs import Repair
 from atleak.repair import Cost, Option, RepairPlan, RepairStep
 from atleak.rules import LandKey

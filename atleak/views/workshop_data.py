@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, get_args
 
-from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.entries import Evidence
 from atleak.catalogue.fluid import FluidFile, FluidState, checked_fluid
 from atleak.catalogue.instruments import InstrumentFile, Part, checked_instrument
 from atleak.catalogue.limits import LimitOrigin, LimitsFile, RuleKind, checked_limits
-from atleak.controller_sheets.description import Steps
-from atleak.controller_sheets.fields import KPA, PLAIN, UM, in_unit
 from atleak.controller_sheets.kinds import Choice, Day, Names, Number, YesNo
-from atleak.controller_sheets.shapes import Column, Form, Tables
+from atleak.controller_sheets.shapes import KPA, PLAIN, UM, Column, Form, Tables, in_unit
 from atleak.controller_sheets.units import EXPANSION
+from atleak.errors import Steps
 from atleak.verdicts import BANDS, FLAGGED
 from atleak.views.entry_form import Subject
 

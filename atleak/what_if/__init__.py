@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from atleak.what_if.maps import Border, Map, map_over, temperatures_to_try, wears_to_try
 from atleak.what_if.settings import Axis, WhatIf
-from atleak.what_if.study import StudyTrial, is_the_study_s, like_the_study
-from atleak.what_if.trial import Tried, tried
+from atleak.what_if.trial import StudyTrial, Tried, is_the_study_s, like_the_study, tried
 
 __all__ = [
     "Axis",

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import streamlit as st
 from streamlit.runtime.scriptrunner import get_script_run_ctx
 
+from atleak.admission import ALLOWED, is_here_alone
 from atleak.errors import InputError
-from atleak.network import ALLOWED, is_here_alone
 from pages.shared import reader
 
 if TYPE_CHECKING:

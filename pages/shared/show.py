@@ -34,8 +34,7 @@ from atleak.views.drawing import on_dark
 from atleak.views.first_sentence import first_sentence as first_sentence_of
 from atleak.views.first_sentence import shown_verdict
 from atleak.views.gauge_table import GAUGE_COLUMNS, gauge_table_rows
-from atleak.views.rule_words import rule_name
-from atleak.views.sentences import fluid_in_state
+from atleak.views.sentences import fluid_in_state, rule_name
 from atleak.wording import Wording
 from pages.shared import reader
 from pages.shared.state import Refusal

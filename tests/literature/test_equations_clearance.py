@@ -11,7 +11,7 @@ from atleak.equations.clearance import (
     wear,
     worn_clearance,
 )
-from atleak.equations.referees import effective_clearance_two_temperatures
+from tests.unit.equations.referees import effective_clearance_two_temperatures
 
 
 def test_radial_clearance_of_spool_6() -> None:

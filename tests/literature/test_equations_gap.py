@@ -13,7 +13,7 @@ from atleak.equations.gap import (
     entry_loss_flow,
     obliteration,
 )
-from atleak.equations.referees import annular_flow_compressible, exact_annulus_flow
+from tests.unit.equations.referees import annular_flow_compressible, exact_annulus_flow
 
 # White F. M., Fluid Mechanics, 7th ed., McGraw-Hill 2011, table of laminar friction factors for a concentric
 # annulus: ratio of the radii, f Re on the hydraulic diameter.

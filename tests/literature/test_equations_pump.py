@@ -7,7 +7,7 @@ import math
 import pytest
 
 from atleak.equations.pump import capacity, displacement, gear_pair_displacement, minimum_speed, slip_flow
-from atleak.equations.referees import wilson_efficiency
+from tests.unit.equations.referees import wilson_efficiency
 
 STUDY_PUMP = (0.0045, 12, 0.012, 0.0084)
 

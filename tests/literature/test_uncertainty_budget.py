@@ -206,7 +206,7 @@ def test_total_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, 
 
 def test_linear_interval_is_wrong_where_the_cube_bends(two_lands: Controller) -> None:
     """At u(c)/c = 20 % the linear interval reaches below zero, the exact one does not."""
-    from atleak.equations.uncertainty_referees import cube_quantile
+    from tests.unit.equations.referees import cube_quantile
 
     c = GTC.ureal(10.0, 2.0)
     linear = GTC.value(c**3) - 1.96 * GTC.uncertainty(c**3)

@@ -10,8 +10,8 @@ import pytest
 from scipy import integrate, special, stats
 
 from atleak.equations import uncertainty as equations
-from atleak.equations import uncertainty_referees as referees
 from atleak.errors import DomainError
+from tests.unit.equations import referees
 
 CASES = [(25.0, 1.06), (30.0, 0.1), (10.0, 2.0), (3.0, 2.5), (40.0, 8.0)]
 
@@ -112,7 +112,7 @@ def test_twenty_lands_do_not_average_a_common_error_out(correlation: float, perc
 
 
 def test_two_diameters_of_one_and_a_half_micrometres() -> None:
-    u = referees.half_difference_uncertainty(1.5e-6, 1.5e-6)
+    u = 0.5 * math.hypot(1.5e-6, 1.5e-6)
     assert u * 1e6 == pytest.approx(1.06, abs=0.005)
     assert u / 25e-6 == pytest.approx(0.04, abs=0.005)
     assert math.sqrt(referees.cube_variance(25e-6, u)) / 25e-6**3 == pytest.approx(0.13, abs=0.005)
@@ -146,12 +146,8 @@ def test_persistent_rounding_against_direct_integration(ratio: float) -> None:
 
 
 def test_domains() -> None:
-    with pytest.raises(DomainError, match="standard uncertainty"):
-        referees.cube_mean(1.0, -1.0)
     with pytest.raises(DomainError, match="probability"):
         equations.normal_quantile([0.5, 1.0])
-    with pytest.raises(DomainError, match="correlation"):
-        referees.correlated_sum([1.0], 1.5)
     with pytest.raises(DomainError, match="resolution"):
         equations.persistent_rounding_variance(-1.0, 0.0)
     assert equations.probability_over([1.0, 1.0 + 1e-12, math.nan], 1.0, 0.0).tolist()[:2] == [0.0, 1.0]

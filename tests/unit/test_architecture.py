@@ -48,7 +48,6 @@ FLOORS = (
         "workshop_units",
         "thinning",
         "keeping",
-        "spreads",
     ),
     (
         "equations",
@@ -56,16 +55,15 @@ FLOORS = (
         "doors",
         "system.files",
         "system.home",
-        "system.shipped",
         "system.marks",
         "system.memory",
         "look",
         "paper",
         "unit_systems",
     ),
-    ("catalogue", "wording", "system.drafts", "system.entries", "network", "admission"),
+    ("catalogue", "wording", "system.drafts", "system.entries", "admission", "spreads"),
     ("written_numbers", "phrases", "report.printed_fonts"),
-    ("pressure_table", "controller_sheets", "own_lands", "sheet_identity", "wear_line"),
+    ("pressure_table", "controller_sheets", "own_lands", "wear_line"),
     ("readings", "road_test", "gauge_study"),
     ("events", "engine.profile", "engine.extremes", "engine.restrictions"),
     ("engine.balance",),
@@ -98,7 +96,6 @@ FLOORS = (
     ),
     (
         "job.decisions",
-        "job.of_record",
         "job.of_sheet",
         "job.judged_anew",
         "job.kinds",
@@ -193,7 +190,7 @@ def test_every_room_of_the_floors_is_there() -> None:
         ("equations.gap", "diagnosis"),  # upward
         ("engine.leakage", "engine.series"),  # upward inside the engine
         ("engine.series", "engine.projection"),  # sideways
-        ("views.window", "intake.units"),  # sideways
+        ("views.pressures", "intake.units"),  # sideways
         ("intake.readings.rows", "engine.leakage"),  # the intake knows no engine
         ("diagnosis", "intake.readings"),  # and the engine no intake
         ("system.files", "__init__"),  # the public names are for users

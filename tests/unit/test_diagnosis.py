@@ -19,10 +19,9 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, PROFILES, Profile
 from atleak.engine.projection import project, repaired, stated_condition
 from atleak.errors import DomainError
-from atleak.readings import Readings
+from atleak.readings import Readings, SheetIdentity
 from atleak.repair import plan_repairs
 from atleak.rules import Rule
-from atleak.sheet_identity import SheetIdentity
 from atleak.uncertainty import DEFAULTS
 from atleak.verdicts import Verdict
 from atleak.views.diagnosis_record import diagnosis_record

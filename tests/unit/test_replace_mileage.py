@@ -14,9 +14,8 @@ from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.readings import Readings
+from atleak.readings import Readings, SheetIdentity
 from atleak.replace_mileage import NO_RATE
-from atleak.sheet_identity import SheetIdentity
 from atleak.uncertainty import DEFAULTS
 
 from .conftest import at_wear, codes

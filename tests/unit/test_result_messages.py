@@ -24,7 +24,7 @@ from atleak.road_test import RoadTest
 from atleak.rules import Rule
 from atleak.sentence import Sentence, in_a_row, some
 from atleak.unit_systems import Quantity
-from atleak.views.rule_words import rule_name
+from atleak.views.sentences import rule_name
 from atleak.wording import wording
 
 GERMAN, POLISH, US = wording("de"), wording("pl"), wording("en", "us")

@@ -27,8 +27,7 @@ from atleak.intake.controller_workbook.places import Places
 from atleak.intake.controller_workbook.rows import Page, form_page, table_page
 from atleak.intake.plain_words import words
 from atleak.intake.sheets.sheet import Sheet
-from atleak.intake.sheets.sheet_file import read_bytes
-from atleak.intake.sheets.workbook import read_workbook
+from atleak.intake.sheets.sheet_file import read_bytes, read_workbook
 from atleak.sentence import Sentence
 
 WANTED = Sentence("a workbook (.xlsx) as 'atleak controller template' writes it")

@@ -65,7 +65,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
     merges, faults = _merges_and_faults(data) if data.startswith(b"PK") else ({}, {})
     marked = marks(data)
     for name, hidden, sheet in _worksheets(data):
-        rows, columns = _size(sheet)
+        rows, columns = (0, 0) if sheet.end is None else (sheet.end[0] + 1, sheet.end[1] + 1)
         _refuse_vast(rows, columns, name, columns * rows > CELLS)
         ranges = sheet.merged_cell_ranges
         with of_library():
@@ -315,11 +315,6 @@ def _listed(workbook: Any) -> Iterator[tuple[str, bool]]:
     for meta in workbook.sheets_metadata:
         if meta.typ == SheetTypeEnum.WorkSheet:
             yield meta.name, meta.visible != SheetVisibleEnum.Visible
-
-
-def _size(sheet: Any) -> tuple[int, int]:
-    """Return the number of rows and columns up to the last cell; calamine's total_height leaves out the last row."""
-    return (0, 0) if sheet.end is None else (sheet.end[0] + 1, sheet.end[1] + 1)
 
 
 def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None:

@@ -7,9 +7,9 @@ What happens to a file:
 
 1. `intake.sheets` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
 2. `sheet_tables` cuts a sheet into tables; `one_heading` says what a column is by its heading, `headings` (with
-   `heading_numbers`, `counts` and `numbered_lands`) by all of them; ``vocabulary.toml`` holds the words in every
+   `heading_numbers`) by all of them; ``vocabulary.toml`` holds the words in every
    language, and `words` understands single cells. What is laid out unusually becomes usual before anything else is
-   read: `pivot` writes out a pivot table, `turned` exchanges rows and columns, `split_labels` (with `labels`) gives
+   read: `turned` exchanges rows and columns, `split_labels` (with `labels`) gives
    each thing that a cell says a column, `deviations` adds them to nominal diameters, `filled_down` fills blocks.
 3. `choice` picks the tables that are the measurement, of the visible sheets or of the one that was asked for.
 4. `columns` decides which columns of a table to read, by headings and contents.
@@ -44,8 +44,6 @@ from atleak.intake.readings.head import is_typed, read_head
 from atleak.intake.readings.headings import best_header
 from atleak.intake.readings.land_values import LandValues, read_land_values
 from atleak.intake.readings.one_unit import units_apart
-from atleak.intake.readings.pivot import without_pivot
-from atleak.intake.readings.problems import ReadingsRefused
 from atleak.intake.readings.rows import Rows, read_rows
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.states import require_known
@@ -61,6 +59,41 @@ from atleak.phrases import PART_WORDS
 from atleak.pressure_table import PressureTable
 from atleak.readings import Reading, Readings
 from atleak.sentence import Sentence, all_of, in_a_row
+
+SHOWN = 10
+
+
+class ReadingsRefused(ReadingsError):
+    """A measuring sheet that cannot be used, with every reason.
+
+    ``place``, ``value``, ``expected`` and ``nearest`` are those of the first problem; ``problems`` holds them all, in
+    the order of the sheet. The text lists the first ten.
+    """
+
+    def __init__(self, problems: Sequence[ReadingsError]) -> None:
+        if not problems:
+            raise ValueError("at least one problem")
+        self.problems = tuple(problems)
+        first = self.problems[0]
+        super().__init__(
+            first.problem, place=first.place, value=first.value, expected=first.expected, nearest=first.nearest
+        )
+
+    @property
+    def sentence(self) -> Sentence:
+        """Return the first ten problems, a line each."""
+        if len(self.problems) == 1:
+            return super().sentence
+        count, file = len(self.problems), self.place.file
+        said = Sentence("{count} problems in the readings:", count=count)
+        if file:
+            said = Sentence("{count} problems in {file}:", count=count, file=file)
+        for problem in self.problems[:SHOWN]:
+            said = Sentence("{problem}\n  {other}", problem=said, other=problem.sentence)
+        if count > SHOWN:
+            said = Sentence("{problem}\n  … and {count} more", problem=said, count=count - SHOWN)
+        return said
+
 
 __all__ = ["ReadingsRefused", "check", "read_readings"]
 
@@ -121,7 +154,7 @@ def read_readings(
     data, file = read_bytes(source, name)
     names = ControllerNames(controller)
     of_gauges = likeness_of(controller)
-    sheets = read_sheets(data, file, lambda each: max(_score(without_pivot(each, names)), of_gauges(each)), is_word)
+    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)), is_word)
     tabs = find_tabs(sheets, controller)
     pressures = tabs.read(file, data)
     sheets = [each for each in sheets if each not in tabs]

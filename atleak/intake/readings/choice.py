@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -12,7 +12,6 @@ from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.filled_down import filled_down
 from atleak.intake.readings.headings import EXPECTED, Header, best_header
-from atleak.intake.readings.pivot import without_pivot
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet_tables import Table, continued, find_tables
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
@@ -57,7 +56,6 @@ def choose(
     ReadingsError
         where there is no such sheet, none holds readings, or none is filled in.
     """
-    as_written = {sheet.name: sheet for sheet in sheets}
     understood = [_the_right_way_round(sheet, names) for sheet in sheets]
     sheets, tables = [sheet for sheet, _ in understood], {sheet.name: found for sheet, found in understood}
     for before, sheet in pairwise(sheets):
@@ -100,14 +98,13 @@ def choose(
         ),
         messages=(
             *_about_sheets(file, [sheet.name for sheet in sheets if sheet.name in read], others, wanted),
-            *_about_layouts(file, [sheet for sheet in sheets if sheet.name in read], as_written),
+            *_about_layouts(file, [sheet for sheet in sheets if sheet.name in read]),
         ),
     )
 
 
 def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, list[Table]]:
     """Return a sheet with its tables, turned where its headings run down the first column."""
-    sheet = without_pivot(sheet, names)
     tables = find_tables(sheet, names)
     if any(table.header.of("component") and any(each.holds_size for each in table.header.columns) for table in tables):
         return sheet, tables
@@ -135,7 +132,7 @@ def _about_sheets(
         yield Message("info", "sheet_chosen", text, Place(file, read[0]))
 
 
-def _about_layouts(file: str, sheets: Iterable[Sheet], as_written: Mapping[str | None, Sheet]) -> Iterable[Message]:
+def _about_layouts(file: str, sheets: Iterable[Sheet]) -> Iterable[Message]:
     for sheet in sheets:
         if sheet.turned:
             text = Sentence(
@@ -143,9 +140,6 @@ def _about_layouts(file: str, sheets: Iterable[Sheet], as_written: Mapping[str |
                 "'row' of readings, it is a column of the sheet"
             )
             yield Message("info", "sheet_turned", text, Place(file, sheet.name))
-        elif sheet is not as_written[sheet.name]:
-            text = Sentence("read from a pivot table: each of its numbers counts as one reading")
-            yield Message("info", "pivot_read", text, Place(file, sheet.name))
 
 
 def _quoted(names: Iterable[str | None]) -> tuple[str, ...]:

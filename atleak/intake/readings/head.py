@@ -16,9 +16,8 @@ from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import Vocabulary, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit, unit
-from atleak.readings import TYPED_MARK
+from atleak.readings import TYPED_MARK, SheetIdentity
 from atleak.sentence import Sentence, all_of
-from atleak.sheet_identity import SheetIdentity
 from atleak.written_numbers import (
     MEASURING_TEMPERATURE,
     PUMP_SIDE_CLEARANCE,

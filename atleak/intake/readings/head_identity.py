@@ -11,8 +11,8 @@ from atleak.errors import Message
 from atleak.intake.readings.head_labels import Stated, means, stated_values
 from atleak.intake.readings.words import Vocabulary, letters, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Sheet
+from atleak.readings import SheetIdentity
 from atleak.sentence import Sentence, all_of
-from atleak.sheet_identity import SheetIdentity
 from atleak.workshop_units import MILE
 from atleak.written_numbers import MILEAGE, WrittenNumber, read_number
 

@@ -6,16 +6,14 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import zip_longest
+from itertools import pairwise, zip_longest
 
 from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.counts import with_counts
 from atleak.intake.readings.deviations import with_deviations
 from atleak.intake.readings.headings import Header, find_headers, read_together
-from atleak.intake.readings.numbered_lands import with_lands
-from atleak.intake.readings.one_heading import KEYS, Column
+from atleak.intake.readings.one_heading import KEYS, Column, Role
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
 from atleak.intake.readings.split_labels import with_split_labels
 from atleak.intake.readings.words import (
@@ -23,10 +21,12 @@ from atleak.intake.readings.words import (
     READINGS,
     is_blank,
     is_page_title,
+    letters,
     number_of,
     part_in,
     part_said,
     plain,
+    repeat_of,
     summary_of,
     text_of,
     vocabulary,
@@ -37,6 +37,8 @@ from atleak.sentence import Sentence, all_of
 
 _ASIDE = vocabulary("specification_title", "calibration")
 _DIAMETER = vocabulary("diameter")
+_NUMBER = vocabulary("number")
+_READING = vocabulary("reading")
 _WORD = re.compile(r"[^\W\d_]+")
 _TITLE_ROWS = 4
 
@@ -212,10 +214,9 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
             titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
             end = min([following.first, *titles])
         view = _only(sheet, 0, sheet.width, end)
-        header, of_lands = with_lands(view, _by_content(view, header, names), names)
-        view, header = with_split_labels(view, header, names)
-        view, header, used, of_sums = with_deviations(view, header)
-        yield Table(view, header, used=used, told=(*of_lands, *of_sums))
+        view, header = with_split_labels(view, _by_content(view, header, names), names)
+        view, header, used, told = with_deviations(view, header)
+        yield Table(view, header, used=used, told=told)
 
 
 def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
@@ -234,7 +235,34 @@ def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             column = replace(column, role="raw")
         without_raw.append(column)
-    return with_counts(sheet, replace(header, columns=tuple(without_raw)))
+    return _with_counts(sheet, replace(header, columns=tuple(without_raw)))
+
+
+def _with_counts(sheet: Sheet, header: Header) -> Header:
+    """Return the headings with "Measurement" or "Reading" as the repeat where it counts 1, 2, 3 beside diameters.
+
+    A column that numbers all rows through says nothing.
+    """
+    columns = list(header.columns)
+    for index in range(len(header.texts)):
+        words = letters(header.text(index))
+        others = [column for column in header.values if column.index != index]
+        if not others or not any(word in _READING for word in words):
+            continue
+        if not all(word in _READING or word in _NUMBER for word in words):
+            continue
+        below = range(header.last + 1, len(sheet.rows))
+        rows = [row for row in below if any(not is_blank(sheet.cell(row, column.index)) for column in others)]
+        cells = [cell for row in rows if not is_blank(cell := sheet.filled(row, index))]
+        read = [repeat_of(cell) for cell in cells if summary_of(cell, key=True) is None]
+        numbers = [number for number in read if number is not None]
+        if not numbers or len(numbers) < len(read) or sorted(set(numbers)) != list(range(1, len(set(numbers)) + 1)):
+            continue
+        restarts = any(after <= before for before, after in pairwise(numbers))
+        role: Role = "repeat" if (restarts or len(numbers) < len(cells)) and not header.of("repeat") else "remark"
+        columns = [column for column in columns if column.index != index]
+        columns.append(Column(index, header.texts[index], role))
+    return replace(header, columns=tuple(sorted(columns, key=lambda column: column.index)))
 
 
 def _holds_diameters(sheet: Sheet, header: Header, column: Column, names: ControllerNames) -> bool:

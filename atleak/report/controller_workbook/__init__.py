@@ -16,8 +16,7 @@ from atleak.controller_sheets.layout import INSTRUCTIONS, LISTS, SHEETS
 from atleak.controller_sheets.shapes import Form
 from atleak.controller_sheets.units import Units
 from atleak.report.controller_workbook.instructions import write_instructions
-from atleak.report.controller_workbook.offered import Places, write_names
-from atleak.report.controller_workbook.sheets import formats, write_form, write_table
+from atleak.report.controller_workbook.sheets import Places, formats, write_form, write_names, write_table
 from atleak.system.marks import PROPERTY, sealed, unsealed
 
 _CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same description gives the same bytes

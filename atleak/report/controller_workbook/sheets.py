@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import xlsxwriter
 from xlsxwriter.format import Format
-from xlsxwriter.utility import xl_rowcol_to_cell
+from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.controller_sheets.kinds import Choice, Gear, Gears, Kind, Names, Number, Whole, Wholes, YesNo
@@ -15,6 +16,8 @@ from atleak.controller_sheets.layout import (
     EXAMPLE_MARK,
     FORM_HEADINGS,
     HEAD,
+    LISTS,
+    NAMES,
     NOTE_HEADING,
     UNIT_LINES,
     UNIT_MARK,
@@ -23,8 +26,53 @@ from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Measure, Units
 from atleak.errors import OutputError
 from atleak.look import SHEET_COLOURS
-from atleak.report.controller_workbook.offered import Places, defined_name
 from atleak.sentence import Sentence
+
+
+@dataclass
+class Places:
+    """Where the columns to fill in were written: first and last row and column, all from 0, by sheet and heading."""
+
+    columns: dict[tuple[str, str], tuple[int, int, int]] = field(default_factory=dict)
+
+
+def defined_name(names: str) -> str:
+    """Return the workbook's name of the cells that a drop-down offers.
+
+    >>> defined_name("operating point")
+    'operating_point_names'
+    """
+    return f"{names.replace(' ', '_')}_names"
+
+
+def write_names(book: xlsxwriter.Workbook, lists: Worksheet, places: Places) -> None:
+    """Define the names; where fixed ones come first, all of them stand on a hidden sheet.
+
+    Parameters
+    ----------
+    book, lists
+        the workbook, and its sheet for what no other sheet holds as a column.
+    places
+        of the columns that hold the names.
+    """
+    for number, (names, offered) in enumerate(NAMES.items()):
+        first, last, column = places.columns[offered.sheet, offered.heading]
+        letter = xl_col_to_name(column, col_abs=True)
+        cells = f"'{offered.sheet}'!{letter}${first + 1}:{letter}${last + 1}"
+        count = f"COUNTA({cells})"
+        if not offered.fixed:
+            start = f"'{offered.sheet}'!{letter}${first + 1}"
+            book.define_name(defined_name(names), f"=OFFSET({start},0,0,MAX(1,{count}),1)")
+            continue
+        for row, name in enumerate(offered.fixed):
+            lists.write_string(row, number, name)
+        for row in range(first, last + 1):
+            source = f"'{offered.sheet}'!{xl_rowcol_to_cell(row, column)}"
+            lists.write_formula(len(offered.fixed) + row - first, number, f'={source}&""', None, "")
+        start = f"'{LISTS}'!{xl_col_to_name(number, col_abs=True)}$1"
+        book.define_name(defined_name(names), f"=OFFSET({start},0,0,{len(offered.fixed)}+{count},1)")
+    lists.hide()
+
 
 _TITLE, _ABOUT, _HEADINGS = 0, 1, 3  # rows, from 0
 _HELP, _UNITS = 2, 4
@@ -142,7 +190,7 @@ def write_table(page: Worksheet, styles: Styles, sheet: Sheet, data: Data, units
         page.write_string(_HEADINGS, number, column.heading, styles["needed" if column.required else "optional"])
         _write_unit(page, _UNITS, number, column.kind, units, styles["unit"])
         for row, values in enumerate(examples, start=_UNITS + 1):
-            style = _example_style(column.kind)
+            style = "example dimension" if _style(column.kind) == "dimension" else "example"
             _write_cell(page, styles, row, number, column, values.get(column.heading), units, style)
         for row in range(first, last + 1):
             values = filled[row - first] if row - first < len(filled) else {}
@@ -185,10 +233,6 @@ def _write_cell(
         page.write_string(row, column, cell, form)
     else:
         page.write_number(row, column, cell, form)
-
-
-def _example_style(kind: Kind) -> str:
-    return "example dimension" if _style(kind) == "dimension" else "example"
 
 
 def _style(kind: Kind) -> str:

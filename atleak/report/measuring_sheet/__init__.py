@@ -21,8 +21,17 @@ from atleak.own_lands import OwnLands
 from atleak.pressure_table import PressureTable
 from atleak.readings import Reading
 from atleak.report.lands_sheet import LANDS, write_lands
-from atleak.report.measuring_sheet.columns import Column
-from atleak.report.measuring_sheet.formats import formats_of
+from atleak.report.measuring_sheet.columns import (
+    AS_STATED,
+    PART_NAMES,
+    PUMP_SIDE,
+    PUMP_TIP,
+    REPRESENTATIVE,
+    SHEET,
+    UNWORN_END,
+    Column,
+    formats_of,
+)
 from atleak.report.measuring_sheet.head import (
     FIELDS,
     HEADER,
@@ -46,15 +55,6 @@ from atleak.report.measuring_sheet.rows import (
     of_plane,
     rows_of,
     runs,
-)
-from atleak.report.measuring_sheet.words import (
-    AS_STATED,
-    PART_NAMES,
-    PUMP_SIDE,
-    PUMP_TIP,
-    REPRESENTATIVE,
-    SHEET,
-    UNWORN_END,
 )
 from atleak.report.paging import Paging, Tab
 from atleak.report.pressure_sheet import PRESSURES, write_pressures

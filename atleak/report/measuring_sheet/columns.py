@@ -1,11 +1,15 @@
-"""The columns of a measuring sheet's table, in their order."""
+"""The columns of a measuring sheet's table, in their order; the words that its tabs share, and the formats of cells."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import IntEnum
 
+import xlsxwriter
+from xlsxwriter.format import Format
 from xlsxwriter.utility import xl_col_to_name
 
+from atleak.look import SHEET_COLOURS
 from atleak.readings import NOMINAL_HEADING
 from atleak.sentence import Sentence
 from atleak.wording import Wording
@@ -52,3 +56,59 @@ class Column(IntEnum):
     def width(self, say: Wording) -> int:
         """Return the width in characters: no word of the heading is broken."""
         return max(self.least_width, 1 + max(map(len, self.said(say).split())))
+
+
+SHEET = Sentence("Measurements")
+UNWORN_END = Sentence("unworn end")  # what marks a reading there; the intake's vocabulary knows it in every language
+PUMP_SIDE, PUMP_TIP = Sentence("Pump side clearance"), Sentence("Pump tip clearance")  # the intake reads them
+REPRESENTATIVE, AS_STATED = Sentence("representative"), Sentence("as stated")
+PART_NAMES: Mapping[str, Sentence] = {
+    "spool": Sentence("spool"),
+    "piston": Sentence("piston"),
+    "end plug": Sentence("end plug"),
+    "sleeve": Sentence("sleeve"),
+}
+
+
+def formats_of(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
+    """Return the formats for every tab; lengths have as many digits as the reader's unit wants."""
+    length = f"0.{'0' * say.digits('length', 3)}"
+    cell = {"border": 1, "border_color": SHEET_COLOURS["border"], "valign": "vcenter"}
+    given = {**cell, "bg_color": SHEET_COLOURS["given"]}
+    return {
+        "title": book.add_format({"bold": True, "font_size": 14}),
+        "field label": book.add_format({"bold": True, "text_wrap": True, "valign": "vcenter"}),
+        "field": book.add_format(
+            {"bottom": 1, "bg_color": SHEET_COLOURS["entry"], "text_wrap": True, "valign": "vcenter"}
+        ),
+        "note": book.add_format(
+            {"italic": True, "font_size": 8, "font_color": SHEET_COLOURS["note"], "text_wrap": True, "valign": "top"}
+        ),
+        "heading": book.add_format(
+            {
+                **cell,
+                "bold": True,
+                "text_wrap": True,
+                "align": "center",
+                "bg_color": SHEET_COLOURS["heading"],
+                "font_color": SHEET_COLOURS["on_heading"],
+            }
+        ),
+        "text": book.add_format({**given, "text_wrap": True, "align": "left"}),
+        "upright": book.add_format({**given, "align": "center", "rotation": 90}),
+        "on top": book.add_format({**given, "text_wrap": True, "align": "left", "valign": "top"}),
+        "number": book.add_format({**given, "align": "center"}),
+        "angle": book.add_format({**given, "align": "center", "num_format": '0"°"'}),
+        "input": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": length, "locked": False}),
+        "choice": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "locked": False}),
+        "nominal": book.add_format({**given, "num_format": length, "font_color": SHEET_COLOURS["soft"]}),
+        "clearance": book.add_format({**given, "num_format": "0.0", "font_color": SHEET_COLOURS["soft"]}),
+        "pressure": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.0", "locked": False}),
+        "origin": book.add_format({**given, "font_color": SHEET_COLOURS["soft"], "italic": True, "text_wrap": True}),
+        "deviation": book.add_format({**given, "num_format": "0"}),
+        "alarm": book.add_format(
+            {"bg_color": SHEET_COLOURS["alarm"], "font_color": SHEET_COLOURS["on_heading"], "bold": True}
+        ),
+        "wrap": book.add_format({"text_wrap": True, "valign": "top"}),
+        "topic": book.add_format({"bold": True, "text_wrap": True, "valign": "top"}),
+    }

@@ -13,8 +13,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import shipped_files
 from atleak.catalogue.instruments import Part, load_instrument
 from atleak.measuring.plan import PARTS
-from atleak.report.measuring_sheet.columns import Column
-from atleak.report.measuring_sheet.words import PUMP_SIDE, PUMP_TIP
+from atleak.report.measuring_sheet.columns import PUMP_SIDE, PUMP_TIP, Column
 from atleak.sentence import Sentence
 from atleak.unit_systems import ShownUnit, unit_system
 from atleak.wording import Wording

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
 from atleak.report.lands_sheet import LANDS
-from atleak.report.measuring_sheet.words import UNWORN_END
+from atleak.report.measuring_sheet.columns import UNWORN_END
 from atleak.report.paging import Paging, Tab, row_height
 from atleak.report.pressure_sheet import PRESSURES
 from atleak.sentence import Name, Sentence

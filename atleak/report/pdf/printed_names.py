@@ -19,8 +19,7 @@ from atleak.uncertainty import Decision, Remedy
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
 from atleak.views.land_names import component_words, land_number
 from atleak.views.road_instants import instant_record
-from atleak.views.rule_words import rule_name
-from atleak.views.sentences import rule_value, wear_words
+from atleak.views.sentences import rule_name, rule_value, wear_words
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 

@@ -83,7 +83,7 @@ def verdicts_chart(rows: Sequence[VerdictRow], title: str, say: Wording) -> str:
     said = [say("fleet_summary.chart_units", count=say.number(sum(row.verdicts.values()), 0)) for row in rows]
     room = widest(said) + 12.0
     with rows_of([row.name for row in rows], 19.0, 100.0, room, title, say) as (figure, axes):
-        point = _points_of(axes) / 100.0  # [pt] of a per cent
+        point = (axes.get_position().width * WIDTH) / 100.0  # [pt] of a per cent
         for place, row, told in zip(places(rows), rows, said, strict=True):
             units, begin = sum(row.verdicts.values()) or 1, 0.0
             for count, look in _parts_of(row):
@@ -105,11 +105,6 @@ def _parts_of(row: VerdictRow) -> Iterator[tuple[int, Look]]:
             yield row.ok_in_part, OK_IN_PART
         else:
             yield row.verdicts[verdict], LOOKS[verdict]
-
-
-def _points_of(axes: Axes) -> float:
-    """Return how wide a field is [pt]."""
-    return axes.get_position().width * WIDTH
 
 
 def _on(axes: Axes, at: tuple[float, float], text: str, look: Look) -> None:

@@ -10,8 +10,7 @@ import pytest
 
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.catalogue.controller_tables import PumpTable
-from atleak.catalogue.entries import read_tables
-from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.entries import Evidence, read_tables
 from atleak.catalogue.known_values import known_values
 from atleak.catalogue.pump import Pump, PumpClearances
 from atleak.catalogue.pump_reading import other_dimensions

@@ -17,8 +17,8 @@ from atleak.engine.leakage import GapLaw, LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.series import leakage_series
 from atleak.equations import gap as gap_equations
-from atleak.equations import referees
 from atleak.readings import LandClearance, Station, clearances
+from tests.unit.equations import referees
 
 LOSSLESS = WORKSHOP.with_options(entry_loss="off")
 PROFILES = {

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import atleak.equations
-from atleak.equations import clearance, fluid, gap, orifice, pressure, proportions, pump, referees, small_samples
+from atleak.equations import clearance, fluid, gap, orifice, pressure, proportions, pump
 
 GAP = (8e5, 0.010, 30e-6, 10.93e-6, 783.0, 0.008)
 FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)
@@ -21,23 +21,18 @@ FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)
 # Every public equation that gives numbers, with arguments from the middle of its domain.
 EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (gap.annular_flow, (*GAP, 10e-6)),
-    (referees.annular_flow_compressible, (8e5, 0.010, 30e-6, 8.5e-3, 0.008, 784.0, 783.0)),
     (gap.eccentricity_factor, (10e-6, 30e-6)),
-    (referees.exact_annulus_flow, (8e5, 0.010, 0.01006, 8.5e-3, 0.008)),
     (gap.entry_loss_flow, (*GAP, 1.5, 1.2)),
     (gap.restricted_flow, (8e5, 1e-12, 1e-7)),
     (gap.restricted_slope, (8e5, 1e-12, 1e-7)),
     (gap.flow_equal_clearance, (30e-6, 50e-12, 100e-18)),
     (gap.reynolds_number, (8e-7, 0.010, 1e-5)),
-    (referees.taper_cube, (20e-6, 40e-6)),
-    (referees.oval_cube, (30e-6, 10e-6)),
     (clearance.diameter_at_reference, (0.010, 21.5e-6, 11.5e-6, 15.0)),
     (clearance.radial_clearance, (0.01006, 0.010)),
     (clearance.worn_clearance, (24e-6, 12e-6)),
     (clearance.wear, (36e-6, 24e-6)),
     (clearance.cube_mean, (6.4e-6, 20e-6)),
     (clearance.effective_clearance, (30e-6, 4.75e-8, 60.0)),
-    (referees.effective_clearance_two_temperatures, (30e-6, 0.01006, 0.010, 21.5e-6, 12e-6, 60.0, 60.0)),
     (clearance.thermal_rate, (0.01006, 0.010, 21.5e-6, 12e-6)),
     (fluid.study_viscosity, (80.0,)),
     (fluid.study_density, (80.0,)),
@@ -51,14 +46,11 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (orifice.orifice_leak, (2e5, 5e-6, 4e5, 797.0, 783.0)),
     (orifice.fed_pressure_turbulent, (4.14e5, 6.1e-9, 1.3e-11)),
     (pressure.annulus_area, (0.010, 0.005)),
-    (referees.pressure_force, (8e5, 5e-5)),
     (pressure.spring_force, (2000.0, 0.01)),
     (pressure.spring_rate, (80e9, 1e-3, 10.0, 8e-3)),
     (pressure.spring_deflection, (0.03, 0.02)),
-    (referees.spool_balance, (3e5, 8e5, 20.0, *FACES)),
     (pressure.control_pressure, (8e5, 20.0, *FACES)),
     (pressure.regulated_pressure, (8e5, 0.5, 1e4, 5e5)),
-    (referees.modulated_pressure, (8e5, 0.5, 5e5)),
     (pump.displacement, (0.0045, 12.0, 0.012, 0.0084)),
     (pump.gerotor_displacement, (0.060, 0.050, 0.012, 8.0)),
     (pump.vane_displacement, (0.070, 0.006, 0.018, 13.0)),
@@ -68,19 +60,13 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (pump.tip_slip, (5e5, 120e-6, 0.012, 0.002, 3.0, 6e-3, 800.0)),
     (pump.slip_coefficient, (2e-13, 1.7e-5)),
     (pump.capacity, (1.7e-5, 40.0, 0.95)),
-    (referees.wilson_efficiency, (1e-7, 8e5, 8.5e-3, 40.0)),
     (pump.slip_flow, (1.7e-5, 1e-7, 8e5, 8.5e-3)),
     (pump.minimum_speed, (1e-4, 2e-5, 1.7e-5)),
-    (small_samples.student_tail, (2.2, 10.5)),
-    (small_samples.student_quantile, (0.975, 10.5)),
 ]
 # These give a pair, words, truth values or reduce an axis; the tests of their own rooms cover them.
 OTHERS = {
     clearance.one_sided_moments,
-    referees.circumferential_cube,
-    referees.axial_cube,
     gap.obliteration,
-    small_samples.one_sided_squares_tail,
     proportions.wilson_interval,
     proportions.newcombe_interval,
     gap.entry_loss_terms,
@@ -88,7 +74,7 @@ OTHERS = {
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
 }
-ROOMS = [clearance, fluid, gap, orifice, pressure, proportions, pump, referees, small_samples]
+ROOMS = [clearance, fluid, gap, orifice, pressure, proportions, pump]
 every_equation = pytest.mark.parametrize(("equation", "arguments"), EQUATIONS, ids=[e.__name__ for e, _ in EQUATIONS])
 
 
@@ -198,15 +184,14 @@ def test_equations_import_only_numpy_mathematics_and_what_errors_are_worded_in()
 # --- the product calls its own equations
 
 PACKAGE = Path(atleak.equations.__file__).parent
-REFEREES = {"referees", "uncertainty_referees"}
 
 
 def public_names() -> set[str]:
-    """``module.function`` of every public function of the package, but for the referees."""
+    """``module.function`` of every public function of the package."""
     return {
         f"{file.stem}.{node.name}"
         for file in PACKAGE.glob("*.py")
-        if not file.stem.startswith("_") and file.stem not in REFEREES
+        if not file.stem.startswith("_")
         for node in ast.parse(file.read_text(encoding="utf-8")).body
         if isinstance(node, ast.FunctionDef) and not node.name.startswith("_")
     }
@@ -241,10 +226,9 @@ def test_uses_of_equations_are_seen_under_any_name() -> None:
     assert equations_used_in(source) == {"gap.annular_flow", "pump.capacity", "clearance.wear"}
 
 
-def test_the_product_calls_every_equation_that_is_no_referee() -> None:
+def test_the_product_calls_every_equation() -> None:
     used: set[str] = set()
     for file in sorted(PACKAGE.parent.rglob("*.py")):
         if PACKAGE not in file.parents:
             used |= equations_used_in(file.read_text(encoding="utf-8"))
     assert public_names() <= used, "only tests call these: call them where the product computes the same, or move them"
-    assert not {name for name in used if name.split(".")[0] in REFEREES}

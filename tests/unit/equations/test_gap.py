@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import decimal
 import math
 
 import numpy as np
@@ -13,8 +12,9 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_bvp
 from scipy.optimize import brentq
 
-from atleak.equations import gap, referees
+from atleak.equations import gap
 from atleak.errors import DomainError
+from tests.unit.equations import referees
 
 GAP = {
     "pressure_drop": 800e3,
@@ -82,7 +82,6 @@ def test_no_pressure_drop_or_no_clearance_no_flow() -> None:
     assert gap.annular_flow(**{**GAP, "pressure_drop": 0.0}) == 0.0
     assert gap.annular_flow(**{**GAP, "clearance": 0.0}) == 0.0
     assert gap.entry_loss_flow(**{**GAP, "clearance": 0.0}) == 0.0
-    assert referees.exact_annulus_flow(800e3, 0.01, 0.01, 0.0085, 0.008) == 0.0
 
 
 @given(gaps, st.floats(0.0, 1.0))
@@ -144,33 +143,6 @@ def test_exact_annulus_is_the_integral_of_its_velocity_profile(ratio: float) -> 
     q = 2 * math.pi * r_i * c * (pressure_drop / (viscosity * length) * c * c) * integral
     exact = referees.exact_annulus_flow(pressure_drop, 2 * r_i, 2 * (r_i + c), viscosity, length)
     assert exact == pytest.approx(q, rel=1e-8, abs=0.0)
-
-
-def annulus_in_many_digits(pressure_drop: float, d: float, sleeve: float, viscosity: float, length: float) -> float:
-    """The textbook form, which loses all digits of a thin gap in floats, in 60 decimal digits."""
-    with decimal.localcontext() as context:
-        context.prec = 60
-        number = decimal.Decimal
-        r_i, r_o = number(d) / 2, number(sleeve) / 2
-        log = (r_o / r_i).ln()
-        bracket = r_o**4 - r_i**4 - (r_o**2 - r_i**2) ** 2 / log
-        pi = number("3.14159265358979323846264338327950288419716939937510582097494")
-        return float(pi * number(pressure_drop) / (8 * number(viscosity) * number(length)) * bracket)
-
-
-@pytest.mark.parametrize("ratio", [1e-8, 1e-6, 1e-4, 1e-3, 0.01, 0.1, 1.0, 1.6, 1.7182, 1.7183, 1.8, 4.0, 1e3])
-def test_exact_annulus_loses_no_digits(ratio: float) -> None:
-    d, sleeve = 0.010, 0.010 * (1 + ratio)
-    exact = referees.exact_annulus_flow(800e3, d, sleeve, 0.0085, 0.008)
-    assert exact == pytest.approx(annulus_in_many_digits(800e3, d, sleeve, 0.0085, 0.008), rel=5e-14, abs=0.0)
-
-
-@given(pressure_drops, diameters, st.floats(1e-5, 10.0), viscosities, lengths)
-def test_exact_annulus_agrees_with_many_digits_everywhere(
-    p: float, d: float, ratio: float, viscosity: float, length: float
-) -> None:
-    exact = referees.exact_annulus_flow(p, d, d * (1 + ratio), viscosity, length)
-    assert exact == pytest.approx(annulus_in_many_digits(p, d, d * (1 + ratio), viscosity, length), rel=1e-13, abs=0.0)
 
 
 @pytest.mark.parametrize("ratio", [1e-3, 6e-3, 0.02, 0.1])
@@ -252,7 +224,7 @@ def test_flow_equal_clearance_is_the_mean_cube_while_the_gap_is_open(several: li
     c = np.array(several)
     mean = float(c.mean())
     even = gap.flow_equal_clearance(mean + opened, float(((c - mean) ** 2).mean()), float(((c - mean) ** 3).mean()))
-    assert even**3 == pytest.approx(referees.circumferential_cube(c + opened), rel=1e-9, abs=0.0)
+    assert even**3 == pytest.approx(float(np.mean((c + opened) ** 3)), rel=1e-9, abs=0.0)
 
 
 @given(st.floats(1e-9, 500e-6), st.floats(0.0, 100e-6), st.floats(0.0, 100e-6), st.floats(-3.0, 3.0))
@@ -275,84 +247,6 @@ def test_reynolds_number_from_mean_velocity_and_hydraulic_diameter(values: tuple
     # The function takes the perimeter on one diameter; on the mean diameter both agree.
     assert gap.reynolds_number(q, d + c, nu) == pytest.approx(reynolds, rel=1e-9, abs=0.0)
     assert gap.reynolds_number(-q, d, nu) == gap.reynolds_number(q, d, nu)
-
-
-# --- clearances that vary --------------------------------------------------------------------------------
-
-
-@given(clearances, clearances)
-def test_taper_cube_is_the_integral_along_the_gap(c1: float, c2: float) -> None:
-    resistance, _ = quad(lambda x: (c1 / (c1 + (c2 - c1) * x)) ** 3, 0.0, 1.0, epsrel=1e-12, limit=200)
-    assert referees.taper_cube(c1, c2) == pytest.approx(c1**3 / resistance, rel=1e-9, abs=0.0)
-    assert referees.taper_cube(c1, c2) == referees.taper_cube(c2, c1)
-    assert min(c1, c2) ** 3 * (1 - 1e-12) <= referees.taper_cube(c1, c2) <= max(c1, c2) ** 3 * (1 + 1e-12)
-
-
-def test_taper_with_a_closed_end_leaks_nothing() -> None:
-    assert referees.taper_cube([0.0, 0.0, 30e-6], [0.0, 30e-6, 0.0]).tolist() == [0.0, 0.0, 0.0]
-
-
-@given(clearances, st.floats(-1.0, 1.0))
-def test_oval_cube_is_the_mean_around_the_circumference(c: float, relative: float) -> None:
-    total, _ = quad(lambda t: (1 + relative * math.cos(2 * t)) ** 3, 0.0, 2 * math.pi, epsrel=1e-12)
-    assert referees.oval_cube(c, relative * c) == pytest.approx(c**3 * total / (2 * math.pi), rel=1e-11, abs=0.0)
-
-
-def test_oval_gap_may_just_touch() -> None:
-    assert referees.oval_cube(30e-6, 30e-6) == pytest.approx(2.5 * 30e-6**3, rel=1e-14, abs=0.0)
-    assert referees.oval_cube(30e-6, -30e-6) == referees.oval_cube(30e-6, 30e-6)
-
-
-def test_oval_amplitude_is_a_quarter_of_the_difference_of_diameters() -> None:
-    # Bore 10.060 by 10.040 mm, spool 10.000 mm: radial clearances 30 and 20 µm at right angles.
-    angles = np.linspace(0.0, 2 * math.pi, 3600, endpoint=False)
-    amplitude = (10.060e-3 - 10.040e-3) / 4
-    around = 25e-6 + amplitude * np.cos(2 * angles)
-    assert around.max() == pytest.approx(30e-6, rel=1e-9, abs=0.0)
-    assert around.min() == pytest.approx(20e-6, rel=1e-9, abs=0.0)
-    assert referees.oval_cube(25e-6, amplitude) == pytest.approx(
-        referees.circumferential_cube(around), rel=1e-12, abs=0.0
-    )
-
-
-@given(st.lists(clearances, min_size=1, max_size=12))
-def test_averages_are_ordered(several: list[float]) -> None:
-    mean = float(np.mean(several))
-    around, along = referees.circumferential_cube(several), referees.axial_cube(several)
-    assert min(several) ** 3 * (1 - 1e-12) <= along <= mean**3 * (1 + 1e-12)
-    assert mean**3 * (1 - 1e-12) <= around <= max(several) ** 3 * (1 + 1e-12)
-    assert along <= around * (1 + 1e-12)
-
-
-def test_averages_are_those_of_a_slow_loop() -> None:
-    c = np.array([[[20e-6, 30e-6], [25e-6, 45e-6]], [[31e-6, 33e-6], [12e-6, 80e-6]]])
-    for axis in (0, 1, 2, -1):
-        around, along = referees.circumferential_cube(c, axis=axis), referees.axial_cube(c, axis=axis)
-        rows = np.moveaxis(c, axis, -1).reshape(-1, 2)
-        assert around.ravel() == pytest.approx([sum(x**3 for x in row) / 2 for row in rows], rel=1e-13, abs=0.0)
-        assert along.ravel() == pytest.approx([2 / sum(1 / x**3 for x in row) for row in rows], rel=1e-13, abs=0.0)
-
-
-def test_many_planes_of_a_taper_average_to_the_taper() -> None:
-    planes = 20e-6 + (np.arange(20_000) + 0.5) / 20_000 * 25e-6
-    assert referees.axial_cube(planes) == pytest.approx(referees.taper_cube(20e-6, 45e-6), rel=1e-8, abs=0.0)
-
-
-def test_one_closed_plane_closes_and_one_closed_direction_does_not() -> None:
-    assert referees.axial_cube([0.0, 30e-6]) == 0.0
-    assert referees.axial_cube([0.0, 0.0]) == 0.0
-    assert referees.circumferential_cube([0.0, 30e-6]) == pytest.approx(30e-6**3 / 2, rel=1e-9, abs=0.0)
-
-
-@pytest.mark.parametrize("average", [referees.circumferential_cube, referees.axial_cube])
-def test_averages_of_one_of_none_and_of_unmeasured(average) -> None:
-    assert average(30e-6) == pytest.approx(30e-6**3, rel=1e-14, abs=0.0)
-    assert isinstance(average(30e-6), float)
-    assert isinstance(average([30e-6, 40e-6]), float)
-    assert math.isnan(average([30e-6, math.nan]))
-    assert math.isnan(average([0.0, math.nan]))
-    with pytest.raises(DomainError, match="at least one"):
-        average([])
 
 
 # --- obliteration ----------------------------------------------------------------------------------------
@@ -414,26 +308,12 @@ def test_first_offending_value_and_its_place_are_named() -> None:
 @pytest.mark.parametrize(
     ("function", "arguments"),
     [
-        (referees.exact_annulus_flow, (8e5, 0.010, 0.00999, 0.0085, 0.008)),
-        (referees.exact_annulus_flow, (8e5, 0.0, 0.010, 0.0085, 0.008)),
-        (referees.exact_annulus_flow, (8e5, 0.010, 0.01006, 0.0, 0.008)),
-        (referees.exact_annulus_flow, (8e5, 0.010, 0.01006, 0.0085, -0.008)),
-        (referees.annular_flow_compressible, (8e5, 0.010, 3e-5, 0.0085, 0.008, 0.0, 783.0)),
-        (referees.annular_flow_compressible, (8e5, 0.010, 3e-5, 0.0085, 0.008, 783.0, -1.0)),
-        (referees.annular_flow_compressible, (8e5, 0.010, -3e-5, 0.0085, 0.008, 783.0, 783.0)),
         (gap.entry_loss_flow, (8e5, 0.010, 3e-5, 1e-5, 783.0, 0.008, -0.1)),
         (gap.entry_loss_flow, (8e5, 0.010, 3e-5, 1e-5, 783.0, 0.008, 1.5, 0.0)),
         (gap.flow_equal_clearance, (-1e-6, 1e-12, 0.0)),
         (gap.flow_equal_clearance, (3e-5, -1e-12, 0.0)),
         (gap.reynolds_number, (1e-6, 0.0, 1e-5)),
         (gap.reynolds_number, (1e-6, 0.01, 0.0)),
-        (referees.taper_cube, (-1e-6, 3e-5)),
-        (referees.taper_cube, (3e-5, -1e-6)),
-        (referees.oval_cube, (-1e-6, 0.0)),
-        (referees.oval_cube, (3e-5, 3.1e-5)),
-        (referees.oval_cube, (3e-5, -3.1e-5)),
-        (referees.circumferential_cube, ([3e-5, -1e-6],)),
-        (referees.axial_cube, ([3e-5, -1e-6],)),
     ],
 )
 def test_other_domains(function, arguments: tuple) -> None:

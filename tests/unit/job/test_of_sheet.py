@@ -14,8 +14,7 @@ from atleak.job.doubts import record_doubts
 from atleak.job.file import read_job_file, write_job_file
 from atleak.job.of_sheet import taken_from_sheet, with_sheet
 from atleak.job.record import Job
-from atleak.readings import Readings
-from atleak.sheet_identity import SheetIdentity
+from atleak.readings import Readings, SheetIdentity
 
 HEAD = SheetIdentity("4711", "Golf IV", "WVWZZZ1JZXW000001", "S-1", "J. K.", ("micrometer", "bore gauge"), 182_000.0)
 

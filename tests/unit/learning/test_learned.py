@@ -16,8 +16,8 @@ from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.entries import read_tables
 from atleak.catalogue.instruments import load_instruments
 from atleak.errors import ReadingsError
-from atleak.learning.learned import Learned, ToleranceFrom, learn
-from atleak.learning.outliers import WhyUnit
+from atleak.learning.learned import Learned, ToleranceFrom, _factor, learn
+from atleak.learning.outliers import WhyUnit, _one_sided_squares_tail
 from atleak.learning.tables import with_learned
 from atleak.learning.words import messages, summary, why
 from atleak.readings import Readings
@@ -275,3 +275,18 @@ def test_another_batch_among_the_units_is_said(four_speed: Controller, sheets: l
     learned = learn(four_speed, [*sheets, *other])
     assert {unit.file for unit in learned.units if unit.left_out} == {"x.xlsx", "y.xlsx", "z.xlsx", "v.xlsx"}
     assert "many_units_left_out" in codes(learned)
+
+
+@pytest.mark.parametrize(("degrees", "printed"), [(1, 12.71), (2, 4.30), (5, 2.57), (20, 2.09), (50, 2.01)])
+def test_the_factors_of_the_guide_s_table_are_met(degrees: int, printed: float) -> None:
+    """JCGM 100:2008, table G.2, 95 %."""
+    assert _factor(degrees) == pytest.approx(printed, abs=0.005)
+
+
+@pytest.mark.parametrize("number", [1, 7, 29])
+def test_a_sum_of_one_sided_squares_is_past_a_value_as_often_as_draws_are(number: int) -> None:
+    draws = np.square(np.maximum(np.random.default_rng(number).normal(size=(100_000, number)), 0.0)).sum(axis=1)
+    for value in (0.5, 3.0, 12.0):
+        tail = _one_sided_squares_tail(value, number)
+        error = np.sqrt(tail * (1.0 - tail) / draws.size)
+        assert np.mean(draws > value) == pytest.approx(tail, abs=4.0 * error + 1e-9)

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from atleak.equations.small_samples import student_quantile
 from atleak.learning.estimate import Estimate, estimate
 from atleak.learning.outliers import Outliers, WhyUnit, find_outliers
 
@@ -32,7 +31,7 @@ class Run(NamedTuple):
 
     @property
     def factor(self) -> np.ndarray:
-        return student_quantile(0.975, self.found.degrees)
+        return stats.t.ppf(0.975, self.found.degrees)
 
     @property
     def covered(self) -> np.ndarray:
@@ -97,7 +96,7 @@ def test_they_do_so_over_many_sets(simulate: Simulate, how: dict) -> None:
 def test_the_tolerance_holds_95_of_100_new_pairs(simulate: Simulate, units: int) -> None:
     held = []
     for run in runs(simulate, 8, units=units):
-        apart = student_quantile(0.975, run.found.spread_degrees) * run.found.unresolved
+        apart = stats.t.ppf(0.975, run.found.spread_degrees) * run.found.unresolved
         half = np.hypot(apart, run.factor * run.found.standard_error)
         low, high = ((run.found.clearance + way * half - run.given.true) / BETWEEN for way in (-1.0, 1.0))
         held.append(stats.norm.cdf(high) - stats.norm.cdf(low))

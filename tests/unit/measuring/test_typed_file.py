@@ -21,8 +21,7 @@ from atleak.measuring.plan import Cell, Order, Plan
 from atleak.measuring.typed import Typed
 from atleak.measuring.typed_file import TYPED_FILE, typed_in, written
 from atleak.own_lands import OwnLands, OwnLength
-from atleak.readings import Reading, Readings
-from atleak.sheet_identity import SheetIdentity
+from atleak.readings import Reading, Readings, SheetIdentity
 
 SLIPS = (
     "150,01",

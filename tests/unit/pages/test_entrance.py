@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.network import ALLOWED
+from atleak.admission import ALLOWED
 from pages.shared import entrance
 
 from .conftest import ROOT, texts

@@ -17,14 +17,14 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.engine.projection import project, project_unworn
 from atleak.equations import uncertainty as equations
-from atleak.equations import uncertainty_referees as referees
 from atleak.errors import InputError
 from atleak.readings import clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, NOTHING_ELSE, Assumptions, assess
 from atleak.verdicts import Band, Verdict
-from atleak.views.uncertainty_rows import budget_rows
+from atleak.views.clearances import budget_rows
 from atleak.wording import wording
+from tests.unit.equations import referees
 
 from .conftest import a_sheet, new_at, two_instruments
 

@@ -9,32 +9,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.equations import uncertainty as equations
-from atleak.equations import uncertainty_referees as referees
 from atleak.uncertainty import DECISIONS, decide
+from tests.unit.equations import referees
 
 CLEARANCE = st.floats(1.0, 200.0)
 RELATIVE = st.floats(1e-4, 0.5)
 PROBABILITY = st.floats(1e-6, 1.0 - 1e-6)
 
 
-@given(CLEARANCE, RELATIVE)
-def test_the_mean_of_the_cube_is_above_the_cube_of_the_mean(c: float, r: float) -> None:
-    u = r * c
-    assert referees.cube_mean(c, u) > c**3
-    assert math.sqrt(referees.cube_variance(c, u)) > 3.0 * c * c * u
-    assert referees.cube_covariance(c, u, c, u, 1.0) == pytest.approx(referees.cube_variance(c, u), rel=1e-12, abs=0.0)
-
-
 @given(CLEARANCE, RELATIVE, PROBABILITY)
 def test_quantile_and_probability_are_each_others_inverse(c: float, r: float, p: float) -> None:
     limit = referees.cube_quantile(p, c, r * c)
     assert equations.probability_over(c, math.cbrt(limit), r * c) == pytest.approx(1.0 - p, rel=1e-6, abs=1e-12)
-
-
-@given(st.lists(st.floats(0.0, 10.0), min_size=1, max_size=30), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
-def test_more_correlation_never_makes_a_sum_surer(parts: list[float], first: float, second: float) -> None:
-    low, high = sorted((first, second))
-    assert referees.correlated_sum(parts, low) <= referees.correlated_sum(parts, high) * (1.0 + 1e-12)
 
 
 @given(st.floats(0.1, 10.0), st.floats(0.0, 3.0), st.floats(0.0, 3.0))

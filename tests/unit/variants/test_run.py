@@ -16,7 +16,6 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.equations.gap import annular_flow
-from atleak.equations.referees import effective_clearance_two_temperatures
 from atleak.errors import RoadTestError
 from atleak.intake.road_test import read_road_test
 from atleak.readings import clearances
@@ -35,6 +34,7 @@ from atleak.variants import (
 from atleak.variants.article import compare_points
 from atleak.views.diagnosis_record import to_json
 from atleak.views.variant_rows import variants_record
+from tests.unit.equations.referees import effective_clearance_two_temperatures
 
 DM3_MIN = 6e4
 

@@ -247,7 +247,7 @@ def test_a_child_ends_when_its_parent_dies(busy):
 
 def test_a_script_that_has_read_a_workbook_ends_quietly(sample_readings):
     script = (
-        "import sys; from atleak.intake.sheets.workbook import read_workbook\n"
+        "import sys; from atleak.intake.sheets.sheet_file import read_workbook\n"
         "print(len(read_workbook(open(sys.argv[1], 'rb').read(), 'sheet.xlsx')))"
     )
     command = [sys.executable, "-W", "error", "-X", "dev", "-W", "ignore::ResourceWarning:__main__", "-c", script]

@@ -7,9 +7,8 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.intake.readings import read_readings
-from atleak.readings import Reading, Readings
+from atleak.readings import Reading, Readings, SheetIdentity
 from atleak.report.measuring_sheet import write_readings
-from atleak.sheet_identity import SheetIdentity
 from atleak.wording import languages
 
 TABLE = "Valve;Land;Part;Diameter [mm]\naccumulator;1;spool;17.998\naccumulator;1;sleeve;18.036"
