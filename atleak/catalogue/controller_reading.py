@@ -95,7 +95,7 @@ def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
     controller, faults = _read(entry, data, origin)
     if controller is None:
         raise together(faults)
-    doubts = doubts_of("controllers", data, origin.file, displacement=controller.pump.displacement)
+    doubts = doubts_of("controllers", ControllerFile, data, origin.file, displacement=controller.pump.displacement)
     return replace(controller, doubts=(*doubts, *_mending_nothing(controller, data, origin.file)))
 
 

@@ -21,6 +21,7 @@ from typing import Annotated, Any, Generic, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
 from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.keys import key
 from atleak.doors import own_errors_only
 from atleak.errors import CatalogueError, OutputError, Place, unknown
 from atleak.faults import NotAccepted, validated
@@ -58,7 +59,9 @@ def _evidence(value: Any) -> Evidence | None:
         raise NotAccepted(Sentence("one of {names}", names=tuple(map(str, Evidence)))) from None
 
 
-StatedEvidence = Annotated[Evidence | None, BeforeValidator(_evidence)]
+StatedEvidence = Annotated[Evidence | None, BeforeValidator(_evidence), key("How known", "Empty: not stated", width=15)]
+Source = Annotated[NonEmptyText, key("Source", "Manual and page, or who measured it", width=40)]
+ID_HELP = "Small letters, digits and _"
 
 
 def _day(value: Any) -> str:
@@ -78,11 +81,11 @@ class Strict(BaseModel):
 class Entry(Strict):
     """The keys at the head of every catalogue file."""
 
-    id: Identifier
-    name: NonEmptyText
-    source: NonEmptyText
-    date: Annotated[str, BeforeValidator(_day)]
-    note: str = ""
+    id: Identifier = key("Id", f"{ID_HELP}, such as ford_4r44e_1996")
+    name: NonEmptyText = key("Name", "What people see")
+    source: NonEmptyText = key("Source", "Where the numbers come from")
+    date: Annotated[str, BeforeValidator(_day)] = key("Date", "Of the source or of this entry, such as 2026-01-31")
+    note: str = key("Note", "Anything a reader of the result must know", default="")
 
     def heading(self) -> dict[str, str]:
         """Return what every catalogue object takes over as it stands in its file: id, name, source, date and note."""

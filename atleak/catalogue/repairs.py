@@ -8,10 +8,21 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Literal, get_args
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, model_validator
 
-from atleak.catalogue.entries import Identifier, NonEmptyText, NonNegative, Positive, StatedEvidence, Strict
+from atleak.catalogue import usual
+from atleak.catalogue.entries import (
+    ID_HELP,
+    Identifier,
+    NonEmptyText,
+    NonNegative,
+    Positive,
+    Source,
+    StatedEvidence,
+    Strict,
+)
 from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.keys import key
 from atleak.catalogue.mounting import MountingClearance
 from atleak.errors import InputError, unknown
 from atleak.faults import NotAccepted
@@ -37,20 +48,29 @@ def currency_code(text: str) -> str:
 
 
 class RepairTable(Strict):
-    id: Identifier
-    component: NonEmptyText
-    lands: list[int] | None = Field(default=None, min_length=1)
-    kind: RepairKind
-    name: NonEmptyText
-    part_number: NonEmptyText | None = None
-    price: NonNegative | None = None
-    currency: Annotated[NonEmptyText, AfterValidator(currency_code)] | None = None
-    hours: NonNegative | None = None
-    tool: NonEmptyText | None = None
-    nominal_diameter_mm: float | None = Field(default=None, gt=0.5, lt=200)
-    mounting_clearance_um: MountingClearance | None = None
-    mounting_tolerance_um: Positive | None = None
-    source: NonEmptyText
+    id: Identifier = key("Id", ID_HELP, width=20)
+    component: NonEmptyText = key("Component", names="component", width=20)
+    lands: list[int] | None = key("Lands", "All of the component unless stated", default=None, min_length=1)
+    kind: RepairKind = key("Kind", width=16)
+    name: NonEmptyText = key("Name", width=30)
+    part_number: NonEmptyText | None = key("Part number", default=None)
+    price: NonNegative | None = key("Price", default=None)
+    currency: Annotated[NonEmptyText, AfterValidator(currency_code)] | None = key("Currency", default=None)
+    hours: NonNegative | None = key("Hours", unit="h", default=None)
+    tool: NonEmptyText | None = key("Tool", width=20, default=None)
+    nominal_diameter_mm: float | None = key(
+        "New diameter", "Of an oversize valve", usual=usual.LAND_DIAMETER, default=None, gt=0.5, lt=200
+    )
+    mounting_clearance_um: MountingClearance | None = key(
+        "New clearance",
+        "Afterwards; the lower end of a range",
+        up_to=("Up to", ""),
+        radial=True,
+        usual=usual.CLEARANCE,
+        default=None,
+    )
+    mounting_tolerance_um: Positive | None = key("Tolerance", radial=True, usual=usual.TOLERANCE, default=None)
+    source: Source
     evidence: StatedEvidence = None
 
     @model_validator(mode="after")

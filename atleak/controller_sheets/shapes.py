@@ -112,7 +112,6 @@ class Sheet:
     columns: tuple[Column, ...]
     at: Steps = ()  # of its table or list of tables in the file
     needed: bool = False  # no valve body goes without it
-    examples: tuple[Mapping[str, Any], ...] = ()  # rows that show how it is filled in
     is_form: bool = field(default=False, init=False)
 
     def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:

@@ -205,7 +205,7 @@ def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequ
     for sheet in draft.subject.sheets:
         for spot, text in doubts(sheet, rows[sheet.name], draft.units):
             yield _of_cell(draft.subject, Fault(spot, text))
-    of_file = entry.doubts if entry is not None else doubts_of(draft.subject.kind, into.data, "")
+    of_file = entry.doubts if entry is not None else doubts_of(draft.subject.kind, draft.subject.model, into.data, "")
     for message in of_file:
         at = None if message.place is None else into.spot(message.place.steps)
         yield _of_cell(draft.subject, Fault(at or Spot(draft.subject.sheets[0].name), message.text))
