@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import StrEnum
 from types import MappingProxyType
 from typing import Annotated, Literal
@@ -181,17 +180,6 @@ class SpringTable(Strict):
     working_length_mm: Positive = key("Working length")
 
 
-@dataclass(frozen=True)
-class BalanceValve:
-    """The spool and spring of a valve that balances a section's pressure against main pressure."""
-
-    diameter_1_mm: float
-    diameter_2_mm: float
-    diameter_3_mm: float
-    rod_diameter_mm: float
-    spring: SpringTable
-
-
 class RelationTable(Strict):
     """A pressure relation: ``"spool_balance"`` needs the diameters and the spring, ``"line"`` the ratio."""
 
@@ -209,28 +197,14 @@ class RelationTable(Strict):
     diameter_g2_mm: Positive | None = key("Diameter g2", default=None)
     spring: SpringTable | None = key(default=None)
 
-    @property
-    def valve(self) -> BalanceValve:
-        """Return the valve of a spool balance.
-
-        Raises
-        ------
-        NotAccepted
-            if the table lacks a value of the valve; it names them.
-        """
-        one, two, three, rod = self.diameter_1_mm, self.diameter_2_mm, self.diameter_3_mm, self.rod_diameter_mm
-        if one is None or two is None or three is None or rod is None or self.spring is None:
-            wanted = ("diameter_1_mm", "diameter_2_mm", "diameter_3_mm", "rod_diameter_mm", "spring")
-            missing = tuple(key for key in wanted if getattr(self, key) is None)
-            raise NotAccepted(Sentence("a spool balance with {keys} too", keys=missing))
-        return BalanceValve(one, two, three, rod, self.spring)
-
     @model_validator(mode="after")
     def _complete(self) -> RelationTable:
         if self.relation == "line" and self.ratio is None:
             raise NotAccepted(Sentence("a line with its ratio"))
-        if self.relation == "spool_balance":
-            _ = self.valve
+        wanted = ("diameter_1_mm", "diameter_2_mm", "diameter_3_mm", "rod_diameter_mm", "spring")
+        missing = tuple(key for key in wanted if getattr(self, key) is None)
+        if self.relation == "spool_balance" and missing:
+            raise NotAccepted(Sentence("a spool balance with {keys} too", keys=missing))
         return self
 
 

@@ -29,15 +29,13 @@ class Unit(NamedTuple):
 
     label: str
     size: float = 1.0
-    parts: float = 1.0  # divided by as such, so that no digit differs
+    parts: float = 1.0
 
     def in_si(self, value: Any) -> Any:
         """Return a number, or a list of them as a tuple, in SI units; anything else as it is."""
-        if isinstance(value, list):
-            return tuple(map(self.in_si, value))
-        if not isinstance(value, float) or (self.size, self.parts) == (1.0, 1.0):
-            return value
-        return value * self.size if self.parts == 1.0 else value / self.parts
+        if isinstance(value, float):
+            return value * self.size / self.parts
+        return tuple(map(self.in_si, value)) if isinstance(value, list) else value
 
 
 NO_UNIT = Unit("")
@@ -119,21 +117,26 @@ def unit_of(name: str) -> tuple[str, Unit]:
 
 def made(kind: type[Made], table: BaseModel, /, **more: Any) -> Made:
     """Return the object of a table: each of its values that such an object has, in SI units, and what is given."""
-    values = {name: unit.in_si(getattr(table, of)) for name, of, unit in _plan(kind, type(table)) if name not in more}
-    return kind(**values, **more)
+    plan: Any = _plan  # whose types are hashable
+    stated = vars(table)
+    return kind(**{name: unit.in_si(stated[key]) for name, key, unit in plan(type(table), kind)} | more)
+
+
+def in_si(table: BaseModel) -> dict[str, Any]:
+    """Return the values of a table in SI units, each under the name of its key without the unit, or what it becomes."""
+    return {name: unit.in_si(getattr(table, key)) for name, key, unit in _plan(type(table))}
 
 
 @cache
-def _plan(kind: type, model: type[BaseModel]) -> tuple[tuple[str, str, Unit], ...]:
-    """Return the names of an object's values with those of their keys and units."""
-    wanted = {each.name for each in dataclasses.fields(kind)}
+def _plan(model: type[BaseModel], kind: Any = None) -> tuple[tuple[str, str, Unit], ...]:
+    """Return the names of values with those of their keys and units: all of a table, or those of an object."""
+    wanted = None if kind is None else {each.name for each in dataclasses.fields(kind)}
     plan = []
-    for of, field in model.model_fields.items():
-        name, unit = unit_of(of)
-        described = key_of(field)
+    for key, field in model.model_fields.items():
+        described, (name, unit) = key_of(field), unit_of(key)
         name = (described.becomes if described else "") or name
-        if name in wanted:
-            plan.append((name, of, unit))
+        if wanted is None or name in wanted:
+            plan.append((name, key, unit))
     return tuple(plan)
 
 

@@ -131,32 +131,6 @@ class Repair:
         return component == self.component and land in self.lands
 
 
-def repair_of(table: RepairTable, lands: Sequence[int]) -> Repair:
-    """Return a repair in SI units; ``lands`` are those of its component."""
-    new = table.mounting_clearance_um
-    return Repair(
-        id=table.id,
-        component=table.component,
-        lands=frozenset(lands if table.lands is None else table.lands),
-        kind=table.kind,
-        name=table.name,
-        source=table.source,
-        part_number=table.part_number,
-        price=table.price,
-        currency=table.currency,
-        hours=table.hours,
-        tool=table.tool,
-        nominal_diameter=None if table.nominal_diameter_mm is None else table.nominal_diameter_mm * 1e-3,
-        mounting_clearance=(new[0] * 1e-6, new[1] * 1e-6)
-        if isinstance(new, list)
-        else None
-        if new is None
-        else new * 1e-6,
-        mounting_tolerance=None if table.mounting_tolerance_um is None else table.mounting_tolerance_um * 1e-6,
-        evidence=table.evidence,
-    )
-
-
 def find_repairs(repairs: Sequence[Repair], wanted: Iterable[str], controller: str) -> tuple[Repair, ...]:
     """Return the repairs of those ids, as a workshop chooses them for a plan.
 
