@@ -47,7 +47,7 @@ class Subject:
     kind: str  # the folder of the catalogue
     sheets: tuple[Sheet, ...]
     model: type[BaseModel]  # of its file
-    load: Callable[[Mapping[str, Any]], Any]  # from the tables of a file; raises a CatalogueError
+    load: Callable[..., Any]  # from the tables of a file, and what it is called; raises a CatalogueError
     names: Mapping[str, Offered] = field(default_factory=dict)  # that drop-downs offer
     opened: Callable[[Mapping[str, Any]], dict[str, Any]] = _as_it_is  # a file's tables as the sheets have them
     closed: Callable[[Mapping[str, Any]], dict[str, Any]] = _as_it_is  # the other way round, as people write a file

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
-
 import streamlit as st
 
-from atleak.catalogue.controller_reading import checked_controller
-from atleak.errors import CatalogueError
 from atleak.intake.controller_workbook import read_controller_workbook
 from atleak.report.controller_workbook import write_controller_workbook
-from atleak.system.reasons import text_reason
 from atleak.views.controller_form import CONTROLLER
-from atleak.views.entry_form import Checked, draft_of
+from atleak.views.entry_form import Checked, Draft, draft_of
 from atleak.views.evidence_rows import evidence_counts, open_values
 from pages.shared import reader, show
 from pages.shared.cases import catalogue_list, shown_name
@@ -21,12 +16,15 @@ from pages.shared.editing import (
     Editing,
     ask_replacing,
     ask_unit,
+    draw_kept,
     draw_save_button,
     draw_saved,
+    draw_toml,
+    draw_upload,
+    draw_use,
     saving_of,
 )
 from pages.shared.learn_form import learn_form
-from pages.shared.state import pick
 from pages.shared.transmission_tables import NEW_PARTS
 
 _EMPTY = ""  # to start from nothing
@@ -39,7 +37,7 @@ DESK = Desk(CONTROLLER, "transmission", "transmission_fields")
 
 def choose_start() -> None:
     """Ask from what to start."""
-    say, entries, kept = reader.say(), catalogue_list("controller").entries, DESK.kept()
+    say, entries = reader.say(), catalogue_list("controller").entries
     left, right = st.columns(2)
     with left, st.container(border=True):
         start = st.selectbox(
@@ -49,42 +47,18 @@ def choose_start() -> None:
             help=say("transmission.start_help"),
         )
         st.button(say("transmission.start"), type="primary", on_click=_start, args=(start,))
-        upload = st.file_uploader(say("transmission.or_read"), ["xlsx", "toml"], key="transmission-file")
-        if upload is not None:
-            _read_file(upload.name, upload.getvalue())
+        draw_upload(DESK, say("transmission.or_read"), ["xlsx", "toml"], say, _of_workbook)
     with right, st.container(border=True):
-        token = st.selectbox(
-            say("transmission.go_on_with"),
-            list(kept),
-            format_func=lambda token: kept.get(token, token),
-            disabled=not kept,
-            placeholder=say("transmission.no_draft"),
-            help=say("transmission.drafts_help"),
-        )
-        with st.container(horizontal=True):
-            st.button(say("transmission.go_on"), disabled=not kept, on_click=DESK.go_on, args=(token,))
-            st.button(say("transmission.throw_away"), disabled=not kept, on_click=DESK.throw_away, args=(token,))
+        draw_kept(DESK, say)
 
 
 def _start(name: str) -> None:
     DESK.start(name if name in catalogue_list("controller").entries else None)
 
 
-def _read_file(name: str, content: bytes) -> None:
-    try:
-        if content.startswith(b"PK"):
-            workbook = read_controller_workbook(content, name=name)
-            draft = draft_of(CONTROLLER, workbook.data, workbook.units)
-        else:
-            data = tomllib.loads(content.decode("utf-8-sig"))
-            checked_controller(data, name)
-            draft = draft_of(CONTROLLER, data)
-    except (CatalogueError, ValueError, RecursionError) as error:
-        why = error if isinstance(error, CatalogueError) else text_reason(error)
-        st.error(f"**{reader.say()('transmission.not_taken', name=show.plain(name))}** {show.plain(why)}")
-        return
-    DESK.take(draft)
-    st.rerun()
+def _of_workbook(content: bytes, name: str) -> Draft:
+    workbook = read_controller_workbook(content, name=name)
+    return draft_of(CONTROLLER, workbook.data, workbook.units)
 
 
 # --- the head of the page -----------------------------------------------------------------------------------------
@@ -137,14 +111,8 @@ def draw_saving(editing: Editing, found: Checked) -> None:
     over = ask_replacing(editing, saving, say)
     with st.container(horizontal=True):
         draw_save_button(editing, found, saving, over, say)
-        st.button(
-            say("transmission.use"),
-            disabled=found.entry is None or not saving.saved,
-            on_click=pick,
-            args=("controller", saving.name),
-            help=say("transmission.use_help"),
-        )
-        st.download_button(say("transmission.toml"), saving.text, f"{saving.name or 'unnamed'}.toml", on_click="ignore")
+        draw_use(editing, found, saving, "controller", say("typed_entries.use"), say)
+        draw_toml(saving, say)
         st.download_button(
             say("transmission.workbook"),
             lambda: write_controller_workbook(found.data, editing.draft.units),

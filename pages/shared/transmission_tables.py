@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import streamlit as st
-
 from atleak.catalogue.pump_reading import other_dimensions
 from atleak.views.entry_form import Checked
-from pages.shared import entry_tables, reader
+from pages.shared import entry_tables
 from pages.shared.editing import Editing
 
 COMPONENTS, NEW_PARTS, PUMP = "components", "new_parts", "pump"
@@ -22,23 +20,6 @@ STEPS = {
     "leaks": ("Leaks", "Consumers", "Consumer flows"),
     "repairs": ("Repairs", "Complaints"),
 }
-
-
-def choose_step(editing: Editing) -> str:
-    """Ask which tables to show; they stay chosen over other pages."""
-    editing.step = editing.step or next(iter(STEPS))
-    key = editing.key("step")
-    say = reader.say()
-    picked = st.segmented_control(
-        say("transmission.tables"),
-        list(STEPS),
-        format_func=lambda step: say(f"transmission.step_{step}"),
-        default=editing.step,
-        key=key,
-        label_visibility="collapsed",
-    )
-    editing.step = picked or editing.step
-    return editing.step
 
 
 def draw(editing: Editing, step: str, found: Checked) -> None:
