@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from pages.shared import panel, reader, transmission, transmission_picture, transmission_tables
+from pages.shared import panel, reader, transmission, transmission_picture
 from pages.shared.editing import ask_step, checked_now, draw_faults
 
 case, diagnosis = panel.shown()
@@ -15,10 +15,10 @@ if editing is None:
     st.stop()
 checked = checked_now(editing)
 transmission.draw_head(editing, checked)
-step = ask_step(editing, list(transmission_tables.STEPS), lambda name: say(f"transmission.step_{name}"), say)
+step = ask_step(editing, list(transmission.STEPS), lambda name: say(f"transmission.step_{name}"), say)
 draw_faults(editing, checked, say)
 transmission_picture.draw_spools(step, checked)
-transmission_tables.draw(editing, step, checked)
+transmission.draw_tables(editing, step, checked)
 transmission.draw_learning(editing, step, checked)
 transmission_picture.draw_flow(step, checked, diagnosis)
 st.subheader(say("transmission.keep"))

@@ -25,6 +25,7 @@ from atleak.catalogue.entries import (
     Entry,
     Finite,
     Identifier,
+    MountingClearance,
     NonEmptyText,
     NonNegative,
     Positive,
@@ -34,7 +35,6 @@ from atleak.catalogue.entries import (
 )
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.keys import key
-from atleak.catalogue.mounting import MountingClearance
 from atleak.catalogue.pump_tables import PumpTable
 from atleak.catalogue.repairs import RepairTable
 from atleak.faults import NotAccepted

@@ -18,7 +18,7 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Generic, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, StringConstraints
 
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.keys import key
@@ -64,6 +64,23 @@ Source = Annotated[NonEmptyText, key("Source", "Manual and page, or who measured
 ID_HELP = "Small letters, digits and _"
 
 
+def _mounting_clearance(value: object) -> float | list[float]:
+    """Check a mounting clearance [µm]: a number, or the two ends of the range in which new pairs lie."""
+    ends: list[float] = []
+    for end in value if isinstance(value, list) and len(value) == 2 else [value]:
+        if isinstance(end, bool) or not isinstance(end, int | float) or not 1.0 <= end < 500.0:
+            raise NotAccepted(Sentence("µm, a number from 1 to below 500, or a range of two such as [6.4, 20.0]"))
+        ends.append(float(end))
+    if len(ends) == 1:
+        return ends[0]
+    if not ends[0] < ends[1]:
+        raise NotAccepted(Sentence("a range with its lower end first, such as [6.4, 20.0]"))
+    return ends
+
+
+MountingClearance = Annotated[float | list[float], PlainValidator(_mounting_clearance)]
+
+
 def _day(value: Any) -> str:
     """Read a date as TOML writes it, or as text; an impossible day is refused."""
     try:
@@ -86,10 +103,6 @@ class Entry(Strict):
     source: NonEmptyText = key("Source", "Where the numbers come from")
     date: Annotated[str, BeforeValidator(_day)] = key("Date", "Of the source or of this entry, such as 2026-01-31")
     note: str = key("Note", "Anything a reader of the result must know", default="")
-
-    def heading(self) -> dict[str, str]:
-        """Return what every catalogue object takes over as it stands in its file: id, name, source, date and note."""
-        return {name: getattr(self, name) for name in Entry.model_fields}
 
 
 EntryModel = TypeVar("EntryModel", bound=Entry)

@@ -14,6 +14,7 @@ from atleak.catalogue import usual
 from atleak.catalogue.entries import (
     ID_HELP,
     Identifier,
+    MountingClearance,
     NonEmptyText,
     NonNegative,
     Positive,
@@ -23,7 +24,6 @@ from atleak.catalogue.entries import (
 )
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.keys import key
-from atleak.catalogue.mounting import MountingClearance
 from atleak.errors import InputError, unknown
 from atleak.faults import NotAccepted
 from atleak.sentence import Name, Sentence

@@ -1,15 +1,16 @@
-"""Keep the valve body that is being described on the page Transmission: its start, its faults, and its saving."""
+"""Keep the valve body that is being described on the page Transmission: its start, its tables, and its saving."""
 
 from __future__ import annotations
 
 import streamlit as st
 
+from atleak.catalogue.pump_reading import other_dimensions
 from atleak.intake.controller_workbook import read_controller_workbook
 from atleak.report.controller_workbook import write_controller_workbook
 from atleak.views.controller_form import CONTROLLER
 from atleak.views.entry_form import Checked, Draft, draft_of
 from atleak.views.evidence_rows import evidence_counts, open_values
-from pages.shared import reader, show
+from pages.shared import entry_tables, reader, show
 from pages.shared.cases import catalogue_list, shown_name
 from pages.shared.editing import (
     Desk,
@@ -25,10 +26,22 @@ from pages.shared.editing import (
     saving_of,
 )
 from pages.shared.learn_form import learn_form
-from pages.shared.transmission_tables import NEW_PARTS
 
 _EMPTY = ""  # to start from nothing
 _CHOICES = {"length": "lengths_in", "clearance": "clearances_are", "pressure": "pressures_in"}  # of the units
+COMPONENTS, NEW_PARTS, PUMP = "components", "new_parts", "pump"
+STEPS = {
+    "head": ("Head",),
+    COMPONENTS: ("Components", "Lands", "Materials"),
+    NEW_PARTS: (),  # no tables of its own: sheets of new units, from which mounting clearances are learned
+    PUMP: ("Pump",),
+    "points": ("Operating points",),
+    "circuits": ("Circuits", "Feeds", "Set pressures", "Apply chart"),
+    "gaps": ("Gaps", "Section pressures"),
+    "pressures": ("Line pressures",),
+    "leaks": ("Leaks", "Consumers", "Consumer flows"),
+    "repairs": ("Repairs", "Complaints"),
+}
 DESK = Desk(CONTROLLER, "transmission", "transmission_fields")
 
 
@@ -83,6 +96,12 @@ def draw_head(editing: Editing, found: Checked) -> None:
     for place, (attribute, label) in zip(places, _CHOICES.items(), strict=False):
         ask_unit(editing, attribute, say(f"transmission.{label}"), place)
     places[3].button(say("transmission.another"), on_click=DESK.close, help=say("transmission.another_help"))
+
+
+def draw_tables(editing: Editing, step: str, found: Checked) -> None:
+    """Draw the tables and fields of a step; a pump's dimensions of other kinds in a fold."""
+    kind = found.data.get("pump", {}).get("kind")
+    entry_tables.draw(editing, STEPS[step], found, frozenset(other_dimensions(kind)) if step == PUMP else ())
 
 
 def draw_learning(editing: Editing, step: str, found: Checked) -> None:
