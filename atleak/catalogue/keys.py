@@ -41,7 +41,7 @@ class Unit(NamedTuple):
 NO_UNIT = Unit("")
 _UNITS: Mapping[str, Unit] = MappingProxyType(  # by the end of a key, the longer ones first
     {
-        "_slope_g_cm3_k": Unit("g/(cm³·K)", 1e3),
+        "_g_cm3_k": Unit("g/(cm³·K)", 1e3),
         "_g_cm3": Unit("g/cm³", 1e3),
         "_dm3_min": Unit("dm³/min", parts=60e3),
         "_mm2_s": Unit("mm²/s", 1e-6),
