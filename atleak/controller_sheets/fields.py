@@ -117,7 +117,8 @@ def _measure(unit: str, described: Key) -> Measure:
     measure = CLEARANCE if described.radial else MEASURES.get(unit, Measure(unit))
     if described.usual is None or measure.quantity != "length":
         return measure
-    return replace(measure, usual=described.usual.ends, is_doubted=True)
+    of_land = described.radial or unit == "mm"  # what manuals state in either unit, or as bore minus spool
+    return replace(measure, usual=described.usual.ends, is_doubted=of_land)
 
 
 def _bare(annotation: Any) -> Any:
