@@ -283,6 +283,12 @@ _MOST = {  # of those whose quantity ends before: what lies beyond would switch 
 }
 
 
+_OF_SHARES = ("growth_percent", "added_points")
+BESIDE_LIMIT: Mapping[str, tuple[str, ...]] = MappingProxyType(  # by table: keys of a level beside its limit
+    {"wear_percent": ("at_least_um",), "pair_share_percent": _OF_SHARES, "total_share_percent": _OF_SHARES}
+)
+
+
 class LevelLimit(Strict):
     """Where one level begins; all that is stated is asked for."""
 
@@ -470,11 +476,11 @@ class LimitsFile(Entry):
         for name in LimitsFile.model_fields:
             table = getattr(self, name)
             for level, each in table.stated().items() if isinstance(table, LevelTable) else ():
-                where = f"{name}.{level}"
+                where, beside = f"{name}.{level}", BESIDE_LIMIT.get(name, ())
                 wanted = None
-                if each.at_least_um is not None and name != "wear_percent":
+                if each.at_least_um is not None and "at_least_um" not in beside:
                     wanted = Sentence("at_least_um in wear_percent only, not in {where}", where=where)
-                elif each.growth is not None and "share" not in name:
+                elif each.growth is not None and "growth_percent" not in beside:
                     wanted = Sentence("growth_percent of a share only, not in {where}", where=where)
                 elif (each.percent or 0.0) > _MOST.get(name, _HIGHEST):
                     wanted = Sentence(

@@ -11,15 +11,13 @@ from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.fluid import DensityTable, FluidFile, PropertyTable, ViscosityTable, checked_fluid
 from atleak.catalogue.instruments import InstrumentFile, checked_instrument
 from atleak.catalogue.keys import LIMIT, Key, key_of
-from atleak.catalogue.limits import LevelLimit, LevelTable, LimitsFile, checked_limits
+from atleak.catalogue.limits import BESIDE_LIMIT, LevelLimit, LevelTable, LimitsFile, checked_limits
 from atleak.controller_sheets.description import Steps
 from atleak.controller_sheets.fields import columns_of, kind_of
 from atleak.controller_sheets.kinds import Choice
 from atleak.controller_sheets.shapes import Column, Form, Tables
 from atleak.faults import model_in
 from atleak.views.entry_form import Subject
-
-_WEAR_ALONE, _SHARES_ALONE = {"at_least_um"}, {"growth_percent", "added_points"}  # keys of a level
 
 
 @dataclass(frozen=True)
@@ -63,7 +61,7 @@ def _of_level(name: str, level: str) -> Iterator[Column]:
         return
     heading = level.capitalize()
     yield LimitColumn(heading, (level, LIMIT), kind_of(name, float, Key()))
-    others = {*(() if name == "wear_percent" else _WEAR_ALONE), *(() if "share" in name else _SHARES_ALONE)}
+    others = LevelLimit.model_fields.keys() - set(BESIDE_LIMIT.get(name, ()))
     for column in columns_of(LevelLimit, (level,), without=others):
         yield replace(column, heading=f"{heading}: {column.heading}")
 
