@@ -2,8 +2,8 @@
 
 import streamlit as st
 
-from pages.shared import panel, reader, transmission, transmission_picture, transmission_tables
-from pages.shared.editing import checked_now, draw_faults
+from pages.shared import panel, reader, transmission, transmission_picture
+from pages.shared.editing import ask_step, checked_now, draw_faults
 
 case, diagnosis = panel.shown()
 say = reader.say()
@@ -15,10 +15,10 @@ if editing is None:
     st.stop()
 checked = checked_now(editing)
 transmission.draw_head(editing, checked)
-step = transmission_tables.choose_step(editing)
+step = ask_step(editing, list(transmission.STEPS), lambda name: say(f"transmission.step_{name}"), say)
 draw_faults(editing, checked, say)
 transmission_picture.draw_spools(step, checked)
-transmission_tables.draw(editing, step, checked)
+transmission.draw_tables(editing, step, checked)
 transmission.draw_learning(editing, step, checked)
 transmission_picture.draw_flow(step, checked, diagnosis)
 st.subheader(say("transmission.keep"))

@@ -22,6 +22,7 @@ from atleak.catalogue.circuits import (
     StandingPressure,
 )
 from atleak.catalogue.entries import Evidence
+from atleak.catalogue.keys import made
 from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.section_pressures import DRAINS, SECTIONS
 from atleak.sentence import Sentence
@@ -55,9 +56,9 @@ def _circuit(table: CircuitTable, reading: Reading, where: Steps) -> Circuit:
         if feed.source == table.id:
             problem, expected = Sentence("a circuit that feeds itself"), Sentence("another section")
             raise reading.fault(at, problem, value=table.id, expected=expected)
-        feeds.append(Feed(reading.section(feed.source, at), feed.diameter_mm * 1e-3, feed.discharge_coefficient))
+        feeds.append(made(Feed, feed, source=reading.section(feed.source, at)))
     set_pressure = reading.set_pressure(table.set_kpa, (*where, "set_kpa"), gears)
-    return Circuit(table.id, table.name, gears, tuple(feeds), set_pressure, table.source)
+    return made(Circuit, table, gears=gears, feeds=tuple(feeds), set_pressure=set_pressure)
 
 
 def _refuse_circles(circuits: Sequence[Circuit], tables: Sequence[CircuitTable], reading: Reading) -> None:
@@ -117,19 +118,15 @@ def _leak(table: LeakTable, reading: Reading, where: Steps) -> Leak:
     density = table.at_density_g_cm3 * 1e3
     high, low = reading.ends(table.high, table.low, where, "leak")
     viscosity = None if table.at_viscosity_mm2_s is None else table.at_viscosity_mm2_s * 1e-6 * density
-    return Leak(
-        id=table.id,
+    return made(
+        Leak,
+        table,
         name=table.name or table.id.replace("_", " "),
         high=high,
         low=low,
-        law=table.law,
-        flow=table.flow_dm3_min / 60e3,
-        pressure_drop=table.at_kpa * 1e3,
         viscosity=viscosity if table.law == "laminar" else None,
-        density=density,
         gears=reading.gears_of(table.gears, (*where, "gears")),
         into_sump=not low.is_section,
-        source=table.source,
     )
 
 
@@ -143,15 +140,10 @@ def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[C
         where, stated = ("consumers", number), table.flow_dm3_min
         with reading.gathering():
             _refuse_second(table.id, tables[:number], reading, where, Sentence("consumer given twice"))
-            flow = (
-                reading.by_point(stated, (*where, "flow_dm3_min"), 1.0 / 60e3)
-                if isinstance(stated, dict)
-                else stated / 60e3
-            )
-            name = table.name or table.id.replace("_", " ")
-            pressure = None if table.at_kpa is None else table.at_kpa * 1e3
-            law = table.law or "orifice"
-            consumers.append(Consumer(table.id, name, flow, table.after_line, table.source, law, pressure))
+            by_point = isinstance(stated, dict)
+            flow = reading.by_point(stated, (*where, "flow_dm3_min"), 1.0 / 60e3) if by_point else stated / 60e3
+            name, law = table.name or table.id.replace("_", " "), table.law or "orifice"
+            consumers.append(made(Consumer, table, name=name, flow=flow, law=law))
     return tuple(consumers)
 
 
@@ -179,9 +171,8 @@ def read_standing(tables: Sequence[PermissiblePressureTable], reading: Reading) 
                     _refuse_twice(twice, key, gears & other.gears, where, reading)
                     twice = Sentence("range given twice for the state {state}", state=table.state)
                     _refuse_twice(twice, "ranges", ranges & other.ranges, where, reading)
-            low, high = (None if kpa is None else kpa * 1e3 for kpa in (table.low_kpa, table.high_kpa))
             published = table.evidence is not Evidence.REPRESENTATIVE
-            standing.append(StandingPressure(gears, ranges, table.state, low, high, table.source, published))
+            standing.append(made(StandingPressure, table, gears=gears, ranges=ranges, published=published))
     return tuple(standing)
 
 

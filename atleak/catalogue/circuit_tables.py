@@ -7,7 +7,19 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, field_validator, model_validator
 
-from atleak.catalogue.entries import Finite, Identifier, NonEmptyText, NonNegative, Positive, StatedEvidence, Strict
+from atleak.catalogue import usual
+from atleak.catalogue.entries import (
+    ID_HELP,
+    Finite,
+    Identifier,
+    NonEmptyText,
+    NonNegative,
+    Positive,
+    Source,
+    StatedEvidence,
+    Strict,
+)
+from atleak.catalogue.keys import key
 from atleak.faults import NotAccepted
 from atleak.sentence import Sentence
 
@@ -19,9 +31,11 @@ DISCHARGE_COEFFICIENT = 0.62  # of a sharp-edged orifice, where a feed states no
 
 
 class FeedTable(Strict):
-    source: NonEmptyText = Field(alias="from")
-    diameter_mm: float = Field(gt=0, lt=50)
-    discharge_coefficient: float = Field(default=DISCHARGE_COEFFICIENT, gt=0, le=1)
+    source: NonEmptyText = key("Fed from", "p_g is the line", names="section", width=20, alias="from")
+    diameter_mm: float = key("Diameter", usual=usual.ORIFICE, gt=0, lt=50)
+    discharge_coefficient: float = key(
+        "Discharge coefficient", "0.62 unless stated", default=DISCHARGE_COEFFICIENT, gt=0, le=1
+    )
     evidence: StatedEvidence = None  # of its diameter
 
 
@@ -110,14 +124,14 @@ SetKpa = Annotated[Any, PlainValidator(_set_table)]
 
 
 class CircuitTable(Strict):
-    id: Identifier
-    name: NonEmptyText
+    id: Identifier = key("Id", ID_HELP, width=20)
+    name: NonEmptyText = key("Name", width=30)
     gears: list[int] | None = Field(default=None, min_length=1)
     feeds: list[FeedTable] = []
-    set_kpa: SetKpa | None = None
-    set_evidence: StatedEvidence = None  # of the pressure that it is set to
-    source: NonEmptyText
-    evidence: StatedEvidence = None  # of the gears in which it is applied
+    set_kpa: SetKpa | None = key(usual=usual.SET_PRESSURE, default=None)
+    set_evidence: StatedEvidence = key("Set pressure is", "Empty: not stated", width=15, default=None)
+    source: Source
+    evidence: StatedEvidence = key("Gears are", "Empty: not stated", width=15, default=None)
 
     @model_validator(mode="after")
     def _supplied(self) -> CircuitTable:
@@ -128,22 +142,26 @@ class CircuitTable(Strict):
 
 class LineTable(Strict):
     set_kpa: SetKpa
-    source: NonEmptyText
-    evidence: StatedEvidence = None
+    source: NonEmptyText = key(
+        "Source of the line's set pressure", "Only where the sheet Set pressures has rows of p_g"
+    )
+    evidence: StatedEvidence = key("How that is known", default=None)
 
 
 class LeakTable(Strict):
-    id: Identifier
-    name: NonEmptyText | None = None
-    high: NonEmptyText = Field(alias="from")
-    low: NonEmptyText = Field(alias="to", default="drain")
-    law: Literal["laminar", "orifice"]
-    flow_dm3_min: NonNegative
-    at_kpa: Positive
-    at_viscosity_mm2_s: Positive | None = None
-    at_density_g_cm3: Positive = 0.83  # of automatic transmission fluid, about; a laminar leak depends on it little
-    gears: list[int] | None = Field(default=None, min_length=1)
-    source: NonEmptyText
+    id: Identifier = key("Id", ID_HELP, width=20)
+    name: NonEmptyText | None = key("Name", width=30, default=None)
+    high: NonEmptyText = key("From", names="pressure", width=18, alias="from")
+    low: NonEmptyText = key("To", "Drain unless stated", names="pressure", alias="to", default="drain")
+    law: Literal["laminar", "orifice"] = key("Law", "Rings, or holes")
+    flow_dm3_min: NonNegative = key("Flow")
+    at_kpa: Positive = key("At pressure", becomes="pressure_drop")
+    at_viscosity_mm2_s: Positive | None = key("At viscosity", "Needed where laminar", default=None)
+    at_density_g_cm3: Positive = key(  # of automatic transmission fluid, about; a laminar leak depends on it little
+        "At density", "0.83 unless stated", becomes="density", default=0.83
+    )
+    gears: list[int] | None = key("Gears", "All unless stated", width=16, default=None, min_length=1)
+    source: Source
     evidence: StatedEvidence = None
 
     @model_validator(mode="after")
@@ -165,13 +183,15 @@ def _flows(value: object) -> float | dict[str, float]:
 
 
 class ConsumerTable(Strict):
-    id: Identifier
-    name: NonEmptyText | None = None
-    flow_dm3_min: Annotated[Any, PlainValidator(_flows)]
-    law: Literal["orifice", "constant"] | None = None  # an orifice unless stated
-    at_kpa: Annotated[float, Field(gt=0, le=10_000)] | None = None
-    after_line: bool = False
-    source: NonEmptyText
+    id: Identifier = key("Id", ID_HELP, width=24)
+    name: NonEmptyText | None = key("Name", width=30, default=None)
+    flow_dm3_min: Annotated[Any, PlainValidator(_flows)] = key("Flow")
+    law: Literal["orifice", "constant"] | None = key("Law", "Orifice unless stated or after the line", default=None)
+    at_kpa: Annotated[float, Field(gt=0, le=10_000)] | None = key(
+        "At pressure", "The required main pressure unless stated", becomes="pressure", default=None
+    )
+    after_line: bool = key("After the line", "Supplied with what the regulator leaves over", default=False)
+    source: Source
     evidence: StatedEvidence = None
 
     @model_validator(mode="after")
@@ -185,12 +205,16 @@ class ConsumerTable(Strict):
 
 class PermissiblePressureTable(Strict):
     gear: int | None = None
-    gears: list[int] | None = Field(default=None, min_length=1)
-    ranges: list[SelectorRange] | None = Field(default=None, min_length=1)
-    state: StandingState
-    low_kpa: Positive | None = None
-    high_kpa: Positive | None = None
-    source: NonEmptyText
+    gears: list[int] | None = key(
+        "Gears", "R N 1 2 or all; one of both is needed", width=16, default=None, min_length=1
+    )
+    ranges: list[SelectorRange] | None = key(
+        "Ranges", "Of the lever, such as P N", width=12, default=None, min_length=1
+    )
+    state: StandingState = key("State")
+    low_kpa: Positive | None = key("Lowest", default=None)
+    high_kpa: Positive | None = key("Highest", default=None)
+    source: Source
     evidence: StatedEvidence = None
 
     @model_validator(mode="after")

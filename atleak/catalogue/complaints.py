@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pydantic import Field
-
-from atleak.catalogue.entries import Identifier, NonEmptyText, Strict
+from atleak.catalogue.entries import ID_HELP, Identifier, NonEmptyText, Source, Strict
+from atleak.catalogue.keys import key
 from atleak.errors import InputError, unknown
 from atleak.sentence import Name, Sentence
 
@@ -17,11 +16,13 @@ LandKey = tuple[str, int]
 class ComplaintTable(Strict):
     """A complaint as a controller's file states it; lands are written ``"8/1"``, component and land."""
 
-    id: Identifier
-    label: NonEmptyText
-    conditions: list[Identifier] = Field(min_length=1)
-    lands: list[NonEmptyText] | None = Field(default=None, min_length=1)
-    source: NonEmptyText | None = None
+    id: Identifier = key("Id", ID_HELP, width=20)
+    label: NonEmptyText = key("Label", "What people see", width=30)
+    conditions: list[Identifier] = key("Operating points", "Their names, with commas", width=28, min_length=1)
+    lands: list[NonEmptyText] | None = key(
+        "Lands", "That can explain it: boost_valve/2, 8/1", width=24, default=None, min_length=1
+    )
+    source: Source | None = key("Source", "Manual and page, or who measured it", width=40, default=None)
 
 
 @dataclass(frozen=True)

@@ -34,12 +34,13 @@ from atleak.catalogue.controller_tables import (
 )
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Evidence, Origin, listed, read_tables
+from atleak.catalogue.keys import made
 from atleak.catalogue.limits import DEFAULT_LIMITS, load_limits, reaches
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_reading import read_pump
 from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.remaining_tables import Remaining
-from atleak.catalogue.repairs import Repair, RepairTable, repair_of
+from atleak.catalogue.repairs import Repair, RepairTable
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
 from atleak.doors import own_errors_only
 from atleak.errors import CatalogueError, DomainError, Message
@@ -94,7 +95,7 @@ def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
     controller, faults = _read(entry, data, origin)
     if controller is None:
         raise together(faults)
-    doubts = doubts_of("controllers", data, origin.file, displacement=controller.pump.displacement)
+    doubts = doubts_of("controllers", ControllerFile, data, origin.file, displacement=controller.pump.displacement)
     return replace(controller, doubts=(*doubts, *_mending_nothing(controller, data, origin.file)))
 
 
@@ -159,14 +160,9 @@ def _read(
     gaps = (*described, *_gaps_not_described(entry, without))
     points = tuple(_operating_points(entry, reading))
     standing = read_standing(entry.permissible_pressure, reading)
-    controller = Controller(
-        id=entry.id,
-        name=entry.name,
-        source=entry.source,
-        date=entry.date,
-        note=entry.note,
-        representative=entry.representative,
-        gears=tuple(entry.gears),
+    controller = made(
+        Controller,
+        entry,
         components=MappingProxyType({component.id: component.name for component in entry.components}),
         lands=lands,
         gaps=gaps,
@@ -273,25 +269,21 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
         # an unknown material of [defaults] is named there, once for all lands
         materials.append((name, entry.materials[name].expansion_per_k if name in entry.materials else 0.0))
     new = _mounting(entry, table, where, reading)
-    return Land(
+    return made(
+        Land,
+        table,
         component=component.id,
-        land=table.land,
         planes=tuple(table.planes or [str(table.land)]),
         part=component.part,
-        nominal_diameter=table.nominal_diameter_mm * 1e-3,
         contact_length=length * 1e-3,
         mounting_clearance=new.clearance,
         body_material=materials[0][0],
         spool_material=materials[1][0],
         body_expansion=materials[0][1],
         spool_expansion=materials[1][1],
-        clearance_limit=None if table.clearance_limit_um is None else table.clearance_limit_um * 1e-6,
         representative=tuple(name for name in entry.representative_values if entry.known_from(table, name) is _ASSUMED),
         mounting_tolerance=new.tolerance,
         new_origin=new.origin,
-        learned_from_units=table.learned_from_units,
-        position=None if table.position_mm is None else table.position_mm * 1e-3,
-        seal=table.seal,
         sleeved=component.bore == "sleeved",
         mounting_measured=new.origin in (NewOrigin.PAIR, NewOrigin.TYPE)
         and entry.known_from(table, "mounting_clearance_um") is Evidence.MEASURED,
@@ -375,9 +367,9 @@ def _gap(table: GapTable, known: Sequence[LandKey], where: Steps, reading: Readi
         problem = Sentence("not the section that the gap leaks from")
         expected = Sentence("the one named in from = {high!r}", high=table.high)
         raise reading.fault((*where, "section"), problem, value=table.section, expected=expected)
-    return Gap(
-        component=table.component,
-        land=table.land,
+    return made(
+        Gap,
+        table,
         section=section,
         high=high,
         low=low,
@@ -412,7 +404,7 @@ def _repairs(
             mine = [land for component, land in known if component == table.component]
             _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
             _check_diameter(table, lands, where, reading)
-            repairs.append(repair_of(table, mine))
+            repairs.append(made(Repair, table, lands=frozenset(mine if table.lands is None else table.lands)))
     return repairs
 
 
@@ -444,21 +436,7 @@ def _operating_points(entry: ControllerFile, reading: Reading) -> list[Operating
                 raise reading.fault((*where, "name"), problem, value=table.name, expected=Sentence("another name"))
             if any(table.name == before.name for before in entry.operating_points[:number]):
                 raise reading.fault((*where, "name"), _POINT_TWICE, value=table.name)
-            points.append(
-                OperatingPoint(
-                    name=table.name,
-                    label=table.label,
-                    temperature=table.temperature_c,
-                    engine_speed=table.engine_rpm / 60.0,
-                    gear=table.gear,
-                    main_pressure=table.p_g_kpa * 1e3,
-                    converter_pressure=table.p_k_kpa * 1e3,
-                    source=table.source,
-                    stated_state=table.state,
-                    solenoid_current=None if table.solenoid_current_ma is None else table.solenoid_current_ma * 1e-3,
-                    lockup_duty=None if table.lockup_duty_percent is None else table.lockup_duty_percent * 1e-2,
-                )
-            )
+            points.append(made(OperatingPoint, table))
     return points
 
 
@@ -466,24 +444,19 @@ def _complaints(
     tables: Iterable[ComplaintTable], lands: Collection[LandKey], source: str, reading: Reading
 ) -> tuple[Complaint, ...]:
     names = {written_land(key): key for key in lands}
-    made: dict[str, Complaint] = {}
+    complaints: dict[str, Complaint] = {}
     for number, table in enumerate(tables):
         where = ("complaints", number)
         with reading.gathering():
-            if table.id in made:
+            if table.id in complaints:
                 raise reading.fault((*where, "id"), Sentence("complaint given twice"), value=table.id)
             at, problems = (*where, "conditions"), (_NO_POINT, _POINT_TWICE)
             _each_known_once(table.conditions, reading.points, at, problems, "operating_points", reading)
             at, problems = (*where, "lands"), (_NO_LAND, Sentence("land given twice"))
             _each_known_once(table.lands or (), names, at, problems, "lands", reading)
-            made[table.id] = Complaint(
-                id=table.id,
-                label=table.label,
-                conditions=tuple(table.conditions),
-                lands=tuple(names[name] for name in table.lands or ()),
-                source=table.source or source,
-            )
-    return tuple(made.values())
+            at_lands = tuple(names[name] for name in table.lands or ())
+            complaints[table.id] = made(Complaint, table, lands=at_lands, source=table.source or source)
+    return tuple(complaints.values())
 
 
 def _each_known_once(

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import StrEnum
 from types import MappingProxyType
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from atleak.catalogue import usual
 from atleak.catalogue.circuit_tables import (
     CircuitTable,
     ConsumerTable,
@@ -21,6 +21,7 @@ from atleak.catalogue.circuit_tables import (
 )
 from atleak.catalogue.complaints import ComplaintTable
 from atleak.catalogue.entries import (
+    ID_HELP,
     Entry,
     Evidence,
     Finite,
@@ -29,9 +30,11 @@ from atleak.catalogue.entries import (
     NonEmptyText,
     NonNegative,
     Positive,
+    Source,
     StatedEvidence,
     Strict,
 )
+from atleak.catalogue.keys import key
 from atleak.catalogue.pump_tables import PumpTable
 from atleak.catalogue.repairs import RepairTable
 from atleak.faults import NotAccepted
@@ -71,25 +74,68 @@ _NEW_ORIGINS = {
 
 
 class MaterialTable(Strict):
-    expansion_per_k: float = Field(gt=0, lt=1e-3)
-    source: NonEmptyText
+    expansion_per_k: float = key(
+        "Expansion", "21.3 for cast aluminium, 12 for steel", usual=usual.EXPANSION, gt=0, lt=1e-3
+    )
+    source: Source
     evidence: StatedEvidence = None
 
 
+_OWN_MATERIAL = "Material, where it is not that of the head"
+
+
 class LandTable(Strict):
-    land: int = Field(ge=1, le=9)
-    planes: list[NonEmptyText] | None = None
-    nominal_diameter_mm: float = Field(gt=0.5, lt=200)
-    contact_length_mm: ContactLength | None = None
-    position_mm: NonNegative | None = None  # of its near edge from the spool's end on the left of the drawing
-    mounting_clearance_um: MountingClearance | None = None
-    mounting_tolerance_um: Positive | None = None
-    mounting_clearance_of_used_unit: bool | None = None
-    learned_from_units: int | None = Field(default=None, ge=1)
-    seal: Seal | None = None
-    clearance_limit_um: Positive | None = None
-    body: NonEmptyText | None = None
-    spool: NonEmptyText | None = None
+    land: int = key("Land", "Its number on this component, 1 to 9", width=7, ge=1, le=9)
+    planes: list[NonEmptyText] | None = key(
+        "Planes", "Measurement planes, with commas; the land's number unless stated", default=None
+    )
+    nominal_diameter_mm: float = key(
+        "Diameter",
+        "Of the spool, not of the bore",
+        known="Diameter is",
+        known_of_all="Diameters are",
+        usual=usual.LAND_DIAMETER,
+        gt=0.5,
+        lt=200,
+    )
+    contact_length_mm: ContactLength | None = key(
+        "Contact length",
+        "Over which spool and bore face each other",
+        known="Length is",
+        known_of_all="Contact lengths are",
+        usual=usual.CONTACT_LENGTH,
+        default=None,
+    )
+    position_mm: NonNegative | None = key(
+        "Position", "Near edge from the end that the drawing shows left", default=None
+    )
+    mounting_clearance_um: MountingClearance | None = key(
+        "Mounting clearance",
+        "When new; the lower end of a range",
+        up_to=("Up to", "The upper end, where it is a range"),
+        known="Clearance is",
+        known_of_all="New clearances are",
+        radial=True,
+        usual=usual.CLEARANCE,
+        default=None,
+    )
+    mounting_tolerance_um: Positive | None = key(
+        "Tolerance", "± that holds 95 % of new pairs of this type", radial=True, usual=usual.TOLERANCE, default=None
+    )
+    mounting_clearance_of_used_unit: bool | None = key("Of a used unit", "Measured used and taken as new", default=None)
+    learned_from_units: int | None = key(
+        "Learned from", "How many new units gave the clearance", unit="units", default=None, ge=1
+    )
+    seal: Seal | None = key("Seal", default=None)
+    clearance_limit_um: Positive | None = key(
+        "Limit",
+        "Your own: at or past it the verdict is replace",
+        radial=True,
+        usual=usual.CLEARANCE_LIMIT,
+        default=None,
+    )
+    body: NonEmptyText | None = key("Body", _OWN_MATERIAL, names="material", default=None)
+    spool: NonEmptyText | None = key("Spool", _OWN_MATERIAL, names="material", default=None)
     published: list[LandValue] = []
     measured: list[LandValue] = []
 
@@ -101,22 +147,22 @@ class LandTable(Strict):
 
 
 class ComponentTable(Strict):
-    id: NonEmptyText
-    name: NonEmptyText
-    part: PartKind = "spool"
-    bore: Bore = "plain"
+    id: NonEmptyText = key("Id", "As on the drawing: 8, 12', boost_valve", width=28)
+    name: NonEmptyText = key("Name", width=34)
+    part: PartKind = key("Part", "Spool unless stated", default="spool")
+    bore: Bore = key("Bore", "Plain unless stated", default="plain")
     lands: list[LandTable] = []
 
 
 class GapTable(Strict):
-    component: NonEmptyText
-    land: int
-    section: NonEmptyText | None = None
-    high: NonEmptyText = Field(alias="from")
-    low: NonEmptyText = Field(alias="to")
-    gears: list[int] = Field(min_length=1)
-    ends_in: Literal["sump", "section"] | None = None
-    published: bool = False
+    component: NonEmptyText = key("Component", names="component", width=28)
+    land: int = key("Land", width=7)
+    section: NonEmptyText | None = key("Section", "Need not be said: follows from From", default=None)
+    high: NonEmptyText = key("From", "Also a share of one: 0.5*p_m", names="pressure", width=18, alias="from")
+    low: NonEmptyText = key("To", "Also 0.1*p_g, 35 kPa or drain", names="pressure", width=18, alias="to")
+    gears: list[int] = key("Gears", "Such as R N 1 2, 1-5 or all", width=18, min_length=1)
+    ends_in: Literal["sump", "section"] | None = key("Ends in", "Follows from To unless stated", default=None)
+    published: bool = key("Published", "Of older files: yes is published", default=False)
     evidence: StatedEvidence = None
 
     @property
@@ -126,87 +172,92 @@ class GapTable(Strict):
 
 
 class SpringTable(Strict):
-    shear_modulus_mpa: Positive
-    wire_diameter_mm: Positive
-    active_coils: Positive
-    mean_coil_diameter_mm: Positive
-    free_length_mm: Positive
-    working_length_mm: Positive
-
-
-@dataclass(frozen=True)
-class BalanceValve:
-    """The spool and spring of a valve that balances a section's pressure against main pressure."""
-
-    diameter_1_mm: float
-    diameter_2_mm: float
-    diameter_3_mm: float
-    rod_diameter_mm: float
-    spring: SpringTable
+    shear_modulus_mpa: Positive = key("Shear modulus of the spring")
+    wire_diameter_mm: Positive = key("Wire diameter")
+    active_coils: Positive = key("Active coils")
+    mean_coil_diameter_mm: Positive = key("Mean coil diameter")
+    free_length_mm: Positive = key("Free length")
+    working_length_mm: Positive = key("Working length")
 
 
 class RelationTable(Strict):
     """A pressure relation: ``"spool_balance"`` needs the diameters and the spring, ``"line"`` the ratio."""
 
-    relation: Literal["spool_balance", "line"]
-    limit_kpa: Positive | None = None
-    source: NonEmptyText
+    relation: Literal["line", "spool_balance"] = key("Relation")
+    limit_kpa: Positive | None = key("Limit", "It does not rise above", default=None)
+    source: Source
     evidence: StatedEvidence = None
-    ratio: NonNegative | None = None
-    offset_kpa: Finite = 0.0
-    diameter_1_mm: Positive | None = None
-    diameter_2_mm: Positive | None = None
-    diameter_3_mm: Positive | None = None
-    rod_diameter_mm: Positive | None = None
-    diameter_g1_mm: Positive | None = None
-    diameter_g2_mm: Positive | None = None
-    spring: SpringTable | None = None
-
-    @property
-    def valve(self) -> BalanceValve:
-        """Return the valve of a spool balance.
-
-        Raises
-        ------
-        NotAccepted
-            if the table lacks a value of the valve; it names them.
-        """
-        one, two, three, rod = self.diameter_1_mm, self.diameter_2_mm, self.diameter_3_mm, self.rod_diameter_mm
-        if one is None or two is None or three is None or rod is None or self.spring is None:
-            wanted = ("diameter_1_mm", "diameter_2_mm", "diameter_3_mm", "rod_diameter_mm", "spring")
-            missing = tuple(key for key in wanted if getattr(self, key) is None)
-            raise NotAccepted(Sentence("a spool balance with {keys} too", keys=missing))
-        return BalanceValve(one, two, three, rod, self.spring)
+    ratio: NonNegative | None = key("Ratio", "Of a line", default=None)
+    offset_kpa: Finite = key("Offset", "Of a line", default=0.0)
+    diameter_1_mm: Positive | None = key("Diameter 1", "Of a spool balance: full end face", default=None)
+    diameter_2_mm: Positive | None = key("Diameter 2", default=None)
+    diameter_3_mm: Positive | None = key("Diameter 3", default=None)
+    rod_diameter_mm: Positive | None = key("Rod diameter", default=None)
+    diameter_g1_mm: Positive | None = key("Diameter g1", default=None)
+    diameter_g2_mm: Positive | None = key("Diameter g2", default=None)
+    spring: SpringTable | None = key(default=None)
 
     @model_validator(mode="after")
     def _complete(self) -> RelationTable:
         if self.relation == "line" and self.ratio is None:
             raise NotAccepted(Sentence("a line with its ratio"))
-        if self.relation == "spool_balance":
-            _ = self.valve
+        wanted = ("diameter_1_mm", "diameter_2_mm", "diameter_3_mm", "rod_diameter_mm", "spring")
+        missing = tuple(key for key in wanted if getattr(self, key) is None)
+        if self.relation == "spool_balance" and missing:
+            raise NotAccepted(Sentence("a spool balance with {keys} too", keys=missing))
         return self
 
 
 class OperatingPointTable(Strict):
-    name: Identifier
-    label: NonEmptyText
-    temperature_c: float = Field(ge=-60, le=200)
-    engine_rpm: float = Field(gt=0, le=15_000)
-    gear: int
-    p_g_kpa: float = Field(gt=0, le=10_000)
-    p_k_kpa: float = Field(ge=0, le=5_000)
-    state: State | None = None
-    solenoid_current_ma: float | None = Field(default=None, ge=0, le=10_000)
-    lockup_duty_percent: Percent | None = None
-    source: NonEmptyText
+    name: Identifier = key("Name", ID_HELP, width=18)
+    label: NonEmptyText = key("Label", "What people see", width=28)
+    temperature_c: float = key("Fluid temperature", usual=usual.TEMPERATURE, ge=-60, le=200)
+    engine_rpm: float = key("Engine speed", becomes="engine_speed", usual=usual.ENGINE_SPEED, gt=0, le=15_000)
+    gear: int = key("Gear", "R, N or a number", width=7)
+    p_g_kpa: float = key(
+        "Main pressure",
+        "That a sound unit has there, gauge",
+        becomes="main_pressure",
+        usual=usual.MAIN_PRESSURE,
+        gt=0,
+        le=10_000,
+    )
+    p_k_kpa: float = key(
+        "Converter pressure", "Likewise", becomes="converter_pressure", usual=usual.CONVERTER_PRESSURE, ge=0, le=5_000
+    )
+    state: State | None = key(
+        "State", "Idle under 1000 rpm, else driving, unless stated", becomes="stated_state", default=None
+    )
+    solenoid_current_ma: float | None = key(
+        "Solenoid current", "Where a set pressure follows it", default=None, ge=0, le=10_000
+    )
+    lockup_duty_percent: Percent | None = key("Lock-up duty", "Where a set pressure follows it", default=None)
+    source: Source
     evidence: StatedEvidence = None
 
 
 class DefaultsTable(Strict):
-    contact_length_mm: ContactLength | None = None
-    mounting_clearance_um: MountingClearance | None = None
-    mounting_tolerance_um: Positive | None = None
-    mounting_clearance_of_used_unit: bool = False
+    contact_length_mm: ContactLength | None = key(
+        "Contact length unless stated", "Of lands that state none", usual=usual.CONTACT_LENGTH, default=None
+    )
+    mounting_clearance_um: MountingClearance | None = key(
+        "Mounting clearance unless stated",
+        "Of lands that state none, when new. Bore minus spool where diametral, half of it where radial",
+        up_to=("Up to, where it is a range", "Its upper end"),
+        radial=True,
+        usual=usual.CLEARANCE,
+        default=None,
+    )
+    mounting_tolerance_um: Positive | None = key(
+        "Tolerance of mounting clearances",
+        "± that holds 95 % of new pairs, where it is a value of the unit's type",
+        radial=True,
+        usual=usual.TOLERANCE,
+        default=None,
+    )
+    mounting_clearance_of_used_unit: bool = key(
+        "Clearances are of a used unit", "Measured on a used unit and taken as new", default=False
+    )
 
     @model_validator(mode="after")
     def _one_way_of_knowing(self) -> DefaultsTable:
@@ -215,18 +266,22 @@ class DefaultsTable(Strict):
             raise NotAccepted(wanted)
         return self
 
-    body: NonEmptyText | None = None
-    spool: NonEmptyText | None = None
+    body: NonEmptyText | None = key(
+        "Material of the body", "A name of the sheet Materials", names="material", default=None
+    )
+    spool: NonEmptyText | None = key(
+        "Material of spools", "A name of the sheet Materials", names="material", default=None
+    )
     published: list[LandValue] = []
     measured: list[LandValue] = []
 
 
 class ControllerFile(Entry):
-    representative: str = ""
+    representative: str = key("Representative", "In a sentence: what of it is representative", default="")
     representative_values: list[LandValue] = []
-    gears: list[int] = Field(min_length=1)
+    gears: list[int] = key("Gears", "Such as R N 1 2 3 4; P counts as N", min_length=1)
     materials: dict[str, MaterialTable] = Field(min_length=1)
-    defaults: DefaultsTable = DefaultsTable()
+    defaults: DefaultsTable = key(default=DefaultsTable())
     pump: PumpTable
     pressures: dict[Literal["p_s", "p_m"], RelationTable] = {}
     operating_points: list[OperatingPointTable] = Field(min_length=1)
@@ -235,7 +290,7 @@ class ControllerFile(Entry):
     circuits: list[CircuitTable] = []
     leaks: list[LeakTable] = []
     consumers: list[ConsumerTable] = []
-    line: LineTable | None = None
+    line: LineTable | None = key(default=None)
     permissible_pressure: list[PermissiblePressureTable] = []
     complaints: list[ComplaintTable] = []
     repairs: list[RepairTable] = []

@@ -1,7 +1,7 @@
 """Doubt what a catalogue file states and its checks accept: numbers that are possible, and probably a slip.
 
-Each doubt is a message with the place of its value, so that a page can show it at the field. What is usual stands in
-`atleak.catalogue.usual`.
+Each doubt is a message with the place of its value, so that a page can show it at the field. What is usual stands with
+the keys.
 """
 
 from __future__ import annotations
@@ -12,14 +12,16 @@ from functools import cache
 from statistics import median
 from typing import Any
 
+from pydantic import BaseModel
+
 from atleak.catalogue.entries import read_tables, shipped_files
+from atleak.catalogue.keys import usual_values
 from atleak.catalogue.usual import (
     DISPLACEMENT,
     EACH,
     NEW_CLEARANCE,
     THICKEST,
     THINNEST,
-    USUAL,
     WIDEST_NEW,
     Pattern,
     Usual,
@@ -36,7 +38,7 @@ _COLD, _HOT = -20.0, 200.0  # [°C] between which it is known what is usual: und
 
 
 def doubts_of(
-    kind: str, data: Mapping[str, Any], file: str, *, displacement: float | None = None
+    kind: str, model: type[BaseModel], data: Mapping[str, Any], file: str, *, displacement: float | None = None
 ) -> tuple[Message, ...]:
     """Return what to ask about the tables of a catalogue file, whether or not they are complete.
 
@@ -44,6 +46,8 @@ def doubts_of(
     ----------
     kind
         the folder of the catalogue: controllers, fluids, limits or instruments.
+    model
+        of such files, whose keys say what is usual.
     data
         the tables as a TOML file of the same content gives them; what is no number is passed over.
     file
@@ -52,7 +56,7 @@ def doubts_of(
         of a controller's pump [m³/rev] where its dimensions give it, else None.
     """
     found: list[tuple[Steps, Sentence]] = []
-    for pattern, usual in USUAL[kind].items():
+    for pattern, usual in usual_values(model).items():
         found += _unusual(data, pattern, usual)
     if kind == "controllers":
         found += _of_clearances(data)

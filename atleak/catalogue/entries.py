@@ -21,6 +21,7 @@ from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, StringConstraints
 
+from atleak.catalogue.keys import key
 from atleak.doors import own_errors_only
 from atleak.errors import CatalogueError, OutputError, Place, unknown
 from atleak.faults import NotAccepted, validated
@@ -67,7 +68,26 @@ def _evidence(value: Any) -> Evidence | None:
         raise NotAccepted(Sentence("one of {names}", names=tuple(map(str, Evidence)))) from None
 
 
-StatedEvidence = Annotated[Evidence | None, BeforeValidator(_evidence)]
+StatedEvidence = Annotated[Evidence | None, BeforeValidator(_evidence), key("How known", "Empty: not stated", width=15)]
+Source = Annotated[NonEmptyText, key("Source", "Manual and page, or who measured it", width=40)]
+ID_HELP = "Small letters, digits and _"
+
+
+def _mounting_clearance(value: object) -> float | list[float]:
+    """Check a mounting clearance [µm]: a number, or the two ends of the range in which new pairs lie."""
+    ends: list[float] = []
+    for end in value if isinstance(value, list) and len(value) == 2 else [value]:
+        if isinstance(end, bool) or not isinstance(end, int | float) or not 1.0 <= end < 500.0:
+            raise NotAccepted(Sentence("µm, a number from 1 to below 500, or a range of two such as [6.4, 20.0]"))
+        ends.append(float(end))
+    if len(ends) == 1:
+        return ends[0]
+    if not ends[0] < ends[1]:
+        raise NotAccepted(Sentence("a range with its lower end first, such as [6.4, 20.0]"))
+    return ends
+
+
+MountingClearance = Annotated[float | list[float], PlainValidator(_mounting_clearance)]
 
 
 def _day(value: Any) -> str:
@@ -87,15 +107,11 @@ class Strict(BaseModel):
 class Entry(Strict):
     """The keys at the head of every catalogue file."""
 
-    id: Identifier
-    name: NonEmptyText
-    source: NonEmptyText
-    date: Annotated[str, BeforeValidator(_day)]
-    note: str = ""
-
-    def heading(self) -> dict[str, str]:
-        """Return what every catalogue object takes over as it stands in its file: id, name, source, date and note."""
-        return {name: getattr(self, name) for name in Entry.model_fields}
+    id: Identifier = key("Id", f"{ID_HELP}, such as ford_4r44e_1996")
+    name: NonEmptyText = key("Name", "What people see")
+    source: NonEmptyText = key("Source", "Where the numbers come from")
+    date: Annotated[str, BeforeValidator(_day)] = key("Date", "Of the source or of this entry, such as 2026-01-31")
+    note: str = key("Note", "Anything a reader of the result must know", default="")
 
 
 EntryModel = TypeVar("EntryModel", bound=Entry)

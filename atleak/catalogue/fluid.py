@@ -12,6 +12,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from pydantic import Field, field_validator
 
+from atleak.catalogue import usual
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import (
     NO_ENTRY,
@@ -22,6 +23,7 @@ from atleak.catalogue.entries import (
     read_entry,
     shipped_files,
 )
+from atleak.catalogue.keys import key, made
 from atleak.equations import fluid as fluid_equations
 from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
 from atleak.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
@@ -281,21 +283,17 @@ def fresh_assumed(fluid: Fluid) -> Message:
 def _fluid(entry: FluidFile, data: Mapping[str, Any], origin: Origin) -> Fluid:
     points = _falling("viscosity", entry.viscosity, data, origin)
     rows = _falling("table", entry.table, data, origin)
-    return Fluid(
-        **entry.heading(),
-        representative=tuple(entry.representative),
+    return made(
+        Fluid,
+        entry,
         points=tuple((row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6) for row in points),
         table=tuple((row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6, row.density_g_cm3 * 1e3) for row in rows),
         density_at=(entry.density.at_c, entry.density.density_g_cm3 * 1e3),
         density_slope=entry.density.density_slope_g_cm3_k * 1e3,
-        pour_point=entry.pour_point_c,
-        study_regression=entry.study_regression,
-        state=entry.state,
         used=_used_entry(entry, origin),
         viscosity_half_width=0.0,
         origin=origin,
-        doubts=doubts_of("fluids", data, origin.file),
-        fresh=None,
+        doubts=doubts_of("fluids", FluidFile, data, origin.file),
     )
 
 
@@ -354,29 +352,37 @@ def _plain(value: Any) -> Any:
 
 
 class ViscosityTable(Strict):
-    temperature_c: float = Field(ge=-60, le=200)
-    kinematic_viscosity_mm2_s: float = Field(ge=0.5, le=1e6)
+    temperature_c: float = key("Temperature", ge=-60, le=200)
+    kinematic_viscosity_mm2_s: float = key("Kinematic viscosity", "1 mm²/s is 1 cSt", width=22, ge=0.5, le=1e6)
 
 
 class PropertyTable(ViscosityTable):
-    density_g_cm3: float = Field(gt=0.5, lt=1.5)
+    density_g_cm3: float = key("Density", usual=usual.DENSITY_OF_TABLE, gt=0.5, lt=1.5)
 
 
 class DensityTable(Strict):
-    density_g_cm3: float = Field(gt=0.5, lt=1.5)
-    at_c: float = Field(default=15.0, ge=-60, le=200)
-    density_slope_g_cm3_k: float = Field(le=0, ge=-0.002)  # so that no density falls to nothing on the way to 150 °C
+    density_g_cm3: float = key("Density", "Such as 0.85", usual=usual.DENSITY, gt=0.5, lt=1.5)
+    at_c: float = key("At", "15 °C unless stated", default=15.0, ge=-60, le=200)
+    density_slope_g_cm3_k: float = key(
+        "Slope",
+        "Negative: −0.0007 is representative of transmission fluids",
+        usual=usual.DENSITY_SLOPE,
+        le=0,
+        ge=-0.002,  # so that no density falls to nothing on the way to 150 °C
+    )
 
 
 ViscosityRow = TypeVar("ViscosityRow", bound=ViscosityTable)
 
 
 class FluidFile(Entry):
-    representative: list[str] = []
-    study_regression: bool = False
-    state: FluidState = "fresh"
-    used: str | None = None
-    pour_point_c: float | None = Field(default=None, ge=-80, le=20)
+    representative: list[str] = key("Representative", "What no data sheet gives, with commas between", default=[])
+    study_regression: bool = key("Study's regression holds", "Of the source study's fluid alone", default=False)
+    state: FluidState = key("State", "Of which the data are; fresh unless stated", default="fresh")
+    used: str | None = key("Entry of the used fluid", "Id of a shipped entry with its data after use", default=None)
+    pour_point_c: float | None = key(
+        "Pour point", "Under it nothing is computed", usual=usual.POUR_POINT, default=None, ge=-80, le=20
+    )
     density: DensityTable
     viscosity: list[ViscosityTable] = Field(min_length=2)
     table: list[PropertyTable] = []

@@ -9,8 +9,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from atleak.catalogue import usual
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Entry, Origin, Shelf
+from atleak.catalogue.keys import key, made
 from atleak.errors import InputError, Message, one_of
 from atleak.sentence import Name, Sentence
 
@@ -99,19 +101,8 @@ class Instruments:
 
 
 def _instrument(entry: InstrumentFile, data: Mapping[str, Any], origin: Origin) -> Instrument:
-    return Instrument(
-        **entry.heading(),
-        measures=tuple(entry.measures),
-        resolution=entry.resolution_um * 1e-6,
-        calibration=entry.calibration_um * 1e-6,
-        common_part=entry.common_part,
-        repeatability=None if entry.repeatability_um is None else entry.repeatability_um * 1e-6,
-        alike_inside_and_outside=entry.alike_inside_and_outside,
-        representative=tuple(entry.representative),
-        origin=origin,
-        expansion=entry.expansion_per_k,
-        doubts=doubts_of("instruments", data, origin.file),
-    )
+    doubts = doubts_of("instruments", InstrumentFile, data, origin.file)
+    return made(Instrument, entry, origin=origin, doubts=doubts)
 
 
 def load_instruments(
@@ -135,13 +126,44 @@ _Error = Annotated[float, Field(ge=0, le=1000)]  # [µm]: a millimetre, as a rul
 class InstrumentFile(Entry):
     """The catalogue file; ``representative`` lists the keys whose values come from no certificate."""
 
-    measures: list[Part] = Field(min_length=1)
-    resolution_um: float = Field(gt=0, le=1000)
-    calibration_um: _Error
-    common_part: float = Field(ge=0, le=1)
-    repeatability_um: _Error | None = None
-    alike_inside_and_outside: bool = True
-    expansion_per_k: float = Field(default=STEEL_EXPANSION, ge=0, le=1e-3)
+    measures: list[Part] = key("Measures", "spool, sleeve, or both with a comma", min_length=1)
+    resolution_um: float = key(
+        "Resolution", "Step between two possible readings", known="Resolution is", usual=usual.RESOLUTION, gt=0, le=1000
+    )
+    calibration_um: _Error = key(
+        "Calibration",
+        "Standard uncertainty of its calibration, setting and scale",
+        known="Calibration is",
+        usual=usual.CALIBRATION,
+    )
+    common_part: float = key(
+        "Common part",
+        "Part of the calibration's variance that all readings share, 0 to 1: zero, setting ring, scale",
+        known="Common part is",
+        ge=0,
+        le=1,
+    )
+    repeatability_um: _Error | None = key(
+        "Repeatability",
+        "Standard deviation of one reading; empty where it is not known",
+        known="Repeatability is",
+        usual=usual.REPEATABILITY,
+        default=None,
+    )
+    alike_inside_and_outside: bool = key(
+        "Errs alike inside and outside",
+        "Its common error is the same in a bore and on a spool; yes unless stated",
+        default=True,
+    )
+    expansion_per_k: float = key(
+        "Expansion",
+        "Of its scale or masters; 11.5 of steel",
+        known="Expansion is",
+        usual=usual.EXPANSION_OF_GAUGE,
+        default=STEEL_EXPANSION,
+        ge=0,
+        le=1e-3,
+    )
     representative: list[
         Literal["resolution_um", "calibration_um", "common_part", "repeatability_um", "expansion_per_k"]
     ] = []

@@ -11,16 +11,12 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field, create_model, model_validator
+from pydantic import BeforeValidator, create_model, model_validator
 
+from atleak.catalogue import usual
 from atleak.catalogue.doubts import doubts_of
-from atleak.catalogue.entries import (
-    Entry,
-    NonEmptyText,
-    Origin,
-    Shelf,
-    Strict,
-)
+from atleak.catalogue.entries import Entry, NonEmptyText, Origin, Shelf, Strict
+from atleak.catalogue.keys import key, made, unit_of
 from atleak.errors import Message
 from atleak.faults import NotAccepted, WrongTogether
 from atleak.sentence import Sentence
@@ -268,23 +264,14 @@ class Limits:
 
 
 def _limits(entry: LimitsFile, data: Mapping[str, Any], origin: Origin) -> Limits:
-    return Limits(
-        **entry.heading(),
-        wear=_steps(entry.wear_percent, 1e-2),
-        clearance=_steps(entry.clearance_um, 1e-6),
-        pair_share=_steps(entry.pair_share_percent, 1e-2),
-        total_share=entry.total_share_percent.steps(1e-2),
-        origin=origin,
-        reserve=None if entry.reserve is None else entry.reserve.steps(),
-        circuit_loss=_steps(entry.circuit_loss_kpa, 1e3),
-        below_permissible=_steps(entry.below_permissible_percent, 1e-2),
-        commanded_pressure=_steps(entry.commanded_pressure_kpa, 1e3),
-        doubts=doubts_of("limits", data, origin.file),
-    )
-
-
-def _steps(table: LevelTable | None, unit: float) -> Steps | None:
-    return None if table is None else table.steps(unit)
+    doubts = doubts_of("limits", LimitsFile, data, origin.file)
+    tables = {name: getattr(entry, name) for name in LimitsFile.model_fields}
+    steps = {
+        unit_of(name)[0]: table.steps(unit_of(name)[1].size)
+        for name, table in tables.items()
+        if isinstance(table, LevelTable | ReserveTable)
+    }
+    return made(Limits, entry, origin=origin, doubts=doubts, **steps)
 
 
 _HIGHEST = 10_000.0  # of any limit, in the unit of its table; nothing that is measured or computed gets there
@@ -296,13 +283,23 @@ _MOST = {  # of those whose quantity ends before: what lies beyond would switch 
 }
 
 
+_OF_SHARES = ("growth_percent", "added_points")
+BESIDE_LIMIT: Mapping[str, tuple[str, ...]] = MappingProxyType(  # by table: keys of a level beside its limit
+    {"wear_percent": ("at_least_um",), "pair_share_percent": _OF_SHARES, "total_share_percent": _OF_SHARES}
+)
+
+
 class LevelLimit(Strict):
     """Where one level begins; all that is stated is asked for."""
 
-    percent: Annotated[float, Field(ge=0, le=_HIGHEST)] | None = None  # the limit itself, in the unit of its table
-    at_least_um: Annotated[float, Field(gt=0, le=500)] | None = None  # of wear: growth of the radial clearance
-    growth_percent: Annotated[float, Field(gt=0, le=_HIGHEST)] | None = None  # of a share: over the same one new
-    added_points: Annotated[float, Field(ge=0, le=1000)] = 0.0  # of a share: to a new one's, points of the pump's flow
+    percent: float | None = key(default=None, ge=0, le=_HIGHEST)  # the limit itself, in the unit of its table
+    at_least_um: float | None = key("at least", usual=usual.AT_LEAST, default=None, gt=0, le=500)  # of wear
+    growth_percent: float | None = key(
+        "growth over new", usual=usual.GROWTH, default=None, gt=0, le=_HIGHEST
+    )  # of a share
+    added_points: float = key(
+        "added points", unit="%", usual=usual.ADDED_POINTS, default=0.0, ge=0, le=1000
+    )  # of a share, to a new one's
 
     @property
     def growth(self) -> tuple[float, float] | None:
@@ -324,11 +321,15 @@ def _a_number_or_a_table(value: object) -> object:
 _Stated = Annotated[LevelLimit | None, BeforeValidator(_a_number_or_a_table)]
 
 
+_Whose = Annotated[LimitOrigin, key("Limit is", "Published, chosen by atleak or set by you", strict=False)]
+_SourceOfLimit = Annotated[NonEmptyText, key("Source of the limit", "Manual and page, or whose experience")]
+
+
 class LevelTable(Strict):
     """The limits of one quantity as a file states them."""
 
-    origin: Annotated[LimitOrigin, Field(strict=False)]  # a file writes it as text
-    source: NonEmptyText
+    origin: _Whose  # a file writes it as text
+    source: _SourceOfLimit
 
     def stated(self) -> dict[str, LevelLimit]:
         """Return the levels that are set, in rising order of severity."""
@@ -385,18 +386,27 @@ else:
     BandTable = create_model("BandTable", __base__=LevelTable, __module__=__name__, **_every)
 
 
-_Reserve = Annotated[float, Field(ge=0.1, le=100)]  # one that falls under a tenth leaves no pressure to speak of
+def _reserve(band: Band) -> Any:
+    """Return the field of a limit; a reserve that falls under a tenth leaves no pressure to speak of."""
+    return key(band.value.capitalize(), usual=usual.RESERVE, ge=0.1, le=100)
 
 
 class ReserveTable(Strict):
     """The falling limits of the pump's reserve as a file states them."""
 
-    origin: Annotated[LimitOrigin, Field(strict=False)]
-    source: NonEmptyText
-    amber: _Reserve
-    red: _Reserve
-    critical: _Reserve
-    fall_percent: Annotated[float, Field(ge=0, lt=100)] = 10.0  # under a new unit that is itself under a limit
+    origin: _Whose
+    source: _SourceOfLimit
+    amber: float = _reserve(Band.AMBER)
+    red: float = _reserve(Band.RED)
+    critical: float = _reserve(Band.CRITICAL)
+    fall_percent: float = key(
+        "Fall from new",
+        "Of a unit that has less than a limit when new: its level begins where the reserve has fallen by this",
+        usual=usual.FALL,
+        default=10.0,
+        ge=0,
+        lt=100,
+    )
 
     @model_validator(mode="after")
     def _falling(self) -> ReserveTable:
@@ -406,23 +416,53 @@ class ReserveTable(Strict):
             raise WrongTogether(wanted, wrong)
         return self
 
-    def steps(self) -> Steps:
+    def steps(self, unit: float) -> Steps:
         """Return the same limits as steps."""
-        levels = ((Band.AMBER, self.amber), (Band.RED, self.red), (Band.CRITICAL, self.critical))
-        return Steps(levels, self.origin, self.source, fall=self.fall_percent * 1e-2)
+        levels = ((Band(name), getattr(self, name) * unit) for name in ("amber", "red", "critical"))
+        return Steps(tuple(levels), self.origin, self.source, fall=self.fall_percent * 1e-2)
 
 
 class LimitsFile(Entry):
     """A limits file as it is read."""
 
-    wear_percent: VerdictTable | None = None
-    clearance_um: VerdictTable | None = None
-    pair_share_percent: VerdictTable | None = None
-    total_share_percent: BandTable
-    reserve: ReserveTable | None = None
-    circuit_loss_kpa: VerdictTable | None = None
-    below_permissible_percent: VerdictTable | None = None
-    commanded_pressure_kpa: VerdictTable | None = None
+    wear_percent: VerdictTable | None = key(
+        "Wear", "Growth of a land's radial clearance over that when new", usual=usual.WEAR, default=None
+    )
+    clearance_um: VerdictTable | None = key(
+        "Clearance", "Radial clearance of a land, whatever it was when new", usual=usual.WEAR_LIMIT, default=None
+    )
+    pair_share_percent: VerdictTable | None = key(
+        "Share of a pair",
+        "What one pair draws of the pump's flow; growth is over the same pair new",
+        usual=usual.PAIR_SHARE,
+        default=None,
+    )
+    total_share_percent: BandTable = key(
+        "Share of the unit",
+        "What the whole unit draws of the pump's flow; growth is over the same unit new",
+        usual=usual.TOTAL_SHARE,
+    )
+    reserve: ReserveTable | None = key(
+        "Reserve", "What the pump displaces over all that leaves the line: the smaller, the worse", default=None
+    )
+    circuit_loss_kpa: VerdictTable | None = key(
+        "Loss of a circuit",
+        "Pressure that a circuit has lost, or gained, against the same unit new",
+        usual=usual.CIRCUIT_LOSS,
+        default=None,
+    )
+    below_permissible_percent: VerdictTable | None = key(
+        "Below the permissible",
+        "How far main pressure is below what the valve body's file permits",
+        usual=usual.BELOW_PERMISSIBLE,
+        default=None,
+    )
+    commanded_pressure_kpa: VerdictTable | None = key(
+        "Off the commanded",
+        "How far main pressure is from what the control unit commands",
+        usual=usual.OFF_COMMANDED,
+        default=None,
+    )
 
     @model_validator(mode="after")
     def _judges_lands(self) -> LimitsFile:
@@ -436,11 +476,11 @@ class LimitsFile(Entry):
         for name in LimitsFile.model_fields:
             table = getattr(self, name)
             for level, each in table.stated().items() if isinstance(table, LevelTable) else ():
-                where = f"{name}.{level}"
+                where, beside = f"{name}.{level}", BESIDE_LIMIT.get(name, ())
                 wanted = None
-                if each.at_least_um is not None and name != "wear_percent":
+                if each.at_least_um is not None and "at_least_um" not in beside:
                     wanted = Sentence("at_least_um in wear_percent only, not in {where}", where=where)
-                elif each.growth is not None and "share" not in name:
+                elif each.growth is not None and "growth_percent" not in beside:
                     wanted = Sentence("growth_percent of a share only, not in {where}", where=where)
                 elif (each.percent or 0.0) > _MOST.get(name, _HIGHEST):
                     wanted = Sentence(

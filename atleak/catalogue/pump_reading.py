@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from atleak.catalogue.keys import unit_of
 from atleak.catalogue.pump import Pump, PumpClearances, PumpGaps, TipGaps
 from atleak.catalogue.pump_tables import PumpKind, PumpTable
 from atleak.catalogue.reading import Reading
@@ -123,7 +124,7 @@ def _dimensions(table: PumpTable) -> dict[str, Any]:
     if table.kind == "vane" and {"cam_ring_diameter_mm", "rotor_diameter_mm"} <= sizes.keys():
         play = sizes["cam_ring_diameter_mm"] - sizes["rotor_diameter_mm"]
         sizes.setdefault("eccentricity_mm", 0.5 * play)  # until the rotor touches the ring
-    return {key: size * 1e-3 if key.endswith("_mm") else size for key, size in sizes.items()}
+    return {key: unit_of(key)[1].in_si(size) for key, size in sizes.items()}
 
 
 def other_dimensions(kind: PumpKind | None) -> tuple[str, ...]:

@@ -7,18 +7,22 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal, get_args
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, model_validator
 
+from atleak.catalogue import usual
 from atleak.catalogue.entries import (
+    ID_HELP,
     Evidence,
     Identifier,
     MountingClearance,
     NonEmptyText,
     NonNegative,
     Positive,
+    Source,
     StatedEvidence,
     Strict,
 )
+from atleak.catalogue.keys import key
 from atleak.errors import InputError, unknown
 from atleak.faults import NotAccepted
 from atleak.sentence import Name, Sentence
@@ -33,20 +37,29 @@ def currency_code(text: str) -> str:
 
 
 class RepairTable(Strict):
-    id: Identifier
-    component: NonEmptyText
-    lands: list[int] | None = Field(default=None, min_length=1)
-    kind: RepairKind
-    name: NonEmptyText
-    part_number: NonEmptyText | None = None
-    price: NonNegative | None = None
-    currency: Annotated[NonEmptyText, AfterValidator(currency_code)] | None = None
-    hours: NonNegative | None = None
-    tool: NonEmptyText | None = None
-    nominal_diameter_mm: float | None = Field(default=None, gt=0.5, lt=200)
-    mounting_clearance_um: MountingClearance | None = None
-    mounting_tolerance_um: Positive | None = None
-    source: NonEmptyText
+    id: Identifier = key("Id", ID_HELP, width=20)
+    component: NonEmptyText = key("Component", names="component", width=20)
+    lands: list[int] | None = key("Lands", "All of the component unless stated", default=None, min_length=1)
+    kind: RepairKind = key("Kind", width=16)
+    name: NonEmptyText = key("Name", width=30)
+    part_number: NonEmptyText | None = key("Part number", default=None)
+    price: NonNegative | None = key("Price", default=None)
+    currency: Annotated[NonEmptyText, AfterValidator(currency_code)] | None = key("Currency", default=None)
+    hours: NonNegative | None = key("Hours", unit="h", default=None)
+    tool: NonEmptyText | None = key("Tool", width=20, default=None)
+    nominal_diameter_mm: float | None = key(
+        "New diameter", "Of an oversize valve", usual=usual.LAND_DIAMETER, default=None, gt=0.5, lt=200
+    )
+    mounting_clearance_um: MountingClearance | None = key(
+        "New clearance",
+        "Afterwards; the lower end of a range",
+        up_to=("Up to", ""),
+        radial=True,
+        usual=usual.CLEARANCE,
+        default=None,
+    )
+    mounting_tolerance_um: Positive | None = key("Tolerance", radial=True, usual=usual.TOLERANCE, default=None)
+    source: Source
     evidence: StatedEvidence = None
 
     @model_validator(mode="after")
@@ -100,32 +113,6 @@ class Repair:
         """Tell whether it is a repair of that land."""
         component, land = key
         return component == self.component and land in self.lands
-
-
-def repair_of(table: RepairTable, lands: Sequence[int]) -> Repair:
-    """Return a repair in SI units; ``lands`` are those of its component."""
-    new = table.mounting_clearance_um
-    return Repair(
-        id=table.id,
-        component=table.component,
-        lands=frozenset(lands if table.lands is None else table.lands),
-        kind=table.kind,
-        name=table.name,
-        source=table.source,
-        part_number=table.part_number,
-        price=table.price,
-        currency=table.currency,
-        hours=table.hours,
-        tool=table.tool,
-        nominal_diameter=None if table.nominal_diameter_mm is None else table.nominal_diameter_mm * 1e-3,
-        mounting_clearance=(new[0] * 1e-6, new[1] * 1e-6)
-        if isinstance(new, list)
-        else None
-        if new is None
-        else new * 1e-6,
-        mounting_tolerance=None if table.mounting_tolerance_um is None else table.mounting_tolerance_um * 1e-6,
-        evidence=table.evidence,
-    )
 
 
 def find_repairs(repairs: Sequence[Repair], wanted: Iterable[str], controller: str) -> tuple[Repair, ...]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from atleak.catalogue.controller_tables import RelationTable
+from atleak.catalogue.keys import in_si
 from atleak.equations import pressure as pressure_equations
 from atleak.faults import NotAccepted
 from atleak.sentence import Sentence
@@ -94,26 +95,20 @@ def read_relation(table: RelationTable) -> PressureRelation:
     DomainError
         diameters or lengths that cannot be those of one valve.
     """
-    limit = None if table.limit_kpa is None else table.limit_kpa * 1e3
+    of = in_si(table)
     if table.relation == "line":
-        return PressureRelation("line", float(table.ratio or 0.0), table.offset_kpa * 1e3, limit)
-    valve, area = table.valve, pressure_equations.annulus_area
-    spring, rod = valve.spring, valve.rod_diameter_mm * 1e-3
-    rate = pressure_equations.spring_rate(
-        spring.shear_modulus_mpa * 1e6,
-        spring.wire_diameter_mm * 1e-3,
-        spring.active_coils,
-        spring.mean_coil_diameter_mm * 1e-3,
-    )
-    deflection = pressure_equations.spring_deflection(spring.free_length_mm * 1e-3, spring.working_length_mm * 1e-3)
-    force = pressure_equations.spring_force(rate, deflection)
+        return PressureRelation("line", float(table.ratio or 0.0), of["offset"], of["limit"])
+    area, rod, spring = pressure_equations.annulus_area, of["rod_diameter"], in_si(table.spring) if table.spring else {}
+    sizes = (spring[name] for name in ("shear_modulus", "wire_diameter", "active_coils", "mean_coil_diameter"))
+    deflection = pressure_equations.spring_deflection(spring["free_length"], spring["working_length"])
+    force = pressure_equations.spring_force(pressure_equations.spring_rate(*sizes), deflection)
     areas = (
-        area(valve.diameter_1_mm * 1e-3),
-        area(valve.diameter_2_mm * 1e-3, rod),
-        area(valve.diameter_3_mm * 1e-3, rod),
-        area((table.diameter_g1_mm or valve.diameter_2_mm) * 1e-3, rod),
-        area((table.diameter_g2_mm or valve.diameter_3_mm) * 1e-3, rod),
+        area(of["diameter_1"]),
+        area(of["diameter_2"], rod),
+        area(of["diameter_3"], rod),
+        area(of["diameter_g1"] or of["diameter_2"], rod),
+        area(of["diameter_g2"] or of["diameter_3"], rod),
     )
     offset = pressure_equations.control_pressure(0.0, force, *areas)
     ratio = pressure_equations.control_pressure(1.0, 0.0, *areas)
-    return PressureRelation("spool_balance", ratio, offset, limit)
+    return PressureRelation("spool_balance", ratio, offset, of["limit"])

@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 from atleak.sentence import Sentence, any_of
-from atleak.verdicts import BANDS
 
 EACH = "*"  # any entry of a list, or any name
 Pattern = tuple[str, ...]
@@ -58,6 +56,8 @@ _OF_MM = {"µm": 1e-3, "inch": 25.4}
 _OF_UM = {"mm": 1e3, "inch": 25.4e3}
 _OF_KPA = {"bar": 1e2, "MPa": 1e3, "psi": 6.894757, "Pa": 1e-3}
 
+_OF_ONE: Mapping[str, float] = {Sentence("parts of one"): 1e2}
+
 DISPLACEMENT = Usual(Sentence("the displacement of one revolution"), "mm³", 3e3, 8e4, {"cm³": 1e3, "inch³": 16387.064})
 LAND_DIAMETER = Usual(Sentence("the diameter of a land"), "mm", 3.0, 80.0, _OF_MM)
 CONTACT_LENGTH = Usual(Sentence("a contact length"), "mm", 0.8, 40.0, _OF_MM)
@@ -71,77 +71,35 @@ TEMPERATURE = Usual(Sentence("a fluid temperature"), "°C", -30.0, 150.0)
 ENGINE_SPEED = Usual(Sentence("an engine speed"), "rpm", 400.0, 7000.0, {"1/s": 60.0})
 SIDE_CLEARANCE = Usual(Sentence("the side clearance of a pump"), "µm", 10.0, 300.0, _OF_UM)
 TIP_CLEARANCE = Usual(Sentence("the tip clearance of a pump"), "µm", 20.0, 1000.0, _OF_UM)
+TOLERANCE = Usual(Sentence("the tolerance of a mounting clearance"), "µm", 0.2, 40.0, _OF_UM)
+CLEARANCE_LIMIT = Usual(Sentence("the limit of a radial clearance"), "µm", 5.0, 300.0, _OF_UM)
+MAIN_PRESSURE = Usual(Sentence("a main pressure"), "kPa", 100.0, 3500.0, _OF_KPA)
+CONVERTER_PRESSURE = Usual(Sentence("a converter pressure"), "kPa", 0.0, 1500.0, _OF_KPA)
+SET_PRESSURE = Usual(Sentence("the set pressure of a circuit"), "kPa", 10.0, 3500.0, _OF_KPA)
+EFFICIENCY = Usual(Sentence("a volumetric efficiency"), "", 0.6, 1.0, {"%": 0.01})
+EXPANSION = Usual(Sentence("a linear expansion"), "1/K", 5e-6, 35e-6, {"10⁻⁶/K": 1e-6})
 
-_LAND: Mapping[str, Usual] = {
-    "nominal_diameter_mm": LAND_DIAMETER,
-    "contact_length_mm": CONTACT_LENGTH,
-    "mounting_clearance_um": CLEARANCE,
-    "mounting_tolerance_um": Usual(Sentence("the tolerance of a mounting clearance"), "µm", 0.2, 40.0, _OF_UM),
-    "clearance_limit_um": Usual(Sentence("the limit of a radial clearance"), "µm", 5.0, 300.0, _OF_UM),
-}
-_POINT: Mapping[str, Usual] = {
-    "temperature_c": TEMPERATURE,
-    "engine_rpm": ENGINE_SPEED,
-    "p_g_kpa": Usual(Sentence("a main pressure"), "kPa", 100.0, 3500.0, _OF_KPA),
-    "p_k_kpa": Usual(Sentence("a converter pressure"), "kPa", 0.0, 1500.0, _OF_KPA),
-}
-_OF_CONTROLLERS: Mapping[Pattern, Usual] = {
-    ("pump", "displacement_mm3"): DISPLACEMENT,
-    ("pump", "volumetric_efficiency"): Usual(Sentence("a volumetric efficiency"), "", 0.6, 1.0, {"%": 0.01}),
-    ("pump", "side_clearance_um"): SIDE_CLEARANCE,
-    ("pump", "tip_clearance_um"): TIP_CLEARANCE,
-    ("materials", EACH, "expansion_per_k"): Usual(Sentence("a linear expansion"), "1/K", 5e-6, 35e-6, {"10⁻⁶/K": 1e-6}),
-    **{("defaults", key): usual for key, usual in _LAND.items()},
-    **{("components", EACH, "lands", EACH, key): usual for key, usual in _LAND.items()},
-    **{("repairs", EACH, key): usual for key, usual in _LAND.items()},
-    **{("operating_points", EACH, key): usual for key, usual in _POINT.items()},
-    ("circuits", EACH, "feeds", EACH, "diameter_mm"): ORIFICE,
-    ("circuits", EACH, "set_kpa"): Usual(Sentence("the set pressure of a circuit"), "kPa", 10.0, 3500.0, _OF_KPA),
-    ("leaks", EACH, "diameter_mm"): ORIFICE,
-}
+WEAR = Usual(Sentence("a limit of wear"), "%", 2.0, 300.0, _OF_ONE)
+WEAR_LIMIT = Usual(Sentence("a limit of the radial clearance"), "µm", 5.0, 300.0, _OF_UM)
+PAIR_SHARE = Usual(Sentence("a limit of one pair's share of the pump"), "%", 0.2, 50.0, _OF_ONE)
+TOTAL_SHARE = Usual(Sentence("a limit of the unit's share of the pump"), "%", 1.0, 100.0, _OF_ONE)
+CIRCUIT_LOSS = Usual(Sentence("a limit of the pressure that a circuit loses"), "kPa", 10.0, 600.0, _OF_KPA)
+BELOW_PERMISSIBLE = Usual(Sentence("a limit below the permissible pressure"), "%", 0.0, 60.0)
+OFF_COMMANDED = Usual(Sentence("a limit of the distance from commanded pressure"), "kPa", 10.0, 600.0, _OF_KPA)
+RESERVE = Usual(Sentence("a limit of the pump's reserve"), "", 0.5, 4.0, {"%": 0.01})
+FALL = Usual(Sentence("a fall of the reserve"), "%", 1.0, 60.0, _OF_ONE)
+GROWTH = Usual(Sentence("growth over a new one"), "%", 2.0, 500.0, _OF_ONE)
+ADDED_POINTS = Usual(Sentence("points of the pump's flow added by wear"), "%", 0.0, 40.0)
+AT_LEAST = Usual(Sentence("a least growth of the clearance"), "µm", 0.5, 60.0, _OF_UM)
 
-_PERCENT: Mapping[str, float] = {Sentence("parts of one"): 1e2}
-_LIMITS: Mapping[str, Usual] = {
-    "wear_percent": Usual(Sentence("a limit of wear"), "%", 2.0, 300.0, _PERCENT),
-    "clearance_um": Usual(Sentence("a limit of the radial clearance"), "µm", 5.0, 300.0, _OF_UM),
-    "pair_share_percent": Usual(Sentence("a limit of one pair's share of the pump"), "%", 0.2, 50.0, _PERCENT),
-    "total_share_percent": Usual(Sentence("a limit of the unit's share of the pump"), "%", 1.0, 100.0, _PERCENT),
-    "circuit_loss_kpa": Usual(Sentence("a limit of the pressure that a circuit loses"), "kPa", 10.0, 600.0, _OF_KPA),
-    "below_permissible_percent": Usual(Sentence("a limit below the permissible pressure"), "%", 0.0, 60.0),
-    "commanded_pressure_kpa": Usual(
-        Sentence("a limit of the distance from commanded pressure"), "kPa", 10.0, 600.0, _OF_KPA
-    ),
-}
-_RESERVE = Usual(Sentence("a limit of the pump's reserve"), "", 0.5, 4.0, {"%": 0.01})
-_OF_LIMITS: Mapping[Pattern, Usual] = {
-    **{(table, EACH): usual for table, usual in _LIMITS.items()},
-    **{(table, EACH, "percent"): usual for table, usual in _LIMITS.items()},
-    **{("reserve", each.value): _RESERVE for each in BANDS if each.verdict.flagged},
-    ("reserve", "fall_percent"): Usual(Sentence("a fall of the reserve"), "%", 1.0, 60.0, _PERCENT),
-    (EACH, EACH, "growth_percent"): Usual(Sentence("growth over a new one"), "%", 2.0, 500.0, _PERCENT),
-    (EACH, EACH, "added_points"): Usual(Sentence("points of the pump's flow added by wear"), "%", 0.0, 40.0),
-    (EACH, EACH, "at_least_um"): Usual(Sentence("a least growth of the clearance"), "µm", 0.5, 60.0, _OF_UM),
-}
+RESOLUTION = Usual(Sentence("the resolution of a gauge for diameters"), "µm", 0.01, 20.0, _OF_UM)
+CALIBRATION = Usual(Sentence("the standard uncertainty of a gauge for diameters"), "µm", 0.05, 20.0, _OF_UM)
+REPEATABILITY = Usual(Sentence("the standard deviation of one reading"), "µm", 0.02, 20.0, _OF_UM)
+EXPANSION_OF_GAUGE = Usual(Sentence("the expansion of a scale or of masters"), "1/K", 0.0, 30e-6, {"10⁻⁶/K": 1e-6})
 
-_OF_INSTRUMENTS: Mapping[Pattern, Usual] = {
-    ("resolution_um",): Usual(Sentence("the resolution of a gauge for diameters"), "µm", 0.01, 20.0, _OF_UM),
-    ("calibration_um",): Usual(Sentence("the standard uncertainty of a gauge for diameters"), "µm", 0.05, 20.0, _OF_UM),
-    ("repeatability_um",): Usual(Sentence("the standard deviation of one reading"), "µm", 0.02, 20.0, _OF_UM),
-    ("expansion_per_k",): Usual(
-        Sentence("the expansion of a scale or of masters"), "1/K", 0.0, 30e-6, {"10⁻⁶/K": 1e-6}
-    ),
-}
-
-_OF_FLUIDS: Mapping[Pattern, Usual] = {
-    ("density", "density_g_cm3"): Usual(Sentence("the density of a transmission fluid"), "g/cm³", 0.75, 0.95),
-    ("density", "density_slope_g_cm3_k"): Usual(Sentence("the slope of a density"), "g/(cm³·K)", -1.2e-3, -3e-4),
-    ("table", EACH, "density_g_cm3"): Usual(Sentence("the density of a transmission fluid"), "g/cm³", 0.68, 0.95),
-    ("pour_point_c",): Usual(Sentence("the pour point of a transmission fluid"), "°C", -75.0, -10.0),
-}
+DENSITY = Usual(Sentence("the density of a transmission fluid"), "g/cm³", 0.75, 0.95)
+DENSITY_OF_TABLE = Usual(Sentence("the density of a transmission fluid"), "g/cm³", 0.68, 0.95)
+DENSITY_SLOPE = Usual(Sentence("the slope of a density"), "g/(cm³·K)", -1.2e-3, -3e-4)
+POUR_POINT = Usual(Sentence("the pour point of a transmission fluid"), "°C", -75.0, -10.0)
 THINNEST, THICKEST = ((10.0, 2.7), (80.0, 14.0))
 """Kinematic viscosities [mm²/s] at 40 and 100 °C between which those of transmission fluids lie, fresh or used."""
-
-USUAL: Mapping[str, Mapping[Pattern, Usual]] = MappingProxyType(
-    {"controllers": _OF_CONTROLLERS, "limits": _OF_LIMITS, "instruments": _OF_INSTRUMENTS, "fluids": _OF_FLUIDS}
-)
-"""By folder of the catalogue: what the numbers are to which the steps of a file's tables lead."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from atleak.controller_sheets.description import Fault, Row, Spot
+from atleak.controller_sheets.description import Description, Fault, Row, Spot
 from atleak.controller_sheets.kinds import Number, as_text
-from atleak.controller_sheets.shapes import Column, Sheet
+from atleak.controller_sheets.shapes import DEFAULTS, Column, Sheet
 from atleak.controller_sheets.units import Units
-from atleak.errors import InputError
+from atleak.errors import CatalogueError, InputError
 from atleak.faults import NotAccepted
 from atleak.sentence import Sentence, any_of, in_a_row
 
@@ -34,6 +34,36 @@ def doubts(sheet: Sheet, rows: Iterable[Row], units: Units) -> Iterator[tuple[Sp
                     question=question,
                 )
                 yield row.at(column.heading), text
+
+
+def in_cells(
+    error: CatalogueError, into: Description, sheets: Iterable[Sheet], rows: Mapping[str, Sequence[Row]], units: Units
+) -> Iterator[Fault | InputError]:
+    """Yield the faults of tables as those of the cells that say them; one that no cell says stays as it is.
+
+    What is wrong with a default that lands take from the head is said once, at the head, and nothing is said of a cell
+    that could not be read.
+    """
+    declared, said = {sheet.name: sheet for sheet in sheets}, set()
+    for each in (error, *error.others):
+        steps = each.place.steps
+        if into.is_unread(steps):
+            continue
+        spot = into.spot(steps)
+        if spot is None:
+            yield each
+            continue
+        columns = declared[spot.sheet].columns
+        column = next((column for column in columns if column.heading == spot.heading), None)
+        row = next((row for row in rows[spot.sheet] if row.spot.row == spot.row), Row(spot, {}, {}))
+        of_head = into.spots.get((DEFAULTS, *steps[-1:]))
+        if column is None:
+            yield Fault(spot, each.problem, each.value, each.expected, each.nearest)
+        elif each.value is None or of_head is None or column.heading in row.cells:
+            yield fault_of_cell(each, column, row, units)
+        elif (of_head, str(each.value)) not in said:
+            said.add((of_head, str(each.value)))
+            yield Fault(of_head, each.problem, each.value, each.expected, each.nearest)
 
 
 def fault_of_cell(error: InputError, column: Column, row: Row, units: Units) -> Fault:

@@ -10,21 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from atleak.catalogue.entries import Evidence
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
-from atleak.controller_sheets.kinds import EVERY, Choice, Gears, Kind, Number
-from atleak.controller_sheets.units import (
-    CLEARANCE,
-    CONTACT_LENGTH,
-    LAND_DIAMETER,
-    LENGTH,
-    NUMBER,
-    ORIFICE,
-    PRESSURE,
-    SMALL_LENGTH,
-    VOLUME,
-    Measure,
-)
+from atleak.controller_sheets.kinds import EVERY, Gears, Kind
 from atleak.errors import Steps
 from atleak.sentence import Sentence
 
@@ -126,7 +113,6 @@ class Sheet:
     columns: tuple[Column, ...]
     at: Steps = ()  # of its table or list of tables in the file
     needed: bool = False  # no valve body goes without it
-    examples: tuple[Mapping[str, Any], ...] = ()  # rows that show how it is filled in
     is_form: bool = field(default=False, init=False)
 
     def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
@@ -376,26 +362,3 @@ def point_of(row: Row, heading: str, into: Description) -> str | None:
         return name
     into.unknown(row, heading, Sentence("no such operating point"), points)
     return None
-
-
-TEXT = Kind()
-MM, UM, C_R, MM3, KPA = (Number(measure) for measure in (LENGTH, SMALL_LENGTH, CLEARANCE, VOLUME, PRESSURE))
-OF_LAND, L_C, OF_ORIFICE = (Number(measure) for measure in (LAND_DIAMETER, CONTACT_LENGTH, ORIFICE))
-PLAIN = Number(NUMBER)
-EVIDENCE = Choice(tuple(Evidence))
-
-
-def in_unit(unit: str) -> Number:
-    return Number(Measure(unit))
-
-
-def source(needed: bool = True) -> Column:
-    return Column("Source", ("source",), required=needed, width=40, help="Manual and page, or who measured it")
-
-
-def evidence(key: str = "evidence", heading: str = "How known") -> Column:
-    return Column(heading, (key,), EVIDENCE, help="Empty: not stated", width=15)
-
-
-def known(heading: str, key: str, *, kind: Choice = EVIDENCE) -> Column:
-    return Column(heading, (), kind, how_known=key, help="Empty: as the head says", width=15)

@@ -6,11 +6,11 @@ number that its cell could not hold to the last digit is written as text.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from decimal import Context, Decimal
+from types import MappingProxyType
 from typing import Literal, get_args
-
-from atleak.catalogue import usual
 
 Length = Literal["mm", "inch"]
 Clearance = Literal["radial", "diametral"]
@@ -105,13 +105,18 @@ def cell_number(value: float, measure: Measure, units: Units) -> float | str:
 
 
 LENGTH = Measure("mm", "inch", Decimal(1), _MM, quantity="length", si=Decimal("1e-3"), usual=(0.5, 100.0))
-LAND_DIAMETER, CONTACT_LENGTH, ORIFICE = (
-    replace(LENGTH, usual=each.ends, is_doubted=True)
-    for each in (usual.LAND_DIAMETER, usual.CONTACT_LENGTH, usual.ORIFICE)
-)
 SMALL_LENGTH = Measure("µm", "inch", Decimal(1), _MM * 1000, quantity="length", si=Decimal("1e-6"))
-CLEARANCE = replace(SMALL_LENGTH, of_clearance=True, usual=usual.CLEARANCE.ends, is_doubted=True)
-VOLUME = Measure("mm³", "inch³", Decimal(1), _MM**3)
+CLEARANCE = replace(SMALL_LENGTH, of_clearance=True)
 PRESSURE = Measure("kPa", of_pressure=True, quantity="pressure", si=Decimal(1000))
+VOLUME = Measure("mm³", "inch³", Decimal(1), _MM**3)
 EXPANSION = Measure("10⁻⁶/K", factor=Decimal("1e-6"))
 NUMBER = Measure("")
+MEASURES: Mapping[str, Measure] = MappingProxyType(  # by the unit of a file's key, where a workbook may have another
+    {
+        "mm": LENGTH,
+        "µm": SMALL_LENGTH,
+        "mm³": VOLUME,
+        "kPa": PRESSURE,
+        "1/K": EXPANSION,
+    }
+)

@@ -20,7 +20,7 @@ from atleak.catalogue.entries import id_from_name
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
 from atleak.controller_sheets.kinds import Kind
 from atleak.controller_sheets.layout import Offered
-from atleak.controller_sheets.meaning import doubts, fault_of_cell
+from atleak.controller_sheets.meaning import doubts, in_cells
 from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError, InputError
@@ -47,7 +47,7 @@ class Subject:
     kind: str  # the folder of the catalogue
     sheets: tuple[Sheet, ...]
     model: type[BaseModel]  # of its file
-    load: Callable[[Mapping[str, Any]], Any]  # from the tables of a file; raises a CatalogueError
+    load: Callable[..., Any]  # from the tables of a file, and what it is called; raises a CatalogueError
     names: Mapping[str, Offered] = field(default_factory=dict)  # that drop-downs offer
     opened: Callable[[Mapping[str, Any]], dict[str, Any]] = _as_it_is  # a file's tables as the sheets have them
     closed: Callable[[Mapping[str, Any]], dict[str, Any]] = _as_it_is  # the other way round, as people write a file
@@ -187,8 +187,8 @@ def checked(draft: Draft) -> Checked:
     try:
         entry = subject.load(into.data)
     except CatalogueError as error:
-        further = [fault for fault in (error, *error.others) if not into.is_unread(fault.place.steps)]
-        faults += [_of_cell(subject, _in_its_cell(fault, into, rows, draft)) for fault in further]
+        further = in_cells(error, into, subject.sheets, rows, draft.units)
+        faults += [_of_cell(subject, _on_page(fault, draft)) for fault in further]
     order = {sheet.name: number for number, sheet in enumerate(subject.sheets)}
     faults = sorted(dict.fromkeys(faults), key=lambda fault: (order.get(fault.table, -1), fault.row or 0))
     taken = {(fault.table, fault.row, fault.heading) for fault in faults}
@@ -205,7 +205,7 @@ def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequ
     for sheet in draft.subject.sheets:
         for spot, text in doubts(sheet, rows[sheet.name], draft.units):
             yield _of_cell(draft.subject, Fault(spot, text))
-    of_file = entry.doubts if entry is not None else doubts_of(draft.subject.kind, into.data, "")
+    of_file = entry.doubts if entry is not None else doubts_of(draft.subject.kind, draft.subject.model, into.data, "")
     for message in of_file:
         at = None if message.place is None else into.spot(message.place.steps)
         yield _of_cell(draft.subject, Fault(at or Spot(draft.subject.sheets[0].name), message.text))
@@ -275,17 +275,13 @@ def _of_cell(subject: Subject, fault: Fault) -> FormFault:
     return FormFault(fault.spot.sheet, row, fault.spot.heading, error.sentence)
 
 
-def _in_its_cell(error: InputError, into: Description, rows: Mapping[str, Sequence[Row]], draft: Draft) -> Fault:
-    """Return a fault of the tables where it stands on the page."""
-    spot = into.spot(error.place.steps)
-    if spot is None:
-        sheets = draft.subject.sheets
-        sheet = next((sheet for sheet in sheets if sheet.at[:1] == error.place.steps[:1]), sheets[0])
-        problem = _NOTHING_YET if len(error.place.steps) == 1 else error.problem
-        return Fault(Spot(sheet.name), problem, error.value, error.expected, error.nearest)
-    row = next((row for row in rows[spot.sheet] if row.spot.row == spot.row), None)
-    column = None if spot.heading is None else _column(draft.subject.sheet(spot.sheet), spot.heading)
-    if row is not None and column is not None:
-        return fault_of_cell(error, column, row, draft.units)
-    problem = error.problem if row is None or row.cells else _NOTHING_YET
-    return Fault(spot, problem, error.value, error.expected, error.nearest)
+def _on_page(fault: Fault | InputError, draft: Draft) -> Fault:
+    """Return a fault of the tables where it stands on the page: of what is empty altogether, that it is."""
+    sheets = draft.subject.sheets
+    if isinstance(fault, Fault):
+        cells = draft.rows(fault.spot.sheet)[(fault.spot.row or 1) - 1]
+        return fault if fault.spot.heading or cells else replace(fault, problem=_NOTHING_YET)
+    steps = fault.place.steps
+    sheet = next((sheet for sheet in sheets if sheet.at[:1] == steps[:1]), sheets[0])
+    problem = _NOTHING_YET if len(steps) == 1 else fault.problem
+    return Fault(Spot(sheet.name), problem, fault.value, fault.expected, fault.nearest)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import partial
@@ -13,11 +14,13 @@ import streamlit as st
 
 from atleak.catalogue.entries import own_files, read_tables, write_own
 from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
-from atleak.errors import OutputError
+from atleak.errors import CatalogueError, OutputError
 from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
+from atleak.system.reasons import text_reason
 from atleak.views.entry_form import Checked, Draft, Subject, checked, copy_of, draft_of, read_draft
 from atleak.wording import Wording
 from pages.shared import entrance, reader, show
+from pages.shared.state import pick
 
 _SHOWN = 15  # faults in one list
 UNITS = {"length": LENGTHS, "clearance": CLEARANCES, "pressure": PRESSURES}  # by attribute of `Units`
@@ -154,6 +157,65 @@ class Desk:
             st.query_params.pop(name, None)
 
 
+# --- the start ----------------------------------------------------------------------------------------------------
+
+
+def draw_upload(desk: Desk, label: str, kinds: list[str], say: Wording, workbook: Any = None) -> None:
+    """Offer to read a file, which is then typed on; ``workbook`` reads one that is no TOML into a draft."""
+    upload = st.file_uploader(label, kinds, key=f"{desk.state}-file")
+    if upload is None:
+        return
+    name, content = upload.name, upload.getvalue()
+    try:
+        if workbook is not None and content.startswith(b"PK"):
+            draft = workbook(content, name)
+        else:
+            data = tomllib.loads(content.decode("utf-8-sig"))
+            desk.subject.load(data, name)
+            draft = draft_of(desk.subject, data)
+    except (CatalogueError, ValueError, RecursionError) as error:
+        why = error if isinstance(error, CatalogueError) else text_reason(error)
+        st.error(f"**{show.plain(say('typed_entries.not_taken', file=name))}** {show.plain(why)}")
+        return
+    desk.take(draft)
+    st.rerun()
+
+
+def draw_kept(desk: Desk, say: Wording) -> None:
+    """Offer to go on with a draft, or to throw it away."""
+    kept = desk.kept()
+    token = st.selectbox(
+        say("typed_entries.go_on_with"),
+        list(kept),
+        format_func=lambda token: kept.get(token, token),
+        disabled=not kept,
+        placeholder=say("typed_entries.none_kept"),
+        help=say("typed_entries.drafts_help"),
+        key=f"{desk.state}-draft",
+    )
+    with st.container(horizontal=True):
+        st.button(say("typed_entries.go_on"), disabled=not kept, on_click=desk.go_on, args=(token,))
+        st.button(say("typed_entries.throw_away"), disabled=not kept, on_click=desk.throw_away, args=(token,))
+
+
+# --- what is typed ------------------------------------------------------------------------------------------------
+
+
+def ask_step(editing: Editing, steps: Sequence[str], said: Callable[[str], str], say: Wording) -> str:
+    """Ask which tables to show; they stay chosen over other pages."""
+    editing.step = editing.step or steps[0]
+    picked = st.segmented_control(
+        say("typed_entries.tables"),
+        steps,
+        format_func=said,
+        default=editing.step,
+        key=editing.key("step"),
+        label_visibility="collapsed",
+    )
+    editing.step = picked or editing.step
+    return editing.step
+
+
 def checked_now(editing: Editing) -> Checked:
     """Return what the draft describes and what is wrong with it; checked once for each state of the draft."""
     return _checked(editing.draft.written(), editing.draft)
@@ -239,6 +301,23 @@ def ask_replacing(editing: Editing, saving: Saving, say: Wording) -> str:
             if st.checkbox(label, key=editing.key("replace")):
                 return saving.there
     return editing.over
+
+
+def draw_use(editing: Editing, found: Checked, saving: Saving, slot: str, label: str, say: Wording) -> None:
+    """Offer to use what was saved for the job."""
+    st.button(
+        label,
+        disabled=found.entry is None or not saving.saved,
+        on_click=pick,
+        args=(slot, saving.name),
+        help=say("typed_entries.use_help"),
+        key=editing.key(f"use-{slot}"),
+    )
+
+
+def draw_toml(saving: Saving, say: Wording) -> None:
+    """Offer its file to take along."""
+    st.download_button(say("typed_entries.toml"), saving.text, f"{saving.name or 'unnamed'}.toml", on_click="ignore")
 
 
 def draw_save_button(

@@ -1,36 +1,47 @@
-"""Keep the valve body that is being described on the page Transmission: its start, its faults, and its saving."""
+"""Keep the valve body that is being described on the page Transmission: its start, its tables, and its saving."""
 
 from __future__ import annotations
 
-import tomllib
-
 import streamlit as st
 
-from atleak.catalogue.controller_reading import checked_controller
-from atleak.errors import CatalogueError
+from atleak.catalogue.pump_reading import other_dimensions
 from atleak.intake.controller_workbook import read_controller_workbook
 from atleak.report.controller_workbook import write_controller_workbook
-from atleak.system.reasons import text_reason
 from atleak.views.controller_form import CONTROLLER
-from atleak.views.entry_form import Checked, draft_of
+from atleak.views.entry_form import Checked, Draft, draft_of
 from atleak.views.evidence_rows import evidence_counts, open_values
-from pages.shared import reader, show
+from pages.shared import entry_tables, reader, show
 from pages.shared.cases import catalogue_list, shown_name
 from pages.shared.editing import (
     Desk,
     Editing,
     ask_replacing,
     ask_unit,
+    draw_kept,
     draw_save_button,
     draw_saved,
+    draw_toml,
+    draw_upload,
+    draw_use,
     saving_of,
 )
 from pages.shared.learn_form import learn_form
-from pages.shared.state import pick
-from pages.shared.transmission_tables import NEW_PARTS
 
 _EMPTY = ""  # to start from nothing
 _CHOICES = {"length": "lengths_in", "clearance": "clearances_are", "pressure": "pressures_in"}  # of the units
+COMPONENTS, NEW_PARTS, PUMP = "components", "new_parts", "pump"
+STEPS = {
+    "head": ("Head",),
+    COMPONENTS: ("Components", "Lands", "Materials"),
+    NEW_PARTS: (),  # no tables of its own: sheets of new units, from which mounting clearances are learned
+    PUMP: ("Pump",),
+    "points": ("Operating points",),
+    "circuits": ("Circuits", "Feeds", "Set pressures", "Apply chart"),
+    "gaps": ("Gaps", "Section pressures"),
+    "pressures": ("Line pressures",),
+    "leaks": ("Leaks", "Consumers", "Consumer flows"),
+    "repairs": ("Repairs", "Complaints"),
+}
 DESK = Desk(CONTROLLER, "transmission", "transmission_fields")
 
 
@@ -39,7 +50,7 @@ DESK = Desk(CONTROLLER, "transmission", "transmission_fields")
 
 def choose_start() -> None:
     """Ask from what to start."""
-    say, entries, kept = reader.say(), catalogue_list("controller").entries, DESK.kept()
+    say, entries = reader.say(), catalogue_list("controller").entries
     left, right = st.columns(2)
     with left, st.container(border=True):
         start = st.selectbox(
@@ -49,42 +60,18 @@ def choose_start() -> None:
             help=say("transmission.start_help"),
         )
         st.button(say("transmission.start"), type="primary", on_click=_start, args=(start,))
-        upload = st.file_uploader(say("transmission.or_read"), ["xlsx", "toml"], key="transmission-file")
-        if upload is not None:
-            _read_file(upload.name, upload.getvalue())
+        draw_upload(DESK, say("transmission.or_read"), ["xlsx", "toml"], say, _of_workbook)
     with right, st.container(border=True):
-        token = st.selectbox(
-            say("transmission.go_on_with"),
-            list(kept),
-            format_func=lambda token: kept.get(token, token),
-            disabled=not kept,
-            placeholder=say("transmission.no_draft"),
-            help=say("transmission.drafts_help"),
-        )
-        with st.container(horizontal=True):
-            st.button(say("transmission.go_on"), disabled=not kept, on_click=DESK.go_on, args=(token,))
-            st.button(say("transmission.throw_away"), disabled=not kept, on_click=DESK.throw_away, args=(token,))
+        draw_kept(DESK, say)
 
 
 def _start(name: str) -> None:
     DESK.start(name if name in catalogue_list("controller").entries else None)
 
 
-def _read_file(name: str, content: bytes) -> None:
-    try:
-        if content.startswith(b"PK"):
-            workbook = read_controller_workbook(content, name=name)
-            draft = draft_of(CONTROLLER, workbook.data, workbook.units)
-        else:
-            data = tomllib.loads(content.decode("utf-8-sig"))
-            checked_controller(data, name)
-            draft = draft_of(CONTROLLER, data)
-    except (CatalogueError, ValueError, RecursionError) as error:
-        why = error if isinstance(error, CatalogueError) else text_reason(error)
-        st.error(f"**{reader.say()('transmission.not_taken', name=show.plain(name))}** {show.plain(why)}")
-        return
-    DESK.take(draft)
-    st.rerun()
+def _of_workbook(content: bytes, name: str) -> Draft:
+    workbook = read_controller_workbook(content, name=name)
+    return draft_of(CONTROLLER, workbook.data, workbook.units)
 
 
 # --- the head of the page -----------------------------------------------------------------------------------------
@@ -109,6 +96,12 @@ def draw_head(editing: Editing, found: Checked) -> None:
     for place, (attribute, label) in zip(places, _CHOICES.items(), strict=False):
         ask_unit(editing, attribute, say(f"transmission.{label}"), place)
     places[3].button(say("transmission.another"), on_click=DESK.close, help=say("transmission.another_help"))
+
+
+def draw_tables(editing: Editing, step: str, found: Checked) -> None:
+    """Draw the tables and fields of a step; a pump's dimensions of other kinds in a fold."""
+    kind = found.data.get("pump", {}).get("kind")
+    entry_tables.draw(editing, STEPS[step], found, frozenset(other_dimensions(kind)) if step == PUMP else ())
 
 
 def draw_learning(editing: Editing, step: str, found: Checked) -> None:
@@ -137,14 +130,8 @@ def draw_saving(editing: Editing, found: Checked) -> None:
     over = ask_replacing(editing, saving, say)
     with st.container(horizontal=True):
         draw_save_button(editing, found, saving, over, say)
-        st.button(
-            say("transmission.use"),
-            disabled=found.entry is None or not saving.saved,
-            on_click=pick,
-            args=("controller", saving.name),
-            help=say("transmission.use_help"),
-        )
-        st.download_button(say("transmission.toml"), saving.text, f"{saving.name or 'unnamed'}.toml", on_click="ignore")
+        draw_use(editing, found, saving, "controller", say("typed_entries.use"), say)
+        draw_toml(saving, say)
         st.download_button(
             say("transmission.workbook"),
             lambda: write_controller_workbook(found.data, editing.draft.units),

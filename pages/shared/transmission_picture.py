@@ -15,7 +15,7 @@ from atleak.views.entry_form import Checked
 from atleak.views.flow_diagram import flow_diagram
 from atleak.views.flow_svg import flow_svg
 from pages.shared import reader, show
-from pages.shared.transmission_tables import COMPONENTS, NEW_PARTS
+from pages.shared.transmission import COMPONENTS, NEW_PARTS
 
 _BESIDE = 5  # components side by side
 _ROW, _HIGHEST = 130, 330  # pixels of one row of components, and of the picture; more of it scrolls

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 
 import streamlit as st
 
 from atleak.catalogue.entries import own_files, remove_own, removed_own, restore_own
 from atleak.catalogue.fluid import Fluid
-from atleak.errors import AtleakError, CatalogueError, OutputError
+from atleak.errors import AtleakError, OutputError
 from atleak.figures.fluid_figures import viscosity_curve
 from atleak.job.case import SLOTS, Slot, SourceFile
-from atleak.system.reasons import text_reason
-from atleak.views.entry_form import Checked, draft_of
+from atleak.views.entry_form import Checked
 from atleak.views.workshop_data import SUBJECTS
 from atleak.wording import Wording
 from pages.shared import show
@@ -22,9 +20,14 @@ from pages.shared.editing import (
     Desk,
     Editing,
     ask_replacing,
+    ask_step,
     ask_unit,
+    draw_kept,
     draw_save_button,
     draw_saved,
+    draw_toml,
+    draw_upload,
+    draw_use,
     saving_of,
 )
 from pages.shared.state import pick, session
@@ -75,7 +78,6 @@ def choose_start(desk: Desk, say: Wording) -> None:
     known = catalogue_list(_slots(desk)[0].name)
     names = {entry.id: shown_name(entry, say) for entry in known.entries.values()}
     options, in_job = [*names, ""], getattr(session().case, _slots(desk)[0].name)
-    kept = desk.kept()
     left, right = st.columns(2)
     with left, st.container(border=True):
         start = st.selectbox(
@@ -87,21 +89,9 @@ def choose_start(desk: Desk, say: Wording) -> None:
             key=f"{desk.state}-start",
         )
         st.button(say("workshop_data.start"), type="primary", on_click=desk.start, args=(start or None,))
-        upload = st.file_uploader(say("workshop_data.read"), ["toml"], key=f"{desk.state}-file")
-        if upload is not None:
-            _read(desk, upload.name, upload.getvalue(), say)
+        draw_upload(desk, say("workshop_data.read"), ["toml"], say)
     with right, st.container(border=True):
-        token = st.selectbox(
-            say("workshop_data.go_on_with"),
-            list(kept),
-            format_func=lambda token: kept.get(token, token),
-            disabled=not kept,
-            placeholder=say("workshop_data.none_kept"),
-            key=f"{desk.state}-draft",
-        )
-        with st.container(horizontal=True):
-            st.button(say("workshop_data.go_on"), disabled=not kept, on_click=desk.go_on, args=(token,))
-            st.button(say("workshop_data.throw_away"), disabled=not kept, on_click=desk.throw_away, args=(token,))
+        draw_kept(desk, say)
     st.subheader(say("workshop_data.own"))
     own = own_files(desk.subject.kind)
     if not own:
@@ -122,18 +112,6 @@ def choose_start(desk: Desk, say: Wording) -> None:
         for name in back:
             label = show.plain(say("workshop_data.bring_back", name=name))
             st.button(label, key=f"{desk.state}-{name}-back", on_click=_restore, args=(desk.subject.kind, name))
-
-
-def _read(desk: Desk, name: str, content: bytes, say: Wording) -> None:
-    try:
-        data = tomllib.loads(content.decode("utf-8-sig"))
-        desk.subject.load(data)
-    except (CatalogueError, ValueError, RecursionError) as error:
-        why = error if isinstance(error, CatalogueError) else text_reason(error)
-        st.error(f"**{show.plain(say('workshop_data.not_taken', file=name))}** {show.plain(why)}")
-        return
-    desk.take(draft_of(desk.subject, data))
-    st.rerun()
 
 
 # --- delete, rename, undo -----------------------------------------------------------------------------------------
@@ -220,19 +198,9 @@ def draw_head(desk: Desk, editing: Editing, found: Checked, say: Wording) -> Non
 
 def choose_step(editing: Editing, found: Checked, say: Wording) -> str:
     """Ask which form or table to show, each with a sign where something is wrong or in doubt in it."""
-    steps = [sheet.name for sheet in editing.draft.subject.sheets]
-    editing.step = editing.step or steps[0]
     signs = {doubt.table: " ?" for doubt in found.doubts} | {fault.table: " ✗" for fault in found.faults}
-    picked = st.segmented_control(
-        say("workshop_data.tables"),
-        steps,
-        default=editing.step,
-        key=editing.key("step"),
-        format_func=lambda step: editing.said(step, say) + signs.get(step, ""),
-        label_visibility="collapsed",
-    )
-    editing.step = picked or editing.step
-    return editing.step
+    steps = [sheet.name for sheet in editing.draft.subject.sheets]
+    return ask_step(editing, steps, lambda step: editing.said(step, say) + signs.get(step, ""), say)
 
 
 def draw_curve(found: Checked, say: Wording) -> None:
@@ -260,15 +228,9 @@ def draw_saving(desk: Desk, editing: Editing, found: Checked, say: Wording) -> N
         draw_save_button(editing, found, saving, over, say, then)
         for slot in _slots(desk):
             if slot.part is None or slot.part in getattr(found.entry, "measures", (slot.part,)):
-                label = say("workshop_data.use" if slot.part is None else f"workshop_data.use_{slot.part}")
-                ready = found.entry is not None and saving.saved
-                st.button(
-                    label, disabled=not ready, on_click=pick, args=(slot.name, saving.name),
-                    help=say("workshop_data.use_help"), key=editing.key(f"use-{slot.name}"),
-                )  # fmt: skip
-        st.download_button(
-            say("workshop_data.toml"), saving.text, f"{saving.name or 'unnamed'}.toml", on_click="ignore"
-        )
+                label = say("typed_entries.use" if slot.part is None else f"workshop_data.use_{slot.part}")
+                draw_use(editing, found, saving, slot.name, label, say)
+        draw_toml(saving, say)
     with st.container():
         if saving.saved and _used_by(desk, saving.name):
             st.caption(say("workshop_data.used"))

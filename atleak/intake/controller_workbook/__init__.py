@@ -17,7 +17,7 @@ from atleak.catalogue.controller_reading import checked_controller
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
 from atleak.controller_sheets.kinds import Choice
 from atleak.controller_sheets.layout import HEAD, INSTRUCTIONS, LISTS, SHEETS, UNIT_LINES
-from atleak.controller_sheets.meaning import doubts
+from atleak.controller_sheets.meaning import doubts, in_cells
 from atleak.controller_sheets.shapes import Sheet as Declared
 from atleak.controller_sheets.units import Units
 from atleak.doors import own_errors_only
@@ -115,8 +115,8 @@ def _described(sheets: list[Sheet], file: str) -> DescribedController:
     try:
         controller = checked_controller(into.data, file)
     except CatalogueError as error:
-        meant = (places.of_meaning(each, into) for each in (error, *error.others))
-        faults += [fault for fault in meant if fault is not None]
+        rows = {name: page.rows for name, page in places.pages.items()}
+        faults += [places.fault(fault) for fault in in_cells(error, into, SHEETS, rows, units)]
         if not faults:
             raise
     if faults:

@@ -18,6 +18,7 @@ from atleak.controller_sheets.layout import (
     NOTE_HEADING,
     UNIT_MARK,
     VALUE,
+    examples,
 )
 from atleak.controller_sheets.shapes import Column
 from atleak.controller_sheets.shapes import Sheet as Declared
@@ -219,7 +220,7 @@ def _is_example(declared: Declared, columns: Any, stands: Mapping[str, Cell]) ->
             for column in columns
             if column.heading in example
         }
-        for example in declared.examples
+        for example in examples(declared)
         for units in every
     )
 

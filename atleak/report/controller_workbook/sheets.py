@@ -21,6 +21,7 @@ from atleak.controller_sheets.layout import (
     NOTE_HEADING,
     UNIT_LINES,
     UNIT_MARK,
+    examples,
 )
 from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Measure, Units
@@ -176,11 +177,11 @@ def write_table(page: Worksheet, styles: Styles, sheet: Sheet, data: Data, units
     _begin(page, styles, sheet)
     columns = sheet.columns_for(data or {})
     filled = [] if data is None else list(sheet.rows(data))
-    examples = list(sheet.examples) if data is None else []
+    shown = examples(sheet) if data is None else ()
     page.set_column(0, 0, _NOTE_WIDTH)
     page.write_string(_HEADINGS, 0, NOTE_HEADING, styles["optional"])
     page.write_string(_UNITS, 0, UNIT_MARK, styles["note"])
-    first = _UNITS + 1 + len(examples)
+    first = _UNITS + 1 + len(shown)
     last = first + max(len(filled) + _SPARE_ROWS, _LEAST_ROWS) - 1
     page.set_row(_HELP, 4 * _LINE)
     page.set_row(_HEADINGS, 2 * _LINE)
@@ -189,7 +190,7 @@ def write_table(page: Worksheet, styles: Styles, sheet: Sheet, data: Data, units
         page.write_string(_HELP, number, column.help, styles["help"])
         page.write_string(_HEADINGS, number, column.heading, styles["needed" if column.required else "optional"])
         _write_unit(page, _UNITS, number, column.kind, units, styles["unit"])
-        for row, values in enumerate(examples, start=_UNITS + 1):
+        for row, values in enumerate(shown, start=_UNITS + 1):
             style = "example dimension" if _style(column.kind) == "dimension" else "example"
             _write_cell(page, styles, row, number, column, values.get(column.heading), units, style)
         for row in range(first, last + 1):

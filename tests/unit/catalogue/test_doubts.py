@@ -9,11 +9,12 @@ from typing import Any
 import pytest
 
 from atleak.catalogue.controller_reading import checked_controller, load_controller
+from atleak.catalogue.controller_tables import ControllerFile
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import KINDS, read_tables, shipped_files
-from atleak.catalogue.fluid import checked_fluid, load_fluid
+from atleak.catalogue.fluid import FluidFile, checked_fluid, load_fluid
 from atleak.catalogue.instruments import checked_instrument, load_instrument
-from atleak.catalogue.limits import checked_limits, load_limits
+from atleak.catalogue.limits import LimitsFile, checked_limits, load_limits
 from atleak.diagnosis import diagnose
 from atleak.errors import CatalogueError
 
@@ -87,7 +88,7 @@ def test_a_value_that_is_possible_and_unusual_is_doubted_at_its_place(
 
 def test_a_viscosity_of_7000_at_100_degrees_is_doubted_and_refused_as_rising() -> None:
     data = changed("fluids", (("viscosity", 1, "kinematic_viscosity_mm2_s"), 7000.0))
-    (doubt,) = doubts_of("fluids", data, "own.toml")
+    (doubt,) = doubts_of("fluids", FluidFile, data, "own.toml")
     assert str(doubt.place) == "own.toml, [viscosity[2]], key 'kinematic_viscosity_mm2_s'"
     assert "7000 mm²/s is unusual for a transmission fluid at 100 °C: most are from 2.7 to 14 mm²/s" in doubt.text
     with pytest.raises(CatalogueError, match="viscosity must fall from 40 to 100") as caught:
@@ -113,7 +114,7 @@ def with_clearances(*um: float, **more: Any) -> dict[str, Any]:
     ids=["diametral", "radial", "published", "of a used unit", "twice as wide", "two lands"],
 )
 def test_mounting_clearances_that_may_be_diametral_are_asked_about(data: dict[str, Any], doubted: bool) -> None:
-    doubts = doubts_of("controllers", data, "own.toml")
+    doubts = doubts_of("controllers", ControllerFile, data, "own.toml")
     assert [doubt.place.steps for doubt in doubts] == (
         [("components", 0, "lands", 0, "mounting_clearance_um")] if doubted else []
     )
@@ -126,15 +127,15 @@ def test_a_range_of_clearances_counts_by_its_middle_and_for_lands_that_state_non
         "components": [{"id": "8", "lands": lands}],
         "defaults": {"mounting_clearance_um": [12.7, 40.0]},
     }
-    (doubt,) = doubts_of("controllers", data, "own.toml")
+    (doubt,) = doubts_of("controllers", ControllerFile, data, "own.toml")
     assert doubt.place.steps == ("defaults", "mounting_clearance_um")
     assert "26.35 µm" in doubt.text
 
 
 def test_a_displacement_that_follows_from_dimensions_is_doubted_too() -> None:
-    (doubt,) = doubts_of("controllers", {"pump": {"kind": "vane"}}, "own.toml", displacement=1.8e-8)
+    (doubt,) = doubts_of("controllers", ControllerFile, {"pump": {"kind": "vane"}}, "own.toml", displacement=1.8e-8)
     assert doubt.text.startswith("By the dimensions of the pump, 18 mm³ is unusual")
-    assert doubts_of("controllers", {"pump": {"kind": "vane"}}, "own.toml", displacement=1.8e-5) == ()
+    assert doubts_of("controllers", ControllerFile, {"pump": {"kind": "vane"}}, "own.toml", displacement=1.8e-5) == ()
 
 
 def test_changed_limits_that_keep_a_shipped_source_are_doubted_until_they_are_the_workshops() -> None:
@@ -147,8 +148,8 @@ def test_changed_limits_that_keep_a_shipped_source_are_doubted_until_they_are_th
 
 def test_what_is_no_number_is_passed_over() -> None:
     data = {"pump": "none", "components": [{"lands": "two"}, 3], "operating_points": [{"engine_rpm": "fast"}]}
-    assert doubts_of("controllers", data, "own.toml") == ()
-    assert doubts_of("limits", {"wear_percent": {"watch": True, "replace": "much"}}, "own.toml") == ()
+    assert doubts_of("controllers", ControllerFile, data, "own.toml") == ()
+    assert doubts_of("limits", LimitsFile, {"wear_percent": {"watch": True, "replace": "much"}}, "own.toml") == ()
 
 
 def test_a_result_says_what_of_its_own_entries_is_doubted() -> None:

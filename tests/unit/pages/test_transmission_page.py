@@ -13,7 +13,7 @@ from atleak.controller_sheets.layout import SHEETS
 from atleak.report.controller_workbook import write_controller_workbook
 from atleak.system.drafts import drafts
 from pages.shared import entrance
-from pages.shared.transmission_tables import STEPS
+from pages.shared.transmission import STEPS
 
 from .conftest import choice, go, texts
 from .test_learn_form import sheets

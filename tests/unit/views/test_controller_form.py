@@ -98,6 +98,12 @@ def test_every_fault_is_named_at_once_with_its_cell(typed: Draft) -> None:
     ]
 
 
+def test_what_is_wrong_with_a_default_of_all_lands_is_said_once_at_the_head(typed: Draft) -> None:
+    fault = fault_of(typed.with_cell("Head", "Tolerance of mounting clearances", "30"))
+    assert (fault.table, fault.heading) == ("Head", "Tolerance of mounting clearances")
+    assert "its mounting clearance of" in fault.text
+
+
 def test_an_empty_description_says_what_is_to_be_filled_in() -> None:
     found = checked(Draft(CONTROLLER))
     assert found.entry is None

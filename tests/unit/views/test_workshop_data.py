@@ -126,11 +126,21 @@ def test_a_draft_is_read_back_only_as_what_it_is() -> None:
 
 
 @pytest.mark.parametrize("language", ["de", "pl"])
-def test_every_heading_and_help_of_the_forms_is_translated(language: str) -> None:
-    texts = wording(language).texts["workshop_fields"]
-    said = {sheet.name for subject in SUBJECTS.values() for sheet in subject.sheets}
-    for subject in SUBJECTS.values():
-        for sheet in subject.sheets:
-            said |= {sheet.about, *(column.heading for column in sheet.columns)}
-            said |= {column.help for column in sheet.columns if column.help}
-    assert said - texts.keys() == set()
+@pytest.mark.parametrize(
+    ("words", "subjects"), [("workshop_fields", tuple(SUBJECTS.values())), ("transmission_fields", (CONTROLLER,))]
+)
+def test_every_heading_and_help_of_the_forms_is_translated(
+    language: str, words: str, subjects: tuple[Subject, ...]
+) -> None:
+    said = set()
+    for sheet in (sheet for subject in subjects for sheet in subject.sheets):
+        said |= {sheet.name, sheet.about, *(column.heading for column in sheet.columns)}
+        said |= {column.help for column in sheet.columns if column.help}
+    assert said - wording(language).texts[words].keys() == set()
+
+
+@pytest.mark.parametrize("subject", [*SUBJECTS.values(), CONTROLLER], ids=lambda subject: subject.kind)
+def test_no_heading_stands_over_two_keys_of_a_table(subject: Subject) -> None:
+    for sheet in subject.sheets:
+        headings = [column.heading for column in sheet.columns]
+        assert len(headings) == len(set(headings))
