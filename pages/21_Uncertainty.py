@@ -4,10 +4,10 @@ import streamlit as st
 
 from atleak.figures import uncertainty_figures as figures
 from atleak.figures.diagnosis_figures import total_share
-from atleak.views.columns import Column
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.drawing import spool_svg
 from atleak.views.sentences import land_in_words
+from atleak.views.table import Column
 from atleak.views.uncertainty_rows import budget_rows
 from pages.shared import panel, reader, show, words
 

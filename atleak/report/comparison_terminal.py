@@ -11,7 +11,6 @@ from rich.text import Text
 from atleak.comparison import Comparison
 from atleak.look import look_of
 from atleak.report.terminal import TerminalConsole
-from atleak.views.columns import Column
 from atleak.views.comparison_rows import (
     CONDITION_COLUMNS,
     EVENT_COLUMNS,
@@ -21,6 +20,7 @@ from atleak.views.comparison_rows import (
     land_rows,
 )
 from atleak.views.comparison_words import changed_sentence, total_sentence, verdicts_sentence, visit_caveats
+from atleak.views.table import Column
 from atleak.wording import Wording, signed, wording
 
 _ON_TERMINAL = ("pair", "was", "verdict", "clearance_before", "clearance_after", "change", "changed")

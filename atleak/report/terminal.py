@@ -8,12 +8,14 @@ from typing import Any, TextIO
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
-from rich.table import Column, Table
+from rich.table import Column as GridColumn
+from rich.table import Table as Grid
 from rich.text import Text
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.gauge_study.anova import GaugeStudy
 from atleak.intake.units import HHMMSS, find_unit, kinds_of
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import look_of
@@ -31,6 +33,7 @@ from atleak.views.complaint import finding, measure_first, reason
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
 from atleak.views.gauge_rows import gauge_rows, pattern_text
+from atleak.views.gauge_study import anova_table, component_table, result_sentence
 from atleak.views.positions import positions
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_words import pump_sentence, worn_pump
@@ -50,7 +53,8 @@ from atleak.views.sentences import (
     wear_words,
     when_new,
 )
-from atleak.wording import begun, signed, wording
+from atleak.views.table import VERDICT, Column, Table
+from atleak.wording import Wording, begun, signed, wording
 from atleak.workshop_units import DM3_MIN, KPA, MM2_S, PERCENT, RPM, UM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
@@ -132,7 +136,7 @@ def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
 
 def print_variants(results: Sequence[VariantResult]) -> None:
     """Print W1-W8: as published, as computed and as Table 2 tabulates them."""
-    table = Table(
+    table = Grid(
         "variant", "°C", "wear %", "ν mm²/s", "printed", "computed", "as tabulated", "share printed", "computed"
     )
     for result in results:
@@ -164,7 +168,7 @@ def print_log(record: dict[str, Any]) -> None:
     segments = record["segments"]
     left_out = f" ({record['rows_left_out']} line(s) left out)" if record["rows_left_out"] else ""
     console.print(Text(f"{record['rows']} rows{left_out}, {record['duration_s']:.3f} s in {len(segments)} segment(s)"))
-    table = Table("quantity", "column", "unit", "samples", "lowest", "highest", "Hz")
+    table = Grid("quantity", "column", "unit", "samples", "lowest", "highest", "Hz")
     for each in table.columns:
         each.no_wrap, each.overflow = each.header not in ("column", "unit"), "fold"  # no number goes on in another line
     for column in record["columns"]:
@@ -198,22 +202,49 @@ def _short(value: float | None) -> str:
     return "–" if value is None else f"{value + 0.0:.{4 if abs(value) < 1e4 else 9}g}"
 
 
-def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]], whole: Sequence[str] = ()) -> None:
-    """Print records as a table.
+def laid_out(content: Table) -> Grid:
+    """Return a table as a terminal shows it: no number and no id is ever broken, verdicts stand in their colours."""
+    say = content.say
+    grid = Grid(title=content.title or None, title_justify="left", title_style="")
+    for number, column in enumerate(content.columns):
+        texts = [content.texts(item)[number] for item in content.rows]
+        unbroken = column.whole or column.is_number or bool(column.words_of) or column.kind == VERDICT
+        grid.add_column(
+            Text(column.heading(say)),
+            justify="right" if column.is_number else "left",
+            overflow="fold",
+            min_width=max(map(len, texts), default=0) if unbroken else None,
+        )
+    for item in content.rows:
+        levels = (column.judged(item).level for column in content.columns)
+        styles = ["" if level is None else look_of(level).style for level in levels]
+        grid.add_row(*(Text(text, style=style) for text, style in zip(content.texts(item), styles, strict=True)))
+    return grid
 
-    Parameters
-    ----------
-    whole
-        columns that are never cut, besides the first: a user must be able to copy a whole id.
-    """
-    table = Table(*(column.replace("_", " ") for column in columns))
-    for name, column in zip(columns, table.columns, strict=True):
-        if name in (columns[0], *whole):
-            column.no_wrap, column.overflow = True, "fold"
-            column.min_width = max((len(_cell(row[name])) for row in rows), default=0)
-    for row in rows:
-        table.add_row(*(Text(_cell(row[column])) for column in columns))
-    TerminalConsole().print(table)
+
+def print_table(content: Table) -> None:
+    """Print a table, and below it what is told of its items."""
+    console = TerminalConsole()
+    console.print(laid_out(content))
+    for line in dict.fromkeys(filter(None, map(content.told, content.rows)) if content.told else ()):
+        console.print(Text(line))
+
+
+def print_gauge_study(study: GaugeStudy, say: Wording) -> None:
+    """Print what the variation is made of, the analysis behind it, and what there is to know about it."""
+    print_table(component_table(study, say))
+    print_table(anova_table(study, say))
+    console = TerminalConsole()
+    for text in (result_sentence(study, say), *study.messages, say("gauge_study.whose")):
+        console.print(Text(say.sentence(text)))
+
+
+def print_records(columns: Sequence[str], rows: Sequence[dict[str, Any]], whole: Sequence[str] = ()) -> None:
+    """Print records as a table; neither the first column nor those that are ``whole`` are ever cut."""
+    whole = (columns[0], *whole)
+    shown = [{name: _cell(row[name]) for name in columns} for row in rows]
+    made = tuple(Column(name, words=name.replace("_", " "), whole=name in whole) for name in columns)
+    print_table(Table("", made, shown, wording("en")))
 
 
 def _cell(value: Any) -> str:
@@ -346,8 +377,8 @@ def _pressures(diagnosis: Diagnosis, projection: Projection) -> Iterator[str]:
         yield f"   {signed(verdict) + ': ' if verdict else ''}{', '.join(circuits)}"
 
 
-def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
-    table = Table()
+def _flagged(lands: Sequence[LandDiagnosis]) -> Grid:
+    table = Grid()
     for name in ("verdict", "pair", "c_r µm", "c_m µm", "wear %"):
         table.add_column(name, no_wrap=True)
     table.add_column("because")
@@ -374,7 +405,7 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     what = "flagged lands" if diagnosis.flagged else "lands that leak most"
     yield Text(f"Share of the pump's flow [%] of the {what} at the conditions above, by their numbers:")
     for first in range(0, len(diagnosis.presented), CONDITIONS_ABREAST):
-        table = Table("pair")
+        table = Grid("pair")
         stretch = slice(first, first + CONDITIONS_ABREAST)
         for number in range(len(diagnosis.presented))[stretch]:
             table.add_column(f"{number + 1}.", justify="right", no_wrap=True)
@@ -423,8 +454,8 @@ def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
     rows = gauge_rows(check)
     names = [name for name in rows[0] if len(rows[0]) <= GAUGES_ABREAST or name != "Decision"]
-    columns = [Column(Text(name)) for name in names]  # "[kPa]" is no markup
-    table = Table("verdict", *columns, show_edge=False, padding=0)
+    columns = [GridColumn(Text(name)) for name in names]  # "[kPa]" is no markup
+    table = Grid("verdict", *columns, show_edge=False, padding=0)
     for column in table.columns:
         column.overflow = "fold"  # on a narrow terminal nothing is cut off
         column.no_wrap = str(column.header) == "Permitted [kPa]"  # else within a number of four digits

@@ -12,11 +12,11 @@ from atleak.catalogue.limits import Limits
 from atleak.catalogue.repairs import Repair
 from atleak.views.catalogue_table import CatalogueTable, Rows, columns, span
 from atleak.views.circuit_rows import MILLIAMPERE, circuit_tables, gears_words
-from atleak.views.columns import Column
 from atleak.views.evidence_rows import evidence_table
 from atleak.views.land_names import land_number
 from atleak.views.repair_options import repair_name
 from atleak.views.sentences import rule_value
+from atleak.views.table import Column
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, PERCENT, RPM, UM
 

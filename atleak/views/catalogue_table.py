@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from atleak.views.columns import Column
+from atleak.views.table import Column
 from atleak.wording import Wording
 
 Rows = list[dict[str, Any]]

@@ -8,7 +8,7 @@ from typing import Any
 from atleak.catalogue.circuits import Circuit, SetPressure
 from atleak.catalogue.controller import Controller
 from atleak.views.catalogue_table import CatalogueTable, Rows, columns
-from atleak.views.columns import Column
+from atleak.views.table import Column
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, PERCENT
 

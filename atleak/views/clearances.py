@@ -7,8 +7,8 @@ from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.views.columns import VERDICT, Column
 from atleak.views.land_names import has_number
+from atleak.views.table import VERDICT, Column
 from atleak.wording import Wording
 from atleak.workshop_units import MM, PERCENT, UM
 

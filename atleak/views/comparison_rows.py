@@ -11,8 +11,8 @@ import numpy as np
 from atleak.comparison import Change, Comparison, ConditionComparison, LandComparison, LogComparison
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.road_test import RoadTest
-from atleak.views.columns import Column
 from atleak.views.comparison_words import event_name, land_name, signed_number, with_uncertainty
+from atleak.views.table import Column
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, UM
 

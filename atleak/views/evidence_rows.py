@@ -8,7 +8,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.known_values import KnownValue, counted, known_values
 from atleak.views.catalogue_table import CatalogueTable, Rows, columns
-from atleak.views.columns import Column
+from atleak.views.table import Column
 from atleak.wording import Wording
 
 _NAMES = {

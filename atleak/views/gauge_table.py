@@ -7,8 +7,8 @@ from typing import Any
 from atleak.catalogue.circuits import StandingPressure
 from atleak.gauges.check import CheckedReading, PressureCheck
 from atleak.pressure_table import LINE
-from atleak.views.columns import VERDICT, Column
 from atleak.views.condition_record import scaled
+from atleak.views.table import VERDICT, Column
 from atleak.wording import Wording
 from atleak.workshop_units import KPA
 

@@ -19,7 +19,6 @@ from atleak.jobs.search import Query
 from atleak.jobs.unit_visits import unit_of_job
 from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.verdicts import Verdict
-from atleak.views.columns import VERDICT
 from atleak.views.comparison_rows import (
     CONDITION_COLUMNS,
     EVENT_COLUMNS,
@@ -30,6 +29,7 @@ from atleak.views.comparison_rows import (
 )
 from atleak.views.comparison_words import changed_sentence, event_name, total_sentence, verdicts_sentence
 from atleak.views.diagnosis_record import to_json
+from atleak.views.table import VERDICT
 from atleak.wording import Wording
 from pages.shared import files, font_form, reader, show
 from pages.shared.book import book, job_id

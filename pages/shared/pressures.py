@@ -11,7 +11,6 @@ import streamlit as st
 from atleak.diagnosis import Diagnosis
 from atleak.figures import pressure_figures as figures
 from atleak.repair import Total
-from atleak.views.columns import VERDICT, Column
 from atleak.views.flow_diagram import flow_diagram, flow_rows
 from atleak.views.flow_svg import flow_svg
 from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
@@ -25,6 +24,7 @@ from atleak.views.sentences import (
     reserve_sentence,
     unsolved,
 )
+from atleak.views.table import VERDICT, Column
 from atleak.wording import Wording
 from atleak.workshop_units import KPA, RPM
 from pages.shared import fields, reader, show

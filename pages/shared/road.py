@@ -12,7 +12,6 @@ from atleak.figures import log_figures as figures
 from atleak.keeping import kept_with
 from atleak.road_findings import RoadFindings
 from atleak.uncertainty import UnitUncertainty
-from atleak.views.columns import Column
 from atleak.views.log_rows import circuit_rows, place_rows, whole
 from atleak.views.road_instants import instant_record, road_instants
 from atleak.views.road_words import (
@@ -22,6 +21,7 @@ from atleak.views.road_words import (
     pressure_sentences,
     test_sentences,
 )
+from atleak.views.table import Column
 from atleak.wording import Wording
 from pages.shared import reader, show
 from pages.shared.show import plain

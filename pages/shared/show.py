@@ -29,13 +29,13 @@ from atleak.job.judged_anew import JudgedOtherwise
 from atleak.look import DARK, SCREEN, look_of
 from atleak.verdicts import Band, Verdict
 from atleak.views.caveats import caveat_marks, caveats
-from atleak.views.columns import VERDICT, Column
 from atleak.views.drawing import on_dark
 from atleak.views.first_sentence import first_sentence as first_sentence_of
 from atleak.views.first_sentence import shown_verdict
 from atleak.views.gauge_table import GAUGE_COLUMNS, gauge_table_rows
 from atleak.views.rule_words import rule_name
 from atleak.views.sentences import fluid_in_state
+from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording
 from pages.shared import reader
 from pages.shared.state import Refusal
@@ -146,33 +146,34 @@ def _with_place(message: Message) -> str:
     return plain(message.text) + (f" — *{place}*" if place else "")
 
 
-def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **options: Any) -> Any:
-    """Show rows of plain values, in the units of atleak's records, as a table in the reader's language and units.
+def table(content: Table, **options: Any) -> Any:
+    """Show a table, without the columns that no row has a value in.
 
     Numbers are sorted as numbers, verdicts with the worst first; what is None is a dash. Further ``options`` are those
     of `st.dataframe`; returned is what it returns, such as the rows that are selected.
     """
-    say = reader.say()
-    headings = {column.heading(say): column for column in columns}
-    cells = {
-        heading: pd.Series([column.value(row.get(column.key), say) for row in rows], dtype=column.dtype)
-        for heading, column in headings.items()
-    }
-    frame = pd.DataFrame(cells)
+    content, say = content.filled, content.say
+    frame = content.frame(rounded=True)
     style, config = frame.style, {}
     written: dict[Any, str | Callable[[object], str] | None] = {}
-    for heading, column in headings.items():
+    for heading, column in zip(content.headings, content.columns, strict=True):
         config[heading] = st.column_config.Column(help=column.help(say), width=column.width)
         if column.is_number:
             written[heading] = partial(column.written, say=say)
-        elif column.kind == VERDICT:
-            levels = frame[heading].tolist()
+        levels = [column.judged(item).level for item in content.rows]
+        if column.kind == VERDICT:
             frame[heading] = [_sorted_verdict(level, say) for level in levels]
+        if any(levels):
             shades = ["" if level is None else colours(level) for level in levels]
             style = style.apply(lambda _, shades=shades: shades, subset=[heading])
     if written:
         style = style.format(written, subset=list(written))
     return st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–", **options)
+
+
+def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **options: Any) -> Any:
+    """Show rows of plain values, in the units of atleak's records, as a table in the reader's language and units."""
+    return table(Table("", tuple(columns), rows, reader.say()), **options)
 
 
 def _sorted_verdict(level: Verdict | Band | None, say: Wording) -> str:
@@ -211,7 +212,7 @@ def rounded(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:.3g}" if abs(value) >= 0.001 else f"{value:z.3f}"
 
 
-def table(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{:.6g}", **options: Any) -> None:
+def records(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{:.6g}", **options: Any) -> None:
     """Show plain rows; numbers have up to six digits unless ``number`` says otherwise."""
     frame = pd.DataFrame(rows)
     names = frame.columns.tolist()

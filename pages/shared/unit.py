@@ -18,9 +18,9 @@ from atleak.jobs.book import Book, JobRow
 from atleak.jobs.search import Query
 from atleak.jobs.unit_visits import VisitedJob, left_undone, unit_of_job, visits_of_unit
 from atleak.verdicts import Band, Verdict
-from atleak.views.columns import Column
 from atleak.views.history_rows import PER, levels_of, soonest_first, total_rows, wear_rows
 from atleak.views.land_names import land_number, land_words
+from atleak.views.table import Column
 from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
 from pages.shared import reader, show

@@ -13,7 +13,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.line import LINE
 from atleak.errors import AtleakError
 from atleak.figures.what_if_figures import Place, pressure_map, share_map
-from atleak.views.columns import VERDICT, Column
+from atleak.views.table import VERDICT, Column
 from atleak.views.what_if_rows import circuit_rows, study_rows, total_rows, tried_words
 from atleak.what_if import (
     Axis,

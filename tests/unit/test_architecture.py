@@ -119,7 +119,6 @@ FLOORS = (
         "report.xlsx",
         "report.measuring_sheet",
         "report.comparison_terminal",
-        "report.gauge_study_terminal",
     ),
     ("job.file",),
     ("report.batch", "jobs"),
