@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from operator import itemgetter
 from typing import Any
 
 from atleak.gauge_study.anova import CATEGORY, SPREAD, Component, GaugeStudy
@@ -75,11 +74,11 @@ def component_table(study: GaugeStudy, say: Wording) -> Table:
     """Return the components of variation as a table that people read."""
     shown = (
         Column("variation_part", of=lambda row: say(f"gauge_study_names.{row['component']}"), width=150),
-        Column("deviation", "clearance", 3, of=itemgetter("deviation_um")),
-        Column("spread", "clearance", 3, of=itemgetter("spread_um")),
-        Column("contribution", "percent", 2, of=itemgetter("contribution_percent")),
-        Column("of_study", "percent", 2, of=itemgetter("of_study_percent")),
-        Column("of_tolerance", "percent", 2, of=lambda row: row.get("of_tolerance_percent")),
+        Column("deviation", "clearance", 3, of="deviation_um"),
+        Column("spread", "clearance", 3, of="spread_um"),
+        Column("contribution", "percent", 2, of="contribution_percent"),
+        Column("of_study", "percent", 2, of="of_study_percent"),
+        Column("of_tolerance", "percent", 2, of="of_tolerance_percent"),
     )
     return Table("components", shown, component_rows(study), say).filled
 
@@ -88,11 +87,11 @@ def anova_table(study: GaugeStudy, say: Wording) -> Table:
     """Return the analysis of variance as a table that people read."""
     shown = (
         Column("variation_source", of=lambda row: say(f"gauge_study_names.{row['source']}"), width=150),
-        Column("squares", digits=2, of=itemgetter("squares_um2")),
+        Column("squares", digits=2, of="squares_um2"),
         Column("freedom", digits=0),
-        Column("mean_square", digits=2, of=itemgetter("mean_square_um2")),
-        Column("f_ratio", digits=2, of=itemgetter("f")),
-        Column("by_chance", digits=4, of=itemgetter("probability")),
+        Column("mean_square", digits=2, of="mean_square_um2"),
+        Column("f_ratio", digits=2, of="f"),
+        Column("by_chance", digits=4, of="probability"),
     )
     return Table("anova", shown, anova_rows(study), say)
 

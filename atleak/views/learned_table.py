@@ -20,12 +20,12 @@ def learned_lands(learned: Learned, say: Wording) -> Table:
     """Return a row for every land that was learned."""
     shown = (
         Column("pair", of=lambda land: land_number(learned.controller, land.land.key, say), whole=True),
-        Column("learned_new", "clearance", 2, of=lambda land: land.clearance * UM),
-        Column("sure_to", "clearance", 2, of=lambda land: land.uncertainty * UM),
-        Column("of_pairs", "clearance", 2, of=lambda land: land.tolerance * UM),
-        Column("learned_spread", "clearance", 2, of=lambda land: _um(land.spread)),
-        Column("units", digits=0, of=lambda land: land.units),
-        Column("unworn_ends", digits=0, of=lambda land: land.unworn_ends),
+        Column("learned_new", "clearance", 2, of="clearance", times=UM),
+        Column("sure_to", "clearance", 2, of="uncertainty", times=UM),
+        Column("of_pairs", "clearance", 2, of="tolerance", times=UM),
+        Column("learned_spread", "clearance", 2, of="spread", times=UM),
+        Column("units", digits=0),
+        Column("unworn_ends", digits=0),
         Column("so_far", words_of="clearance", of=lambda land: _span(land, say)),
     )
     return Table("learned", shown, learned.lands, say)
@@ -38,10 +38,10 @@ def _span(land: LearnedLand, say: Wording) -> str:
 def learned_outliers(learned: Learned, say: Wording) -> Table:
     """Return a row for every pair that does not count by itself, the widest first."""
     shown = (
-        Column("sheet", of=lambda pair: pair.file),
+        Column("sheet", of="file"),
         Column("pair", of=lambda pair: land_number(learned.controller, (pair.component, pair.land), say)),
-        Column("this_measured", "clearance", 2, of=lambda pair: pair.clearance * UM),
-        Column("others", "clearance", 2, of=lambda pair: pair.expected * UM),
+        Column("this_measured", "clearance", 2, of="clearance", times=UM),
+        Column("others", "clearance", 2, of="expected", times=UM),
         Column("wider_by", "clearance", 2, of=lambda pair: (pair.clearance - pair.expected) * UM),
     )
     return Table("outliers", shown, sorted(learned.left_out, key=lambda pair: pair.expected - pair.clearance), say)
@@ -50,10 +50,10 @@ def learned_outliers(learned: Learned, say: Wording) -> Table:
 def learned_units(learned: Learned, say: Wording) -> Table:
     """Return a row for every measuring sheet."""
     shown = (
-        Column("sheet", of=lambda unit: unit.file),
-        Column("lands", digits=0, of=lambda unit: unit.lands),
+        Column("sheet", of="file"),
+        Column("lands", digits=0),
         Column("learned_unit", of=lambda unit: say("learning.used" if unit.of_used_unit else "learning.new")),
-        Column("all_wider_by", "clearance", 2, of=lambda unit: unit.shift * UM),
+        Column("all_wider_by", "clearance", 2, of="shift", times=UM),
         Column("left_out", of=lambda unit: say.sentence(why(unit, learned.left_out)) or None),
     )
     return Table("sheets", shown, learned.units, say)

@@ -8,7 +8,7 @@ column means, where that needs saying, as ``column_help.KEY``.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -52,8 +52,10 @@ class Column:
     words_of
         kind of quantity that its cells hold as words, such as a range; the heading names the unit
     of
-        its value in the unit of atleak's records, or its words, of an item of the table's rows; None where there is
-        none. Without it items are dictionaries with the value under ``key``
+        its value in the unit of atleak's records, or its words, of an item of the table's rows: a function, or the name
+        that the item has for it, unless that is ``key``; None where there is none
+    times
+        by what the item's value is multiplied to be in the unit of atleak's records
     whole
         whether its words are never cut or broken: a user must be able to copy a whole id
     """
@@ -64,7 +66,8 @@ class Column:
     width: int | None = None
     words: str | None = None
     words_of: str | None = None
-    of: Callable[[Any], Any] | None = None
+    of: str | Callable[[Any], Any] = ""
+    times: float | None = None
     whole: bool = False
 
     @property
@@ -101,10 +104,15 @@ class Column:
 
     def judged(self, item: Any) -> Judged:
         """Return what stands in an item's cell, with the verdict in whose colour; a verdict stands in its own."""
-        found = item.get(self.key) if self.of is None else self.of(item)
-        if isinstance(found, Judged):
-            return found
-        return Judged(found, found if isinstance(found, Verdict | Band) else None)
+        if callable(self.of):
+            found = self.of(item)
+        else:
+            name = self.of or self.key
+            found = item.get(name) if isinstance(item, Mapping) else getattr(item, name)
+        value, level = found if isinstance(found, Judged) else (found, None)
+        if value is not None and self.times is not None:
+            value *= self.times
+        return Judged(value, value if isinstance(value, Verdict | Band) else level)
 
     def cell(self, item: Any, say: Wording, *, rounded: bool = False) -> Any:
         """Return the value of an item's cell in the reader's unit; ``rounded`` as exact as it is shown."""
@@ -174,6 +182,10 @@ class Table:
     def texts(self, item: Any) -> tuple[str, ...]:
         """Return the cells of an item as words."""
         return tuple(column.text(item, self.say) for column in self.columns)
+
+    def records(self) -> list[dict[str, Any]]:
+        """Return its rows with each value under its column's key, in the units of atleak's records."""
+        return [{column.key: column.judged(item).value for column in self.columns} for item in self.rows]
 
     def frame(self, *, rounded: bool = False) -> pd.DataFrame:
         """Return it as a DataFrame: numbers in the reader's unit, which the names of the columns say."""

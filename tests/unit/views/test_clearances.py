@@ -49,7 +49,7 @@ def test_every_column_has_its_heading_and_what_tells_pairs_apart_comes_first(wor
 
 @pytest.mark.parametrize("entry", controllers(), ids=lambda entry: entry.id)
 def test_a_controllers_tables_hold_all_of_it(entry) -> None:
-    tables = {table.name: table.rows for table in TABLES["controller"](entry, wording("en"))}
+    tables = {table.name: table.records() for table in TABLES["controller"](entry, wording("en"))}
     assert len(tables["lands"]) == len(entry.lands)
     assert len(tables["gaps"]) == len(entry.gaps)
     assert [row["engine_speed"] for row in tables["points"]] == pytest.approx(
@@ -60,7 +60,7 @@ def test_a_controllers_tables_hold_all_of_it(entry) -> None:
 
 @pytest.mark.parametrize("entry", fluids(), ids=lambda entry: entry.id)
 def test_a_fluids_curve_goes_through_its_data_sheet_and_stays_in_its_span(entry) -> None:
-    tables = {table.name: table.rows for table in TABLES["fluid"](entry, wording("en"))}
+    tables = {table.name: table.records() for table in TABLES["fluid"](entry, wording("en"))}
     curve = {row["temperature"]: row["viscosity"] for row in tables["d341"]}
     for at, nu in (entry.points[0], entry.points[-1]):
         if at in curve:
@@ -74,7 +74,7 @@ def test_a_fluids_curve_goes_through_its_data_sheet_and_stays_in_its_span(entry)
 def test_every_limit_is_shown_with_its_origin() -> None:
     for entry in limit_sets():
         [table] = TABLES["limits"](entry, wording("en"))
-        rows = table.rows
+        rows = table.records()
         assert len(rows) == sum(len(steps.levels) for steps in entry.rules.values())
         assert all(row["limit_is"] and row["source"] for row in rows)
         wear = next(row for row in rows if row["rule"] == "wear")
