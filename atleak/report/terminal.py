@@ -8,7 +8,6 @@ from typing import Any, TextIO
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
-from rich.table import Column as GridColumn
 from rich.table import Table as Grid
 from rich.text import Text
 
@@ -32,7 +31,7 @@ from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.complaint import finding, measure_first, reason
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
-from atleak.views.gauge_rows import gauge_rows, pattern_text
+from atleak.views.gauge_rows import gauge_table, pattern_sentences
 from atleak.views.gauge_study import anova_table, component_table, result_sentence
 from atleak.views.positions import positions
 from atleak.views.pressures import pressures_at
@@ -59,7 +58,7 @@ from atleak.workshop_units import DM3_MIN, KPA, MM2_S, PERCENT, RPM, UM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
-GAUGES_ABREAST = 7  # columns of gauge readings that fit beside one another
+GAUGES_ABREAST = 8  # columns of gauge readings that fit beside one another
 MEASURE_FIRST = 6  # lands named for a complaint
 
 
@@ -452,26 +451,11 @@ def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     if check is None:
         return
     yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
-    rows = gauge_rows(check)
-    names = [name for name in rows[0] if len(rows[0]) <= GAUGES_ABREAST or name != "Decision"]
-    columns = [GridColumn(Text(name)) for name in names]  # "[kPa]" is no markup
-    table = Grid("verdict", *columns, show_edge=False, padding=0)
-    for column in table.columns:
-        column.overflow = "fold"  # on a narrow terminal nothing is cut off
-        column.no_wrap = str(column.header) == "Permitted [kPa]"  # else within a number of four digits
-    for reading, row in zip(check.readings, rows, strict=True):
-        style = look_of(reading.verdict).style if reading.verdict else ""
-        cells = ("–" if row[name] is None else _rounded(row[name]) for name in names)
-        table.add_row(Text(_judged(reading.verdict), style=style), *map(Text, cells))
-    yield table
-    for pattern in check.patterns:
-        say = wording("en")
-        source = say.get("pattern_sources", pattern.source)
-        yield Text(f"→ {pattern_text(pattern, diagnosis.controller, say)} ({source})")
-
-
-def _rounded(value: str | float) -> str:
-    return f"{value:.0f}" if isinstance(value, float) else str(value)
+    say = wording("en")
+    table = gauge_table(check, say).without("lost_between")
+    yield laid_out(table if len(table.columns) <= GAUGES_ABREAST else table.without("decision"))
+    for pattern in pattern_sentences(check, diagnosis.controller, say):
+        yield Text(f"→ {pattern}")
 
 
 def _judged(verdict: Verdict | None) -> str:

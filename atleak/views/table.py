@@ -175,9 +175,9 @@ class Table:
         has = [any(column.judged(item).value not in (None, "") for item in self.rows) for column in self.columns]
         return replace(self, columns=tuple(itertools.compress(self.columns, has)))
 
-    def of(self, *keys: str) -> Table:
-        """Return it with these columns alone, in this order."""
-        return replace(self, columns=tuple(column for key in keys for column in self.columns if column.key == key))
+    def without(self, *keys: str) -> Table:
+        """Return it without these columns."""
+        return replace(self, columns=tuple(column for column in self.columns if column.key not in keys))
 
     def texts(self, item: Any) -> tuple[str, ...]:
         """Return the cells of an item as words."""

@@ -32,7 +32,7 @@ from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.drawing import on_dark
 from atleak.views.first_sentence import first_sentence as first_sentence_of
 from atleak.views.first_sentence import shown_verdict
-from atleak.views.gauge_table import GAUGE_COLUMNS, gauge_table_rows
+from atleak.views.gauge_rows import gauge_table
 from atleak.views.rule_words import rule_name
 from atleak.views.sentences import fluid_in_state
 from atleak.views.table import VERDICT, Column, Table
@@ -162,7 +162,8 @@ def table(content: Table, **options: Any) -> Any:
             written[heading] = partial(column.written, say=say)
         levels = [column.judged(item).level for item in content.rows]
         if column.kind == VERDICT:
-            frame[heading] = [_sorted_verdict(level, say) for level in levels]
+            signs = zip(levels, frame[heading], strict=True)
+            frame[heading] = [_sorted_verdict(level, say) if level else words or "–" for level, words in signs]
         if any(levels):
             shades = ["" if level is None else colours(level) for level in levels]
             style = style.apply(lambda _, shades=shades: shades, subset=[heading])
@@ -176,22 +177,19 @@ def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **o
     return table(Table("", tuple(columns), rows, reader.say()), **options)
 
 
-def _sorted_verdict(level: Verdict | Band | None, say: Wording) -> str:
-    """Return sign and word of a verdict; a dash where nothing is judged.
+def _sorted_verdict(level: Verdict | Band, say: Wording) -> str:
+    """Return sign and word of a verdict.
 
     A table's text column is sorted by collation, in which a space comes before any sign: the worse a verdict, the
     more hair spaces stand before it.
     """
-    if level is None:
-        return "–"
     rank = (level.verdict if isinstance(level, Band) else level).rank
     return HAIR_SPACE * rank + say.signed(level)
 
 
 def gauges(check: PressureCheck) -> None:
     """Show gauge readings with their verdicts; one that nothing judges has none."""
-    rows = gauge_table_rows(check, reader.say())
-    rows_table(rows, [each for each in GAUGE_COLUMNS if any(row[each.key] is not None for row in rows)])
+    table(gauge_table(check, reader.say()))
 
 
 def gauge_banner(check: PressureCheck) -> None:

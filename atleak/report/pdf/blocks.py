@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, Literal
 
 from atleak.views.table import VERDICT, Column, Table
-from atleak.wording import Wording, isolated
+from atleak.wording import Wording, begun, isolated
 
 Block = dict[str, Any]
 
@@ -49,7 +49,7 @@ class PrintedColumn:
     @property
     def name(self) -> str:
         """Return the title with the unit below it."""
-        return f"{self.title}\n{self.unit}" if self.unit else self.title
+        return begun(f"{self.title}\n{self.unit}" if self.unit else self.title)
 
 
 def table(
