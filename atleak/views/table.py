@@ -117,6 +117,8 @@ class Column:
     def cell(self, item: Any, say: Wording, *, rounded: bool = False) -> Any:
         """Return the value of an item's cell in the reader's unit; ``rounded`` as exact as it is shown."""
         value = self.judged(item).value
+        if isinstance(value, bool):
+            return say(f"answers.{'yes' if value else 'no'}")
         if value is None or not self.is_number or isinstance(value, str):
             return value
         shown = float(value if self.kind is None else say.convert(value, self.kind))
@@ -133,8 +135,6 @@ class Column:
             return "–"
         if isinstance(value, Verdict | Band):
             return say.signed(value)
-        if isinstance(value, bool):
-            return say(f"answers.{'yes' if value else 'no'}")
         return self.written(value, say) if isinstance(value, float) and self.is_number else say.sentence(value)
 
 

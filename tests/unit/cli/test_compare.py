@@ -87,6 +87,15 @@ def test_the_terminal_says_both_verdicts_and_what_changed(run: Run, jobs, monkey
     assert "share of the pump's flow" in out
 
 
+def test_the_terminal_speaks_the_language_and_units_that_are_asked_for(run: Run, jobs, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "160")
+    status, out, err = run("compare", *jobs, "--language", "de", "--units", "us")
+    assert (status, err) == (0, "")
+    assert "Vorher: ■ ersetzen. Nachher: ▲ beobachten." in out
+    assert "Vorher [0.0001 in]" in out
+    assert "−9,8" in out  # 25 µm
+
+
 def test_the_page_is_written_and_never_over_a_foreign_file(run: Run, jobs: tuple[Path, Path], tmp_path: Path) -> None:
     target = tmp_path / "page.pdf"
     assert run("compare", *jobs, "--pdf", target, "--language", "de", "--paper", "letter")[0] == 0
