@@ -33,6 +33,7 @@ from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
 from atleak.views.gauge_rows import gauge_table, pattern_sentences
 from atleak.views.gauge_study import anova_table, component_table, result_sentence
+from atleak.views.pair_table import pair_table
 from atleak.views.positions import positions
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_words import pump_sentence, worn_pump
@@ -49,12 +50,11 @@ from atleak.views.sentences import (
     pressure_sentence,
     readings_in_doubt,
     reserve_sentence,
-    wear_words,
     when_new,
 )
 from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording, begun, signed, wording
-from atleak.workshop_units import DM3_MIN, KPA, MM2_S, PERCENT, RPM, UM
+from atleak.workshop_units import DM3_MIN, KPA, MM2_S, PERCENT, RPM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
@@ -124,7 +124,8 @@ def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
     counted = counted_in_speed(diagnosis, wording("en"))
     console.print(Text(f"At these speeds the pump covers the leakage and its own slip; {counted}."))
     if diagnosis.flagged:
-        console.print(_flagged(diagnosis.flagged))
+        flagged = pair_table(diagnosis, diagnosis.flagged, wording("en"), at=())
+        console.print(laid_out(flagged.without("decision")))
     else:
         console.print(Text("No measured land has reached a limit."))
     for part in _matrix(diagnosis):
@@ -374,25 +375,6 @@ def _pressures(diagnosis: Diagnosis, projection: Projection) -> Iterator[str]:
             others.setdefault(circuit.verdict, []).append(f"{circuit.circuit.name} {circuit.now * KPA:.0f} kPa")
     for verdict, circuits in others.items():
         yield f"   {signed(verdict) + ': ' if verdict else ''}{', '.join(circuits)}"
-
-
-def _flagged(lands: Sequence[LandDiagnosis]) -> Grid:
-    table = Grid()
-    for name in ("verdict", "pair", "c_r µm", "c_m µm", "wear %"):
-        table.add_column(name, no_wrap=True)
-    table.add_column("because")
-    for land in lands:
-        component, number = land.key
-        rule = land.deciding
-        table.add_row(
-            Text(signed(land.verdict), style=look_of(land.verdict).style),
-            Text(f"{component}/{number}"),
-            f"{land.state.radial_clearance * UM:.1f}",
-            "–".join(f"{end * UM:.1f}" for end in land.state.land.mounting_ends),
-            wear_words(land, wording("en"), unit=False),
-            Text("" if rule is None else f"{rule.label} ({rule.origin})"),
-        )
-    return table
 
 
 def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
