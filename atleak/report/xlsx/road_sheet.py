@@ -13,10 +13,10 @@ from atleak.look import CHART_GRID, PAPER
 from atleak.report.xlsx.book import Book, span
 from atleak.road_findings import RoadFindings
 from atleak.sentence import Name, Sentence
-from atleak.views.road_instants import instant_rows
+from atleak.views.log_rows import event_table, place_table
+from atleak.views.road_instants import instant_table
 from atleak.views.road_series import road_series
 from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
-from atleak.views.window import event_rows, place_rows
 
 ROAD_TEST, ROAD_EVENTS = Sentence("Road test"), Sentence("Road test events")
 ROAD_ROWS = 2000  # rows of the thinned road test
@@ -65,19 +65,14 @@ class RoadSheets:
         permitted = self.log.permitted
         if permitted is None:
             return row
-        kinds = {"gear": "count", "lowest, lasting [kPa]": "kpa", "permitted at least [kPa]": "kpa"}
-        kinds |= dict.fromkeys(("judged for [s]", "below for [s]", "above for [s]"), "time")
-        return self.book.records(sheet, row, place_rows(permitted, self.book.say), kinds | {"below by [%]": "percent"})
+        return self.book.table(sheet, row, place_table(permitted, self.book.say))
 
     def write_events(self, sheet: Worksheet) -> None:
         """Write every event of the log, one a row."""
-        kinds = dict.fromkeys(("start [s]", "end [s]", "lasts [s]"), "time")
-        rows = event_rows(self.log.events, self.book.say)
-        if not rows:
+        if self.log.events:
+            self.book.table(sheet, 0, event_table(self.log.events, self.book.say))
+        else:
             self.book.put(sheet, 0, 0, self.book.say("findings.no_events"))
-        self.book.records(sheet, 0, rows, kinds)
-        for column, width in enumerate((28, 10, 12, 12, 12, 12, 90)):
-            sheet.set_column(column, column, width)
 
     def _leakage(self, sheet: Worksheet, row: int, road: RoadLeakage) -> None:
         book, say = self.book, self.book.say
@@ -91,10 +86,7 @@ class RoadSheets:
             if share is not None
         ]
         row = book.pairs(sheet, row, rows)
-        kinds = {"time [s]": "time", "share [%]": "percent"}
-        kinds |= dict.fromkeys(("leakage [dm³/min]", "leakage from", "leakage to", "pump capacity [dm³/min]"), "flow")
-        kinds |= dict.fromkeys(("share from", "share to"), "percent")
-        row = book.records(sheet, row + 1, instant_rows(road, self.diagnosis.uncertainty, say), kinds) + 1
+        row = book.table(sheet, row + 1, instant_table(road, self.diagnosis.uncertainty, say)) + 1
         self.book.put(sheet, row - 1, 0, say("texts.sustained", seconds=say.plain(road.extremes.window)))
         series = road_series(road, ROAD_ROWS)
         kept = len(series.columns["time_s"])
