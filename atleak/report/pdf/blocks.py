@@ -48,8 +48,9 @@ class PrintedColumn:
 
     @property
     def name(self) -> str:
-        """Return the title with the unit below it."""
-        return begun(f"{self.title}\n{self.unit}" if self.unit else self.title)
+        """Return the title with the unit below it; words begin with a capital letter, a symbol stays as it is."""
+        title = begun(self.title) if self.title[:2].isalpha() else self.title
+        return f"{title}\n{self.unit}" if self.unit else title
 
 
 def table(

@@ -11,12 +11,12 @@ from atleak.catalogue.fluid import fluids
 from atleak.catalogue.limits import limit_sets
 from atleak.diagnosis import Diagnosis
 from atleak.views.catalogue_rows import TABLES, representative
-from atleak.views.clearances import CLEARANCE_COLUMNS, clearance_rows
+from atleak.views.clearances import clearance_table
 from atleak.wording import languages, wording
 
 
 def rows_of(diagnosis: Diagnosis) -> list[dict[str, Any]]:
-    return clearance_rows(diagnosis.lands, diagnosis.controller, wording("en"))
+    return clearance_table(diagnosis.lands, diagnosis.controller, wording("en")).records()
 
 
 def test_every_land_has_its_row_in_workshop_units(worn: Diagnosis) -> None:
@@ -39,11 +39,10 @@ def test_what_was_not_measured_says_so_and_has_no_range(worn: Diagnosis) -> None
 @pytest.mark.parametrize("language", languages())
 def test_every_column_has_its_heading_and_what_tells_pairs_apart_comes_first(worn: Diagnosis, language: str) -> None:
     say = wording(language)
-    headings = [column.heading(say) for column in CLEARANCE_COLUMNS]
-    assert len(set(headings)) == len(headings)
-    assert {column.key for column in CLEARANCE_COLUMNS} == set(rows_of(worn)[0])
-    widths = [column.width or 0 for column in CLEARANCE_COLUMNS[:3]]
-    assert [column.key for column in CLEARANCE_COLUMNS[:3]] == ["verdict", "component", "land"]
+    table = clearance_table(worn.lands, worn.controller, say)
+    assert len(set(table.headings)) == len(table.headings)
+    widths = [column.width or 0 for column in table.columns[:3]]
+    assert [column.key for column in table.columns[:3]] == ["verdict", "component", "land"]
     assert sum(widths) <= 360  # pixels of a phone's table
 
 
