@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from typing import Any, TextIO
+from typing import Any, Literal, TextIO
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
@@ -25,7 +25,6 @@ from atleak.road_findings import RoadFindings
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.uncertainty import UnitUncertainty
-from atleak.variants import VariantResult
 from atleak.verdicts import Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.complaint import finding, measure_first, reason
@@ -54,7 +53,7 @@ from atleak.views.sentences import (
 )
 from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording, begun, signed, wording
-from atleak.workshop_units import DM3_MIN, KPA, MM2_S, PERCENT, RPM
+from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
@@ -134,32 +133,6 @@ def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
         console.print(Text(line))
 
 
-def print_variants(results: Sequence[VariantResult]) -> None:
-    """Print W1-W8: as published, as computed and as Table 2 tabulates them."""
-    table = Grid(
-        "variant", "°C", "wear %", "ν mm²/s", "printed", "computed", "as tabulated", "share printed", "computed"
-    )
-    for result in results:
-        variant, computed, tabulated = result.variant, result.computed.max_leakage, result.as_tabulated.max_leakage
-        table.add_row(
-            variant.name,
-            f"{variant.temperature:g}",
-            f"{variant.wear * PERCENT:g}",
-            f"{result.kinematic_viscosity * MM2_S:g}",
-            str(variant.printed_max_leakage),
-            f"{computed.leakage * DM3_MIN:.3f}",
-            f"{tabulated.leakage * DM3_MIN:.3f}",
-            str(variant.printed_max_share),
-            "–" if computed.share is None else f"{computed.share * PERCENT:.2f}",
-        )
-    console = TerminalConsole()
-    console.print(table)
-    console.print(Text("Leakage in dm³/min at its maximum over the log, share in % at that instant."))
-    for result in results:
-        if result.variant.note:
-            console.print(Text(f"{result.variant.name}: {result.variant.note}"))
-
-
 def print_log(record: dict[str, Any]) -> None:
     """Print what was understood of a log, from its record."""
     console = TerminalConsole()
@@ -203,22 +176,32 @@ def _short(value: float | None) -> str:
 
 
 def laid_out(content: Table) -> Grid:
-    """Return a table as a terminal shows it: no number and no id is ever broken, verdicts stand in their colours."""
-    say = content.say
-    grid = Grid(title=content.title or None, title_justify="left", title_style="")
-    for number, column in enumerate(content.columns):
-        texts = [content.texts(item)[number] for item in content.rows]
+    """Return a table as a terminal shows it: no number and no id is ever broken, verdicts stand in their colours.
+
+    Where its words do not fit beside one another with blanks between them, it has none; only then is a word broken.
+    """
+    texts = [content.texts(item) for item in content.rows]
+    widths, whole = [], []
+    for column, heading, *cells in zip(content.columns, content.headings, *texts, strict=True):
         unbroken = column.whole or column.is_number or bool(column.words_of) or column.kind == VERDICT
-        grid.add_column(
-            Text(column.heading(say)),
-            justify="right" if column.is_number else "left",
-            overflow="fold",
-            min_width=max(map(len, texts), default=0) if unbroken else None,
-        )
-    for item in content.rows:
+        words = cells if unbroken else [word for cell in cells for word in cell.split()]
+        widths.append(max(map(len, [*words, *heading.split()])))
+        whole.append(max(map(len, [*cells, heading])))
+    room = TerminalConsole().width - len(widths) - 1  # beside the lines
+    blanks = int(sum(widths) + 2 * len(widths) <= room)
+    room -= sum(widths) + 2 * blanks * len(widths)
+    fits = room >= 0
+    while room > 0 and widths != whole:  # what is left goes where most is broken
+        widths[max(range(len(widths)), key=lambda at: whole[at] - widths[at])] += 1
+        room -= 1
+    grid = Grid(title=content.title or None, title_justify="left", title_style="", padding=(0, blanks))
+    for column, heading, width in zip(content.columns, content.headings, widths, strict=True):
+        side: Literal["left", "right"] = "right" if column.is_number else "left"
+        grid.add_column(Text(heading), justify=side, overflow="fold", width=width if fits else None)
+    for item, row in zip(content.rows, texts, strict=True):
         levels = (column.judged(item).level for column in content.columns)
         styles = ["" if level is None else look_of(level).style for level in levels]
-        grid.add_row(*(Text(text, style=style) for text, style in zip(content.texts(item), styles, strict=True)))
+        grid.add_row(*(Text(text, style=style) for text, style in zip(row, styles, strict=True)))
     return grid
 
 

@@ -17,7 +17,7 @@ from atleak.paper import Paper
 from atleak.sentence import Name, Sentence
 from atleak.verdicts import BANDS, VERDICTS, Band, Verdict
 from atleak.views.table import VERDICT, Table
-from atleak.wording import Wording
+from atleak.wording import Wording, wording
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
@@ -62,6 +62,7 @@ class Book:
     def __init__(self, workbook: xlsxwriter.Workbook, paper: Paper, say: Wording) -> None:
         self.workbook, self.paper, self.say = workbook, paper, say
         self._formats: dict[tuple[Any, ...], Format] = {}
+        self.metric = wording(say.language)  # of tables: like every sheet's formulas, whatever units sentences have
 
     def form(self, number: str = "plain", **properties: Any) -> Format:
         """Return the format for a kind of number; each is made once."""
@@ -150,7 +151,7 @@ class Book:
         return row + len(records) + 1
 
     def table(self, sheet: Worksheet, row: int, content: Table, width: int = 13) -> int:
-        """Write a table: numbers as numbers, in the reader's unit and as exact as they are; return the next free row.
+        """Write a table: numbers as numbers and as exact as they are; return the next free row.
 
         Words take as wide a column [characters] as their longest, but of several lines at the most 48.
         """
@@ -166,7 +167,7 @@ class Book:
             sheet.set_column(number, number, max(width, min(longest + 2, 48)))
             if column.kind == VERDICT:
                 self.colour_words(sheet, (first, number), (row + len(content.rows), number), (*VERDICTS, *BANDS))
-        return first + len(content.rows) + 1
+        return first + len(content.rows)
 
     def colour_words(
         self, sheet: Worksheet, first: tuple[int, int], last: tuple[int, int], levels: Iterable[Verdict | Band]

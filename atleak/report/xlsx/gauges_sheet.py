@@ -17,7 +17,7 @@ def write_gauges(book: Book, sheet: Worksheet, diagnosis: Diagnosis) -> None:
     check, say = diagnosis.pressures, book.say
     if check is None:
         return
-    free = book.table(sheet, 0, gauge_table(check, say).without("lost_between"))
+    free = book.table(sheet, 0, gauge_table(check, book.metric).without("lost_between"))
     notes = [(Sentence("file"), check.table.file), (Sentence("sheet"), check.table.sheet or "")]
     notes += [(Sentence("permitted by"), text) for text in dict.fromkeys(_sources(diagnosis))]
     notes += [(Sentence("pattern"), each) for each in pattern_sentences(check, diagnosis.controller, say)]

@@ -65,12 +65,12 @@ class RoadSheets:
         permitted = self.log.permitted
         if permitted is None:
             return row
-        return self.book.table(sheet, row, place_table(permitted, self.book.say))
+        return self.book.table(sheet, row, place_table(permitted, self.book.metric))
 
     def write_events(self, sheet: Worksheet) -> None:
         """Write every event of the log, one a row."""
         if self.log.events:
-            self.book.table(sheet, 0, event_table(self.log.events, self.book.say))
+            self.book.table(sheet, 0, event_table(self.log.events, self.book.metric))
         else:
             self.book.put(sheet, 0, 0, self.book.say("findings.no_events"))
 
@@ -86,7 +86,7 @@ class RoadSheets:
             if share is not None
         ]
         row = book.pairs(sheet, row, rows)
-        row = book.table(sheet, row + 1, instant_table(road, self.diagnosis.uncertainty, say)) + 1
+        row = book.table(sheet, row + 1, instant_table(road, self.diagnosis.uncertainty, book.metric)) + 1
         self.book.put(sheet, row - 1, 0, say("texts.sustained", seconds=say.plain(road.extremes.window)))
         series = road_series(road, ROAD_ROWS)
         kept = len(series.columns["time_s"])

@@ -86,6 +86,19 @@ def test_a_terminal_has_the_readers_words_and_what_is_told_of_a_row(capsys: pyte
     assert said.splitlines()[-1] == "of the first"
 
 
+@pytest.mark.parametrize("width", [40, 60, 100])
+def test_a_narrow_terminal_breaks_headings_and_words_never_a_number(
+    width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    columns = tuple(Column(f"share_{at}", "percent", 3, words="a long heading") for at in range(4))
+    rows = [{column.key: 12.345 for column in columns} | {"name": "some words of a name"}]
+    print_table(Table("", (Column("name", words="name"), *columns), rows, wording("en")))
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= width
+    assert sum(line.count("12.345") for line in lines) == 4
+
+
 def test_paper_has_the_unit_below_the_heading_and_each_value_in_its_own_colour() -> None:
     block = printed(table(group=lambda row: "a group"))
     assert block["names"] == ["Verdict", "Pair", "Clearance\nµm", "Share\n%"]
@@ -100,7 +113,7 @@ def test_a_sheet_has_numbers_as_exact_as_they_are_in_the_readers_unit() -> None:
     target = io.BytesIO()
     with xlsxwriter.Workbook(target) as workbook:
         book = Book(workbook, find_paper("a4"), wording("de"))
-        assert book.table(workbook.add_worksheet(), 0, table("de")) == 4
+        assert book.table(workbook.add_worksheet(), 0, table("de")) == 3
     sheet = openpyxl.load_workbook(target).active
     heads, first, second = ([cell.value for cell in row] for row in sheet.iter_rows(max_row=3))
     assert heads == ["Befund", "Paarung", "Spiel [µm]", "Anteil [%]"]
