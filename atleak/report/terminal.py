@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections.abc import Iterator, Sequence
 from typing import Any, Literal, TextIO
@@ -175,29 +176,41 @@ def _short(value: float | None) -> str:
     return "–" if value is None else f"{value + 0.0:.{4 if abs(value) < 1e4 else 9}g}"
 
 
+def _widths(content: Table, texts: Sequence[Sequence[str]]) -> tuple[list[int], int]:
+    """Return the width of each column, and of the blanks beside it; no width where not even single words fit.
+
+    No number and no id is broken. What room is left goes to the longest cells, then to the longest headings.
+    """
+    least, cells, whole = [], [], []
+    for column, heading, *said in zip(content.columns, content.headings, *texts, strict=True):
+        unbroken = column.whole or column.is_number or bool(column.words_of) or column.kind == VERDICT
+        words = said if unbroken else [word for each in said for word in each.split()]
+        least.append(max(map(len, [*words, *heading.split()])))
+        cells.append(max(map(len, said), default=0))
+        whole.append(max(cells[-1], len(heading)))
+    room = TerminalConsole().width - len(least) - 1 - sum(least)  # beside the lines between them
+    blanks = int(2 * len(least) <= room)
+    room -= 2 * blanks * len(least)
+    if room < 0:
+        return [], blanks
+    for wanted in (cells, whole):
+        while room > 0 and any(width < most for width, most in zip(least, wanted, strict=True)):
+            least[max(range(len(least)), key=lambda at: wanted[at] - least[at])] += 1
+            room -= 1
+    return least, blanks
+
+
 def laid_out(content: Table) -> Grid:
-    """Return a table as a terminal shows it: no number and no id is ever broken, verdicts stand in their colours.
+    """Return a table as a terminal shows it, with verdicts in their colours.
 
     Where its words do not fit beside one another with blanks between them, it has none; only then is a word broken.
     """
     texts = [content.texts(item) for item in content.rows]
-    widths, whole = [], []
-    for column, heading, *cells in zip(content.columns, content.headings, *texts, strict=True):
-        unbroken = column.whole or column.is_number or bool(column.words_of) or column.kind == VERDICT
-        words = cells if unbroken else [word for cell in cells for word in cell.split()]
-        widths.append(max(map(len, [*words, *heading.split()])))
-        whole.append(max(map(len, [*cells, heading])))
-    room = TerminalConsole().width - len(widths) - 1  # beside the lines
-    blanks = int(sum(widths) + 2 * len(widths) <= room)
-    room -= sum(widths) + 2 * blanks * len(widths)
-    fits = room >= 0
-    while room > 0 and widths != whole:  # what is left goes where most is broken
-        widths[max(range(len(widths)), key=lambda at: whole[at] - widths[at])] += 1
-        room -= 1
+    widths, blanks = _widths(content, texts)
     grid = Grid(title=content.title or None, title_justify="left", title_style="", padding=(0, blanks))
-    for column, heading, width in zip(content.columns, content.headings, widths, strict=True):
+    for column, heading, width in itertools.zip_longest(content.columns, content.headings, widths):
         side: Literal["left", "right"] = "right" if column.is_number else "left"
-        grid.add_column(Text(heading), justify=side, overflow="fold", width=width if fits else None)
+        grid.add_column(Text(heading), justify=side, overflow="fold", width=width)
     for item, row in zip(content.rows, texts, strict=True):
         levels = (column.judged(item).level for column in content.columns)
         styles = ["" if level is None else look_of(level).style for level in levels]

@@ -120,7 +120,7 @@ class Column:
         if isinstance(value, bool):
             return say(f"answers.{'yes' if value else 'no'}")
         if value is None or not self.is_number or isinstance(value, str):
-            return value
+            return None if value == "" else value
         shown = float(value if self.kind is None else say.convert(value, self.kind))
         return round(shown, self.places(say)) if rounded else shown
 
@@ -131,7 +131,7 @@ class Column:
     def text(self, item: Any, say: Wording) -> str:
         """Return an item's cell as words: numbers as the reader writes them, verdicts signed, a dash for nothing."""
         value = self.cell(item, say, rounded=True)
-        if value is None or value == "":
+        if value is None:
             return "–"
         if isinstance(value, Verdict | Band):
             return say.signed(value)
