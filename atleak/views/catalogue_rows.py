@@ -86,16 +86,16 @@ def _lands(controller: Controller, component: Column, say: Wording) -> Table:
         Column("own_limit", "clearance", of="clearance_limit", times=UM),
         Column("built", of=lambda land: _built(land, say)),
         Column("materials", of=materials),
-        Column("representative_values", of=lambda land: _listed("parts", land.representative, say)),
+        Column("representative_values", of=lambda land: _listed("parts", land.representative, say) or None),
     )
     return Table("lands", shown, controller.lands, say)
 
 
-def _built(land: Land, say: Wording) -> str:
+def _built(land: Land, say: Wording) -> str | None:
     built = [say("measuring.end_plug")] if land.part == "end_plug" else []
     built += [say("catalogue.sleeved")] if land.sleeved else []
     built += [say(f"catalogue.sealed_{land.seal}")] if land.seal else []
-    return "; ".join(built)
+    return "; ".join(built) or None
 
 
 def _span_um(ends: Iterable[float], say: Wording) -> str:
@@ -153,7 +153,7 @@ def _pump(controller: Controller, say: Wording) -> Table:
         Column("displacement", "displacement", times=_MM3),
         Column("volumetric_efficiency", digits=3),
         Column("slip_coefficient", of=slip),
-        Column("representative_values", of=lambda pump: _listed("value_names", pump.representative, say)),
+        Column("representative_values", of=lambda pump: _listed("value_names", pump.representative, say) or None),
     )
     return Table("pump", shown, [controller.pump], say)
 

@@ -55,7 +55,7 @@ def clearance_table(lands: Sequence[LandDiagnosis], controller: Controller, say:
         Column("readings", digits=0, of=lambda land: land.state.spool_readings + land.state.sleeve_readings),
         Column(
             "representative_values",
-            of=lambda land: ", ".join(say.get("parts", each) for each in land.state.land.representative),
+            of=lambda land: ", ".join(say.get("parts", each) for each in land.state.land.representative) or None,
         ),
     )
     return Table("clearances", columns, lands, say)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -25,12 +26,13 @@ _UM = "clearance", 1
 def land_table(comparison: Comparison, lands: Sequence[LandComparison], say: Wording) -> Table:
     """Return one row for every land: both verdicts, clearances and what changed, wear, share and decision."""
 
-    def both(key: str, of: Callable[[LandDiagnosis], Any], *more: Any, **options: Any) -> Iterator[Column]:
+    def both(key: str, of: Callable[[LandDiagnosis], Any], *kind: Any, times: float | None = None) -> Iterator[Column]:
         def at(side: str, land: LandComparison) -> Any:
             diagnosed: LandDiagnosis | None = getattr(land, side)
             return None if diagnosed is None else of(diagnosed)
 
-        return (Column(f"{key}_{side}", *more, of=partial(at, side), **options) for side in ("before", "after"))
+        for side in ("before", "after"):
+            yield replace(Column(f"{key}_{side}", *kind), of=partial(at, side), times=times)
 
     shown = (
         Column("verdict", VERDICT, width=92, of=lambda land: land.after and land.after.verdict),
@@ -109,7 +111,7 @@ def event_table(logs: LogComparison, say: Wording) -> Table:
         ]
 
     def both(pair: EventPair, name: str) -> list[float | None]:
-        return [event and getattr(event, name) for event in (pair.before, pair.after)]
+        return [None if event is None else getattr(event, name) for event in (pair.before, pair.after)]
 
     def arrow(key: str, kind: str, digits: int, of: Callable[[EventPair], Iterable[float | None]]) -> Column:
         return Column(key, words_of=kind, of=lambda pair: " → ".join(say.value(at, kind, digits) for at in of(pair)))
@@ -121,7 +123,7 @@ def event_table(logs: LogComparison, say: Wording) -> Table:
         arrow("mean_pressure", "pressure", 0, lambda pair: means(pair, "main_pressure", KPA)),
         arrow("fluid", "temperature", 0, lambda pair: means(pair, "atf_temperature", 1.0)),
     )
-    return Table("events", shown, logs.pairs, say)
+    return Table("logs", shown, logs.pairs, say)
 
 
 def _mean(part: RoadTest | None, quantity: str, factor: float) -> float | None:

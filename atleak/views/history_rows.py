@@ -95,9 +95,11 @@ def _since(land: LandWear, history: WearHistory, say: Wording) -> str | None:
 def total_table(totals: Sequence[TotalOverMileage], say: Wording) -> Table:
     """Return a row for each condition: the total now and at the end of the way ahead, and when it reaches each band."""
 
-    def reached(level: Band, total: TotalOverMileage) -> str | None:
+    def reached(level: Verdict | Band, total: TotalOverMileage) -> str | None:
         limit = next((limit for limit in total.limits if limit.level is level), None)
-        return limit and (say("history.reached") if limit.at is None else crossing_in_words(limit.at, say))
+        if limit is None:
+            return None
+        return say("history.reached") if limit.at is None else crossing_in_words(limit.at, say)
 
     ahead = say("history.ahead", mileage=say.quantity(totals[0].mileages[-1], "distance", 0))
     levels = dict.fromkeys(limit.level for total in totals for limit in total.limits)

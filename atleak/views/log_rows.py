@@ -31,7 +31,7 @@ def event_table(events: Sequence[Event], say: Wording) -> Table:
         Column("event_stop", "time", 2, of="stop"),
         Column("event_lasts", "time", 2, of="duration"),
         Column("event_source", of=lambda event: say.get("event_sources", event.source)),
-        Column("event_note", of=lambda event: event_remark(event, say), width=300),
+        Column("event_note", of=lambda event: event_remark(event, say) or None, width=300),
     )
     return Table("events", columns, events, say)
 

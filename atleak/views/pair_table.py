@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import partial
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
@@ -31,12 +32,16 @@ def pair_table(
     at
         the conditions whose shares are wanted; those that every report must show unless given.
     """
+
+    def share_at(projection: Projection, land: LandDiagnosis) -> Judged:
+        return share_cell(land_at(land, diagnosis, projection), say)
+
     at = diagnosis.reported if at is None else at
     shares = (
         Column(
             each.condition.name,
             words=say("diagnosis.column_share", condition=say.condition(each.condition)),
-            of=lambda land, each=each: share_cell(land_at(land, diagnosis, each), say),
+            of=partial(share_at, each),
         )
         for each in at
     )
@@ -46,7 +51,7 @@ def pair_table(
         *shares,
         Column("clearance", of=lambda land: clearance(land, say)),
         Column("wear", of=lambda land: wear_words(land, say)),
-        Column("decided_by", of=lambda land: "; ".join(why(land, say))),
+        Column("decided_by", of=lambda land: "; ".join(why(land, say)) or None),
         Column("decision", of=lambda land: land.decision and decision(land, say)),
     )
     return Table("lands", columns, lands, say)

@@ -33,7 +33,7 @@ def condition_table(conditions: Sequence[PressuresAt], say: Wording) -> Table:
         Column("reserve", digits=2, of=lambda at: finite(at.projection.reserve)),
         Column("reserve_is", of=lambda at: at.reserve_verdict and say.signed(at.reserve_verdict)),
         Column("covered_from", "engine_speed", of=lambda at: at.projection.minimum_speed, times=RPM),
-        Column("permissible", of=lambda at: permissible_words(at.line, say)),
+        Column("permissible", of=lambda at: permissible_words(at.line, say) or None),
         Column("held_new", "pressure", of=lambda at: at.line.new, times=KPA),
         Column("held_low", "pressure", of=lambda at: _end(at.line.interval, 0), times=KPA),
         Column("held_high", "pressure", of=lambda at: _end(at.line.interval, 1), times=KPA),
@@ -45,10 +45,11 @@ def condition_table(conditions: Sequence[PressuresAt], say: Wording) -> Table:
 def held_table(diagnosis: Diagnosis, at: PressuresAt, say: Wording) -> Table:
     """Return a row for the line and every circuit that is applied at a condition."""
 
-    def costly(held: HeldPressure) -> str:
-        return "; ".join(
+    def costly(held: HeldPressure) -> str | None:
+        costs = (
             f"{land_in_words(diagnosis, key, say)}: {say.quantity(loss * KPA, 'pressure')}" for key, loss in held.costly
         )
+        return "; ".join(costs) or None
 
     columns = (
         Column("verdict", VERDICT, width=92),

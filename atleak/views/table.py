@@ -120,7 +120,7 @@ class Column:
         if isinstance(value, bool):
             return say(f"answers.{'yes' if value else 'no'}")
         if value is None or not self.is_number or isinstance(value, str):
-            return None if value == "" else value
+            return value
         shown = float(value if self.kind is None else say.convert(value, self.kind))
         return round(shown, self.places(say)) if rounded else shown
 

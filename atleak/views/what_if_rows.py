@@ -42,7 +42,7 @@ def tried_words(tried: Tried, say: Wording) -> str:
 def total_table(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Table:
     """Return a row for the job and one for what is tried; nothing is judged of a unit that nobody measured."""
 
-    def band(at: Projection) -> Band | None:
+    def band(at: Projection) -> Verdict | Band | None:
         if not diagnosis.judged:
             return None
         return diagnosis.total_rule(at).level if at is tried.job else tried.total.level

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import get_args
 
 import streamlit as st
@@ -13,7 +14,7 @@ from atleak.figures import history_figures as figures
 from atleak.history.land_wear import WearHistory, wear_over_mileage
 from atleak.history.totals import totals_over_mileage
 from atleak.job.record import RepairDecision, RepairState
-from atleak.jobs.across import ENOUGH_UNITS, PARTS, AcrossUnits, across_units, standing
+from atleak.jobs.across import ENOUGH_UNITS, PARTS, AcrossUnits, Standing, across_units, standing
 from atleak.jobs.book import Book, JobRow
 from atleak.jobs.search import Query
 from atleak.jobs.unit_visits import VisitedJob, left_undone, unit_of_job, visits_of_unit
@@ -108,12 +109,16 @@ def draw_visits(visited: tuple[VisitedJob, ...]) -> None:
                 state,
                 digits=0,
                 words=say(f"job_decisions.{state}"),
-                of=lambda each, state=state: len(each.decided(state)) or None,
+                of=partial(_decided, state),
             )
             for state in STATES
         ),
     )
     show.table(Table("visits", columns, visited[::-1], say))
+
+
+def _decided(state: RepairState, each: VisitedJob) -> int | None:
+    return len(each.decided(state)) or None
 
 
 def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
@@ -243,6 +248,10 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
     places = [each for each in standing(jobs, across, unit) if each.enough]
     if places:
         spread = {land.key: land for land in across.lands}
+
+        def clearance(place: int, each: Standing) -> float:
+            return spread[each.key].clearances[place]
+
         columns = (
             Column("pair", width=150, of=lambda each: land_words(controller, each.key, say)),
             Column("this_unit", "clearance", of="clearance", times=UM),
@@ -253,7 +262,7 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
                     f"{part:.0%}",
                     "clearance",
                     words=say.percent(part, 0),
-                    of=lambda each, place=place: spread[each.key].clearances[place],
+                    of=partial(clearance, place),
                     times=UM,
                 )
                 for place, part in enumerate(PARTS)

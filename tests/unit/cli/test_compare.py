@@ -96,6 +96,17 @@ def test_the_terminal_speaks_the_language_and_units_that_are_asked_for(run: Run,
     assert "−9,8" in out  # 25 µm
 
 
+def test_the_terminal_puts_the_road_tests_beside_one_another(
+    run: Run, sample_log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "160")
+    job = written(tmp_path, "driven", Case(controller="minimal_example", road_test=SourceFile.at(sample_log)))
+    status, out, _ = run("compare", job, job)
+    assert status == 0
+    (row,) = (line for line in out.splitlines() if "minimum-acceleration test" in line)
+    assert "0.3 → 0.3" in row
+
+
 def test_the_page_is_written_and_never_over_a_foreign_file(run: Run, jobs: tuple[Path, Path], tmp_path: Path) -> None:
     target = tmp_path / "page.pdf"
     assert run("compare", *jobs, "--pdf", target, "--language", "de", "--paper", "letter")[0] == 0
