@@ -146,13 +146,13 @@ def _with_place(message: Message) -> str:
     return plain(message.text) + (f" — *{place}*" if place else "")
 
 
-def table(content: Table, **options: Any) -> Any:
-    """Show a table, without the columns that no row has a value in.
+def table(content: Table, *, empty: bool = False, **options: Any) -> Any:
+    """Show a table, unless ``empty`` without the columns that no row has a value in.
 
     Numbers are sorted as numbers, verdicts with the worst first; what is None is a dash. Further ``options`` are those
     of `st.dataframe`; returned is what it returns, such as the rows that are selected.
     """
-    content, say = content.filled, content.say
+    content, say = content if empty else content.filled, content.say
     frame = content.frame(rounded=True)
     style, config = frame.style, {}
     written: dict[Any, str | Callable[[object], str] | None] = {}
@@ -174,7 +174,7 @@ def table(content: Table, **options: Any) -> Any:
 
 def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **options: Any) -> Any:
     """Show rows of plain values, in the units of atleak's records, as a table in the reader's language and units."""
-    return table(Table("", tuple(columns), rows, reader.say()), **options)
+    return table(Table("", tuple(columns), rows, reader.say()), empty=True, **options)
 
 
 def _sorted_verdict(level: Verdict | Band, say: Wording) -> str:
