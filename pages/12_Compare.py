@@ -4,6 +4,7 @@ import streamlit as st
 
 from atleak.errors import AtleakError
 from atleak.figures import comparison_figures as figures
+from atleak.views.comparison_rows import land_table
 from pages.shared import comparison, panel, reader, show
 
 panel.shown()
@@ -26,14 +27,14 @@ show.messages(both.messages, say("about.comparison"))
 st.subheader(say("compare.lands"))
 lands = comparison.lands(both)
 if lands:
-    comparison.land_table(both, lands)
+    show.table(land_table(both, lands, say))
     st.caption(say("compare.lands_note"))
     show.chart(figures.clearances(both, lands, say), "clearances")
     st.caption(say("compare.clearances_note"))
 else:
     st.write(say("compare.no_land"))
 with st.expander(say("compare.all_lands", count=len(both.lands))):
-    comparison.land_table(both, both.lands)
+    show.table(land_table(both, both.lands, say))
 
 st.subheader(say("compare.totals"))
 comparison.totals(both)

@@ -5,10 +5,10 @@ import streamlit as st
 from atleak.figures import uncertainty_figures as figures
 from atleak.figures.diagnosis_figures import total_share
 from atleak.views.clearances import budget_rows
-from atleak.views.columns import Column
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.drawing import spool_svg
 from atleak.views.sentences import land_in_words
+from atleak.views.table import Column, Table
 from pages.shared import panel, reader, show, words
 
 case, diagnosis = panel.shown()
@@ -42,9 +42,9 @@ verdicts = {each.key: each.verdict for each in diagnosis.lands}
 label = f"{say('columns.component')} {land.key[0]}"
 show.svg(spool_svg(diagnosis.controller, land.key[0], verdicts, say), label, least_width=300)
 with st.expander(say("uncertainty.in_numbers")):
-    columns = [Column("uncertain_source"), Column("of_clearance", "percent"), Column("of_share", "percent")]
-    show.rows_table(budget_rows(land, say), columns)
+    columns = (Column("uncertain_source"), Column("of_clearance", "percent"), Column("of_share", "percent"))
+    show.table(Table("budget", columns, budget_rows(land, say), say))
 with st.expander(say("uncertainty.assumed")):
-    assumed = unit.assumptions.settings.items()
-    rows = [{"what": say.get("uncertainty_assumed", name), "value": say.plain(value)} for name, value in assumed]
-    show.rows_table(rows, [Column("what"), Column("value")])
+    what = Column("what", of=lambda each: say.get("uncertainty_assumed", each[0]))
+    value = Column("value", of=lambda each: say.plain(each[1]))
+    show.table(Table("assumed", (what, value), [*unit.assumptions.settings.items()], say))

@@ -3,7 +3,7 @@
 import streamlit as st
 
 from atleak.figures import gauge_study_figures as figures
-from atleak.views.gauge_study import result_sentence, shown_anova, shown_components
+from atleak.views.gauge_study import anova_table, component_table, result_sentence
 from pages.shared import gauge_study_form, panel, reader, show
 
 panel.shown()
@@ -19,12 +19,12 @@ sentence = show.plain(result_sentence(study, say))
 show.messages(study.messages, say("gauge_study.about"))
 st.subheader(say("gauge_study.components"))
 show.chart(figures.components(study, say), "gauge-study-components")
-show.rows_table(*shown_components(study, say))
+show.table(component_table(study, say))
 st.caption(show.plain(say("gauge_study.whose")))
 st.subheader(say("gauge_study.readings"))
 show.chart(figures.by_part_and_operator(study, say), "gauge-study-readings")
 st.caption(say("gauge_study.readings_help"))
 with st.expander(say("gauge_study.anova")):
-    show.rows_table(*shown_anova(study, say))
+    show.table(anova_table(study, say))
 st.subheader(say("gauge_study.take"))
 gauge_study_form.draw_taking(study, say)

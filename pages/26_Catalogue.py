@@ -44,8 +44,7 @@ for tab, kind in zip(st.tabs([say(f"catalogue.{kind}") for kind in rows.FOLDERS]
             st.caption(say("catalogue.viscosity_caption"))
         for table in rows.TABLES[kind](entry, say):
             st.subheader(say(f"catalogue.{table.name}"))
-            filled = [each for each in table.columns if any(row.get(each.key) is not None for row in table.rows)]
-            show.rows_table(table.rows, filled)
+            show.table(table)
         st.download_button(
             say("catalogue.file"), entry.origin.path.read_bytes, entry.origin.file, key=f"file-{kind}",
             on_click="ignore", disabled=not entry.origin.path.is_file(),

@@ -8,7 +8,7 @@ from atleak.figures.variant_figures import figure
 from atleak.variants import charts, tables
 from atleak.variants.article import compare_points
 from atleak.views.diagnosis_record import to_json
-from atleak.views.variant_rows import variants_record
+from atleak.views.variant_rows import table_2, table_3, variants_record
 from pages.shared import panel, reader, show
 from pages.shared.cases import result_key
 from pages.shared.study import CITED, computed, said, table
@@ -35,11 +35,12 @@ variants, over_time, over_temperature, share, physics, errata = st.tabs(names)
 gear = road_test.values("gear")
 with variants:
     st.markdown(say("study.table_2_is"))
-    table(tables.table_2_rows(results))
+    show.table(table_2(results, say), height="content")
     st.markdown(say("study.table_3_is"))
-    table(tables.table_3_rows(results))
+    show.table(table_3(results, say), height="content")
     st.caption(say("study.table_3_help"))
-    st.markdown("\n".join(f"- **{name}** {show.plain(note)}" for name, note in said(tables.notes(results)).items()))
+    noted = {each.variant.name: each.variant.note for each in results if each.variant.note}
+    st.markdown("\n".join(f"- **{name}** {show.plain(note)}" for name, note in said(noted).items()))
     record = to_json(variants_record(results, controller, road_test))
     st.download_button(say("study.download"), record, "variants.json", "application/json", on_click="ignore")
     if what == STUDY:

@@ -5,7 +5,7 @@ import streamlit as st
 from atleak.figures import diagnosis_figures as figures
 from atleak.report.measuring_sheet import write_template
 from atleak.report.measuring_sheet.head import fields_of
-from atleak.views.clearances import CLEARANCE_COLUMNS, clearance_rows
+from atleak.views.clearances import clearance_table
 from atleak.views.sentences import measuring_temperature
 from pages.shared import measuring_form, panel, reader, sheet_form, show, state
 
@@ -53,7 +53,7 @@ if clearances.open:
             "not_fully_measured": [land for land in diagnosis.lands if land.state.status != "measured"],
         }.get(kind or "all", diagnosis.lands)
         if chosen:
-            show.rows_table(clearance_rows(chosen, controller, say), CLEARANCE_COLUMNS)
+            show.table(clearance_table(chosen, controller, say))
             st.caption(say("readings.columns"))
             st.subheader(say("readings.wear"))
             show.chart(figures.wear(diagnosis, chosen, say), "wear")

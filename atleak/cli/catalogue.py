@@ -154,9 +154,9 @@ def _list(
         records = [{**row, **mine, "atleak": __version__} for row, mine in zip(rows, own, strict=True)]
         say_written(write_json(options.json, records))
     if options.json != "-":
-        from atleak.report.terminal import print_table
+        from atleak.report.terminal import print_records
 
-        print_table([*columns, "own"], [{**row, **mine} for row, mine in zip(shown or rows, own, strict=True)])
+        print_records([*columns, "own"], [{**row, **mine} for row, mine in zip(shown or rows, own, strict=True)])
     for fault in known.faults:
         print(f"atleak: left aside: {fault}", file=sys.stderr)
     return 0

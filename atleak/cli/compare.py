@@ -38,7 +38,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("after", metavar="B", help="the later job, likewise")
     add_json(parser)
     parser.add_argument("--pdf", metavar="FILE.pdf", help="a page for the customer")
-    add_print(parser)
+    add_print(parser, shown=True)
     add_force(parser)
 
 
@@ -52,7 +52,8 @@ def run(options: argparse.Namespace) -> int:
     inputs = [name for name in (options.before, options.after) if Path(name).is_file()]
     check_targets(options, inputs, [("record", options.json), ("PDF", options.pdf)])
     formats = [] if options.pdf is None else ["pdf"]
-    printed, font = print_options(options, formats), print_font(options, formats)
+    shown = options.json != "-"
+    printed, font = print_options(options, formats, shown=shown), print_font(options, formats)
     compared = compare_jobs(job_of(options.before), job_of(options.after))
     written = []
     if options.pdf is not None:
@@ -65,9 +66,10 @@ def run(options: argparse.Namespace) -> int:
         written += write(options.pdf, content)
     if options.json is not None:  # written last: standard output stays empty when another file fails
         written += write_json(options.json, compared_record(compared))
-    if options.json != "-":
+    if shown:
         from atleak.report.comparison_terminal import print_comparison
+        from atleak.wording import wording
 
-        print_comparison(compared.comparison)
+        print_comparison(compared.comparison, wording(printed["language"], printed["units"]))
         say_written(written)
     return 0

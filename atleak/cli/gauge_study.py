@@ -44,8 +44,9 @@ def run(options: argparse.Namespace) -> int:
     """Analyse the readings and show the components of their variation."""
     from atleak.gauge_study.anova import ALPHA, analysed
     from atleak.intake.gauge_study import read_study
-    from atleak.report.gauge_study_terminal import print_gauge_study
+    from atleak.report.terminal import print_gauge_study
     from atleak.views.gauge_study import study_record
+    from atleak.wording import wording
     from atleak.workshop_units import MM
 
     check_targets(options, [options.file], [("record", options.json)])
@@ -56,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json is not None:
         say_written(write_json(options.json, study_record(study)))
     if options.json != "-":
-        print_gauge_study(study)
+        print_gauge_study(study, wording("en"))
     return 0
 
 

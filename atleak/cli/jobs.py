@@ -168,7 +168,7 @@ def _record(row: JobRow) -> dict[str, Any]:
 
 
 def _print_rows(rows: list[JobRow], count: int) -> None:
-    from atleak.report.terminal import print_table
+    from atleak.report.terminal import print_records
     from atleak.wording import signed
 
     if not rows:
@@ -183,7 +183,7 @@ def _print_rows(rows: list[JobRow], count: int) -> None:
         }
         for row in rows
     ]
-    print_table(["id", "date", "number", "customer", "vehicle", "unit", "verdict"], shown, whole=["date", "unit"])
+    print_records(["id", "date", "number", "customer", "vehicle", "unit", "verdict"], shown, whole=["date", "unit"])
     if count > len(rows):
         print(f"{len(rows)} of {count} jobs; --limit shows more, --text and the others look one up")
 

@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     from atleak.intake.readings.several import read_several
     from atleak.jobs.new_sheets import shared_instruments
     from atleak.learning.learned import learn
-    from atleak.views.learned_rows import learned_record
+    from atleak.views.learned_table import learned_record
 
     if options.output not in (None, "-") and Path(options.output).suffix.lower() != ".toml":
         expected = Sentence("a name{suffix}", suffix=".toml")
@@ -156,10 +156,10 @@ def _write(options: argparse.Namespace, learned: Learned) -> list[str]:
 def _show(learned: Learned) -> None:
     from atleak.learning.words import messages, summary
     from atleak.report.terminal import print_table
-    from atleak.views.learned_rows import land_rows
+    from atleak.views.learned_table import learned_lands
+    from atleak.wording import wording
 
     print(summary(learned))
-    rows = land_rows(learned)
-    print_table(list(rows[0]), rows)
+    print_table(learned_lands(learned, wording("en")))
     for message in messages(learned):
         print(f"{'! ' if message.level == 'warning' else ''}{message.text}")

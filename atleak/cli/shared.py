@@ -124,10 +124,14 @@ _PRINT = {
 }
 
 
-def add_print(parser: Options) -> None:
-    """Add the options of printing, which `print_options` gathers."""
+SHOWN = "language", "units"  # of what a terminal shows
+
+
+def add_print(parser: Options, *, shown: bool = False) -> None:
+    """Add the options of printing, which `print_options` gathers; what is ``shown`` has that language, too."""
     for name, option in _PRINT.items():
-        parser.add_argument(f"--{name}", choices=option.choices, help=option.help)
+        help = f"of what is shown and of the PDF: {option.unless_given} unless given"
+        parser.add_argument(f"--{name}", choices=option.choices, help=help if shown and name in SHOWN else option.help)
     help = "for characters that the PDF's own fonts lack; without it the one kept on the page Workshop data"
     parser.add_argument("--font", metavar="FILE", help=help)
 
@@ -143,7 +147,9 @@ def print_font(options: argparse.Namespace, formats: Collection[str], asked: str
     return kept_font() if options.font is None else font_at(options.font)
 
 
-def print_options(options: argparse.Namespace, formats: Collection[str], asked: str = "--{}") -> dict[str, str]:
+def print_options(
+    options: argparse.Namespace, formats: Collection[str], asked: str = "--{}", *, shown: bool = False
+) -> dict[str, str]:
     """Return language, units and paper; one that is given for nothing is doubted aloud.
 
     Parameters
@@ -152,9 +158,12 @@ def print_options(options: argparse.Namespace, formats: Collection[str], asked: 
         what is written: ``pdf``, ``xlsx``.
     asked
         how one asks for a format.
+    shown
+        whether what the terminal shows is in that language and those units.
     """
     for name, option in _PRINT.items():
-        if getattr(options, name) is not None and not set(formats) & set(option.formats):
+        used = (shown and name in SHOWN) or set(formats) & set(option.formats)
+        if getattr(options, name) is not None and not used:
             doubt_option(f"--{name}", [asked.format(each) for each in option.formats])
     return {name: getattr(options, name) or option.unless_given for name, option in _PRINT.items()}
 

@@ -32,8 +32,9 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compute the variants and show them."""
-    from atleak.report.terminal import print_variants
+    from atleak.report.terminal import print_table
     from atleak.variants import run_variants, sample_log
+    from atleak.wording import wording
 
     check_targets(options, (options.road_test, options.controller), [("record", options.json)])
     options.road_test = options.road_test or sample_log()
@@ -44,5 +45,9 @@ def run(options: argparse.Namespace) -> int:
 
         say_written(write_json(options.json, variants_record(results, controller, road_test)))
     if options.json != "-":
-        print_variants(results)
+        from atleak.views.variant_rows import table_2, table_3
+
+        say = wording("en")
+        print_table(table_2(results, say))
+        print_table(table_3(results, say))
     return 0

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections.abc import Iterator, Sequence
-from typing import Any, TextIO
+from typing import Any, Literal, TextIO
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
-from rich.table import Column, Table
+from rich.table import Table as Grid
 from rich.text import Text
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.gauge_study.anova import GaugeStudy
 from atleak.intake.units import HHMMSS, find_unit, kinds_of
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import look_of
@@ -24,13 +26,14 @@ from atleak.road_findings import RoadFindings
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.uncertainty import UnitUncertainty
-from atleak.variants import VariantResult
 from atleak.verdicts import Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.complaint import finding, measure_first, reason
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
-from atleak.views.gauge_rows import gauge_rows, pattern_text
+from atleak.views.gauge_rows import gauge_table, pattern_sentences
+from atleak.views.gauge_study import anova_table, component_table, result_sentence
+from atleak.views.pair_table import pair_table
 from atleak.views.positions import positions
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_words import pump_sentence, worn_pump
@@ -47,15 +50,15 @@ from atleak.views.sentences import (
     pressure_sentence,
     readings_in_doubt,
     reserve_sentence,
-    wear_words,
     when_new,
 )
-from atleak.wording import begun, signed, wording
-from atleak.workshop_units import DM3_MIN, KPA, MM2_S, PERCENT, RPM, UM
+from atleak.views.table import VERDICT, Column, Table
+from atleak.wording import Wording, begun, signed, wording
+from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
-GAUGES_ABREAST = 7  # columns of gauge readings that fit beside one another
+GAUGES_ABREAST = 8  # columns of gauge readings that fit beside one another
 MEASURE_FIRST = 6  # lands named for a complaint
 
 
@@ -121,39 +124,14 @@ def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
     counted = counted_in_speed(diagnosis, wording("en"))
     console.print(Text(f"At these speeds the pump covers the leakage and its own slip; {counted}."))
     if diagnosis.flagged:
-        console.print(_flagged(diagnosis.flagged))
+        flagged = pair_table(diagnosis, diagnosis.flagged, wording("en"), at=())
+        console.print(laid_out(flagged.without("decision")))
     else:
         console.print(Text("No measured land has reached a limit."))
     for part in _matrix(diagnosis):
         console.print(part)
     for line in _repairs(diagnosis):
         console.print(Text(line))
-
-
-def print_variants(results: Sequence[VariantResult]) -> None:
-    """Print W1-W8: as published, as computed and as Table 2 tabulates them."""
-    table = Table(
-        "variant", "°C", "wear %", "ν mm²/s", "printed", "computed", "as tabulated", "share printed", "computed"
-    )
-    for result in results:
-        variant, computed, tabulated = result.variant, result.computed.max_leakage, result.as_tabulated.max_leakage
-        table.add_row(
-            variant.name,
-            f"{variant.temperature:g}",
-            f"{variant.wear * PERCENT:g}",
-            f"{result.kinematic_viscosity * MM2_S:g}",
-            str(variant.printed_max_leakage),
-            f"{computed.leakage * DM3_MIN:.3f}",
-            f"{tabulated.leakage * DM3_MIN:.3f}",
-            str(variant.printed_max_share),
-            "–" if computed.share is None else f"{computed.share * PERCENT:.2f}",
-        )
-    console = TerminalConsole()
-    console.print(table)
-    console.print(Text("Leakage in dm³/min at its maximum over the log, share in % at that instant."))
-    for result in results:
-        if result.variant.note:
-            console.print(Text(f"{result.variant.name}: {result.variant.note}"))
 
 
 def print_log(record: dict[str, Any]) -> None:
@@ -164,7 +142,7 @@ def print_log(record: dict[str, Any]) -> None:
     segments = record["segments"]
     left_out = f" ({record['rows_left_out']} line(s) left out)" if record["rows_left_out"] else ""
     console.print(Text(f"{record['rows']} rows{left_out}, {record['duration_s']:.3f} s in {len(segments)} segment(s)"))
-    table = Table("quantity", "column", "unit", "samples", "lowest", "highest", "Hz")
+    table = Grid("quantity", "column", "unit", "samples", "lowest", "highest", "Hz")
     for each in table.columns:
         each.no_wrap, each.overflow = each.header not in ("column", "unit"), "fold"  # no number goes on in another line
     for column in record["columns"]:
@@ -198,22 +176,71 @@ def _short(value: float | None) -> str:
     return "–" if value is None else f"{value + 0.0:.{4 if abs(value) < 1e4 else 9}g}"
 
 
-def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]], whole: Sequence[str] = ()) -> None:
-    """Print records as a table.
+def _widths(content: Table, texts: Sequence[Sequence[str]]) -> tuple[list[int], int]:
+    """Return the width of each column, and of the blanks beside it; no width where not even single words fit.
 
-    Parameters
-    ----------
-    whole
-        columns that are never cut, besides the first: a user must be able to copy a whole id.
+    No number and no id is broken. What room is left goes to the longest cells, then to the longest headings.
     """
-    table = Table(*(column.replace("_", " ") for column in columns))
-    for name, column in zip(columns, table.columns, strict=True):
-        if name in (columns[0], *whole):
-            column.no_wrap, column.overflow = True, "fold"
-            column.min_width = max((len(_cell(row[name])) for row in rows), default=0)
-    for row in rows:
-        table.add_row(*(Text(_cell(row[column])) for column in columns))
-    TerminalConsole().print(table)
+    least, cells, whole = [], [], []
+    for column, heading, *said in zip(content.columns, content.headings, *texts, strict=True):
+        unbroken = column.whole or column.is_number or bool(column.words_of) or column.kind == VERDICT
+        words = said if unbroken else [word for each in said for word in each.split()]
+        least.append(max(map(len, [*words, *heading.split()])))
+        cells.append(max(map(len, said), default=0))
+        whole.append(max(cells[-1], len(heading)))
+    room = TerminalConsole().width - len(least) - 1 - sum(least)  # beside the lines between them
+    blanks = int(2 * len(least) <= room)
+    room -= 2 * blanks * len(least)
+    if room < 0:
+        return [], blanks
+    for wanted in (cells, whole):
+        while room > 0 and any(width < most for width, most in zip(least, wanted, strict=True)):
+            least[max(range(len(least)), key=lambda at: wanted[at] - least[at])] += 1
+            room -= 1
+    return least, blanks
+
+
+def laid_out(content: Table) -> Grid:
+    """Return a table as a terminal shows it, with verdicts in their colours.
+
+    Where its words do not fit beside one another with blanks between them, it has none; only then is a word broken.
+    """
+    texts = [content.texts(item) for item in content.rows]
+    widths, blanks = _widths(content, texts)
+    grid = Grid(title=content.title or None, title_justify="left", title_style="", padding=(0, blanks))
+    for column, heading, width in itertools.zip_longest(content.columns, content.headings, widths):
+        side: Literal["left", "right"] = "right" if column.is_number else "left"
+        grid.add_column(Text(heading), justify=side, overflow="fold", width=width)
+    for item, row in zip(content.rows, texts, strict=True):
+        levels = (column.judged(item).level for column in content.columns)
+        styles = ["" if level is None else look_of(level).style for level in levels]
+        grid.add_row(*(Text(text, style=style) for text, style in zip(row, styles, strict=True)))
+    return grid
+
+
+def print_table(content: Table) -> None:
+    """Print a table, and below it what is told of its items."""
+    console = TerminalConsole()
+    console.print(laid_out(content))
+    for line in dict.fromkeys(filter(None, map(content.told, content.rows)) if content.told else ()):
+        console.print(Text(line))
+
+
+def print_gauge_study(study: GaugeStudy, say: Wording) -> None:
+    """Print what the variation is made of, the analysis behind it, and what there is to know about it."""
+    print_table(component_table(study, say))
+    print_table(anova_table(study, say))
+    console = TerminalConsole()
+    for text in (result_sentence(study, say), *study.messages, say("gauge_study.whose")):
+        console.print(Text(say.sentence(text)))
+
+
+def print_records(columns: Sequence[str], rows: Sequence[dict[str, Any]], whole: Sequence[str] = ()) -> None:
+    """Print records as a table; neither the first column nor those that are ``whole`` are ever cut."""
+    whole = (columns[0], *whole)
+    shown = [{name: _cell(row[name]) for name in columns} for row in rows]
+    made = tuple(Column(name, words=name.replace("_", " "), whole=name in whole) for name in columns)
+    print_table(Table("", made, shown, wording("en")))
 
 
 def _cell(value: Any) -> str:
@@ -346,25 +373,6 @@ def _pressures(diagnosis: Diagnosis, projection: Projection) -> Iterator[str]:
         yield f"   {signed(verdict) + ': ' if verdict else ''}{', '.join(circuits)}"
 
 
-def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
-    table = Table()
-    for name in ("verdict", "pair", "c_r µm", "c_m µm", "wear %"):
-        table.add_column(name, no_wrap=True)
-    table.add_column("because")
-    for land in lands:
-        component, number = land.key
-        rule = land.deciding
-        table.add_row(
-            Text(signed(land.verdict), style=look_of(land.verdict).style),
-            Text(f"{component}/{number}"),
-            f"{land.state.radial_clearance * UM:.1f}",
-            "–".join(f"{end * UM:.1f}" for end in land.state.land.mounting_ends),
-            wear_words(land, wording("en"), unit=False),
-            Text("" if rule is None else f"{rule.label} ({rule.origin})"),
-        )
-    return table
-
-
 def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     """Return the flagged lands, or where none is the largest leaks, at every condition by its number."""
     rows = leaking_worst_first(diagnosis, diagnosis.presented)
@@ -374,7 +382,7 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     what = "flagged lands" if diagnosis.flagged else "lands that leak most"
     yield Text(f"Share of the pump's flow [%] of the {what} at the conditions above, by their numbers:")
     for first in range(0, len(diagnosis.presented), CONDITIONS_ABREAST):
-        table = Table("pair")
+        table = Grid("pair")
         stretch = slice(first, first + CONDITIONS_ABREAST)
         for number in range(len(diagnosis.presented))[stretch]:
             table.add_column(f"{number + 1}.", justify="right", no_wrap=True)
@@ -421,26 +429,11 @@ def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     if check is None:
         return
     yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
-    rows = gauge_rows(check)
-    names = [name for name in rows[0] if len(rows[0]) <= GAUGES_ABREAST or name != "Decision"]
-    columns = [Column(Text(name)) for name in names]  # "[kPa]" is no markup
-    table = Table("verdict", *columns, show_edge=False, padding=0)
-    for column in table.columns:
-        column.overflow = "fold"  # on a narrow terminal nothing is cut off
-        column.no_wrap = str(column.header) == "Permitted [kPa]"  # else within a number of four digits
-    for reading, row in zip(check.readings, rows, strict=True):
-        style = look_of(reading.verdict).style if reading.verdict else ""
-        cells = ("–" if row[name] is None else _rounded(row[name]) for name in names)
-        table.add_row(Text(_judged(reading.verdict), style=style), *map(Text, cells))
-    yield table
-    for pattern in check.patterns:
-        say = wording("en")
-        source = say.get("pattern_sources", pattern.source)
-        yield Text(f"→ {pattern_text(pattern, diagnosis.controller, say)} ({source})")
-
-
-def _rounded(value: str | float) -> str:
-    return f"{value:.0f}" if isinstance(value, float) else str(value)
+    say = wording("en")
+    table = gauge_table(check, say).without("lost_between")
+    yield laid_out(table if len(table.columns) <= GAUGES_ABREAST else table.without("decision"))
+    for pattern in pattern_sentences(check, diagnosis.controller, say):
+        yield Text(f"→ {pattern}")
 
 
 def _judged(verdict: Verdict | None) -> str:

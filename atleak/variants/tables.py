@@ -3,60 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from decimal import Decimal
 from typing import Any, Literal
 
-from atleak.engine.extremes import Instant
 from atleak.variants.article import ERRATA, ComparedPoint
-from atleak.variants.run import OptionRow, VariantResult, reaches_digits
-from atleak.workshop_units import DM3_MIN, G_CM3, PERCENT
+from atleak.variants.run import OptionRow
+from atleak.workshop_units import DM3_MIN, PERCENT
 
 PeakQuantity = Literal["max_leakage", "share_at_max_leakage", "max_share"]
-
-
-def table_2_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
-    """Return Table 2: every variant, with the viscosity that its printed results follow from."""
-    return [
-        {
-            "variant": result.variant.name,
-            "T [°C]": result.variant.temperature,
-            "wear [%]": result.variant.wear * PERCENT,
-            "ν printed [mm²/s]": result.variant.kinematic_viscosity / 1e-6,
-            "ν used [mm²/s]": result.kinematic_viscosity / 1e-6,
-            "ρ [g/cm³]": result.density * G_CM3,
-        }
-        for result in results
-    ]
-
-
-def table_3_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
-    """Return Table 3: most leakage q and share U at that instant, printed and computed; the largest share of the test.
-
-    ``digits`` is ✓ where the computed value rounds to every printed digit.
-    """
-    rows = []
-    for result in results:
-        variant, run = result.variant, result.computed
-        leakage, share = run.max_leakage.leakage * DM3_MIN, _percent(run.max_leakage)
-        rows.append(
-            {
-                "variant": variant.name,
-                "q printed [dm³/min]": float(variant.printed_max_leakage),
-                "q computed": leakage,
-                "q digits": _digits(variant.printed_max_leakage, leakage),
-                "q, ν printed": result.as_tabulated.max_leakage.leakage * DM3_MIN,
-                "U printed [%]": float(variant.printed_max_share),
-                "U computed": share,
-                "U digits": _digits(variant.printed_max_share, share),
-                "U largest": _percent(run.max_share),
-            }
-        )
-    return rows
-
-
-def notes(results: Sequence[VariantResult]) -> dict[str, str]:
-    """Return the remarks on the variants, by their names."""
-    return {result.variant.name: result.variant.note for result in results if result.variant.note}
 
 
 def point_rows(points: Sequence[ComparedPoint]) -> list[dict[str, Any]]:
@@ -102,13 +55,3 @@ def errata_rows() -> list[dict[str, Any]]:
     return [
         {"no.": item.number, "article": item.article, "finding": item.finding, "here": item.here} for item in ERRATA
     ]
-
-
-def _digits(printed: Decimal, value: float | None) -> str | None:
-    if value is None:
-        return None
-    return "✓" if reaches_digits(printed, value) else "≠"
-
-
-def _percent(instant: Instant | None) -> float | None:
-    return None if instant is None or instant.share is None else instant.share * PERCENT

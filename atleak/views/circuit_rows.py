@@ -3,70 +3,60 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from operator import methodcaller
 from typing import Any
 
 from atleak.catalogue.circuits import Circuit, SetPressure
 from atleak.catalogue.controller import Controller
-from atleak.views.catalogue_table import CatalogueTable, Rows, columns
-from atleak.views.columns import Column
+from atleak.views.table import Column, Table, columns
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, PERCENT
 
 MILLIAMPERE = 1.0e3
 MILLIPASCAL_SECOND = 1.0e3
-_LEAKS = columns(
-    "leak",
-    "flows_from",
-    "flows_to",
-    "law",
-    Column("flow", "flow"),
-    Column("at_pressure", "pressure"),
-    Column("at_viscosity", digits=2),
-    Column("at_density", "density"),
-    "gears",
-    "source",
-)
-_PERMISSIBLE = columns("gears", "state", Column("lowest", "pressure"), Column("highest", "pressure"), "source")
 
 
-def circuit_tables(controller: Controller, say: Wording) -> list[CatalogueTable]:
+def circuit_tables(controller: Controller, say: Wording) -> list[Table]:
     """Return the tables of circuits, other leaks, consumers and permissible pressures; some may be without a row."""
-    points = {
-        point.name: Column(point.name, "flow", words=say.condition(point)) for point in controller.operating_points
-    }
+    gears = Column("gears", of=lambda each: gears_words(each.gears))
     circuits = [*_line_row(controller, say), *(_circuit_row(each, controller, say) for each in controller.circuits)]
+    circuit = columns("circuit", "gears", "fed_from", "set_to", "source")
+    leak = columns(
+        Column("leak", of=lambda leak: say.name(leak.name)),
+        Column("flows_from", of=lambda leak: str(leak.high)),
+        Column("flows_to", of=lambda leak: str(leak.low)),
+        Column("law", of=lambda leak: say(f"catalogue.{leak.law}")),
+        Column("flow", "flow", times=DM3_MIN),
+        Column("at_pressure", "pressure", of="pressure_drop", times=KPA),
+        Column("at_viscosity", digits=2, of="viscosity", times=MILLIPASCAL_SECOND),
+        Column("at_density", "density", of="density", times=G_CM3),
+        gears,
+        "source",
+    )
+    points = (
+        Column(point.name, "flow", words=say.condition(point), of=methodcaller("at", point), times=DM3_MIN)
+        for point in controller.operating_points
+    )
+    consumer = columns(
+        Column("consumer", of=lambda each: say.name(each.name)),
+        *points,
+        Column("law", of=lambda each: say(f"catalogue.{'constant' if each.after_line else each.law}")),
+        Column("at_pressure", "pressure", of="pressure", times=KPA),
+        Column("starves_first", of=lambda each: say(f"answers.{'yes' if each.after_line else 'no'}")),
+        "source",
+    )
+    permissible = columns(
+        gears,
+        Column("state", of=lambda each: say.get("states", each.state)),
+        Column("lowest", "pressure", of="low", times=KPA),
+        Column("highest", "pressure", of="high", times=KPA),
+        "source",
+    )
     return [
-        CatalogueTable("circuits", columns("circuit", "gears", "fed_from", "set_to", "source"), circuits),
-        CatalogueTable("leaks", _LEAKS, _leak_rows(controller, say)),
-        CatalogueTable(
-            "consumers",
-            columns("consumer", *points.values(), "law", Column("at_pressure", "pressure"), "starves_first", "source"),
-            [
-                {
-                    "consumer": say.name(consumer.name),
-                    **{point.name: consumer.at(point) * DM3_MIN for point in controller.operating_points},
-                    "law": say(f"catalogue.{'constant' if consumer.after_line else consumer.law}"),
-                    "at_pressure": None if consumer.pressure is None else consumer.pressure * KPA,
-                    "starves_first": say(f"answers.{'yes' if consumer.after_line else 'no'}"),
-                    "source": consumer.source,
-                }
-                for consumer in controller.consumers
-            ],
-        ),
-        CatalogueTable(
-            "permissible",
-            _PERMISSIBLE,
-            [
-                {
-                    "gears": gears_words(each.gears),
-                    "state": say.get("states", each.state),
-                    "lowest": None if each.low is None else each.low * KPA,
-                    "highest": None if each.high is None else each.high * KPA,
-                    "source": each.source,
-                }
-                for each in controller.permissible
-            ],
-        ),
+        Table("circuits", circuit, circuits, say),
+        Table("leaks", leak, controller.leaks, say),
+        Table("consumers", consumer, controller.consumers, say),
+        Table("permissible", permissible, controller.permissible, say),
     ]
 
 
@@ -106,24 +96,6 @@ def _listed(named: Iterable[tuple[str, float]], say: Wording) -> str:
 
 def _pressure(pressure: float, say: Wording) -> str:
     return say.plain_quantity(pressure * KPA, "pressure")
-
-
-def _leak_rows(controller: Controller, say: Wording) -> Rows:
-    return [
-        {
-            "leak": say.name(leak.name),
-            "flows_from": str(leak.high),
-            "flows_to": str(leak.low),
-            "law": say(f"catalogue.{leak.law}"),
-            "flow": leak.flow * DM3_MIN,
-            "at_pressure": leak.pressure_drop * KPA,
-            "at_viscosity": None if leak.viscosity is None else leak.viscosity * MILLIPASCAL_SECOND,
-            "at_density": leak.density * G_CM3,
-            "gears": gears_words(leak.gears),
-            "source": leak.source,
-        }
-        for leak in controller.leaks
-    ]
 
 
 def _line_row(controller: Controller, say: Wording) -> Iterable[dict[str, Any]]:

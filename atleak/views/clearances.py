@@ -2,80 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.uncertainty import LandUncertainty
-from atleak.views.columns import VERDICT, Column
 from atleak.views.land_names import has_number
+from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording
 from atleak.workshop_units import MM, PERCENT, UM
 
-CLEARANCE_COLUMNS = (
-    Column("verdict", VERDICT, width=104),
-    Column("component", width=140),
-    Column("land", digits=0, width=64),
-    Column("wear", "percent", 1, width=82),
-    Column("clearance", "clearance", width=104),
-    Column("mounting", "clearance", width=104),
-    Column("spool_diameter", "length", 4),
-    Column("sleeve_diameter", "length", 4),
-    Column("component_name", width=220),
-    Column("measured_parts"),
-    Column("clearance_least", "clearance"),
-    Column("clearance_largest", "clearance"),
-    Column("direction_largest", digits=0),
-    Column("spool_ovality", "clearance"),
-    Column("sleeve_ovality", "clearance"),
-    Column("spool_taper", "clearance"),
-    Column("sleeve_taper", "clearance"),
-    Column("spool_spread", "clearance"),
-    Column("sleeve_spread", "clearance"),
-    Column("planes"),
-    Column("readings", digits=0),
-    Column("representative_values"),
-)
-"""Of the clearances as measured; what tells pairs apart comes first, so that a narrow screen shows it."""
 
+def clearance_table(lands: Sequence[LandDiagnosis], controller: Controller, say: Wording) -> Table:
+    """Return a row per land: verdict, diameters, clearance and range, ovality, taper, repeats.
 
-def clearance_rows(lands: Iterable[LandDiagnosis], controller: Controller, say: Wording) -> list[dict[str, Any]]:
-    """Return one row per land for `CLEARANCE_COLUMNS`: diameters, clearance and range, ovality, taper, repeats."""
-    return [_row(land, controller, say) for land in lands]
+    What tells pairs apart comes first, so that a narrow screen shows it.
+    """
 
+    def name(land: LandDiagnosis) -> str:
+        return say.name(controller.components[land.key[0]])
 
-def _row(land: LandDiagnosis, controller: Controller, say: Wording) -> dict[str, Any]:
-    state, nominal = land.state, land.state.land
-    name = say.name(controller.components[nominal.component])
-    return {
-        "verdict": land.verdict,
-        "component": nominal.component if has_number(controller, nominal.component) else name,
-        "land": nominal.land,
-        "wear": 0.0 if land.within_new else None if land.wear is None else land.wear * PERCENT,
-        "clearance": state.radial_clearance * UM,
-        "mounting": nominal.mounting_high * UM,
-        "spool_diameter": state.spool_diameter * MM,
-        "sleeve_diameter": state.sleeve_diameter * MM,
-        "component_name": name,
-        "measured_parts": say(f"measured_parts.{state.status}"),
-        "clearance_least": state.min_clearance * UM if state.measured else None,
-        "clearance_largest": state.max_clearance * UM if state.measured else None,
-        "direction_largest": state.worst_direction,
-        "spool_ovality": _scaled(state.spool_ovality),
-        "sleeve_ovality": _scaled(state.sleeve_ovality),
-        "spool_taper": _scaled(state.spool_taper),
-        "sleeve_taper": _scaled(state.sleeve_taper),
-        "spool_spread": _scaled(state.spool_repeat_spread),
-        "sleeve_spread": _scaled(state.sleeve_repeat_spread),
-        "planes": ", ".join(nominal.planes),
-        "readings": state.spool_readings + state.sleeve_readings,
-        "representative_values": ", ".join(say.get("parts", each) for each in nominal.representative) or None,
-    }
+    def wear(land: LandDiagnosis) -> float | None:
+        return 0.0 if land.within_new else land.wear
 
+    def extreme(land: LandDiagnosis, which: str) -> float | None:
+        return getattr(land.state, f"{which}_clearance") if land.state.measured else None
 
-def _scaled(metres: float | None) -> float | None:
-    return None if metres is None else metres * UM
+    def of_state(key: str, attribute: str) -> Column:
+        return Column(key, "clearance", of=lambda land: getattr(land.state, attribute), times=UM)
+
+    parts = "spool", "sleeve"
+    columns = (
+        Column("verdict", VERDICT, width=104),
+        Column(
+            "component",
+            width=140,
+            of=lambda land: land.key[0] if has_number(controller, land.key[0]) else name(land),
+        ),
+        Column("land", digits=0, width=64, of=lambda land: land.key[1]),
+        Column("wear", "percent", 1, width=82, of=wear, times=PERCENT),
+        Column("clearance", "clearance", width=104, of=lambda land: land.state.radial_clearance, times=UM),
+        Column("mounting", "clearance", width=104, of=lambda land: land.state.land.mounting_high, times=UM),
+        Column("spool_diameter", "length", 4, of=lambda land: land.state.spool_diameter, times=MM),
+        Column("sleeve_diameter", "length", 4, of=lambda land: land.state.sleeve_diameter, times=MM),
+        Column("component_name", width=220, of=name),
+        Column("measured_parts", of=lambda land: say(f"measured_parts.{land.state.status}")),
+        Column("clearance_least", "clearance", of=lambda land: extreme(land, "min"), times=UM),
+        Column("clearance_largest", "clearance", of=lambda land: extreme(land, "max"), times=UM),
+        Column("direction_largest", digits=0, of=lambda land: land.state.worst_direction),
+        *(of_state(f"{part}_{form}", f"{part}_{form}") for form in ("ovality", "taper") for part in parts),
+        *(of_state(f"{part}_spread", f"{part}_repeat_spread") for part in parts),
+        Column("planes", of=lambda land: ", ".join(land.state.land.planes)),
+        Column("readings", digits=0, of=lambda land: land.state.spool_readings + land.state.sleeve_readings),
+        Column(
+            "representative_values",
+            of=lambda land: ", ".join(say.get("parts", each) for each in land.state.land.representative) or None,
+        ),
+    )
+    return Table("clearances", columns, lands, say)
 
 
 def budget_rows(land: LandUncertainty, say: Wording) -> list[dict[str, Any]]:

@@ -1,86 +1,54 @@
-"""Lay out a comparison in rows: lands, totals, pressures and the events of two logs, in workshop units."""
+"""Lay out a comparison as tables: lands, totals, pressures and the events of two logs."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from atleak.comparison import Change, Comparison, ConditionComparison, LandComparison, LogComparison
+from atleak.comparison import Change, Comparison, ConditionComparison, EventPair, LandComparison, LogComparison
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.road_test import RoadTest
-from atleak.views.columns import Column
 from atleak.views.comparison_words import event_name, land_name, signed_number, with_uncertainty
+from atleak.views.condition_record import finite
+from atleak.views.table import VERDICT, Column, Table, columns
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, UM
 
-LAND_COLUMNS = (
-    Column("verdict", "verdict", width=92),
-    Column("was"),
-    Column("pair", width=176),
-    *(Column(f"clearance_{side}", "clearance", 1) for side in ("before", "after")),
-    Column("change", words_of="clearance"),
-    Column("changed"),
-    *(Column(f"wear_{side}", "percent", 1) for side in ("before", "after")),
-    *(Column(f"share_{side}", "percent", 2) for side in ("before", "after")),
-    *(Column(f"decision_{side}") for side in ("before", "after")),
-)
-CONDITION_COLUMNS = tuple(
-    Column(name) for name in ("condition", "what", "before", "after", "change", "interval", "unit", "changed")
-)
-EVENT_COLUMNS = (
-    Column("event"),
-    Column("starts", words_of="time"),
-    Column("lasts", words_of="time"),
-    Column("mean_pressure", words_of="pressure"),
-    Column("fluid", words_of="temperature"),
-)
+_OF_A_QUANTITY = ("condition", "what", "before", "after", "change", "interval", "unit", "changed")
 _SHOWN = 0.5  # [kPa] that a pressure without decimals shows
+_UM = "clearance", 1
 
 
-def land_rows(comparison: Comparison, lands: Iterable[LandComparison], say: Wording) -> list[dict[str, Any]]:
-    """Return one row for every land, as `LAND_COLUMNS` show them."""
-    return [_land_row(comparison, land, say) for land in lands]
+def land_table(comparison: Comparison, lands: Sequence[LandComparison], say: Wording) -> Table:
+    """Return one row for every land: both verdicts, clearances and what changed, wear, share and decision."""
+
+    def both(key: str, of: Callable[[LandDiagnosis], Any], *kind: Any, times: float | None = None) -> Iterator[Column]:
+        def at(side: str, land: LandComparison) -> Any:
+            diagnosed: LandDiagnosis | None = getattr(land, side)
+            return None if diagnosed is None else of(diagnosed)
+
+        for side in ("before", "after"):
+            yield replace(Column(f"{key}_{side}", *kind), of=partial(at, side), times=times)
+
+    shown = (
+        Column("verdict", VERDICT, width=92, of=lambda land: land.after and land.after.verdict),
+        Column("was", of=lambda land: land.before and say.signed(land.before.verdict)),
+        Column("pair", width=176, of=lambda land: land_name(comparison, land, say)),
+        *both("clearance", lambda land: land.state.radial_clearance if land.state.measured else None, *_UM, times=UM),
+        Column("change", words_of="clearance", of=lambda land: land.change and with_uncertainty(land.change, say)),
+        Column("changed", of=lambda land: land.change and land.significant),
+        *both("wear", lambda land: land.wear, "percent", 1, times=PERCENT),
+        *both("share", lambda land: finite(land.share), "percent", 2, times=PERCENT),
+        *both("decision", lambda land: land.decision and say.get("decisions", land.decision)),
+    )
+    return Table("lands", shown, lands, say).filled
 
 
-def _land_row(comparison: Comparison, land: LandComparison, say: Wording) -> dict[str, Any]:
-    before, after = land.before, land.after
-    return {
-        "verdict": None if after is None else after.verdict,
-        "was": None if before is None else say.signed(before.verdict),
-        "pair": land_name(comparison, land, say),
-        "clearance_before": _clearance(before),
-        "clearance_after": _clearance(after),
-        "change": with_uncertainty(land.change, say) if land.change else None,
-        "changed": None if land.change is None else _whether(land.significant, say),
-        "wear_before": None if before is None or before.wear is None else before.wear * PERCENT,
-        "wear_after": None if after is None or after.wear is None else after.wear * PERCENT,
-        "share_before": _share(before),
-        "share_after": _share(after),
-        "decision_before": _decision(before, say),
-        "decision_after": _decision(after, say),
-    }
-
-
-def _whether(is_so: bool, say: Wording) -> str:
-    return say("answers.yes" if is_so else "answers.no")
-
-
-def _clearance(land: LandDiagnosis | None) -> float | None:
-    return land.state.radial_clearance * UM if land is not None and land.state.measured else None
-
-
-def _share(land: LandDiagnosis | None) -> float | None:
-    return land.share * PERCENT if land is not None and math.isfinite(land.share) else None
-
-
-def _decision(land: LandDiagnosis | None, say: Wording) -> str | None:
-    return None if land is None or land.decision is None else say.get("decisions", land.decision)
-
-
-def condition_rows(comparison: Comparison, say: Wording, *, brief: bool = False) -> list[dict[str, Any]]:
+def condition_table(comparison: Comparison, say: Wording, *, brief: bool = False) -> Table:
     """Return one row for every total, reserve and pressure of every condition that both jobs were judged at.
 
     In brief a pressure that did not change by as much as is shown is left out, and so is the flow behind a share; a
@@ -92,7 +60,7 @@ def condition_rows(comparison: Comparison, say: Wording, *, brief: bool = False)
         if brief:
             of_condition[1:] = [{**row, "condition": ""} for row in of_condition[1:]]
         rows += of_condition
-    return rows
+    return Table("totals", columns(*_OF_A_QUANTITY), rows, say).filled
 
 
 def _quantities(each: ConditionComparison, say: Wording, *, brief: bool) -> list[dict[str, Any]]:
@@ -123,7 +91,7 @@ def _row(
         "change": signed_number(change.value * scale, places, say),
         "interval": "" if change.interval is None else _interval(change.interval, scale, places, say),
         "unit": say.unit(kind),
-        "changed": None if change.significant is None else _whether(change.significant, say),
+        "changed": change.significant,
     }
 
 
@@ -132,29 +100,30 @@ def _interval(ends: tuple[float, float], scale: float, places: int, say: Wording
     return say("written.to", low=low, high=high)
 
 
-def event_rows(logs: LogComparison, say: Wording) -> list[dict[str, Any]]:
+def event_table(logs: LogComparison, say: Wording) -> Table:
     """Return one row for every event of either log, before → after: start, duration, mean pressure and fluid."""
-    rows = []
-    for pair in logs.pairs:
+
+    def means(pair: EventPair, quantity: str, factor: float) -> list[float | None]:
         sides = (logs.before.road_test, pair.before), (logs.after.road_test, pair.after)
-        parts = [None if event is None else test.window(event.start, event.stop) for test, event in sides]
-        events = [event for _, event in sides]
-        pressures = [_mean(part, "main_pressure", KPA) for part in parts]
-        temperatures = [_mean(part, "atf_temperature", 1.0) for part in parts]
-        rows.append(
-            {
-                "event": event_name(pair, say),
-                "starts": _arrow([None if event is None else event.start for event in events], "time", 1, say),
-                "lasts": _arrow([None if event is None else event.duration for event in events], "time", 1, say),
-                "mean_pressure": _arrow(pressures, "pressure", 0, say),
-                "fluid": _arrow(temperatures, "temperature", 0, say),
-            }
-        )
-    return rows
+        return [
+            _mean(None if event is None else test.window(event.start, event.stop), quantity, factor)
+            for test, event in sides
+        ]
 
+    def both(pair: EventPair, name: str) -> list[float | None]:
+        return [None if event is None else getattr(event, name) for event in (pair.before, pair.after)]
 
-def _arrow(values: Iterable[float | None], kind: str, digits: int, say: Wording) -> str:
-    return " → ".join(say.value(value, kind, digits) for value in values)
+    def arrow(key: str, kind: str, digits: int, of: Callable[[EventPair], Iterable[float | None]]) -> Column:
+        return Column(key, words_of=kind, of=lambda pair: " → ".join(say.value(at, kind, digits) for at in of(pair)))
+
+    shown = (
+        Column("event", of=lambda pair: event_name(pair, say)),
+        arrow("starts", "time", 1, lambda pair: both(pair, "start")),
+        arrow("lasts", "time", 1, lambda pair: both(pair, "duration")),
+        arrow("mean_pressure", "pressure", 0, lambda pair: means(pair, "main_pressure", KPA)),
+        arrow("fluid", "temperature", 0, lambda pair: means(pair, "atf_temperature", 1.0)),
+    )
+    return Table("logs", shown, logs.pairs, say)
 
 
 def _mean(part: RoadTest | None, quantity: str, factor: float) -> float | None:

@@ -7,8 +7,7 @@ from collections import Counter
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.known_values import KnownValue, counted, known_values
-from atleak.views.catalogue_table import CatalogueTable, Rows, columns
-from atleak.views.columns import Column
+from atleak.views.table import Column, Table, columns
 from atleak.wording import Wording
 
 _NAMES = {
@@ -45,16 +44,16 @@ def still_to_measure(controller: Controller) -> list[str]:
     return [_named(kind, count) for kind, count in _open_kinds(controller).most_common()]
 
 
-def evidence_table(controller: Controller, say: Wording) -> CatalogueTable:
+def evidence_table(controller: Controller, say: Wording) -> Table:
     """Return a row for each kind of value: how many of it are known from what."""
     values = _values(controller)
-    rows: Rows = []
+    rows = []
     for kind in dict.fromkeys((each.table, each.value) for each in values):
         counts = counted([each for each in values if (each.table, each.value) == kind])
         known = {each.value: counts[each] for each in Evidence}
         rows.append({"values": _kind_words(kind, say), **known, "not_stated": counts[None]})
     counted_columns = (Column(name, digits=0) for name in (*Evidence, "not_stated"))
-    return CatalogueTable("evidence", columns("values", *counted_columns), rows)
+    return Table("evidence", columns("values", *counted_columns), rows, say)
 
 
 def open_values(controller: Controller, say: Wording) -> list[str]:

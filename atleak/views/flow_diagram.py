@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.flows import Flow, Kind, Place, flows_at
@@ -14,6 +13,7 @@ from atleak.engine.projection import Projection
 from atleak.verdicts import Verdict
 from atleak.views.land_names import has_number, land_number
 from atleak.views.pressures import pressures_at
+from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import DM3_MIN, KPA
 
@@ -115,17 +115,15 @@ def flow_diagram(
     return FlowDiagram(projection, places, tuple(drawn))
 
 
-def flow_rows(diagram: FlowDiagram) -> list[dict[str, Any]]:
-    """Return the diagram as the rows of a table, the largest flow first."""
-    return [
-        {
-            "verdict": flow.verdict,
-            "flows_from": diagram.places[flow.source].name,
-            "flows_to": diagram.places[flow.target].name,
-            "flow": flow.flow * DM3_MIN,
-        }
-        for flow in sorted(diagram.flows, key=lambda each: -each.flow)
-    ]
+def flow_table(diagram: FlowDiagram, say: Wording) -> Table:
+    """Return the diagram as a table, the largest flow first."""
+    columns = (
+        Column("verdict", VERDICT, width=92),
+        Column("flows_from", of=lambda flow: diagram.places[flow.source].name),
+        Column("flows_to", of=lambda flow: diagram.places[flow.target].name),
+        Column("flow", "flow", 3, times=DM3_MIN),
+    )
+    return Table("flows", columns, sorted(diagram.flows, key=lambda each: -each.flow), say)
 
 
 def flow_words(flow: float, say: Wording) -> str:

@@ -10,9 +10,9 @@ from atleak.diagnosis import Diagnosis
 from atleak.gauges.check import CheckedReading, PressureCheck
 from atleak.gauges.patterns import Pattern
 from atleak.pressure_table import LINE, Cell, tap_name
-from atleak.sentence import Sentence
 from atleak.views.condition_record import finite, scaled, unit_rule_record
 from atleak.views.land_names import land_words
+from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording, wording
 from atleak.workshop_units import KPA, PERCENT, RPM
 
@@ -125,15 +125,14 @@ def _cell(cell: Cell) -> dict[str, Any]:
     return {"range": cell.range, "state": cell.engine, "tap": cell.tap}
 
 
-def permissible_text(permissible: StandingPressure | None, say: Wording | None = None) -> str | None:
+def permissible_text(permissible: StandingPressure | None, say: Wording) -> str | None:
     """Return what is permissible in a reader's language and unit; None where nothing is stated.
 
-    >>> permissible_text(StandingPressure(frozenset(), frozenset(), "idle", 412e3, None, ""))
+    >>> permissible_text(StandingPressure(frozenset(), frozenset(), "idle", 412e3, None, ""), wording("en"))
     'from 412'
     """
     if permissible is None:
         return None
-    say = say or wording("en")
     low, high = ("" if end is None else _kpa(end, say) for end in (permissible.low, permissible.high))
     key = "low_and_high" if low and high else "low" if low else "high"
     return say(f"permissible.{key}", low=low, high=high)
@@ -149,32 +148,40 @@ def tap_text(controller: Controller, tap: str, say: Wording) -> str:
     return say("permissible.line") if tap == LINE else say.name(tap_name(controller, tap))
 
 
-def gauge_rows(check: PressureCheck, say: Wording | None = None) -> list[dict[str, Any]]:
-    """Return a row for every reading under headings for people, without its verdict; empty columns are left out.
-
-    Words are English unless those of another language are given; pressures are in kPa.
-    """
-    say = say or wording("en")
-    circuits = any(each.cell.tap != LINE for each in check.readings)
+def gauge_table(check: PressureCheck, say: Wording) -> Table:
+    """Return a row for every reading: what was shown, permitted, expected, and the verdict; no column is empty."""
     repeated = any(each.reading.repeat > 1 for each in check.readings)
-    rows = [
-        {
-            Sentence("Range"): each.cell.range,
-            Sentence("State"): say.sentence(each.cell.engine.label),
-            Sentence("Tap"): _tap(each, say) if circuits else None,
-            Sentence("No."): each.reading.repeat if repeated else None,
-            Sentence("Gauge [kPa]"): each.reading.pressure * KPA,
-            Sentence("Permitted [kPa]"): permissible_text(each.permissible, wording(say.language)),
-            Sentence("Expected [kPa]"): scaled(each.expected, KPA),
-            Sentence("Lost [kPa]"): scaled(each.loss, KPA),
-            Sentence("Past limit"): say.percent(each.over_limit, 0) if each.over_limit is not None else None,
-            Sentence("Decision"): say.get("decisions", each.deciding.decision) if each.deciding else None,
-        }
-        for each in check.readings
-    ]
-    filled = [name for name in rows[0] if any(row[name] is not None for row in rows)] if rows else []
-    return [{name: row[name] for name in filled} for row in rows]
+    circuits = any(each.cell.tap != LINE for each in check.readings)
+    shown = (
+        Column("verdict", VERDICT, width=92, of=lambda each: each.verdict or say("texts.not_judged")),
+        Column("range", of=lambda each: each.cell.range),
+        Column("engine_state", width=150, of=lambda each: say.sentence(each.cell.engine.label)),
+        Column("tap", width=150, of=lambda each: _tap(each, say) if circuits else None),
+        Column("reading_number", digits=0, width=44, of=lambda each: each.reading.repeat if repeated else None),
+        Column("gauge", "pressure", 1, of=lambda each: each.reading.pressure, times=KPA),
+        Column("permitted", words_of="pressure", of=lambda each: permissible_text(each.permissible, say)),
+        Column("expected", "pressure", of=lambda each: each.expected, times=KPA),
+        Column("lost", "pressure", of=lambda each: each.loss, times=KPA),
+        Column("lost_between", words_of="pressure", of=lambda each: _between(each, say)),
+        Column("past_limit", of=lambda each: None if each.over_limit is None else say.percent(each.over_limit, 0)),
+        Column("decision", width=110, of=lambda each: each.deciding and say.get("decisions", each.deciding.decision)),
+    )
+    return Table("gauges", shown, check.readings, say).filled
 
 
 def _tap(each: CheckedReading, say: Wording) -> str:
     return say("permissible.line") if each.cell.tap == LINE else say.name(each.tap_name)
+
+
+def _between(each: CheckedReading, say: Wording) -> str | None:
+    if each.loss_interval is None:
+        return None
+    low, high = (say.value(max(end, 0.0) * KPA, "pressure", 0) for end in each.loss_interval)
+    return say("permissible.low_and_high", low=low, high=high)
+
+
+def pattern_sentences(check: PressureCheck, controller: Controller, say: Wording) -> list[str]:
+    """Return what the readings hint at together, each hint with where it is known from."""
+    return [
+        f"{pattern_text(each, controller, say)} ({say.get('pattern_sources', each.source)})" for each in check.patterns
+    ]

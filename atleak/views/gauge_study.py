@@ -6,9 +6,9 @@ from typing import Any
 
 from atleak.gauge_study.anova import CATEGORY, SPREAD, Component, GaugeStudy
 from atleak.version import __version__
-from atleak.views.columns import Column
 from atleak.views.diagnosis_record import FORMAT
 from atleak.views.message_record import message_record
+from atleak.views.table import Column, Table
 from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
 
@@ -70,53 +70,30 @@ def study_record(study: GaugeStudy) -> dict[str, Any]:
     }
 
 
-def shown_components(study: GaugeStudy, say: Wording) -> tuple[list[dict[str, Any]], list[Column]]:
-    """Return the components as rows of a table that people read, and its columns."""
-    columns = [
-        Column("variation_part"),
-        Column("deviation", "clearance", 3),
-        Column("spread", "clearance", 3),
-        Column("contribution", "percent", 2),
-        Column("of_study", "percent", 2),
-    ]
-    if study.tolerance is not None:
-        columns.append(Column("of_tolerance", "percent", 2))
-    rows = [
-        {
-            "variation_part": say(f"gauge_study_names.{row['component']}"),
-            "deviation": row["deviation_um"],
-            "spread": row["spread_um"],
-            "contribution": row["contribution_percent"],
-            "of_study": row["of_study_percent"],
-            "of_tolerance": row.get("of_tolerance_percent"),
-        }
-        for row in component_rows(study)
-    ]
-    return rows, columns
+def component_table(study: GaugeStudy, say: Wording) -> Table:
+    """Return the components of variation as a table that people read."""
+    shown = (
+        Column("variation_part", of=lambda row: say(f"gauge_study_names.{row['component']}"), width=150),
+        Column("deviation", "clearance", 3, of="deviation_um"),
+        Column("spread", "clearance", 3, of="spread_um"),
+        Column("contribution", "percent", 2, of="contribution_percent"),
+        Column("of_study", "percent", 2, of="of_study_percent"),
+        Column("of_tolerance", "percent", 2, of="of_tolerance_percent"),
+    )
+    return Table("components", shown, component_rows(study), say).filled
 
 
-def shown_anova(study: GaugeStudy, say: Wording) -> tuple[list[dict[str, Any]], list[Column]]:
-    """Return the analysis of variance as rows of a table that people read, and its columns."""
-    columns = [
-        Column("variation_source"),
-        Column("squares", digits=2),
+def anova_table(study: GaugeStudy, say: Wording) -> Table:
+    """Return the analysis of variance as a table that people read."""
+    shown = (
+        Column("variation_source", of=lambda row: say(f"gauge_study_names.{row['source']}"), width=150),
+        Column("squares", digits=2, of="squares_um2"),
         Column("freedom", digits=0),
-        Column("mean_square", digits=2),
-        Column("f_ratio", digits=2),
-        Column("by_chance", digits=4),
-    ]
-    rows = [
-        {
-            "variation_source": say(f"gauge_study_names.{row['source']}"),
-            "squares": row["squares_um2"],
-            "freedom": row["freedom"],
-            "mean_square": row["mean_square_um2"],
-            "f_ratio": row["f"],
-            "by_chance": row["probability"],
-        }
-        for row in anova_rows(study)
-    ]
-    return rows, columns
+        Column("mean_square", digits=2, of="mean_square_um2"),
+        Column("f_ratio", digits=2, of="f"),
+        Column("by_chance", digits=4, of="probability"),
+    )
+    return Table("anova", shown, anova_rows(study), say)
 
 
 def result_sentence(study: GaugeStudy, say: Wording) -> str:

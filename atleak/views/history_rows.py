@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.history.land_wear import LandLimit, LandWear, WearHistory
 from atleak.history.totals import TotalOverMileage
-from atleak.verdicts import Verdict
+from atleak.verdicts import Band, Verdict
 from atleak.views.land_names import land_words
 from atleak.views.sentences import crossing_in_words
+from atleak.views.table import Column, Table
 from atleak.wear_line import WearLine
 from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
@@ -56,29 +58,31 @@ def levels_of(history: WearHistory) -> list[Verdict]:
     return sorted({limit.level for land in history.lands for limit in land.limits}, key=lambda level: level.rank)
 
 
-def wear_rows(history: WearHistory, controller: Controller, say: Wording) -> list[dict[str, Any]]:
+def wear_table(history: WearHistory, controller: Controller, say: Wording) -> Table:
     """Return a row for each land: clearance, rate, and the mileage of each level's first limit, the soonest first."""
-    levels = levels_of(history)
-    rows: list[dict[str, Any]] = []
-    for land in soonest_first(history):
-        reached: dict[str, str] = {level: _first_at(land, level, say) for level in levels}
-        points = land.series.measured
-        rows.append(
-            {
-                "pair": land_words(controller, land.key, say),
-                "clearance": points[-1].clearance * UM if points else None,
-                "rate": rate_in_words(land.line, say),
-                **reached,
-                "visits": len(points),
-                "since": _since(land, history, say),
-            }
-        )
-    return rows
+
+    def clearance(land: LandWear) -> float | None:
+        return land.series.measured[-1].clearance if land.series.measured else None
+
+    def first_at(level: Verdict, land: LandWear) -> str | None:
+        """Say when the first limit of a level is reached: a land may have one of wear and one of its own."""
+        return next((limit_in_words(limit, say) for limit in land.limits if limit.level is level), None)
+
+    distance = f"{say.number(PER, 0)} {say.unit('distance')}"
+    rate = say("history.rate_heading", unit=say.unit("clearance"), distance=distance)
+    columns = (
+        Column("pair", width=150, of=lambda land: land_words(controller, land.key, say)),
+        Column("clearance", "clearance", of=clearance, times=UM),
+        Column("rate", words=rate, of=lambda land: rate_in_words(land.line, say)),
+        *(_at(level, partial(first_at, level), say) for level in levels_of(history)),
+        Column("visits", digits=0, of=lambda land: len(land.series.measured)),
+        Column("since", of=lambda land: _since(land, history, say)),
+    )
+    return Table("wear", columns, soonest_first(history), say)
 
 
-def _first_at(land: LandWear, level: Verdict, say: Wording) -> str:
-    """Say when the first limit of a level is reached: a land may have one of wear and one of its own."""
-    return next((limit_in_words(limit, say) for limit in land.limits if limit.level is level), "–")
+def _at(level: Verdict | Band, of: Callable[[Any], str | None], say: Wording) -> Column:
+    return Column(level, words=say("history.at", level=say.signed(level)), of=of)
 
 
 def _since(land: LandWear, history: WearHistory, say: Wording) -> str | None:
@@ -88,20 +92,24 @@ def _since(land: LandWear, history: WearHistory, say: Wording) -> str | None:
     return f"{date}: {say(f'restarts.{land.series.restart}')}"
 
 
-def total_rows(totals: Iterable[TotalOverMileage], say: Wording) -> list[dict[str, Any]]:
+def total_table(totals: Sequence[TotalOverMileage], say: Wording) -> Table:
     """Return a row for each condition: the total now and at the end of the way ahead, and when it reaches each band."""
-    return [
-        {
-            "condition": say.condition(total.condition),
-            "now": total.median[0] * PERCENT,
-            "ahead": _within(total, -1, say),
-            **{
-                limit.level: say("history.reached") if limit.at is None else crossing_in_words(limit.at, say)
-                for limit in total.limits
-            },
-        }
-        for total in totals
-    ]
+
+    def reached(level: Verdict | Band, total: TotalOverMileage) -> str | None:
+        limit = next((limit for limit in total.limits if limit.level is level), None)
+        if limit is None:
+            return None
+        return say("history.reached") if limit.at is None else crossing_in_words(limit.at, say)
+
+    ahead = say("history.ahead", mileage=say.quantity(totals[0].mileages[-1], "distance", 0))
+    levels = dict.fromkeys(limit.level for total in totals for limit in total.limits)
+    columns = (
+        Column("condition", width=150, of=lambda total: say.condition(total.condition)),
+        Column("now", "percent", of=lambda total: total.median[0], times=PERCENT),
+        Column("ahead", words=f"{ahead} [%]", of=lambda total: _within(total, -1, say)),
+        *(_at(level, partial(reached, level), say) for level in levels),
+    )
+    return Table("totals", columns, totals, say)
 
 
 def _within(total: TotalOverMileage, place: int, say: Wording) -> str:

@@ -1,18 +1,19 @@
-"""Rows of a road-test log for a page: its events, and each channel's values over a part and at both of its ends."""
+"""Tables of a road-test log: its events, its pressures, and each channel's values over a part and at its ends."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.engine.road_pressure import RoadPressure
+from atleak.engine.road_pressure import Departure, PlaceFinding, RoadPressure
 from atleak.events import Event
 from atleak.road_test import RoadTest
 from atleak.views.road_words import event_remark
+from atleak.views.table import Column, Table
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT
 
@@ -21,52 +22,56 @@ Scales = Mapping[str, Scale]  # by quantity
 Curve = tuple[str, np.ndarray, np.ndarray, str]  # name, stamps [s], values in the reader's unit, that unit
 
 
-def event_rows(events: Iterable[Event], say: Wording) -> list[dict[str, Any]]:
-    """Return one row for every event, by the keys of the page's columns; times in s."""
-    return [
-        {
-            "event": say(f"events.{event.kind}"),
-            "event_gears": None if event.to_gear is None else f"{event.from_gear} → {event.to_gear}",
-            "event_start": round(event.start, 2),
-            "event_stop": round(event.stop, 2),
-            "event_lasts": round(event.duration, 2),
-            "event_source": say.get("event_sources", event.source),
-            "event_note": event_remark(event, say) or None,
-        }
-        for event in events
-    ]
+def event_table(events: Sequence[Event], say: Wording) -> Table:
+    """Return a row for every event of a log."""
+    columns = (
+        Column("event", of=lambda event: say(f"events.{event.kind}"), width=150),
+        Column("event_gears", of=lambda each: None if each.to_gear is None else f"{each.from_gear} → {each.to_gear}"),
+        Column("event_start", "time", 2, of="start"),
+        Column("event_stop", "time", 2, of="stop"),
+        Column("event_lasts", "time", 2, of="duration"),
+        Column("event_source", of=lambda event: say.get("event_sources", event.source)),
+        Column("event_note", of=lambda event: event_remark(event, say) or None, width=300),
+    )
+    return Table("events", columns, events, say)
 
 
-def place_rows(permitted: RoadPressure, say: Wording) -> list[dict[str, Any]]:
-    """Return one row for every gear and state in which main pressure was judged, in the units of atleak's records."""
-    return [
-        {
-            "place_gear": str(place.gear),
-            "place_state": say(f"states.{place.state}"),
-            "place_judged": place.judged,
-            "place_lowest": place.worst and place.worst.pressure * KPA,
-            "place_limit": place.worst and place.worst.limit * KPA,
-            "place_below_by": place.worst and max(place.worst.fraction, 0.0) * PERCENT,
-            "place_below": place.below,
-            "place_above": place.above,
-            "place_source": place.worst and place.worst.source,
-        }
-        for place in permitted.places
-    ]
+def place_table(permitted: RoadPressure, say: Wording) -> Table:
+    """Return a row for every gear and state in which main pressure was judged."""
+
+    def worst(place: PlaceFinding, of: Callable[[Departure], Any]) -> Any:
+        return None if place.worst is None else of(place.worst)
+
+    columns = (
+        Column("place_gear", of=lambda place: str(place.gear)),
+        Column("place_state", of=lambda place: say(f"states.{place.state}"), width=100),
+        Column("place_judged", "time", 1, of="judged"),
+        Column("place_lowest", "pressure", 0, of=lambda place: worst(place, lambda at: at.pressure), times=KPA),
+        Column("place_limit", "pressure", 0, of=lambda place: worst(place, lambda at: at.limit), times=KPA),
+        Column(
+            "place_below_by",
+            "percent",
+            1,
+            of=lambda place: worst(place, lambda at: max(at.fraction, 0.0)),
+            times=PERCENT,
+        ),
+        Column("place_below", "time", 1, of="below"),
+        Column("place_above", "time", 1, of="above"),
+        Column("place_source", of=lambda place: worst(place, lambda at: at.source)),
+    )
+    return Table("places", columns, permitted.places, say)
 
 
-def circuit_rows(road: RoadLeakage) -> list[dict[str, Any]]:
-    """Return one row for every circuit that the log applies: what it holds, in the units of atleak's records."""
-    return [
-        {
-            "circuit": each.circuit.name,
-            "circuit_lowest": each.lowest * KPA,
-            "circuit_at_main": each.main_pressure * KPA,
-            "circuit_at": each.time,
-            "circuit_mean": each.mean * KPA,
-        }
-        for each in road.circuit_ranges.values()
-    ]
+def circuit_table(road: RoadLeakage, say: Wording) -> Table:
+    """Return a row for every circuit that the log applies: what it holds."""
+    columns = (
+        Column("circuit", of=lambda each: each.circuit.name),
+        Column("circuit_lowest", "pressure", 0, of="lowest", times=KPA),
+        Column("circuit_at_main", "pressure", 0, of="main_pressure", times=KPA),
+        Column("circuit_at", "time", 1, of="time"),
+        Column("circuit_mean", "pressure", 0, of="mean", times=KPA),
+    )
+    return Table("circuits", columns, [*road.circuit_ranges.values()], say)
 
 
 def log_curves(test: RoadTest, road: RoadLeakage | None, scales: Scales, say: Wording, file: str = "") -> list[Curve]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from atleak.catalogue.section_pressures import Pressure
@@ -10,9 +10,10 @@ from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import Rule
 from atleak.verdicts import Verdict, worst
-from atleak.views.condition_matrix import MatrixRow
-from atleak.views.pair_table import Cell, Row, Table, clearance, decision, share_cell, why
+from atleak.views.condition_matrix import LandAtCondition, MatrixRow
+from atleak.views.pair_table import clearance, decision, share_cell, why
 from atleak.views.sentences import rule_name, rule_quantity, wear_words
+from atleak.views.table import Column, Judged, Table
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import KPA, MM, UM
 
@@ -30,7 +31,6 @@ class OpenedLand:
     """One land in a reader's words."""
 
     land: LandDiagnosis
-    verdict: Cell
     why: tuple[str, ...]  # the verdict: what decided, what is missing, what contradicts itself
     facts: tuple[Fact, ...]
     shares: Table  # at every condition
@@ -63,7 +63,6 @@ def opened_lands(diagnosis: Diagnosis, component: str, say: Wording) -> tuple[Op
 def _opened(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> OpenedLand:
     return OpenedLand(
         land=land,
-        verdict=Cell(say.signed(land.verdict), land.verdict),
         why=_why(land, say),
         facts=tuple(_facts(land, say)),
         shares=_shares(diagnosis, land, say),
@@ -112,45 +111,36 @@ def _facts(land: LandDiagnosis, say: Wording) -> Iterator[Fact]:
 
 
 def _shares(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> Table:
+    def limit(cell: LandAtCondition) -> str | None:
+        return None if cell.rule is None else rule_quantity(cell.rule, cell.rule.limit, say)
+
+    columns = (
+        Column("condition", of=lambda cell: say.condition(cell.projection.condition)),
+        Column("share_of_pump", of=lambda cell: share_cell(cell, say)),
+        Column("limit", of=limit),
+        Column("costs", of=lambda cell: say.quantity(cell.loss * KPA, "pressure") if cell.loss else None),
+    )
     row = MatrixRow.of(land, diagnosis, diagnosis.presented)
-    costs = any(cell.loss for cell in row.cells)
-    rows = []
-    for cell in row.cells:
-        limit = "–" if cell.rule is None else rule_quantity(cell.rule, cell.rule.limit, say)
-        cells = [Cell(say.condition(cell.projection.condition)), share_cell(cell, say), Cell(limit)]
-        if costs:
-            cells.append(Cell(say.quantity(cell.loss * KPA, "pressure") if cell.loss else "–"))
-        rows.append(Row(land.key, tuple(cells)))
-    names = ("condition", "share_of_pump", "limit", "costs")
-    return Table(_headings(names if costs else names[:-1], say), tuple(rows))
+    table = Table("shares", columns, row.cells, say)
+    return table if any(cell.loss for cell in row.cells) else table.without("costs")
 
 
 def _rules(land: LandDiagnosis, say: Wording) -> Table:
     worst_first = sorted(land.rules, key=lambda rule: (-rule.verdict.rank, -rule.severity))
     of_share = [rule for rule in worst_first if rule.condition is not None]
     kept = [rule for rule in worst_first if rule.condition is None or rule is of_share[0]]  # others stand with shares
-    rows = tuple(
-        Row(
-            land.key,
-            (
-                Cell(rule_name(rule, say)),
-                Cell(rule_quantity(rule, rule.value, say), rule.verdict),
-                Cell("; ".join(_levels(rule, say))),
-                Cell(say.get("origins", rule.origin)),
-            ),
-        )
-        for rule in kept
+    columns = (
+        Column("rule", of=lambda rule: rule_name(rule, say)),
+        Column("value", of=lambda rule: Judged(rule_quantity(rule, rule.value, say), rule.verdict)),
+        Column("limits", of=lambda rule: "; ".join(_levels(rule, say))),
+        Column("limit_is", of=lambda rule: say.get("origins", rule.origin)),
     )
-    return Table(_headings(("rule", "value", "limits", "limit_is"), say), rows)
+    return Table("rules", columns, kept, say)
 
 
 def _levels(rule: Rule, say: Wording) -> Iterator[str]:
     for level, limit in rule.steps.levels:
         yield say("rules.level", level=say.signed(level), limit=rule_quantity(rule, limit, say))
-
-
-def _headings(names: Iterable[str], say: Wording) -> tuple[str, ...]:
-    return tuple(say(f"diagnosis.column_{name}") for name in names)
 
 
 def _does(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> Iterator[str]:

@@ -4,46 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from functools import partial
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.rules import LandKey
-from atleak.verdicts import Band, Verdict
-from atleak.views.condition_matrix import LandAtCondition, MatrixRow
+from atleak.verdicts import Verdict
+from atleak.views.condition_matrix import LandAtCondition, land_at
 from atleak.views.sentences import land_in_words, rule_reached, wear_words
+from atleak.views.table import VERDICT, Column, Judged, Table
 from atleak.wording import Wording
-from atleak.workshop_units import MM, PERCENT, UM
-
-
-@dataclass(frozen=True)
-class Cell:
-    """A cell's text, and the verdict in whose colour it stands."""
-
-    text: str
-    level: Verdict | Band | None = None
-
-
-@dataclass(frozen=True)
-class Row:
-    """A row of a table; ``key`` is the land that it is about."""
-
-    key: LandKey | None
-    cells: tuple[Cell, ...]
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table in a reader's language: as many cells in every row as there are headings."""
-
-    headings: tuple[str, ...]
-    rows: tuple[Row, ...]
+from atleak.workshop_units import MM, UM
 
 
 def pair_table(
     diagnosis: Diagnosis,
-    lands: Iterable[LandDiagnosis],
+    lands: Sequence[LandDiagnosis],
     say: Wording,
     *,
     at: Sequence[Projection] | None = None,
@@ -55,31 +31,36 @@ def pair_table(
     at
         the conditions whose shares are wanted; those that every report must show unless given.
     """
+
+    def share_at(projection: Projection, land: LandDiagnosis) -> Judged:
+        return share_cell(land_at(land, diagnosis, projection), say)
+
     at = diagnosis.reported if at is None else at
-    headings = [say("diagnosis.column_verdict"), say("diagnosis.column_pair")]
-    headings += [say("diagnosis.column_share", condition=say.condition(each.condition)) for each in at]
-    headings += [say(f"diagnosis.column_{name}") for name in ("clearance", "wear", "decided_by", "decision")]
-    rows = tuple(Row(land.key, tuple(_cells(diagnosis, land, at, say))) for land in lands)
-    return Table(tuple(headings), rows)
+    shares = (
+        Column(
+            each.condition.name,
+            words=say("diagnosis.column_share", condition=say.condition(each.condition)),
+            of=partial(share_at, each),
+        )
+        for each in at
+    )
+    columns = (
+        Column("verdict", VERDICT),
+        Column("pair", of=lambda land: land_in_words(diagnosis, land.key, say)),
+        *shares,
+        Column("clearance", of=lambda land: clearance(land, say)),
+        Column("wear", of=lambda land: wear_words(land, say)),
+        Column("decided_by", of=lambda land: "; ".join(why(land, say)) or None),
+        Column("decision", of=lambda land: land.decision and decision(land, say)),
+    )
+    return Table("lands", columns, lands, say)
 
 
-def _cells(diagnosis: Diagnosis, land: LandDiagnosis, at: Sequence[Projection], say: Wording) -> Iterable[Cell]:
-    yield Cell(say.signed(land.verdict), land.verdict)
-    yield Cell(land_in_words(diagnosis, land.key, say))
-    for cell in MatrixRow.of(land, diagnosis, at).cells:
-        yield share_cell(cell, say)
-    yield Cell(clearance(land, say))
-    yield Cell(wear_words(land, say))
-    yield Cell("; ".join(why(land, say)) or "–")
-    yield Cell("–" if land.decision is None else decision(land, say))
-
-
-def share_cell(cell: LandAtCondition, say: Wording) -> Cell:
-    """Return a share at one condition with the sign of its own verdict; a dash where nothing leaks."""
+def share_cell(cell: LandAtCondition, say: Wording) -> Judged:
+    """Return a share at one condition in the colour of its own verdict; nothing where nothing leaks."""
     if cell.leakage == 0.0:
-        return Cell("–")
-    text = say.number(cell.share * PERCENT, 2) if math.isfinite(cell.share) else say("diagnosis.no_flow")
-    return Cell(f"{text}\u00a0%" if math.isfinite(cell.share) else text, cell.verdict)
+        return Judged(None)
+    return Judged(say.percent(cell.share, 2) if math.isfinite(cell.share) else say("diagnosis.no_flow"), cell.verdict)
 
 
 def clearance(land: LandDiagnosis, say: Wording) -> str:

@@ -3,51 +3,57 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import partial
 
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.line import LINE
 from atleak.repair import MoveKey, OfferedRepair, OfferedRepairs, RepairedAt, Total
-from atleak.verdicts import Verdict
 from atleak.views.land_names import land_number
-from atleak.views.pair_table import Cell, Row, Table
 from atleak.views.repair_options import repair_name
 from atleak.views.sentences import land_in_words, rule_reached
+from atleak.views.table import Column, Judged, Table
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import KPA
 
 
 def effect_table(effect: Sequence[RepairedAt], say: Wording) -> Table:
     """Return every condition with what the unit leaks and holds there, as measured and with the repairs."""
-    circuits = any(_worst_circuit(at.after) for at in effect)
-    names = ["condition", "share", "share_then", "line", "line_then", "reserve", "reserve_then"]
-    names += ["worst_circuit"] if circuits else []
-    rows = []
-    for at in effect:
-        cells = [Cell(say.condition(at.condition)), *_both(at, say)]
-        cells += [Cell(_circuit(at, say))] if circuits else []
-        rows.append(Row(None, tuple(cells)))
-    return Table(tuple(say(f"repair_plan.column_{name}") for name in names), tuple(rows))
 
+    def judged(kind: RuleKind, total: Total, words: str) -> Judged:
+        rule = next((rule for rule in total.pressure_rules if rule.kind is kind), None)
+        return Judged(words, rule.verdict if rule is not None and rule.verdict.flagged else None)
 
-def _both(at: RepairedAt, say: Wording) -> Iterator[Cell]:
-    for total in (at.before, at.after):
-        yield Cell(f"{_share(total, say)} {say.signed(total.band)}", total.band)
-    for total in (at.before, at.after):
-        yield Cell(say.quantity(total.pressures[LINE] * KPA, "pressure"), _level(total, RuleKind.PERMISSIBLE_PRESSURE))
-    for total in (at.before, at.after):
-        yield Cell(say.number(total.reserve, 2), _level(total, RuleKind.RESERVE))
+    def share(total: Total) -> Judged:
+        return Judged(f"{_share(total, say)} {say.signed(total.band)}", total.band)
+
+    def line(total: Total) -> Judged:
+        held = say.quantity(total.pressures[LINE] * KPA, "pressure")
+        return judged(RuleKind.PERMISSIBLE_PRESSURE, total, held)
+
+    def reserve(total: Total) -> Judged:
+        return judged(RuleKind.RESERVE, total, say.number(total.reserve, 2))
+
+    def before(of: Callable[[Total], Judged], at: RepairedAt) -> Judged:
+        return of(at.before)
+
+    def after(of: Callable[[Total], Judged], at: RepairedAt) -> Judged:
+        return of(at.after)
+
+    columns = [Column("condition", of=lambda at: say.condition(at.condition))]
+    for name, of in (("share", share), ("line", line), ("reserve", reserve)):
+        heading, then = say(f"repair_plan.column_{name}"), say(f"repair_plan.column_{name}_then")
+        columns.append(Column(name, words=heading, of=partial(before, of)))
+        columns.append(Column(f"{name}_then", words=then, of=partial(after, of)))
+    if any(_worst_circuit(at.after) for at in effect):
+        heading = say("repair_plan.column_worst_circuit")
+        columns.append(Column("worst_circuit", words=heading, of=lambda at: _circuit(at, say)))
+    return Table("effect", tuple(columns), effect, say)
 
 
 def _share(total: Total, say: Wording, digits: int = 1) -> str:
     return say.percent(total.share, digits) if math.isfinite(total.share) else say("diagnosis.no_flow")
-
-
-def _level(total: Total, kind: RuleKind) -> Verdict | None:
-    """Return the verdict of a pressure past its limit; None where it is within, or nothing judges it."""
-    rule = next((rule for rule in total.pressure_rules if rule.kind is kind), None)
-    return rule.verdict if rule is not None and rule.verdict.flagged else None
 
 
 def _worst_circuit(total: Total) -> str | None:

@@ -9,9 +9,9 @@ from typing import Any
 
 from atleak.engine.extremes import Extremes, Instant
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.sentence import Sentence
 from atleak.uncertainty import UnitUncertainty
-from atleak.wording import Wording, wording
+from atleak.views.table import Column, Table
+from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 
@@ -68,35 +68,21 @@ def instant_record(instant: Instant, uncertainty: UnitUncertainty | None) -> dic
     }
 
 
-_HEADINGS = {
-    "time_s": Sentence("time [s]"),
-    "leakage_dm3_min": Sentence("leakage [dm³/min]"),
-    "leakage_low_dm3_min": Sentence("leakage from"),
-    "leakage_high_dm3_min": Sentence("leakage to"),
-    "pump_capacity_dm3_min": Sentence("pump capacity [dm³/min]"),
-    "share_percent": Sentence("share [%]"),
-    "share_low_percent": Sentence("share from"),
-    "share_high_percent": Sentence("share to"),
-}
-
-
-def instant_rows(
-    road: RoadLeakage, uncertainty: UnitUncertainty | None, say: Wording | None = None
-) -> list[dict[str, Any]]:
-    """Return one row for every instant, in workshop units; columns without any value are left out.
-
-    Parameters
-    ----------
-    say
-        the words of a language; English unless given.
-    """
-    say, rows = say or wording("en"), road_instants(road)
-    records = [instant_record(row.instant, uncertainty) for row in rows]
-    known = {name: heading for name, heading in _HEADINGS.items() if any(each[name] is not None for each in records)}
-    return [
-        {Sentence("instant"): row.label(say), **{heading: record[name] for name, heading in known.items()}}
-        for row, record in zip(rows, records, strict=True)
-    ]
+def instant_table(road: RoadLeakage, uncertainty: UnitUncertainty | None, say: Wording) -> Table:
+    """Return a row for every instant; columns without any value are left out."""
+    columns = (
+        Column("instant", width=190),
+        Column("instant_time", "time", 2, of="time_s"),
+        Column("instant_leakage", "flow", 2, of="leakage_dm3_min"),
+        Column("instant_leakage_low", "flow", 2, of="leakage_low_dm3_min"),
+        Column("instant_leakage_high", "flow", 2, of="leakage_high_dm3_min"),
+        Column("instant_pump", "flow", 1, of="pump_capacity_dm3_min"),
+        Column("instant_share", "percent", 2, of="share_percent"),
+        Column("instant_share_low", "percent", 1, of="share_low_percent"),
+        Column("instant_share_high", "percent", 1, of="share_high_percent"),
+    )
+    rows = [{"instant": row.label(say), **instant_record(row.instant, uncertainty)} for row in road_instants(road)]
+    return Table("instants", columns, rows, say).filled
 
 
 def _scaled(value: float | None, factor: float) -> float | None:

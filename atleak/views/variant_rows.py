@@ -1,8 +1,9 @@
-"""Turn the eight variants into the JSON record that scripts rely on: unrounded, units in the keys."""
+"""Show the eight variants: the article's tables for people, and the JSON record that scripts rely on."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from decimal import Decimal
 from typing import Any
 
 from atleak.catalogue.controller import Controller
@@ -11,10 +12,64 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.road_test import RoadTest
 from atleak.variants import VariantResult, gear_at_most_leakage
+from atleak.variants.run import reaches_digits
 from atleak.version import __version__
 from atleak.views.diagnosis_record import FORMAT
 from atleak.views.message_record import message_record
-from atleak.workshop_units import DM3_MIN, G_CM3, PERCENT
+from atleak.views.table import Column, Table
+from atleak.wording import Wording
+from atleak.workshop_units import DM3_MIN, G_CM3, MM2_S, PERCENT
+
+
+def table_2(results: Sequence[VariantResult], say: Wording) -> Table:
+    """Return Table 2 in the article's units: every variant, with the viscosity that its printed results follow from."""
+    columns = (
+        _column("variant", say, lambda result: result.variant.name),
+        _column("T [°C]", say, lambda result: result.variant.temperature, 0),
+        _column("wear [%]", say, lambda result: result.variant.wear * PERCENT, 0),
+        _column("ν printed [mm²/s]", say, lambda result: result.variant.kinematic_viscosity * MM2_S, 2),
+        _column("ν used [mm²/s]", say, lambda result: result.kinematic_viscosity * MM2_S, 2),
+        _column("ρ [g/cm³]", say, lambda result: result.density * G_CM3, 3),
+    )
+    return Table("table_2", columns, results, say)
+
+
+def table_3(results: Sequence[VariantResult], say: Wording) -> Table:
+    """Return Table 3: most leakage q and share U at that instant, printed and computed; the largest share of the test.
+
+    ``digits`` is ✓ where the computed value rounds to every printed digit.
+    """
+
+    def leakage(run: RoadLeakage) -> float:
+        return run.max_leakage.leakage * DM3_MIN
+
+    def share(result: VariantResult) -> float | None:
+        return _share(result.computed.max_leakage)
+
+    def told(result: VariantResult) -> str:
+        note = result.variant.note
+        return f"{result.variant.name}: {say.get('study_words', note)}" if note else ""
+
+    columns = (
+        _column("variant", say, lambda result: result.variant.name),
+        _column("q printed [dm³/min]", say, lambda result: str(result.variant.printed_max_leakage)),
+        _column("q computed", say, lambda result: leakage(result.computed), 3),
+        _column("q digits", say, lambda result: _digits(result.variant.printed_max_leakage, leakage(result.computed))),
+        _column("q, ν printed", say, lambda result: leakage(result.as_tabulated), 3),
+        _column("U printed [%]", say, lambda result: str(result.variant.printed_max_share)),
+        _column("U computed", say, share, 3),
+        _column("U digits", say, lambda result: _digits(result.variant.printed_max_share, share(result))),
+        _column("U largest", say, lambda result: _share(result.computed.max_share), 3),
+    )
+    return Table("table_3", columns, results, say, told=told)
+
+
+def _column(heading: str, say: Wording, of: Callable[[VariantResult], Any], digits: int | None = None) -> Column:
+    return Column(heading, digits=digits, words=say.get("study_words", heading), of=of)
+
+
+def _digits(printed: Decimal, value: float | None) -> str | None:
+    return None if value is None else "✓" if reaches_digits(printed, value) else "≠"
 
 
 def variants_record(results: Sequence[VariantResult], controller: Controller, road_test: RoadTest) -> dict[str, Any]:

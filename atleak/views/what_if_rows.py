@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
-from atleak.engine.projection import Projection
+from atleak.engine.projection import CircuitState, Projection
+from atleak.verdicts import Band, Verdict
+from atleak.views.table import VERDICT, Column, Table
 from atleak.what_if import StudyTrial, Tried
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
-
-Rows = list[dict[str, Any]]
 
 
 def condition_words(projection: Projection, say: Wording) -> str:
@@ -40,61 +39,71 @@ def tried_words(tried: Tried, say: Wording) -> str:
     return ", ".join(parts)
 
 
-def total_rows(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Rows:
+def total_table(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Table:
     """Return a row for the job and one for what is tried; nothing is judged of a unit that nobody measured."""
-    bands = (diagnosis.total_rule(tried.job).level, tried.total.level) if diagnosis.judged else (None, None)
-    return [
-        {
-            "verdict": band,
-            "what_if": say(f"what_if.{name}"),
-            "tried_at": condition_words(tried.job, say) if projection is tried.job else tried_words(tried, say),
-            "share": projection.share * PERCENT,
-            "leakage": projection.leakage * DM3_MIN,
-            "reserve": projection.reserve,
-            "required": projection.condition.main_pressure * KPA,
-            "line_held": projection.main_pressure_held * KPA,
-        }
-        for name, projection, band in zip(("the_job", "tried"), (tried.job, tried.projection), bands, strict=True)
-    ]
+
+    def band(at: Projection) -> Verdict | Band | None:
+        if not diagnosis.judged:
+            return None
+        return diagnosis.total_rule(at).level if at is tried.job else tried.total.level
+
+    columns = (
+        Column("verdict", VERDICT, width=92, of=band),
+        Column("what_if", of=lambda at: say(f"what_if.{'the_job' if at is tried.job else 'tried'}")),
+        Column(
+            "tried_at",
+            width=300,
+            of=lambda at: condition_words(at, say) if at is tried.job else tried_words(tried, say),
+        ),
+        Column("share", "percent", 1, times=PERCENT),
+        Column("leakage", "flow", times=DM3_MIN),
+        Column("reserve", digits=2),
+        Column("required", "pressure", of=lambda at: at.condition.main_pressure, times=KPA),
+        Column("line_held", "pressure", of="main_pressure_held", times=KPA),
+    )
+    return Table("totals", columns, (tried.job, tried.projection), say)
 
 
-def circuit_rows(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Rows:
+def circuit_table(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Table:
     """Return a row for every circuit that is applied as it is tried; none where no pressure is solved."""
-    if diagnosis.profile.circuits != "on":
-        return []
     rules = {
         rule.circuit.id: rule
         for rule in tried.pressures
         if rule.circuit is not None and rule.kind is RuleKind.CIRCUIT_LOSS
     }
-    rows = []
-    for state in tried.projection.circuits:
-        if state.vented:
-            continue
-        job, rule = tried.job.circuit(state.circuit.id), rules.get(state.circuit.id)
-        rows.append(
-            {
-                "verdict": diagnosis.verdict_on(rule) if diagnosis.judged else None,
-                "circuit": say.name(state.circuit.name),
-                "job_held": None if job.vented else job.pressure * KPA,
-                "tried_held": state.pressure * KPA,
-                "new_held": None if rule is None or rule.new is None else rule.new * KPA,
-                "set_pressure": None if state.set_pressure is None else state.set_pressure * KPA,
-            }
-        )
-    return rows
+
+    def verdict(state: CircuitState) -> Verdict | None:
+        return diagnosis.verdict_on(rules.get(state.circuit.id)) if diagnosis.judged else None
+
+    def in_job(state: CircuitState) -> float | None:
+        job = tried.job.circuit(state.circuit.id)
+        return None if job.vented else job.pressure
+
+    def when_new(state: CircuitState) -> float | None:
+        rule = rules.get(state.circuit.id)
+        return None if rule is None else rule.new
+
+    columns = (
+        Column("verdict", VERDICT, width=92, of=verdict),
+        Column("circuit", width=190, of=lambda state: say.name(state.circuit.name)),
+        Column("job_held", "pressure", of=in_job, times=KPA),
+        Column("tried_held", "pressure", of="pressure", times=KPA),
+        Column("new_held", "pressure", of=when_new, times=KPA),
+        Column("set_pressure", "pressure", times=KPA),
+    )
+    solved = diagnosis.profile.circuits == "on"
+    applied = [state for state in tried.projection.circuits if solved and not state.vented]
+    return Table("circuits", columns, applied, say)
 
 
-def study_rows(trials: Sequence[StudyTrial], say: Wording) -> Rows:
+def study_table(trials: Sequence[StudyTrial], say: Wording) -> Table:
     """Return a row for every variant of the source study: this unit tried likewise, and what the article prints."""
-    return [
-        {
-            "study_variant": trial.variant.name,
-            "temperature": trial.variant.temperature,
-            "study_growth": trial.variant.wear * PERCENT,
-            "fluid_is": say("what_if.used" if trial.variant.used_oil else "what_if.fresh"),
-            "share_here": None if trial.here is None else trial.here.share * PERCENT,
-            "share_printed": float(trial.variant.printed_max_share),
-        }
-        for trial in trials
-    ]
+    columns = (
+        Column("study_variant", width=64, of=lambda trial: trial.variant.name),
+        Column("temperature", "temperature", of=lambda trial: trial.variant.temperature),
+        Column("study_growth", "percent", 0, of=lambda trial: trial.variant.wear, times=PERCENT),
+        Column("fluid_is", of=lambda trial: say("what_if.used" if trial.variant.used_oil else "what_if.fresh")),
+        Column("share_here", "percent", 2, of=lambda trial: trial.here and trial.here.share, times=PERCENT),
+        Column("share_printed", "percent", 2, of=lambda trial: float(trial.variant.printed_max_share)),
+    )
+    return Table("study", columns, trials, say)

@@ -19,15 +19,7 @@ from atleak.jobs.search import Query
 from atleak.jobs.unit_visits import unit_of_job
 from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.verdicts import Verdict
-from atleak.views.columns import VERDICT
-from atleak.views.comparison_rows import (
-    CONDITION_COLUMNS,
-    EVENT_COLUMNS,
-    LAND_COLUMNS,
-    condition_rows,
-    event_rows,
-    land_rows,
-)
+from atleak.views.comparison_rows import condition_table, event_table
 from atleak.views.comparison_words import changed_sentence, event_name, total_sentence, verdicts_sentence
 from atleak.views.diagnosis_record import to_json
 from atleak.wording import Wording
@@ -147,26 +139,17 @@ def lands(comparison: Comparison) -> Sequence[LandComparison]:
     return [*comparison.flagged, *(land for land in comparison.changed if not land.flagged)][:DRAWN]
 
 
-def land_table(comparison: Comparison, shown: Sequence[LandComparison]) -> None:
-    """Show lands side by side, columns without any value left out."""
-    rows = land_rows(comparison, shown, reader.say())
-    filled = [
-        column for column in LAND_COLUMNS if column.kind == VERDICT or any(row[column.key] is not None for row in rows)
-    ]
-    show.rows_table(rows, filled)
-
-
 def totals(comparison: Comparison) -> None:
     """Show totals and the pressures that changed, all of them in a fold."""
     say = reader.say()
-    rows = condition_rows(comparison, say, brief=True)
-    if not rows:
+    brief = condition_table(comparison, say, brief=True)
+    if not brief.rows:
         st.write(say("compare.no_condition"))
         return
-    show.rows_table(rows, CONDITION_COLUMNS)
+    show.table(brief)
     st.caption(say("compare.totals_note"))
     with st.expander(say("compare.every_pressure")):
-        show.rows_table(condition_rows(comparison, say), CONDITION_COLUMNS)
+        show.table(condition_table(comparison, say))
 
 
 def logs(comparison: Comparison) -> None:
@@ -187,7 +170,7 @@ def logs(comparison: Comparison) -> None:
     else:
         st.write(say("compare.no_event"))
     if both.pairs:
-        show.rows_table(event_rows(both, say), EVENT_COLUMNS)
+        show.table(event_table(both, say))
 
 
 def downloads(found: ComparedJobs) -> None:

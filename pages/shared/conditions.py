@@ -214,7 +214,7 @@ def _options(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:
     ]
     if not rows:
         return
-    show.table([{say(f"repair_plan.{name}"): value for name, value in row.items()} for row in rows])
+    show.records([{say(f"repair_plan.{name}"): value for name, value in row.items()} for row in rows])
     st.caption(say("repair_plan.planned"))
     names = {repair.id: repair_name(repair, say) for repair in diagnosis.controller.repairs}
     key = f"planned-repairs-{diagnosis.controller.sha256}-{session().generation}"

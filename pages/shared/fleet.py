@@ -20,7 +20,7 @@ from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summary_workbook import write_summary_workbook
 from atleak.fleet.summed import GROUP, FleetSummary, ValveBody, VerdictCounts
 from atleak.verdicts import FLAGGED
-from atleak.views.columns import Column
+from atleak.views.table import Column
 from atleak.wording import Wording
 from pages.shared import address, files, font_form, reader, show
 from pages.shared.state import job

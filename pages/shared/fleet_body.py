@@ -12,7 +12,7 @@ from atleak.fleet.summary_words import NAME, FleetWords, called, within
 from atleak.fleet.summed import ConditionSpread, Difference, GroupComparison, ValveBody, WearDifference
 from atleak.spreads import Spread
 from atleak.verdicts import Band, Verdict
-from atleak.views.columns import Column
+from atleak.views.table import Column
 from pages.shared import show
 from pages.shared.fleet import counts_table
 

@@ -19,7 +19,7 @@ from atleak.fleet.summed import GROUP, SummedUnit
 from atleak.fleet.units import BOOK
 from atleak.uncertainty import DECISIONS
 from atleak.verdicts import BANDS, Verdict, level_named
-from atleak.views.columns import Column
+from atleak.views.table import Column
 from atleak.wording import Wording
 from pages.shared import fields, reader, show
 from pages.shared.book import open_from_book

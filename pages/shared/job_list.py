@@ -17,7 +17,7 @@ from atleak.jobs.exchange import export_zip, import_job
 from atleak.jobs.merge import duplicates, merge, merged_rows, part
 from atleak.jobs.search import Query, controllers_held
 from atleak.verdicts import Verdict
-from atleak.views.columns import Column
+from atleak.views.table import Column
 from atleak.wording import Wording
 from pages.shared import reader, show
 from pages.shared.book import job_id, open_from_book

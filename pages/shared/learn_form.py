@@ -19,14 +19,7 @@ from atleak.intake.units import unit_names
 from atleak.learning.learned import Learned, learn
 from atleak.learning.tables import with_learned
 from atleak.learning.words import messages, summary
-from atleak.views.learned_table import (
-    LEARNED_LANDS,
-    LEARNED_OUTLIERS,
-    LEARNED_UNITS,
-    learned_lands,
-    learned_outliers,
-    learned_units,
-)
+from atleak.views.learned_table import learned_lands, learned_outliers, learned_units
 from pages.shared import reader, show
 from pages.shared.sheet_form import AS_STATED, unit_said
 
@@ -123,10 +116,10 @@ def _show(learned: Learned) -> None:
     st.markdown(show.plain(say.sentence(summary(learned))))
     for message in messages(learned):
         (st.warning if message.level == "warning" else st.info)(show.plain(say.sentence(message.text)))
-    show.rows_table(learned_lands(learned, say), LEARNED_LANDS)
+    show.table(learned_lands(learned, say))
     outliers = learned_outliers(learned, say)
-    if outliers:
+    if outliers.rows:
         st.markdown(f"**{say('learning.left_out')}**")
-        show.rows_table(outliers, LEARNED_OUTLIERS)
+        show.table(outliers)
     with st.expander(say("learning.units")):
-        show.rows_table(learned_units(learned, say), LEARNED_UNITS)
+        show.table(learned_units(learned, say))

@@ -19,7 +19,7 @@ from atleak.job.case import SourceFile
 from atleak.job.record import LogFormula
 from atleak.keeping import kept_with
 from atleak.road_test import RoadTest, hold
-from atleak.views.log_rows import Curve, event_rows, log_curves, value_rows, whole
+from atleak.views.log_rows import Curve, event_table, log_curves, value_rows, whole
 from atleak.views.operating_map import histogram, operating_map
 from atleak.views.road_words import event_name
 from atleak.wording import Wording
@@ -57,15 +57,10 @@ def events_table(test: RoadTest, happened: Sequence[Event]) -> None:
     if not happened:
         st.write(say("road_test.no_event"))
         return
-    rows = kept_with(test, "event rows", say, lambda: event_rows(happened, say))
-    config = {}
-    for key in rows[0]:
-        heading = say(f"columns.{key}")
-        if key in ("event_start", "event_stop", "event_lasts"):
-            config[key] = st.column_config.NumberColumn(f"{heading} [s]", format="localized")
-        else:
-            config[key] = st.column_config.TextColumn(heading)
-    st.dataframe(rows, hide_index=True, width="stretch", column_config=config, placeholder="–")
+    frame = kept_with(test, "event rows", say, lambda: event_table(happened, say).frame(rounded=True))
+    numbers = frame.select_dtypes("number").columns
+    config = {name: st.column_config.NumberColumn(format="localized") for name in numbers}
+    st.dataframe(frame, hide_index=True, width="stretch", column_config=config, placeholder="–")
 
 
 # --- the part that is looked at

@@ -15,7 +15,8 @@ from atleak.look import look_of
 from atleak.views.drawing import component_svgs, on_dark, spool_svg
 from atleak.views.land_names import component_words, has_number
 from atleak.views.opened_pair import OpenedLand, component_verdict, components_worst_first, opened_lands
-from atleak.views.pair_table import Cell, Table, pair_table
+from atleak.views.pair_table import pair_table
+from atleak.views.table import Table, leveled
 from atleak.wording import Wording
 from pages.shared import address, reader, show
 from pages.shared.state import session
@@ -64,7 +65,7 @@ def picture(diagnosis: Diagnosis, say: Wording) -> None:
         words = f"<small>{number}{escape(say.name(diagnosis.controller.components[name]))}</small>"
         buttons.append(
             f'<button data-pair="{escape(name)}" style="border-left-color:{edge}">{words}{_themed(drawing)}'
-            f"{_level(Cell(say.signed(level), level))}</button>"
+            f"{leveled(say.signed(level), level)}</button>"
         )
     mount(f'<div class="grid">{"".join(buttons)}</div>', key="picture", pressed=opened(diagnosis), on_pair=_open)
 
@@ -100,24 +101,8 @@ def opened_pair(diagnosis: Diagnosis, say: Wording, advised: Callable[[LandDiagn
 
 def table(content: Table, key: str, *, pressable: bool = False) -> None:
     """Show a table; on a phone each row is a card. ``pressable`` opens a row's pair by its second cell."""
-    mount(table_html(content, pressable=pressable, cards=True), key=key, on_pair=_open if pressable else None)
-
-
-def table_html(content: Table, *, pressable: bool = False, cards: bool = False) -> str:
-    """Return a table as HTML, every text escaped."""
-    heads = "".join(f"<th>{escape(heading)}</th>" for heading in content.headings)
-    rows = []
-    for row in content.rows:
-        cells = []
-        for number, (heading, cell) in enumerate(zip(content.headings, row.cells, strict=True)):
-            text = _level(cell)
-            if pressable and number == 1 and row.key is not None:
-                text = f'<button data-pair="{escape(row.key[0])}">{text}</button>'
-            head = ' class="head"' if number < 1 + pressable else ""
-            cells.append(f'<td{head} data-label="{escape(heading)}">{text}</td>')
-        rows.append(f"<tr>{''.join(cells)}</tr>")
-    kind = ' class="cards"' if cards else ""
-    return f"<table{kind}><thead><tr>{heads}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+    opens = (lambda land: land.key[0]) if pressable else None
+    mount(content.html(opens, "cards"), key=key, on_pair=_open if pressable else None)
 
 
 def mount(html: str, *, key: str, pressed: str | None = None, on_pair: Callable[[str], None] | None = None) -> None:
@@ -137,15 +122,6 @@ def _open(name: str) -> None:
     address.keep(OPENED, "" if address.kept(OPENED) == name else name)
 
 
-def _level(cell: Cell) -> str:
-    if cell.level is None:
-        return escape(cell.text)
-    look = look_of(cell.level)
-    sign = "" if look.sign in cell.text else f"{look.sign} "
-    style = f' style="background:{look.screen};color:{look.on_screen}"' if look.on_screen else ""
-    return f'<span class="level{"" if style else " plain"}"{style}>{sign}{escape(cell.text)}</span>'
-
-
 def _themed(drawing: str) -> str:
     return on_dark(drawing) if show.dark() else drawing
 
@@ -155,8 +131,9 @@ def _land(each: OpenedLand, say: Wording, advice: str) -> str:
     _, number = each.land.key
     facts = "".join(f"<div><dt>{escape(fact.name)}</dt><dd>{escape(fact.value)}</dd></div>" for fact in each.facts)
     said = "".join(f"<li>{escape(line)}</li>" for line in filter(None, (*each.why, advice, *each.does)))
-    tables = "".join(map(table_html, (each.shares, each.rules) if each.rules.rows else (each.shares,)))
-    heading = f"<h4>{escape(say('diagnosis.land', land=number))} {_level(each.verdict)}</h4>"
-    opened = " open" if each.land.verdict.flagged else ""
+    tables = each.shares.html() + (each.rules.html() if each.rules.rows else "")
+    verdict = each.land.verdict
+    heading = f"<h4>{escape(say('diagnosis.land', land=number))} {leveled(say.signed(verdict), verdict)}</h4>"
+    opened = " open" if verdict.flagged else ""
     fold = f"<details{opened}><summary>{escape(say('diagnosis.numbers'))}</summary><dl>{facts}</dl>{tables}</details>"
     return f"<section>{heading}<ul>{said}</ul>{fold}</section>"

@@ -12,9 +12,8 @@ from atleak.figures import log_figures as figures
 from atleak.keeping import kept_with
 from atleak.road_findings import RoadFindings
 from atleak.uncertainty import UnitUncertainty
-from atleak.views.columns import Column
-from atleak.views.log_rows import circuit_rows, place_rows, whole
-from atleak.views.road_instants import instant_record, road_instants
+from atleak.views.log_rows import circuit_table, place_table, whole
+from atleak.views.road_instants import instant_table
 from atleak.views.road_words import (
     check_sentences,
     deciding_sentence,
@@ -27,35 +26,6 @@ from pages.shared import reader, show
 from pages.shared.show import plain
 
 TESTS = 6  # most minimum-acceleration tests that have a sentence of their own
-_PLACES = (
-    Column("place_gear"),
-    Column("place_state"),
-    Column("place_judged", "time", 1),
-    Column("place_lowest", "pressure", 0),
-    Column("place_limit", "pressure", 0),
-    Column("place_below_by", "percent", 1),
-    Column("place_below", "time", 1),
-    Column("place_above", "time", 1),
-    Column("place_source"),
-)
-_CIRCUITS = (
-    Column("circuit"),
-    Column("circuit_lowest", "pressure", 0),
-    Column("circuit_at_main", "pressure", 0),
-    Column("circuit_at", "time", 1),
-    Column("circuit_mean", "pressure", 0),
-)
-
-_INSTANTS = {  # by the name in the record
-    "time_s": Column("instant_time", "time", 2),
-    "leakage_dm3_min": Column("instant_leakage", "flow", 2),
-    "leakage_low_dm3_min": Column("instant_leakage_low", "flow", 2),
-    "leakage_high_dm3_min": Column("instant_leakage_high", "flow", 2),
-    "pump_capacity_dm3_min": Column("instant_pump", "flow", 1),
-    "share_percent": Column("instant_share", "percent", 2),
-    "share_low_percent": Column("instant_share_low", "percent", 1),
-    "share_high_percent": Column("instant_share_high", "percent", 1),
-}
 
 
 def findings(diagnosis: Diagnosis, *, said_above: bool = False) -> None:
@@ -69,7 +39,7 @@ def findings(diagnosis: Diagnosis, *, said_above: bool = False) -> None:
     st.markdown("\n".join(f"- {plain(sentence)}" for sentence in said))
     if log.permitted is not None:
         with st.expander(say("road_test.places")):
-            show.rows_table(place_rows(log.permitted, say), _PLACES)
+            show.table(place_table(log.permitted, say))
             st.caption(say("road_test.places_help"))
     checks = check_sentences(diagnosis, say)
     if checks:
@@ -99,7 +69,7 @@ def leakage(diagnosis: Diagnosis) -> None:
         leakage_chart(diagnosis.road, diagnosis)
         extremes(diagnosis.road, diagnosis.uncertainty)
         if diagnosis.road.circuit_ranges:
-            show.rows_table(circuit_rows(diagnosis.road), _CIRCUITS)
+            show.table(circuit_table(diagnosis.road, reader.say()))
             st.caption(reader.say()("road_test.circuits_help"))
     show.log_messages(diagnosis)
 
@@ -114,14 +84,8 @@ def leakage_chart(road: RoadLeakage, diagnosis: Diagnosis) -> None:
 
 def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
     """Show the extremes of a road test, the sustained ones first, and how they are to be read."""
-    say, rows = reader.say(), road_instants(road)
-    records = [instant_record(row.instant, uncertainty) for row in rows]
-    shown = [(name, column) for name, column in _INSTANTS.items() if any(each[name] is not None for each in records)]
-    cells = [
-        {"instant": row.label(say), **{column.key: record[name] for name, column in shown}}
-        for row, record in zip(rows, records, strict=True)
-    ]
-    show.rows_table(cells, [Column("instant"), *(column for _, column in shown)])
+    say = reader.say()
+    show.table(instant_table(road, uncertainty, say))
     said = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
     if uncertainty is not None:
         said.append(say("road_test.intervals"))

@@ -29,12 +29,12 @@ from atleak.job.judged_anew import JudgedOtherwise
 from atleak.look import DARK, SCREEN, look_of
 from atleak.verdicts import Band, Verdict
 from atleak.views.caveats import caveat_marks, caveats
-from atleak.views.columns import VERDICT, Column
 from atleak.views.drawing import on_dark
 from atleak.views.first_sentence import first_sentence as first_sentence_of
 from atleak.views.first_sentence import shown_verdict
-from atleak.views.gauge_table import GAUGE_COLUMNS, gauge_table_rows
+from atleak.views.gauge_rows import gauge_table
 from atleak.views.sentences import fluid_in_state, rule_name
+from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording
 from pages.shared import reader
 from pages.shared.state import Refusal
@@ -145,28 +145,25 @@ def _with_place(message: Message) -> str:
     return plain(message.text) + (f" — *{place}*" if place else "")
 
 
-def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **options: Any) -> Any:
-    """Show rows of plain values, in the units of atleak's records, as a table in the reader's language and units.
+def table(content: Table, *, empty: bool = False, **options: Any) -> Any:
+    """Show a table, unless ``empty`` without the columns that no row has a value in.
 
     Numbers are sorted as numbers, verdicts with the worst first; what is None is a dash. Further ``options`` are those
     of `st.dataframe`; returned is what it returns, such as the rows that are selected.
     """
-    say = reader.say()
-    headings = {column.heading(say): column for column in columns}
-    cells = {
-        heading: pd.Series([column.value(row.get(column.key), say) for row in rows], dtype=column.dtype)
-        for heading, column in headings.items()
-    }
-    frame = pd.DataFrame(cells)
+    content, say = content if empty else content.filled, content.say
+    frame = content.frame(rounded=True)
     style, config = frame.style, {}
     written: dict[Any, str | Callable[[object], str] | None] = {}
-    for heading, column in headings.items():
+    for heading, column in zip(content.headings, content.columns, strict=True):
         config[heading] = st.column_config.Column(help=column.help(say), width=column.width)
         if column.is_number:
             written[heading] = partial(column.written, say=say)
-        elif column.kind == VERDICT:
-            levels = frame[heading].tolist()
-            frame[heading] = [_sorted_verdict(level, say) for level in levels]
+        levels = [column.judged(item).level for item in content.rows]
+        if column.kind == VERDICT:
+            signs = zip(levels, frame[heading], strict=True)
+            frame[heading] = [_sorted_verdict(level, say) if level else words or "–" for level, words in signs]
+        if any(levels):
             shades = ["" if level is None else colours(level) for level in levels]
             style = style.apply(lambda _, shades=shades: shades, subset=[heading])
     if written:
@@ -174,22 +171,24 @@ def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **o
     return st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–", **options)
 
 
-def _sorted_verdict(level: Verdict | Band | None, say: Wording) -> str:
-    """Return sign and word of a verdict; a dash where nothing is judged.
+def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **options: Any) -> Any:
+    """Show rows of plain values, in the units of atleak's records, as a table in the reader's language and units."""
+    return table(Table("", tuple(columns), rows, reader.say()), empty=True, **options)
+
+
+def _sorted_verdict(level: Verdict | Band, say: Wording) -> str:
+    """Return sign and word of a verdict.
 
     A table's text column is sorted by collation, in which a space comes before any sign: the worse a verdict, the
     more hair spaces stand before it.
     """
-    if level is None:
-        return "–"
     rank = (level.verdict if isinstance(level, Band) else level).rank
     return HAIR_SPACE * rank + say.signed(level)
 
 
 def gauges(check: PressureCheck) -> None:
     """Show gauge readings with their verdicts; one that nothing judges has none."""
-    rows = gauge_table_rows(check, reader.say())
-    rows_table(rows, [each for each in GAUGE_COLUMNS if any(row[each.key] is not None for row in rows)])
+    table(gauge_table(check, reader.say()))
 
 
 def gauge_banner(check: PressureCheck) -> None:
@@ -210,7 +209,7 @@ def rounded(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:.3g}" if abs(value) >= 0.001 else f"{value:z.3f}"
 
 
-def table(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{:.6g}", **options: Any) -> None:
+def records(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{:.6g}", **options: Any) -> None:
     """Show plain rows; numbers have up to six digits unless ``number`` says otherwise."""
     frame = pd.DataFrame(rows)
     names = frame.columns.tolist()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, get_args
+from functools import partial
+from typing import get_args
 
 import streamlit as st
 
@@ -13,14 +14,14 @@ from atleak.figures import history_figures as figures
 from atleak.history.land_wear import WearHistory, wear_over_mileage
 from atleak.history.totals import totals_over_mileage
 from atleak.job.record import RepairDecision, RepairState
-from atleak.jobs.across import ENOUGH_UNITS, PARTS, AcrossUnits, across_units, standing
+from atleak.jobs.across import ENOUGH_UNITS, PARTS, AcrossUnits, Standing, across_units, standing
 from atleak.jobs.book import Book, JobRow
 from atleak.jobs.search import Query
 from atleak.jobs.unit_visits import VisitedJob, left_undone, unit_of_job, visits_of_unit
-from atleak.verdicts import Band, Verdict
-from atleak.views.columns import Column
-from atleak.views.history_rows import PER, levels_of, soonest_first, total_rows, wear_rows
+from atleak.verdicts import Verdict
+from atleak.views.history_rows import soonest_first, total_table, wear_table
 from atleak.views.land_names import land_number, land_words
+from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
 from pages.shared import reader, show
@@ -31,13 +32,6 @@ UNIT = "unit"  # the parameter of the address that names a unit
 OFFERED = 200  # jobs among which a search offers units
 SHOWN = 15  # pairs of a Pareto chart, places among the kind
 STATES: tuple[RepairState, ...] = get_args(RepairState)  # of a repair, in their order
-_VISITS = (
-    Column("verdict", "verdict", width=92),
-    Column("date"),
-    Column("mileage", "distance"),
-    Column("job"),
-    Column("measured", digits=0),
-)
 FRESH = 60.0  # [s] for which what all units of a kind show is kept
 
 
@@ -101,23 +95,30 @@ def visits(jobs: Book, unit: int) -> tuple[VisitedJob, ...]:
 def draw_visits(visited: tuple[VisitedJob, ...]) -> None:
     """Show the visits, the last one first, and which of their sheets cannot be read any more."""
     say = reader.say()
-    rows: list[dict[str, Any]] = []
     for each in reversed(visited):
-        decided: dict[str, int | None] = {state: len(each.decided(state)) or None for state in STATES}
-        rows.append(
-            {
-                "verdict": Verdict(each.stored.file.result["verdict"]),
-                "date": each.date.isoformat(),
-                "mileage": each.visit.mileage,
-                "job": each.visit.name or each.stored.id,
-                "measured": sum(land.state.can_be_ok for land in each.visit.lands),
-                **decided,
-            }
-        )
         if each.problem:
             st.warning(say("unit.sheet_unread", visit=show.plain(each.visit.label), problem=show.plain(each.problem)))
-    by_state = (Column(state, digits=0, words=say(f"job_decisions.{state}")) for state in STATES)
-    show.rows_table(rows, [*_VISITS, *by_state])
+    columns = (
+        Column("verdict", VERDICT, width=92, of=lambda each: Verdict(each.stored.file.result["verdict"])),
+        Column("date", of=lambda each: each.date.isoformat()),
+        Column("mileage", "distance", of=lambda each: each.visit.mileage),
+        Column("job", of=lambda each: each.visit.name or each.stored.id),
+        Column("measured", digits=0, of=lambda each: sum(land.state.can_be_ok for land in each.visit.lands)),
+        *(
+            Column(
+                state,
+                digits=0,
+                words=say(f"job_decisions.{state}"),
+                of=partial(_decided, state),
+            )
+            for state in STATES
+        ),
+    )
+    show.table(Table("visits", columns, visited[::-1], say))
+
+
+def _decided(state: RepairState, each: VisitedJob) -> int | None:
+    return len(each.decided(state)) or None
 
 
 def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
@@ -148,19 +149,14 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
     every = [(each, decision) for each in reversed(visited) for decision in each.decisions]
     if every:
         with st.expander(say("unit.every_repair", count=len(every))):
-            show.rows_table(
-                [
-                    {
-                        "date": each.date.isoformat(),
-                        "pair": _pair(decision),
-                        "repair_decision": say.get("job_decisions", decision.decision or ""),
-                        "work": decision.work,
-                        "reason": decision.reason,
-                    }
-                    for each, decision in every
-                ],
-                [Column(name) for name in ("date", "pair", "repair_decision", "work", "reason")],
+            columns = (
+                Column("date", of=lambda row: row[0].date.isoformat()),
+                Column("pair", of=lambda row: _pair(row[1])),
+                Column("repair_decision", of=lambda row: say.get("job_decisions", row[1].decision or "")),
+                Column("work", of=lambda row: row[1].work),
+                Column("reason", of=lambda row: row[1].reason),
             )
+            show.table(Table("repairs", columns, every, say))
 
 
 def _decision(each: RepairDecision, say: Wording) -> str:
@@ -212,18 +208,7 @@ def draw_wear(now: Seen) -> None:
     if not now.history.with_rate:
         st.info(say("unit.no_rate"))
         return
-    rate = say(
-        "history.rate_heading", unit=say.unit("clearance"), distance=f"{say.number(PER, 0)} {say.unit('distance')}"
-    )
-    columns = [
-        Column("pair", width=150),
-        Column("clearance", "clearance"),
-        Column("rate", words=rate),
-        *(_at(level, say) for level in levels_of(now.history)),
-        Column("visits", digits=0),
-        Column("since"),
-    ]
-    show.rows_table(wear_rows(now.history, now.diagnosis.controller, say), columns)
+    show.table(wear_table(now.history, now.diagnosis.controller, say))
     st.caption(say("unit.wear_note"))
 
 
@@ -241,21 +226,9 @@ def draw_totals(now: Seen) -> None:
         key="unit-condition",
     )
     show.chart(figures.total_over_mileage(by_name[name], say), "unit-total")
-    levels = dict.fromkeys(limit.level for total in totals.totals for limit in total.limits)
-    ahead = say("history.ahead", mileage=say.quantity(totals.totals[0].mileages[-1], "distance", 0))
-    columns = [
-        Column("condition", width=150),
-        Column("now", "percent"),
-        Column("ahead", words=f"{ahead} [%]"),
-        *(_at(level, say) for level in levels),
-    ]
-    show.rows_table(total_rows(totals.totals, say), columns)
+    show.table(total_table(totals.totals, say))
     show.messages(totals.messages, say("about.totals"))
     st.caption(say("unit.totals_note"))
-
-
-def _at(level: Verdict | Band, say: Wording) -> Column:
-    return Column(level, words=say("history.at", level=say.signed(level)))
 
 
 # --- among its kind
@@ -275,25 +248,28 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
     places = [each for each in standing(jobs, across, unit) if each.enough]
     if places:
         spread = {land.key: land for land in across.lands}
-        rows = [
-            {
-                "pair": land_words(controller, each.key, say),
-                "this_unit": each.clearance * UM,
-                "wider_than": each.part * PERCENT,
-                "units": each.others,
-                **{f"{part:.0%}": value * UM for part, value in zip(PARTS, spread[each.key].clearances, strict=True)},
-            }
-            for each in places
-        ]
-        columns = [
-            Column("pair", width=150),
-            Column("this_unit", "clearance"),
-            Column("wider_than", "percent", 0),
-            Column("units", digits=0),
-            *(Column(f"{part:.0%}", "clearance", words=say.percent(part, 0)) for part in PARTS),
-        ]
-        show.rows_table(rows[:SHOWN], columns)
-        st.caption(say("unit.widest", count=len(rows[:SHOWN])))
+
+        def clearance(place: int, each: Standing) -> float:
+            return spread[each.key].clearances[place]
+
+        columns = (
+            Column("pair", width=150, of=lambda each: land_words(controller, each.key, say)),
+            Column("this_unit", "clearance", of="clearance", times=UM),
+            Column("wider_than", "percent", 0, of="part", times=PERCENT),
+            Column("units", digits=0, of="others"),
+            *(
+                Column(
+                    f"{part:.0%}",
+                    "clearance",
+                    words=say.percent(part, 0),
+                    of=partial(clearance, place),
+                    times=UM,
+                )
+                for place, part in enumerate(PARTS)
+            ),
+        )
+        show.table(Table("standing", columns, places[:SHOWN], say))
+        st.caption(say("unit.widest", count=len(places[:SHOWN])))
     else:
         st.info(say("unit.not_enough", count=ENOUGH_UNITS))
     flagged = [(land_number(controller, each.key, say), each.flagged) for each in across.flagged]

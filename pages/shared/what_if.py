@@ -13,8 +13,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.line import LINE
 from atleak.errors import AtleakError
 from atleak.figures.what_if_figures import Place, pressure_map, share_map
-from atleak.views.columns import VERDICT, Column
-from atleak.views.what_if_rows import circuit_rows, study_rows, total_rows, tried_words
+from atleak.views.what_if_rows import circuit_table, study_table, total_table, tried_words
 from atleak.what_if import (
     Axis,
     Map,
@@ -31,33 +30,6 @@ from atleak.what_if import (
 from atleak.workshop_units import KPA
 from pages.shared import reader, show, what_if_form
 from pages.shared.cases import PageCase, result_key
-
-_TOTALS = (
-    Column("verdict", VERDICT, width=92),
-    Column("what_if"),
-    Column("tried_at", width=300),
-    Column("share", "percent", 1),
-    Column("leakage", "flow"),
-    Column("reserve", digits=2),
-    Column("required", "pressure"),
-    Column("line_held", "pressure"),
-)
-_CIRCUITS = (
-    Column("verdict", VERDICT, width=92),
-    Column("circuit", width=190),
-    Column("job_held", "pressure"),
-    Column("tried_held", "pressure"),
-    Column("new_held", "pressure"),
-    Column("set_pressure", "pressure"),
-)
-_STUDY = (
-    Column("study_variant", width=64),
-    Column("temperature", "temperature"),
-    Column("study_growth", "percent", 0),
-    Column("fluid_is"),
-    Column("share_here", "percent", 2),
-    Column("share_printed", "percent", 2),
-)
 
 
 @st.fragment
@@ -87,7 +59,7 @@ def _beside(diagnosis: Diagnosis, settings: WhatIf) -> None:
     share.metric(say("what_if.share"), say.percent(now.share) if known else say("what_if.no_flow"))
     line.metric(say("what_if.line"), say.quantity(now.main_pressure_held * KPA, "pressure"))
     reserve.metric(say("what_if.reserve"), say.number(now.reserve, 2))
-    show.rows_table(total_rows(diagnosis, here, say), _TOTALS)
+    show.table(total_table(diagnosis, here, say))
     st.caption(say("what_if.judged") if diagnosis.judged else say("what_if.not_judged"))
     _circuits(diagnosis, here)
     show.messages(here.messages, say("what_if.messages"))
@@ -95,11 +67,11 @@ def _beside(diagnosis: Diagnosis, settings: WhatIf) -> None:
 
 def _circuits(diagnosis: Diagnosis, here: Tried) -> None:
     say = reader.say()
-    rows = circuit_rows(diagnosis, here, say)
+    circuits = circuit_table(diagnosis, here, say)
     with st.container():
-        if rows:
+        if circuits.rows:
             st.markdown(f"**{say('what_if.circuits')}**")
-            show.rows_table(rows, _CIRCUITS)
+            show.table(circuits)
         else:
             st.caption(say("what_if.no_circuits"))
 
@@ -142,7 +114,7 @@ def _study(case: PageCase, diagnosis: Diagnosis, settings: WhatIf) -> None:
     alike = replace(settings, temperature=None, wear=1.0, growth=0.0, fluid_state=None)
     fluid = "" if settings.fluid is None else settings.fluid.origin.sha256
     trials = _trials(f"{result_key(case)} {replace(alike, fluid=None)} {fluid}", diagnosis, alike)
-    show.rows_table(study_rows(trials, say), _STUDY)
+    show.table(study_table(trials, say))
     st.caption(say("what_if.study_about"))
     st.caption(say("what_if.study_own" if is_the_study_s(diagnosis) else "what_if.study_other"))
     for trial in trials:

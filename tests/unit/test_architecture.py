@@ -111,7 +111,6 @@ FLOORS = (
         "report.xlsx",
         "report.measuring_sheet",
         "report.comparison_terminal",
-        "report.gauge_study_terminal",
     ),
     ("job.file",),
     ("report.batch", "jobs"),
@@ -190,7 +189,7 @@ def test_every_room_of_the_floors_is_there() -> None:
         ("equations.gap", "diagnosis"),  # upward
         ("engine.leakage", "engine.series"),  # upward inside the engine
         ("engine.series", "engine.projection"),  # sideways
-        ("views.pressures", "intake.units"),  # sideways
+        ("views.log_rows", "intake.units"),  # sideways
         ("intake.readings.rows", "engine.leakage"),  # the intake knows no engine
         ("diagnosis", "intake.readings"),  # and the engine no intake
         ("system.files", "__init__"),  # the public names are for users

@@ -64,7 +64,7 @@ def test_every_column_has_its_heading() -> None:
     named = [
         (path, node.args[0].value)
         for path, found in nodes().items()
-        if any(isinstance(each, ast.ImportFrom) and each.module == "atleak.views.columns" for each in found)
+        if any(isinstance(each, ast.ImportFrom) and each.module == "atleak.views.table" for each in found)
         for node in found
         if isinstance(node, ast.Call)
         and getattr(node.func, "id", "") == "Column"

@@ -149,7 +149,7 @@ for page in sorted((root / "pages").glob("[0-9]*_*.py")):
     assert not app.exception, page.name
     words[page.name] = "".join(text.value for text in (*app.error, *app.warning))
 assert "◆ repair soon" in words["4_Diagnosis.py"], "sentence"
-assert "◆ repair soon" in repr(pair_table(found, found.flagged, wording("en"))), "table"
+assert "◆ repair soon" in pair_table(found, found.flagged, wording("en")).html(), "table"
 print("walked")
 """
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
-from atleak.wording import Wording, isolated
+from atleak.views.table import VERDICT, Column, Table
+from atleak.wording import Wording, begun, isolated
 
 Block = dict[str, Any]
 
@@ -46,8 +48,9 @@ class PrintedColumn:
 
     @property
     def name(self) -> str:
-        """Return the title with the unit below it."""
-        return f"{self.title}\n{self.unit}" if self.unit else self.title
+        """Return the title with the unit below it; words begin with a capital letter, a symbol stays as it is."""
+        title = begun(self.title) if self.title[:2].isalpha() else self.title
+        return f"{title}\n{self.unit}" if self.unit else title
 
 
 def table(
@@ -109,6 +112,26 @@ def grouped_table(
         held.append([[title], *itertools.islice(rows, count)])
     made |= {"rows": [row for group in held for row in group], "groups": [*map(len, held)]}
     return made
+
+
+def printed(content: Table, *, whole: bool = False) -> Block:
+    """Return a table as a block; of verdicts sign and word, of a value the sign of its own verdict."""
+    say, made = content.say, []
+    for column in content.columns:
+        side: Literal["l", "r"] = "r" if column.is_number or column.words_of else "l"
+        share = 0 if column.is_number or column.kind == VERDICT else (column.width or 0) // 50
+        made.append(PrintedColumn(column.title(say), partial(_printed, column, say), column.unit(say), share, side))
+    if content.group is None:
+        return table(made, content.rows, whole=whole, told=content.told)
+    groups = itertools.groupby(content.rows, content.group)
+    return grouped_table(made, ((title, list(items)) for title, items in groups), told=content.told)
+
+
+def _printed(column: Column, say: Wording, item: Any) -> str | dict[str, str]:
+    level = column.judged(item).level
+    if level is None:
+        return column.text(item, say)
+    return {"sign": level, "text": say.level(level) if column.kind == VERDICT else column.text(item, say)}
 
 
 def with_notes(blocks: Iterable[Block]) -> Iterator[Block]:

@@ -29,7 +29,7 @@ from atleak.report.pdf.blocks import (
 from atleak.report.pdf.budget import Budget
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.estimate import estimate_blocks
-from atleak.report.pdf.gauges import GaugeSection
+from atleak.report.pdf.gauges import gauge_blocks
 from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.pdf.road import RoadTestSection
@@ -247,7 +247,7 @@ class Body:
         }
 
     def _gauges(self, charts: dict[str, str]) -> Iterable[Block]:
-        yield from GaugeSection(self.names).blocks(self.diagnosis.pressures)
+        yield from gauge_blocks(self.diagnosis, self.say)
 
     def _road_test(self, charts: dict[str, str]) -> Iterable[Block]:
         yield from RoadTestSection(self.names, self.series).blocks(charts)

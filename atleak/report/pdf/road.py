@@ -5,20 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.events import Event
-from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
+from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, printed, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.road_findings import RoadFindings
+from atleak.views.log_rows import event_table, place_table
 from atleak.views.road_series import RoadSeries
 from atleak.views.road_words import (
     check_sentences,
-    event_name,
-    event_remark,
     log_sentences,
     pressure_sentences,
     test_sentences,
 )
-from atleak.workshop_units import KPA, PERCENT
 
 EVENTS = 40  # that are listed one by one; the others stand in the workbook and in the JSON
 
@@ -58,55 +55,14 @@ class RoadTestSection:
         """Return main pressure in each gear and state beside what is permitted there."""
         if log.permitted is None:
             return {}
-        say = self.say
-        columns = [
-            PrintedColumn(say("printed.gear"), lambda place: str(place.gear), side="r"),
-            PrintedColumn(say("printed.state"), lambda place: say(f"states.{place.state}"), width=2),
-            PrintedColumn(say("printed.judged"), lambda place: say.number(place.judged, 1), "s", width=1, side="r"),
-            PrintedColumn(
-                say("printed.lowest"),
-                lambda place: say.value(place.worst and place.worst.pressure * KPA, "pressure", 0),
-                say.unit("pressure"),
-                width=2,
-                side="r",
-            ),
-            PrintedColumn(
-                say("printed.least"),
-                lambda place: say.value(place.worst and place.worst.limit * KPA, "pressure", 0),
-                say.unit("pressure"),
-                width=2,
-                side="r",
-            ),
-            PrintedColumn(
-                say("printed.below"),
-                lambda place: say.number(place.worst and max(place.worst.fraction, 0.0) * PERCENT, 1),
-                "%",
-                width=1,
-                side="r",
-            ),
-            PrintedColumn(say("printed.below_for"), lambda place: say.number(place.below, 1), "s", width=1, side="r"),
-            PrintedColumn(say("printed.above_for"), lambda place: say.number(place.above, 1), "s", width=1, side="r"),
-        ]
-        return table(columns, log.permitted.places)
+        return printed(place_table(log.permitted, self.say).without("place_source"))
 
     def _events(self, log: RoadFindings) -> Iterator[Block]:
-        say = self.say
-        columns: list[PrintedColumn] = [
-            PrintedColumn(say("printed.event"), lambda event: event_name(event, say), width=4),
-            PrintedColumn(say("printed.from"), lambda event: self._seconds(event.start), "s", width=1, side="r"),
-            PrintedColumn(say("printed.to"), lambda event: self._seconds(event.stop), "s", width=1, side="r"),
-            PrintedColumn(say("printed.remark"), self._remark, width=6),
-        ]
-        yield table(columns, log.events[:EVENTS])
+        events = event_table(log.events[:EVENTS], self.say).without("event_lasts", "event_source")
+        yield printed(events)
         more = len(log.events) - EVENTS
         if more > 0:
-            yield text(say("findings.more_events", count=more), small=True)
-
-    def _seconds(self, time: float) -> str:
-        return self.say.number(time, 1)
-
-    def _remark(self, event: Event) -> str:
-        return event_remark(event, self.say)
+            yield text(self.say("findings.more_events", count=more), small=True)
 
     # --- leakage over the log
 

@@ -15,8 +15,9 @@ from atleak.job.record import clean_text
 from atleak.look import HEADING, LOOKS, look_of
 from atleak.paper import Paper
 from atleak.sentence import Name, Sentence
-from atleak.verdicts import Band, Verdict
-from atleak.wording import Wording
+from atleak.verdicts import BANDS, VERDICTS, Band, Verdict
+from atleak.views.table import VERDICT, Table
+from atleak.wording import Wording, wording
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
@@ -61,13 +62,14 @@ class Book:
     def __init__(self, workbook: xlsxwriter.Workbook, paper: Paper, say: Wording) -> None:
         self.workbook, self.paper, self.say = workbook, paper, say
         self._formats: dict[tuple[Any, ...], Format] = {}
+        self.metric = wording(say.language)  # of tables: like every sheet's formulas, whatever units sentences have
 
     def form(self, number: str = "plain", **properties: Any) -> Format:
         """Return the format for a kind of number; each is made once."""
         key = number, *properties.items()
         made = self._formats.get(key)
         if made is None:
-            said = NUMBER_FORMATS[number]
+            said = NUMBER_FORMATS.get(number, number)
             for words in (_NOTHING, _DEMAND):
                 said = said.replace(words, self.say.sentence(words))
             made = self.workbook.add_format({"num_format": said, "valign": "top", **properties})
@@ -147,6 +149,25 @@ class Book:
                     sheet, line, column, record.get(name), self.form((kinds or {}).get(name, "plain"), align="left")
                 )
         return row + len(records) + 1
+
+    def table(self, sheet: Worksheet, row: int, content: Table, width: int = 13) -> int:
+        """Write a table: numbers as numbers and as exact as they are; return the next free row.
+
+        Words take as wide a column [characters] as their longest, but of several lines at the most 48.
+        """
+        say, first = self.say, row + 1
+        self.headings(sheet, row, content.headings)
+        for number, column in enumerate(content.columns):
+            places = column.places(say) if column.is_number else 0
+            form = self.form("0." + "0" * places if places else "0", align="left") if column.is_number else self.wrapped
+            for line, item in enumerate(content.rows, start=first):
+                value, level = column.cell(item, say), column.judged(item).level
+                self.put(sheet, line, number, say.signed(level) if level and column.kind == VERDICT else value, form)
+            longest = max((len(column.text(item, say)) for item in content.rows), default=0)
+            sheet.set_column(number, number, max(width, min(longest + 2, 48)))
+            if column.kind == VERDICT:
+                self.colour_words(sheet, (first, number), (row + len(content.rows), number), (*VERDICTS, *BANDS))
+        return first + len(content.rows)
 
     def colour_words(
         self, sheet: Worksheet, first: tuple[int, int], last: tuple[int, int], levels: Iterable[Verdict | Band]

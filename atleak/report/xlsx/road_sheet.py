@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.engine.road_pressure import RoadPressure
-from atleak.events import Event
 from atleak.look import CHART_GRID, PAPER
 from atleak.report.xlsx.book import Book, span
 from atleak.road_findings import RoadFindings
 from atleak.sentence import Name, Sentence
-from atleak.views.road_instants import instant_rows
+from atleak.views.log_rows import event_table, place_table
+from atleak.views.road_instants import instant_table
 from atleak.views.road_series import road_series
-from atleak.views.road_words import check_sentences, event_remark, log_sentences, pressure_sentences, test_sentences
-from atleak.wording import Wording, wording
-from atleak.workshop_units import KPA, PERCENT
+from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 
 ROAD_TEST, ROAD_EVENTS = Sentence("Road test"), Sentence("Road test events")
 ROAD_ROWS = 2000  # rows of the thinned road test
@@ -68,19 +65,14 @@ class RoadSheets:
         permitted = self.log.permitted
         if permitted is None:
             return row
-        kinds = {"gear": "count", "lowest, lasting [kPa]": "kpa", "permitted at least [kPa]": "kpa"}
-        kinds |= dict.fromkeys(("judged for [s]", "below for [s]", "above for [s]"), "time")
-        return self.book.records(sheet, row, place_rows(permitted, self.book.say), kinds | {"below by [%]": "percent"})
+        return self.book.table(sheet, row, place_table(permitted, self.book.metric))
 
     def write_events(self, sheet: Worksheet) -> None:
         """Write every event of the log, one a row."""
-        kinds = dict.fromkeys(("start [s]", "end [s]", "lasts [s]"), "time")
-        rows = event_rows(self.log.events, self.book.say)
-        if not rows:
+        if self.log.events:
+            self.book.table(sheet, 0, event_table(self.log.events, self.book.metric))
+        else:
             self.book.put(sheet, 0, 0, self.book.say("findings.no_events"))
-        self.book.records(sheet, 0, rows, kinds)
-        for column, width in enumerate((28, 10, 12, 12, 12, 12, 90)):
-            sheet.set_column(column, column, width)
 
     def _leakage(self, sheet: Worksheet, row: int, road: RoadLeakage) -> None:
         book, say = self.book, self.book.say
@@ -94,10 +86,7 @@ class RoadSheets:
             if share is not None
         ]
         row = book.pairs(sheet, row, rows)
-        kinds = {"time [s]": "time", "share [%]": "percent"}
-        kinds |= dict.fromkeys(("leakage [dm³/min]", "leakage from", "leakage to", "pump capacity [dm³/min]"), "flow")
-        kinds |= dict.fromkeys(("share from", "share to"), "percent")
-        row = book.records(sheet, row + 1, instant_rows(road, self.diagnosis.uncertainty, say), kinds) + 1
+        row = book.table(sheet, row + 1, instant_table(road, self.diagnosis.uncertainty, book.metric)) + 1
         self.book.put(sheet, row - 1, 0, say("texts.sustained", seconds=say.plain(road.extremes.window)))
         series = road_series(road, ROAD_ROWS)
         kept = len(series.columns["time_s"])
@@ -152,42 +141,3 @@ class RoadSheets:
 
 def _with_unit(label: Sentence, unit: str) -> Sentence:
     return Sentence("{label} [{unit}]", label=label, unit=unit) if unit else label
-
-
-def event_rows(events: Iterable[Event], say: Wording | None = None) -> list[dict[str, Any]]:
-    """Return one row for every event, in English unless the words of another language are given."""
-    say = say or wording("en")
-    return [
-        {
-            Sentence("event"): say(f"events.{event.kind}"),
-            Sentence("gears"): None if event.to_gear is None else f"{event.from_gear} → {event.to_gear}",
-            Sentence("start [s]"): event.start,
-            Sentence("end [s]"): event.stop,
-            Sentence("lasts [s]"): event.duration,
-            Sentence("source"): event.source,
-            Sentence("note"): event_remark(event, say) or None,
-        }
-        for event in events
-    ]
-
-
-def place_rows(permitted: RoadPressure, say: Wording | None = None) -> list[dict[str, Any]]:
-    """Return one row for every gear and state in which main pressure was judged, in workshop units.
-
-    They are in English unless the words of another language are given.
-    """
-    say = say or wording("en")
-    return [
-        {
-            Sentence("gear"): place.gear,
-            Sentence("state"): say(f"states.{place.state}"),
-            Sentence("judged for [s]"): place.judged,
-            Sentence("lowest, lasting [kPa]"): place.worst and place.worst.pressure * KPA,
-            Sentence("permitted at least [kPa]"): place.worst and place.worst.limit * KPA,
-            Sentence("below by [%]"): place.worst and max(place.worst.fraction, 0.0) * PERCENT,
-            Sentence("below for [s]"): place.below,
-            Sentence("above for [s]"): place.above,
-            Sentence("limits from"): place.worst and place.worst.source,
-        }
-        for place in permitted.places
-    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,7 +12,6 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.errors import CatalogueError, InputError
 from atleak.views.catalogue_rows import controller_tables
-from atleak.views.catalogue_table import Rows
 from atleak.wording import wording
 
 Edited = Callable[..., Path]
@@ -113,6 +113,6 @@ def test_the_catalogue_page_lists_them_by_their_labels(edited: Edited, minimal: 
     assert [row["lands"] for row in _complaints(minimal)] == ["every one"]
 
 
-def _complaints(controller: Controller) -> Rows:
+def _complaints(controller: Controller) -> list[dict[str, Any]]:
     tables = controller_tables(controller, wording("en"))
-    return next(table.rows for table in tables if table.name == "complaints")
+    return next(table.records() for table in tables if table.name == "complaints")

@@ -87,6 +87,26 @@ def test_the_terminal_says_both_verdicts_and_what_changed(run: Run, jobs, monkey
     assert "share of the pump's flow" in out
 
 
+def test_the_terminal_speaks_the_language_and_units_that_are_asked_for(run: Run, jobs, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "160")
+    status, out, err = run("compare", *jobs, "--language", "de", "--units", "us")
+    assert (status, err) == (0, "")
+    assert "Vorher: ■ ersetzen. Nachher: ▲ beobachten." in out
+    assert "Vorher [0.0001 in]" in out
+    assert "−9,8" in out  # 25 µm
+
+
+def test_the_terminal_puts_the_road_tests_beside_one_another(
+    run: Run, sample_log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "160")
+    job = written(tmp_path, "driven", Case(controller="minimal_example", road_test=SourceFile.at(sample_log)))
+    status, out, _ = run("compare", job, job)
+    assert status == 0
+    (row,) = (line for line in out.splitlines() if "minimum-acceleration test" in line)
+    assert "0.3 → 0.3" in row
+
+
 def test_the_page_is_written_and_never_over_a_foreign_file(run: Run, jobs: tuple[Path, Path], tmp_path: Path) -> None:
     target = tmp_path / "page.pdf"
     assert run("compare", *jobs, "--pdf", target, "--language", "de", "--paper", "letter")[0] == 0

@@ -27,7 +27,7 @@ from atleak.readings import clearances
 from atleak.report.terminal import print_diagnosis
 from atleak.uncertainty import DEFAULTS
 from atleak.verdicts import Verdict
-from atleak.views.gauge_rows import gauge_record, gauge_rows, pattern_text
+from atleak.views.gauge_rows import gauge_record, gauge_table, pattern_text
 from atleak.views.land_names import land_words
 from atleak.wording import languages, wording
 
@@ -422,7 +422,7 @@ def test_the_record_holds_every_reading_with_its_rule(unit, judged) -> None:
     assert (of_drive["pressure_kpa"], of_drive["permissible_low_kpa"]) == (380.0, 400.0)
     assert of_drive["rules"][0]["value"] == pytest.approx(5.0, abs=1e-9)
     assert gauge_record(replace(diagnosis, pressures=None)) is None
-    assert "Lost [kPa]" not in gauge_rows(diagnosis.pressures)[0]
+    assert "Lost [kPa]" not in gauge_table(diagnosis.pressures, wording("en")).headings
 
 
 def test_a_terminal_shows_gauges_and_patterns_beside_what_is_permissible(unit, judged, capsys) -> None:
@@ -430,7 +430,7 @@ def test_a_terminal_shows_gauges_and_patterns_beside_what_is_permissible(unit, j
     print_diagnosis(judged(unit, *slow, *(at(each, FAST, 750.0) for each in ("D", "3", "2", "R", "P"))))
     shown = " ".join(capsys.readouterr().out.replace("│", " ").split())
     assert "the vehicle standing: ■ replace" in shown
-    assert "● ok D fast idle 750" in shown
+    assert "● ok D fast idle 750.0" in shown
     assert "not judged P fast idle" in shown
     assert "from 400" in shown
     assert "→ Main pressure is low in all ranges at slow idle (D, 3, 2)" in shown

@@ -21,8 +21,7 @@ from atleak.learning.outliers import WhyUnit, _one_sided_squares_tail
 from atleak.learning.tables import with_learned
 from atleak.learning.words import messages, summary, why
 from atleak.readings import Readings
-from atleak.views.learned_rows import land_rows, learned_record
-from atleak.views.learned_table import learned_outliers, learned_units
+from atleak.views.learned_table import learned_lands, learned_outliers, learned_record, learned_units
 from atleak.wording import wording
 
 SheetOf = Callable[..., Readings]
@@ -131,8 +130,8 @@ def test_a_worn_unit_is_left_out_and_named(four_speed: Controller, sheets: list,
     (said,) = [message for message in messages(learned) if message.code == "unit_left_out"]
     assert "worn.xlsx is left out as a whole" in said.text
     assert why(unit, learned.left_out) in said.text
-    assert learned_units(learned, wording("en"))[-1]["left_out"].endswith("worn")
-    assert learned_outliers(learned, wording("en"))[0]["wider_by"] > 5.0
+    assert learned_units(learned, wording("en")).frame().iloc[-1, -1].endswith("worn")
+    assert learned_outliers(learned, wording("en")).frame().iloc[0, -1] > 5.0
     record = learned_record(learned)
     assert record["units"][-1]["left_out"] == "wide_lands"
     assert {pair["file"] for pair in record["outliers"]} == {"worn.xlsx"}
@@ -163,7 +162,7 @@ def test_one_unit_says_what_one_unit_can_tell(four_speed: Controller, sheets: li
     for words in ("6.4-20 µm radial", "choice of this project", "nothing tells whether it is worn"):
         assert words in said.text
     assert "is taken, not measured" in summary(learned)
-    assert land_rows(learned)[0]["Spread"] is None
+    assert "Spread [µm]" not in learned_lands(learned, wording("en")).filled.headings
 
 
 def test_one_unit_keeps_a_tolerance_that_the_file_states(four_speed: Controller, sheets: list, six: Learned) -> None:

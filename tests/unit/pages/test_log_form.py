@@ -276,8 +276,8 @@ def test_a_log_alone_is_judged_by_its_main_pressure(app: AppTest, sample_log: Pa
     assert "✖ critical" in texts(app)
     states = next(each.value for each in app.dataframe if "State" in each.value)
     assert states["State"].tolist() == ["idle", *["driving"] * 4]
-    happened = next(each.value for each in app.dataframe if "event" in each.value)
-    assert "minimum-acceleration test" in happened["event"].tolist()
+    happened = next(each.value for each in app.dataframe if "Event" in each.value)
+    assert "minimum-acceleration test" in happened["Event"].tolist()
 
 
 @pytest.mark.page("4_Diagnosis")

@@ -19,7 +19,7 @@ def page() -> None:
     import streamlit as st
 
     from atleak.verdicts import Verdict
-    from atleak.views.columns import Column
+    from atleak.views.table import Column
     from atleak.written_numbers import TEMPERATURE
     from pages.shared import fields, reader, show
 

@@ -7,9 +7,7 @@ from dataclasses import replace
 import pytest
 
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.events import Event
 from atleak.report.xlsx import write_workbook
-from atleak.report.xlsx.road_sheet import event_rows
 from atleak.verdicts import Verdict
 from atleak.wording import signed
 
@@ -28,12 +26,3 @@ def test_the_verdict_of_a_sheet_and_a_log_follows_from_the_workbooks_cells(
     sheets = calculator(write_workbook(both))
     assert sheets.value("Summary", "B2") == signed(both.verdict)
     assert sheets.value("Summary", "B4").startswith(f"Provisional. {signed(both.verdict)}: ")
-
-
-def test_events_are_listed_with_their_gears_and_remarks() -> None:
-    shift = Event("gear_shift", 0.89, 1.4, 1, 2)
-    idle = Event("hot_idle", 3.0, 9.0, note="warm")
-    rows = event_rows([shift, idle])
-    assert [row["gears"] for row in rows] == ["1 → 2", None]
-    assert rows[1]["lasts [s]"] == pytest.approx(6.0, rel=1e-9, abs=0.0)
-    assert rows[1]["note"] == "warm"

@@ -15,14 +15,14 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.report.terminal import TerminalConsole, print_diagnosis, print_table
+from atleak.report.terminal import TerminalConsole, print_diagnosis, print_records
 from atleak.system.printable import PrintableStream
 
 from ..conftest import with_clearances
 
 
 def test_counts_in_a_table_are_numbers(capsys: pytest.CaptureFixture[str]) -> None:
-    print_table(["a", "b", "c", "d", "e"], [{"a": 1, "b": 0, "c": True, "d": None, "e": 1.0}])
+    print_records(["a", "b", "c", "d", "e"], [{"a": 1, "b": 0, "c": True, "d": None, "e": 1.0}])
     cells = [cell.strip() for cell in capsys.readouterr().out.splitlines()[3].strip("│").split("│")]
     assert cells == ["1", "0", "yes", "–", "1"]
 

@@ -11,12 +11,12 @@ from atleak.catalogue.fluid import fluids
 from atleak.catalogue.limits import limit_sets
 from atleak.diagnosis import Diagnosis
 from atleak.views.catalogue_rows import TABLES, representative
-from atleak.views.clearances import CLEARANCE_COLUMNS, clearance_rows
+from atleak.views.clearances import clearance_table
 from atleak.wording import languages, wording
 
 
 def rows_of(diagnosis: Diagnosis) -> list[dict[str, Any]]:
-    return clearance_rows(diagnosis.lands, diagnosis.controller, wording("en"))
+    return clearance_table(diagnosis.lands, diagnosis.controller, wording("en")).records()
 
 
 def test_every_land_has_its_row_in_workshop_units(worn: Diagnosis) -> None:
@@ -39,17 +39,16 @@ def test_what_was_not_measured_says_so_and_has_no_range(worn: Diagnosis) -> None
 @pytest.mark.parametrize("language", languages())
 def test_every_column_has_its_heading_and_what_tells_pairs_apart_comes_first(worn: Diagnosis, language: str) -> None:
     say = wording(language)
-    headings = [column.heading(say) for column in CLEARANCE_COLUMNS]
-    assert len(set(headings)) == len(headings)
-    assert {column.key for column in CLEARANCE_COLUMNS} == set(rows_of(worn)[0])
-    widths = [column.width or 0 for column in CLEARANCE_COLUMNS[:3]]
-    assert [column.key for column in CLEARANCE_COLUMNS[:3]] == ["verdict", "component", "land"]
+    table = clearance_table(worn.lands, worn.controller, say)
+    assert len(set(table.headings)) == len(table.headings)
+    widths = [column.width or 0 for column in table.columns[:3]]
+    assert [column.key for column in table.columns[:3]] == ["verdict", "component", "land"]
     assert sum(widths) <= 360  # pixels of a phone's table
 
 
 @pytest.mark.parametrize("entry", controllers(), ids=lambda entry: entry.id)
 def test_a_controllers_tables_hold_all_of_it(entry) -> None:
-    tables = {table.name: table.rows for table in TABLES["controller"](entry, wording("en"))}
+    tables = {table.name: table.records() for table in TABLES["controller"](entry, wording("en"))}
     assert len(tables["lands"]) == len(entry.lands)
     assert len(tables["gaps"]) == len(entry.gaps)
     assert [row["engine_speed"] for row in tables["points"]] == pytest.approx(
@@ -60,7 +59,7 @@ def test_a_controllers_tables_hold_all_of_it(entry) -> None:
 
 @pytest.mark.parametrize("entry", fluids(), ids=lambda entry: entry.id)
 def test_a_fluids_curve_goes_through_its_data_sheet_and_stays_in_its_span(entry) -> None:
-    tables = {table.name: table.rows for table in TABLES["fluid"](entry, wording("en"))}
+    tables = {table.name: table.records() for table in TABLES["fluid"](entry, wording("en"))}
     curve = {row["temperature"]: row["viscosity"] for row in tables["d341"]}
     for at, nu in (entry.points[0], entry.points[-1]):
         if at in curve:
@@ -74,7 +73,7 @@ def test_a_fluids_curve_goes_through_its_data_sheet_and_stays_in_its_span(entry)
 def test_every_limit_is_shown_with_its_origin() -> None:
     for entry in limit_sets():
         [table] = TABLES["limits"](entry, wording("en"))
-        rows = table.rows
+        rows = table.records()
         assert len(rows) == sum(len(steps.levels) for steps in entry.rules.values())
         assert all(row["limit_is"] and row["source"] for row in rows)
         wear = next(row for row in rows if row["rule"] == "wear")

@@ -20,7 +20,7 @@ from atleak.engine.flows import Kind
 from atleak.look import LOOKS
 from atleak.readings import Readings
 from atleak.verdicts import Verdict
-from atleak.views.flow_diagram import FlowDiagram, flow_diagram, flow_rows, flow_words
+from atleak.views.flow_diagram import FlowDiagram, flow_diagram, flow_table, flow_words
 from atleak.views.flow_svg import flow_svg
 from atleak.wording import languages, wording
 
@@ -184,7 +184,7 @@ def test_names_from_a_file_stay_text(worn_clutch: Diagnosis, hostile: tuple[str,
 
 def test_the_table_holds_every_flow_the_largest_first(worn_clutch: Diagnosis) -> None:
     diagram = flow_diagram(worn_clutch, worn_clutch.hot_idle)
-    rows = flow_rows(diagram)
+    rows = flow_table(diagram, wording("en")).records()
     flows = [row["flow"] for row in rows]
     assert flows == sorted(flows, reverse=True)
     assert len(rows) == len(diagram.flows)

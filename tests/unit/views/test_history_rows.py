@@ -17,7 +17,7 @@ from atleak.history.totals import totals_over_mileage
 from atleak.history.visits import Visit
 from atleak.readings import Readings
 from atleak.verdicts import Band, Verdict
-from atleak.views.history_rows import soonest_first, total_rows, wear_rows
+from atleak.views.history_rows import soonest_first, total_table, wear_table
 from atleak.wording import signed, wording
 
 REGULATOR, SECOND, TCC, SOLENOID = (
@@ -53,7 +53,7 @@ def test_every_land_has_its_rate_and_when_it_reaches_each_level(
     unit: tuple[WearHistory, Diagnosis], minimal: Controller
 ) -> None:
     history, _ = unit
-    rows = {row["pair"]: row for row in wear_rows(history, minimal, ENGLISH)}
+    rows = {row["pair"]: row for row in wear_table(history, minimal, ENGLISH).records()}
     worn = rows["pressure regulator valve/1"]
     assert worn["rate"].startswith("1.00 (0.")
     assert (worn[WATCH], worn["visits"], worn["since"]) == ("reached", 2, "2022-05-01: repaired")
@@ -73,7 +73,7 @@ def test_what_is_past_a_limit_comes_first_and_what_nobody_can_tell_last(unit: tu
 
 def test_totals_stand_with_the_mileage_of_each_band(unit: tuple[WearHistory, Diagnosis]) -> None:
     totals = totals_over_mileage(*unit)
-    rows = total_rows(totals.totals, ENGLISH)
+    rows = total_table(totals.totals, ENGLISH).records()
     assert [row["condition"] for row in rows] == [each.condition.label for each in unit[1].projections]
     low, high = rows[0]["ahead"].split("(")[1].removesuffix(")").split(" to ")
     assert float(low) < float(rows[0]["ahead"].split(" ")[0]) < float(high)
@@ -119,7 +119,7 @@ def test_a_pareto_chart_counts_units_and_what_they_make_up() -> None:
 def test_a_rate_stands_in_the_readers_units(unit: tuple[WearHistory, Diagnosis], minimal: Controller) -> None:
     """1.00 µm per 10 000 km is 0.634 times 0.0001 in per 10 000 mi."""
     us = wording("de", "us")
-    rows = {row["pair"]: row for row in wear_rows(unit[0], minimal, us)}
+    rows = {row["pair"]: row for row in wear_table(unit[0], minimal, us).records()}
     assert rows["Druckregelventil/1"]["rate"].startswith("0,634 (")
     figure = figures.clearance_over_mileage(unit[0].land(REGULATOR), unit[0].visits, unit[0].present, us)
     assert figure.layout.xaxis.title.text == "Laufleistung [mi]"

@@ -7,7 +7,7 @@ import numpy as np
 from atleak.diagnosis import Diagnosis
 from atleak.events import Event
 from atleak.road_test import RoadTest
-from atleak.views.log_rows import event_rows, log_curves, short, value_rows, whole
+from atleak.views.log_rows import event_table, log_curves, short, value_rows, whole
 from atleak.wording import wording
 
 SAY = wording("en")
@@ -61,7 +61,9 @@ def test_counts_are_plain_numbers_with_their_thousands_parted() -> None:
     assert [short(value, SAY) for value in (1.6543, 92.71, 0.00012, 4.0)] == ["1.65", "92.7", "0.000", "4"]
 
 
-def test_events_are_listed_in_the_readers_language() -> None:
-    rows = event_rows([Event("gear_shift", 0.891, 1.4, 1, 2)], wording("de"))
-    assert rows[0]["event"] == wording("de")("events.gear_shift") != SAY("events.gear_shift")
-    assert (rows[0]["event_start"], rows[0]["event_lasts"]) == (0.89, 0.51)
+def test_events_are_listed_in_the_readers_language_with_their_gears_and_remarks() -> None:
+    events = [Event("gear_shift", 0.891, 1.4, 1, 2), Event("hot_idle", 3.0, 9.0, note="warm")]
+    shift, idle = event_table(events, wording("de")).frame(rounded=True).to_dict("records")
+    assert shift["Ereignis"] == wording("de")("events.gear_shift") != SAY("events.gear_shift")
+    assert (shift["Gänge"], shift["Beginn [s]"], shift["Dauer [s]"]) == ("1 → 2", 0.89, 0.51)
+    assert (idle["Gänge"], idle["Bemerkung"]) == (None, "warm")

@@ -26,22 +26,23 @@ SVG = "{http://www.w3.org/2000/svg}"
 def test_each_flagged_land_stands_with_its_share_at_every_condition_that_reports_show(worn: Diagnosis) -> None:
     table = pair_table(worn, worn.flagged, EN)
     shown = [f"Share, {each.condition.label}" for each in worn.reported]
-    assert list(table.headings) == ["Verdict", "Pair", *shown, "Clearance", "Wear", "Decided by", "How sure"]
-    assert [row.key for row in table.rows] == [land.key for land in worn.flagged]
-    for row, land in zip(table.rows, worn.flagged, strict=True):
-        assert len(row.cells) == len(table.headings)
-        assert row.cells[0].text == EN.signed(land.verdict)
-        assert row.cells[1].text.startswith(f"{land.key[0]}/{land.key[1]} ")
-        for at, cell in zip(worn.reported, row.cells[2:], strict=False):
+    assert list(table.headings) == ["Verdict", "Pair", *shown, "Clearance", "Wear", "Decided by", "Decision"]
+    assert list(table.rows) == list(worn.flagged)
+    for land in worn.flagged:
+        verdict, pair, *texts = table.texts(land)
+        assert verdict == EN.signed(land.verdict)
+        assert pair.startswith(f"{land.key[0]}/{land.key[1]} ")
+        for at, column, text in zip(worn.reported, table.columns[2:], texts, strict=False):
             if at.leakage_of(land.key) > 0.0:
-                assert cell.text == f"{EN.number(at.share_drawn_by(land.key) * PERCENT, 2)}\u00a0%"
+                assert text == f"{EN.number(at.share_drawn_by(land.key) * PERCENT, 2)}\u00a0%"
             else:
-                assert (cell.text, cell.level) == ("–", None)
+                assert (text, column.judged(land).level) == ("–", None)
 
 
 def test_a_share_stands_in_the_colour_of_its_own_verdict_not_of_the_land(worn: Diagnosis) -> None:
-    rows = pair_table(worn, worn.flagged, EN).rows
-    own = {(row.cells[0].level, cell.level) for row in rows for cell in row.cells[2 : 2 + len(worn.reported)]}
+    verdict, _, *others = pair_table(worn, worn.flagged, EN).columns
+    shares = others[: len(worn.reported)]
+    own = {(verdict.judged(land).level, share.judged(land).level) for land in worn.flagged for share in shares}
     assert (Verdict.REPLACE, Verdict.OK) in own
 
 
@@ -58,9 +59,9 @@ def test_the_opened_pair_shows_clearance_ovality_shares_and_limits_in_the_reader
     state = first.land.state
     assert facts["Radial clearance, 95 %"].startswith(say.quantity(state.radial_clearance * UM, "clearance"))
     assert facts["Ovality of the bore"] == say.quantity((state.sleeve_ovality or 0.0) * UM, "clearance")
-    shown = [row.cells[0].text for row in first.shares.rows]
+    shown = [first.shares.texts(row)[0] for row in first.shares.rows]
     assert shown == [say.condition(each.condition) for each in worn.presented]
-    assert first.rules.rows[0].cells[1].level == first.land.verdict
+    assert first.rules.columns[1].judged(first.rules.rows[0]).level == first.land.verdict
     assert first.why[0].startswith(EN(f"rules.{first.land.deciding.kind}"))  # type: ignore[union-attr]
 
 
@@ -110,10 +111,11 @@ def test_what_ticked_repairs_bring_is_said_at_every_condition(worn: Diagnosis, l
     keys = {each.key for each in repairs.all if each.called_for}
     effect = repairs.effect(keys)
     table = effect_table(effect, say)
-    assert [row.cells[0].text for row in table.rows] == [say.condition(at.condition) for at in effect]
-    for row, at in zip(table.rows, effect, strict=True):
-        assert row.cells[1].text == f"{say.percent(at.before.share)} {say.signed(at.before.band)}"
-        assert row.cells[2].text == f"{say.percent(at.after.share)} {say.signed(at.after.band)}"
+    for at in effect:
+        condition, before, after, *_ = table.texts(at)
+        assert condition == say.condition(at.condition)
+        assert before == f"{say.percent(at.before.share)} {say.signed(at.before.band)}"
+        assert after == f"{say.percent(at.after.share)} {say.signed(at.after.band)}"
     assert not any("{" in sentence for sentence in effect_sentences(repairs, keys, effect, say))
     left = list(effect_sentences(repairs, set(), repairs.effect(set()), say))
     assert all(f"{land.key[0]}/{land.key[1]}" in left[-1] for land in worn.flagged)

@@ -13,8 +13,9 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import diagnose
 from atleak.intake.road_test import read_road_test
-from atleak.views.log_rows import circuit_rows
+from atleak.views.log_rows import circuit_table
 from atleak.views.road_record import road_record
+from atleak.wording import wording
 
 
 def test_the_record_has_what_each_circuit_holds_and_where_it_is_lowest(
@@ -32,7 +33,9 @@ def test_the_record_has_what_each_circuit_holds_and_where_it_is_lowest(
         applied = np.isin(log.values("gear"), list(road.circuit_ranges[name].circuit.gears))
         assert each["lowest_kpa"] * 1e3 == pytest.approx(np.nanmin(road.circuits[name][applied]), rel=1e-12, abs=0.0)
         assert each["lowest_kpa"] <= each["p_g_there_kpa"]
-    assert [row["circuit"] for row in circuit_rows(road)] == [each["name"] for each in record["circuits"]]
+    assert [row["circuit"] for row in circuit_table(road, wording("en")).records()] == [
+        each["name"] for each in record["circuits"]
+    ]
     without = diagnose(replace(five_speed, circuits=(), line=None, leaks=(), gaps=()), hipol, limits, road_test=log)
     record = road_record(without)
     assert record is not None

@@ -21,8 +21,10 @@ from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
 from atleak.road_test import RoadTest
 from atleak.views.diagnosis_record import diagnosis_record, to_json
-from atleak.views.road_instants import instant_rows, road_instants
+from atleak.views.road_instants import instant_table, road_instants
+from atleak.wording import wording
 
+EN = wording("en")
 LogOf = Callable[..., RoadTest]
 Build = Callable[..., Readings]
 
@@ -79,7 +81,7 @@ def test_terminal_and_workbook_say_the_same_in_the_same_order(
 ) -> None:
     print_diagnosis(with_start)
     said = " ".join(capsys.readouterr().out.split()).lower()  # what begins a sentence has a capital
-    labels = [row["instant"] for row in instant_rows(with_start.road, None)]
+    labels = [row["instant"] for row in instant_table(with_start.road, None, EN).records()]
     assert labels[-1] == "after a start of the engine: largest share, sustained"
     shown = [label for label in labels if label != "smallest leakage"]
     places = [said.index(label.lower()) for label in shown]
@@ -89,7 +91,7 @@ def test_terminal_and_workbook_say_the_same_in_the_same_order(
         io.BytesIO(write_workbook(with_start)), sheet_name="Road test", header=None, engine="calamine"
     )
     column = sheet[0].fillna("").astype(str).tolist()
-    first = column.index("instant") + 1
+    first = column.index("Instant") + 1
     assert column[first : first + len(labels)] == labels
     assert "a few wrong samples" in column[first + len(labels)]
 
@@ -97,14 +99,13 @@ def test_terminal_and_workbook_say_the_same_in_the_same_order(
 def test_terminal_and_page_rows_give_the_intervals(worn: Diagnosis, capsys: pytest.CaptureFixture[str]) -> None:
     print_diagnosis(worn)
     said = " ".join(capsys.readouterr().out.split())
-    first = instant_rows(worn.road, worn.uncertainty)[0]
+    first = instant_table(worn.road, worn.uncertainty, EN).records()[0]
     assert first["instant"] == "largest leakage, sustained"
-    assert first["leakage from"] < first["leakage [dm³/min]"] < first["leakage to"]
-    assert f"{first['leakage [dm³/min]']:.2f} dm³/min, {first['leakage from']:.2f} to {first['leakage to']:.2f}" in said
-    assert (
-        f"{first['share [%]']:.1f} % of the pump's flow, {first['share from']:.1f} to {first['share to']:.1f}" in said
-    )
-    assert "leakage from" not in instant_rows(worn.road, None)[0]
+    for name, unit, digits in (("leakage", "dm³/min", 2), ("share", "% of the pump's flow", 1)):
+        low, value, high = (first[f"instant_{name}{end}"] for end in ("_low", "", "_high"))
+        assert low < value < high
+        assert f"{value:.{digits}f} {unit}, {low:.{digits}f} to {high:.{digits}f}" in said
+    assert "instant_leakage_low" not in instant_table(worn.road, None, EN).records()[0]
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.projection import project
 from atleak.errors import DomainError, InputError
 from atleak.readings import Readings
-from atleak.views.what_if_rows import circuit_rows, tried_words
+from atleak.views.what_if_rows import circuit_table, tried_words
 from atleak.what_if import Axis, WhatIf, like_the_study, map_over, temperatures_to_try, tried, wears_to_try
 from atleak.wording import wording
 
@@ -210,7 +210,7 @@ def test_the_study_s_variants_are_tried_with_this_unit(sample_diagnoses: dict[st
 def test_circuits_whose_set_pressure_follows_the_condition_have_rows_of_their_own(
     three_circuits: Controller, worn_clutch: Diagnosis
 ) -> None:
-    rows = circuit_rows(worn_clutch, tried(worn_clutch, WhatIf(wear=2.0)), wording("en"))
+    rows = circuit_table(worn_clutch, tried(worn_clutch, WhatIf(wear=2.0)), wording("en")).records()
     assert {row["circuit"] for row in rows} <= {circuit.name for circuit in three_circuits.circuits}
     assert any(row["new_held"] is not None for row in rows)
 
@@ -262,7 +262,8 @@ def test_circuits_are_named_in_the_reader_s_language(worn_units: dict[str, Diagn
     unit = worn_units["gm_4l60e"]
     here = tried(unit, WhatIf())
     names = {
-        say.language: {row["circuit"] for row in circuit_rows(unit, here, say)} for say in map(wording, ("en", "de"))
+        say.language: {row["circuit"] for row in circuit_table(unit, here, say).records()}
+        for say in map(wording, ("en", "de"))
     }
     assert "forward clutch" in names["en"]
     assert "Vorwärtskupplung" in names["de"]
