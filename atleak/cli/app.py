@@ -8,6 +8,7 @@ import os
 import socket
 import subprocess
 import sys
+import webbrowser
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -103,8 +104,6 @@ def open_page(port: int, query: Mapping[str, str]) -> int:
         _check_streamlit()
         _check_free(_HERE, port)
         return _start(_HERE, port, _Reach(["--server.headless", "true"]))  # else a browser would open at another page
-    import webbrowser
-
     webbrowser.open(address)
     return 0
 

@@ -50,7 +50,7 @@ def read_lands(results: Results, controller: str, visits: Visits) -> Lands:
         wide = frame.pivot(index="visit", columns=["component", "land"], values=name)  # noqa: PD010 - nothing to average
         return wide[keys].reindex(visits.rows.index)
 
-    measured, repaired = laid_out("measured").eq(True).to_numpy(), laid_out("repaired").eq(True).to_numpy()
+    measured, repaired = (laid_out(name).eq(True).to_numpy(bool) for name in ("measured", "repaired"))
     return Lands(
         keys=tuple(keys),
         measured=measured,
