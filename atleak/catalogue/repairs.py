@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, model_validator
 
@@ -28,7 +28,6 @@ from atleak.faults import NotAccepted
 from atleak.sentence import Name, Sentence
 
 RepairKind = Literal["clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "other"]
-REPAIR_KINDS: tuple[RepairKind, ...] = get_args(RepairKind)
 
 
 def currency_code(text: str) -> str:

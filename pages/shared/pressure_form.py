@@ -94,7 +94,8 @@ def _faults(typed: TypedGauges) -> set[Cell | str]:
     try:
         read_pressure_table(judged.written() or b"", controller, name=TYPED_FILE)
     except PressureTableError as error:
-        return {judged.part_at(each.place) for each in (error, *error.others)}
+        parts = (judged.part_at(each.place) for each in (error, *error.others))
+        return {part for part in parts if part is not None}
     return set()
 
 

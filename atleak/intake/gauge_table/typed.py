@@ -48,10 +48,11 @@ class TypedGauges:
         others = {known: said for known, said in self.cells.items() if known != cell}
         return replace(self, cells={**others, cell: text.strip()} if text.strip() else others)
 
-    def part_at(self, place: Place) -> Cell | str:
-        """Return what stands in a place of the file that `written` gives: a cell, or the name of another field."""
+    def part_at(self, place: Place) -> Cell | str | None:
+        """Return what stands in a place of the file that `written` gives: a cell, the name of another field, or None."""
         named = {_TEMPERATURE: "temperature", _SPEED: "fast_idle"}.get(place.column or "")
-        return named or list(self.cells)[(place.row or 0) - 2]
+        cells, row = list(self.cells), (place.row or 0) - 2
+        return named or (cells[row] if 0 <= row < len(cells) else None)
 
     def written(self) -> bytes | None:
         """Return the file; None where no reading was typed."""
