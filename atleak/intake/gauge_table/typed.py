@@ -49,7 +49,7 @@ class TypedGauges:
         return replace(self, cells={**others, cell: text.strip()} if text.strip() else others)
 
     def part_at(self, place: Place) -> Cell | str | None:
-        """Return what stands in a place of the file that `written` gives: a cell, the name of another field, or None."""
+        """Return what stands in a place of the file that `written` gives: a cell or another field; None for neither."""
         named = {_TEMPERATURE: "temperature", _SPEED: "fast_idle"}.get(place.column or "")
         cells, row = list(self.cells), (place.row or 0) - 2
         return named or (cells[row] if 0 <= row < len(cells) else None)
