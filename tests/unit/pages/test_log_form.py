@@ -202,7 +202,7 @@ def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch
     log = SourceFile("two.csv", TWO_PRESSURES.encode())
     cases.remember_columns(log, {"main_pressure": "line pressure 2 [kPa]"}, {})
     chosen = cases.case_with_columns(cases.PageCase(road_test=log)).log_choices
-    assert chosen == {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {}}
+    assert chosen == {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {}, "every": 1}
 
 
 def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:

@@ -51,7 +51,7 @@ def of_kind(blocks: Any, kind: str) -> list[dict[str, Any]]:
 
 
 def column(table: dict[str, Any], name: str) -> list[str]:
-    at = next(number for number, each in enumerate(table["names"]) if each.startswith(name))
+    at = next(number for number, each in enumerate(table["names"]) if each.lower().startswith(name.lower()))
     return [row[at] for row in table["rows"]]
 
 

@@ -26,7 +26,7 @@ from atleak.report.xlsx import write_workbook
 from atleak.rules import Rule
 from atleak.verdicts import Band, Verdict
 from atleak.views.first_sentence import first_sentence
-from atleak.wording import languages, signed, wording
+from atleak.wording import begun, languages, signed, wording
 
 UM = 1e-6
 Sheets = Callable[..., pd.DataFrame]
@@ -544,7 +544,7 @@ def test_the_first_page_says_which_pressure_decided_with_its_numbers(
 ) -> None:
     (found, numbers), say = decided, wording(language)
     text = text_of(write_pdf(found, language=language, sections=["limits"]))
-    first = text[: text.index(say("printed.band"))]
+    first = text[: text.index(begun(say("printed.band")))]
     digits = 2 if found.decided_by.kind is RuleKind.RESERVE else 0
     assert say.level(found.verdict).capitalize() in first
     assert [number for number in numbers if say.number(number, digits).replace("\u00a0", " ") not in first] == []
