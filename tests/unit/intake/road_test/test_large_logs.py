@@ -18,8 +18,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from atleak.errors import RoadTestError
+from atleak.errors import InputError, RoadTestError
 from atleak.intake.road_test import importer, mdf, read_road_test, understand
+from atleak.intake.road_test.blocks import Filled
 from atleak.intake.road_test.channels import build
 from atleak.intake.road_test.channels.assign import BESIDE
 from atleak.intake.road_test.files import delimited
@@ -358,6 +359,33 @@ def test_of_the_samples_of_an_mdf_file_one_in_some_is_kept(monkeypatch: pytest.M
     for name, channel in some.channels.items():
         for what in ("time", "values"):
             np.testing.assert_array_equal(getattr(channel, what), getattr(whole.channels[name], what)[::every])
+
+
+@pytest.mark.parametrize("every", [1, 7])
+@pytest.mark.parametrize("blocks", [False, True])
+def test_of_an_mdf_file_that_was_cut_off_there_are_the_samples_that_it_holds(
+    monkeypatch: pytest.MonkeyPatch, blocks: bool, every: int
+) -> None:
+    if blocks:
+        in_blocks(monkeypatch)
+    whole = mixed_mdf(slice(100, 300))
+    cut, of_stated = bytearray(whole), whole.index((500).to_bytes(8, "little"), whole.index(b"##CG"))
+    cut[of_stated : of_stated + 8] = (700).to_bytes(8, "little")
+    one, other = read_road_test(whole, every=every), read_road_test(bytes(cut), every=every)
+    assert one.rows == other.rows == -(-500 // every)
+    for name, channel in one.channels.items():
+        for what in ("time", "values"):
+            np.testing.assert_array_equal(getattr(other.channels[name], what), getattr(channel, what))
+
+
+@pytest.mark.parametrize("every", [1, 3])
+def test_of_numbers_that_come_part_by_part_those_that_came_are_given_out_and_no_more_are_taken(every: int) -> None:
+    filled = Filled(10, every)
+    for part in (np.arange(4.0), np.arange(4.0, 7.0)):
+        filled.add(part)
+    assert filled.numbers.tolist() == np.arange(7.0)[::every].tolist()
+    with pytest.raises(InputError, match="holds more samples than it states"):
+        filled.add(np.arange(7.0))
 
 
 def test_a_channel_without_a_valid_sample_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
