@@ -495,8 +495,7 @@ def diagnose(
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     drive = None
     if road_test is not None:
-        over = as_unworn if any(state.judged for state in states) else None
-        drive = driven(road_test, model, over, condition, limits, assumptions, guard_factor)
+        drive = driven(road_test, model, condition, limits, assumptions, guard_factor)
     log, road = None if drive is None else drive.log, None if drive is None else drive.road
     rules = unit_rules(states, projections, unworn, limits, controller.operating_points)
     uncertainty: UnitUncertainty | None = None

@@ -33,7 +33,6 @@ class Driven:
 def driven(
     road_test: RoadTest,
     model: LeakageModel,
-    unworn: LeakageModel | None,
     condition: OperatingPoint,
     limits: Limits,
     assumptions: Assumptions,
@@ -43,9 +42,8 @@ def driven(
 
     Parameters
     ----------
-    model, unworn
-        the engine with the unit's clearances, and with those that it may have had when new (`model_unworn`); None of a
-        unit that was not measured.
+    model
+        the engine with the unit's clearances.
     condition
         which stands for what the log does not hold.
     limits, assumptions, guard_factor

@@ -12,23 +12,23 @@ from pathlib import Path
 
 import psutil
 
-_CONTAINERS = (
-    ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
-    ("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes"),
+_CONTAINERS = (  # folder, limit and use, and what of the use is of files and is let go of where it is needed
+    ("/sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"),
+    ("/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),
 )
 
 
 def free_memory() -> int:
     """Return how many bytes of memory are free on this machine, or within this container."""
     found = [int(psutil.virtual_memory().available)]
-    for limit, used in _CONTAINERS:
+    for folder, limit, used, of_files in _CONTAINERS:
         with suppress(OSError, ValueError):  # a container without a limit writes max
-            found.append(_number_in(limit) - _number_in(used))
+            limits, use, of_kinds = (
+                Path(folder, name).read_text(encoding="ascii") for name in (limit, used, "memory.stat")
+            )
+            kinds = dict(line.split() for line in of_kinds.splitlines())
+            found.append(int(limits) - int(use) + int(kinds.get(of_files, 0)))
     return max(min(found), 0)
-
-
-def _number_in(path: str) -> int:
-    return int(Path(path).read_text(encoding="ascii"))
 
 
 def give_back() -> None:

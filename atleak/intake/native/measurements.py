@@ -41,9 +41,12 @@ def mdf_contents(request: bytes) -> Iterator[MdfPart]:
     """
     with _opened(request) as (_, mdf):
         yield "file", {"version": str(mdf.version)}
+        held: dict[int, int] = {}  # records by group
         for number, index, channel in _named(mdf):
             first = mdf.get(group=number, index=index, record_offset=0, record_count=1, ignore_invalidation_bits=True)
-            count = cycles = int(mdf.groups[number].channel_group.cycles_nr)
+            if _holds_numbers(first) and number not in held:
+                held[number] = _records(mdf, number, index)
+            count = cycles = held.get(number, 0)
             if _holds_numbers(first) and first.invalidation_bits is not None:  # which says of each whether it is valid
                 count = len(mdf.get(group=number, index=index).samples)
             if _holds_numbers(first) and count:
@@ -69,12 +72,21 @@ def mdf_ranges(request: bytes) -> Iterator[MdfPart]:
     with _opened(request) as (asked, mdf):
         for group, indexes in asked["indexes"].items():
             chosen = [(None, int(group), index) for index in indexes]
-            count = int(mdf.groups[int(group)].channel_group.cycles_nr)
+            count = _records(mdf, int(group), indexes[0])
             for start in range(0, count, asked["length"]):
                 signals = mdf.select(chosen, record_offset=start, record_count=min(asked["length"], count - start))
                 stamps = np.asarray(signals[0].timestamps, float)
                 channels = [_valid(signal) for signal in signals]
                 yield "range", {"group": int(group), "stamps": bytearray(stamps), "channels": channels}
+
+
+def _records(mdf: Any, group: int, index: int) -> int:
+    """Return how many records a group holds: a recorder that was cut off states more, and asammdf makes them up."""
+    stated = int(mdf.groups[group].channel_group.cycles_nr)
+    options = {"group": group, "index": index, "ignore_invalidation_bits": True, "raw": True}
+    if len(mdf.get(**options, record_offset=stated - 1, record_count=1).samples):
+        return stated
+    return len(mdf.get(**options).samples)
 
 
 def _valid(signal: Any) -> dict[str, bytearray | None]:

@@ -9,6 +9,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from atleak.errors import InputError
+from atleak.sentence import Sentence
+
 _BLOCK = 1 << 15
 """Numbers in a block: 256 kB."""
 
@@ -20,15 +23,28 @@ Result = TypeVar("Result")
 
 
 class Filled:
-    """An array that takes each ``every``-th of some numbers that come part by part."""
+    """An array that takes each ``every``-th of some numbers that come part by part, ``count`` of them at most."""
 
     def __init__(self, count: int, every: int, kind: Any = float) -> None:
-        self.numbers, self._every, self._met = np.empty(-(-count // every), kind), every, 0
+        self._room, self._every, self._met = np.empty(-(-count // every), kind), every, 0
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """Return those that came: a file may hold fewer than it states."""
+        return self._room[: -(-self._met // self._every)]
 
     def add(self, part: np.ndarray) -> None:
-        """Add the next numbers."""
-        kept, first = part[-self._met % self._every :: self._every], -(-self._met // self._every)
-        self.numbers[first : first + len(kept)] = kept
+        """Add the next numbers.
+
+        Raises
+        ------
+        InputError
+            where more come than were stated.
+        """
+        kept, first = part[-self._met % self._every :: self._every], len(self.numbers)
+        if first + len(kept) > len(self._room):
+            raise InputError(Sentence("is damaged: it holds more samples than it states"))
+        self._room[first : first + len(kept)] = kept
         self._met += len(part)
 
 

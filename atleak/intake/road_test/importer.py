@@ -14,7 +14,7 @@ import numpy as np
 from atleak.doors import own_errors_only
 from atleak.errors import InputError, Message, Place, RoadTestError
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.channels.assign import BESIDE, Ambiguous, Assigner, stated_units
+from atleak.intake.road_test.channels.assign import BESIDE, Ambiguous, Assigner, own_part_of, stated_units
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.reader import read_table
 from atleak.intake.road_test.clock.timeline import Timeline
@@ -76,7 +76,7 @@ def understand(
     Parameters
     ----------
     memory
-        bytes that this process may take, where they are fewer than are free.
+        bytes that this process may take; None: as many as are free.
 
     The others are those of `atleak.intake.road_test.read_road_test`.
 
@@ -90,7 +90,7 @@ def understand(
         problem = Sentence("no number of rows of which one is read")
         raise RoadTestError(problem, value=every, expected=Sentence("a whole number above 0"))
     opened, done = open_source(source, name), False
-    room = min(free_memory(), math.inf if memory is None else memory)
+    room = free_memory() if memory is None else memory
     job = Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered, every, room)
     try:
         understood = _by_form(job)
@@ -103,7 +103,7 @@ def understand(
         ) from error  # fmt: skip
     except MemoryError as error:
         problem = Sentence("is too large for the memory of this computer")
-        raise RoadTestError(problem, place=Place(file=opened.file), expected=_LESS) from error
+        raise RoadTestError(problem, place=Place(file=opened.file), expected=Sentence("part of the drive")) from error
     else:
         done = True
     finally:
@@ -114,9 +114,6 @@ def understand(
     digest = opened.sha256
     test = understood.road_test
     return replace(understood, sha256=digest, road_test=replace(test, sha256=digest) if test else None)
-
-
-_LESS = Sentence("part of the drive, or one row in {every}: --every {every}", every=10)
 
 
 def _by_form(job: Job) -> Understood:
@@ -150,12 +147,12 @@ def _located(job: Job) -> tuple[Delimited, Understood]:
             place=Place(file=job.source.file),
             expected=Sentence("the logger's export with decoded channels"),
         )
-    needed = TIMES * job.source.size + BESIDE
-    if needed > job.room and must_be_held(job.source):
+    held = TIMES * job.source.size
+    if held > own_part_of(job.room) and must_be_held(job.source):
         raise RoadTestError(
             Sentence(
                 "takes up to {needed:.1f} GB of memory where it is read whole, and {room:.1f} GB are free",
-                needed=needed / 1e9,
+                needed=(BESIDE + held) / 1e9,
                 room=job.room / 1e9,
             ),
             place=Place(file=job.source.file),

@@ -279,12 +279,13 @@ def _samples(
                 stamps = part["stamps"] if read["stamps"] is None else read["stamps"]
                 own[channel.heading.index].add(np.frombuffer(stamps))
     result: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-    before = np.empty(0)
+    before, shared = np.empty(0), {group: filled.numbers for group, filled in common.items()}
     for index, channel in sorted(by_place.items()):
         if channel.known is not None:
             time, numbers = (each[::every] for each in channel.known)
         else:
-            time, numbers = own.get(index, common[channel.group]).numbers, values[index].numbers
+            time = own[index].numbers if index in own else shared[channel.group]
+            numbers = values[index].numbers
         before = before if np.array_equal(time, before) else time
         result[index] = before, numbers
     return result

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from atleak.intake.road_test import importer
+from atleak.intake.road_test.channels import assign
 from atleak.intake.road_test.channels.assign import BESIDE
 
 Run = Callable[..., tuple[int, str, str]]
@@ -80,6 +81,7 @@ def test_one_row_in_some_is_read_and_that_is_said(run: Run, sample_log: Path) ->
 def test_a_log_that_does_not_fit_exits_with_what_to_do(
     run: Run, sample_log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(assign, "SMALL", 1)
     monkeypatch.setattr(importer, "free_memory", lambda: BESIDE + 60_000)
     status, _, err = run("diagnose", "--road-test", sample_log)
     assert status == 2

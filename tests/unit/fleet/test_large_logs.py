@@ -14,6 +14,7 @@ from atleak.fleet.rows import Rows
 from atleak.fleet.table_units import TableUnits
 from atleak.fleet.units import FleetUnit
 from atleak.fleet.work import Room, evaluate
+from atleak.intake.road_test.channels import assign
 from atleak.intake.road_test.channels.assign import BESIDE
 from atleak.job import file as job_file
 from atleak.job.case import Case, SourceFile
@@ -27,6 +28,11 @@ LITTLE = BESIDE + 10_000  # bytes of memory into which the sample log does not f
 def unit(sample_readings: Path, sample_log: Path) -> FleetUnit:
     case = Case(readings=SourceFile.at(sample_readings), road_test=SourceFile.at(sample_log), remember=False)
     return FleetUnit("unit", "file:unit", case=case)
+
+
+@pytest.fixture(autouse=True)
+def none_small(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(assign, "SMALL", 1)
 
 
 def the(rows: Rows, data_set: str) -> dict[str, Any]:

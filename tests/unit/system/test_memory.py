@@ -78,12 +78,17 @@ def test_what_was_freed_goes_back() -> None:
 def test_free_is_what_the_machine_has_left_and_of_a_container_what_it_may_still_take(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    none, unlimited, limit, used = (str(tmp_path / name) for name in ("none", "unlimited", "limit", "used"))
-    for name, text in ((unlimited, "max"), (limit, "1000000"), (used, "400000")):
-        Path(name).write_text(f"{text}\n", encoding="ascii")
-    monkeypatch.setattr(memory, "_CONTAINERS", ((none, none), (unlimited, used)))
+    stat = "anon 100000\nfile 250000\ninactive_file 200000\nactive_file 50000"
+    for name, text in (("unlimited", "max"), ("limit", "1000000"), ("used", "600000"), ("memory.stat", stat)):
+        (tmp_path / name).write_text(f"{text}\n", encoding="ascii")
+
+    def containers(*names: tuple[str, str]) -> None:
+        every = tuple((str(tmp_path), *each, "inactive_file") for each in names)
+        monkeypatch.setattr(memory, "_CONTAINERS", every)
+
+    containers(("none", "none"), ("unlimited", "used"))
     assert free_memory() == pytest.approx(psutil.virtual_memory().available, rel=0.2, abs=0.0)
-    monkeypatch.setattr(memory, "_CONTAINERS", ((none, none), (limit, used)))
-    assert free_memory() == 600_000
-    monkeypatch.setattr(memory, "_CONTAINERS", ((used, limit),))
+    containers(("none", "none"), ("limit", "used"))
+    assert free_memory() == 600_000  # what files hold of it, but for what was just read, counts as free
+    containers(("used", "limit"))
     assert free_memory() == 0

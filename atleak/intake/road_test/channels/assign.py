@@ -33,6 +33,8 @@ _DRIVES, _DRIVES_AT = 30.0, 1000.0  # in either unit of speed, and [rpm], above 
 _DRIVEN_ROWS = 20
 HELD, BESIDE = 6, 200 << 20
 """How many times the size of its numbers a log takes while it is read and evaluated, and how many bytes beside."""
+SMALL = 64 << 20
+"""Bytes of a log itself up to which it is read however little memory is free."""
 
 
 @dataclass(frozen=True)
@@ -173,6 +175,11 @@ class Again(NamedTuple):
     text: str
 
 
+def own_part_of(room: float) -> float:
+    """Return how many bytes a log itself may take where this many may be taken in all."""
+    return max(room - BESIDE, SMALL)
+
+
 class Assigner:
     """Collects the decisions about one file: chosen signals, open questions, messages."""
 
@@ -233,17 +240,18 @@ class Assigner:
         RoadTestError
             with the memory that it would take, and of how many rows one would fit.
         """
-        needed = BESIDE + HELD * wide * rows / (self.every if thins else 1)
-        if needed <= self.room:
+        whole, most = HELD * wide * rows, own_part_of(self.room)
+        held = whole / (self.every if thins else 1)
+        if held <= most:
             return
         expected = Sentence("part of the drive")
-        if thins and self.room > BESIDE:
-            fits = math.ceil(HELD * wide * rows / (self.room - BESIDE))
+        if thins:
+            fits = math.ceil(whole / most)
             expected = Sentence("part of the drive, or one row in {every}: --every {every}", every=fits)
         raise RoadTestError(
             Sentence(
                 "would take {needed:.1f} GB of memory with its evaluation, and {room:.1f} GB are free",
-                needed=needed / 1e9,
+                needed=(BESIDE + held) / 1e9,
                 room=self.room / 1e9,
             ),
             place=Place(file=self.file),

@@ -83,9 +83,20 @@ class Rows(NamedTuple):
         """Return how many rows there are."""
         return len(self.frame)
 
+    @property
+    def places(self) -> np.ndarray:
+        """Return how many rows of the file stand before each, be they read or not."""
+        return lines_of(self.frame) - (self.frame.index.to_numpy() - np.arange(self.number))
+
     def before(self, line: int) -> int:
-        """Return how many rows stand before a line."""
-        return int(self.frame.index.searchsorted(line))
+        """Return how many rows stand before a line of the file."""
+        return int(lines_of(self.frame).searchsorted(line))
+
+
+def lines_of(frame: pd.DataFrame) -> np.ndarray:
+    """Return the number in the file of each line, of which not every one need have been read."""
+    labels = frame.index.to_numpy()
+    return frame.attrs["lines"][labels] if "lines" in frame.attrs else labels
 
 
 def rows_of(
@@ -168,7 +179,7 @@ def without_words(
         lines = frame[text_only].astype(object)
         for index, cells in words_in_columns.items():
             lines[index] = lines[index].where(lines[index].notna(), cells.reindex(lines.index))
-        refuse_another_header(lines, times + channels, assigner)
+        refuse_another_header(lines.set_axis(lines_of(lines)), times + channels, assigner)
         # rows that hold nothing but words where the table has numbers are markers
         attributes = frame.attrs
         frame = frame[~text_only]

@@ -42,13 +42,13 @@ class _Cell(NamedTuple):
         return match_name(split_unit(self.text).text) is not None
 
 
-def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner, first: int = 0) -> None:
+def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner) -> None:
     """Refuse a log with a header among its rows that names other columns, or the same ones in other units.
 
     Parameters
     ----------
     lines
-        of which each bears its number as label, from ``first`` on.
+        of which each bears its number in the file as label.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
         ]
         if cells and all(is_unit(cell.text) for cell in cells):
             for cell in cells:  # a column may be called rpm
-                _refuse_another_unit(cell, cell.text, first + int(row), assigner)
+                _refuse_another_unit(cell, cell.text, int(row), assigner)
             continue
         others = _others(cells, alone=len(indices) == 1)
         if others:
@@ -73,15 +73,15 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
                 Sentence("another header with other columns begins in the middle of the log"),
                 place=Place(file=assigner.file, row=None, column=others[0].column.label),
                 value=others[0].text,
-                expected=Sentence("one header; split the file at data row {row}", row=first + int(row) + 1),
+                expected=Sentence("one header; split the file at data row {row}", row=int(row) + 1),
             )
         is_header = sum(cell.repeats for cell in cells) >= 2
         for cell in cells:
             unit = split_unit(cell.text).unit
             if unit is not None and cell.repeats and cell.text != cell.column.label:
-                _refuse_another_unit(cell, unit, first + int(row), assigner)
+                _refuse_another_unit(cell, unit, int(row), assigner)
             elif unit is None and is_header and cell.repeats and cell.column.unit is not None:
-                assigner.again.setdefault(cell.column.heading.index, Again(None, first + int(row), cell.text))
+                assigner.again.setdefault(cell.column.heading.index, Again(None, int(row), cell.text))
 
 
 def _others(cells: list[_Cell], alone: bool) -> list[_Cell]:

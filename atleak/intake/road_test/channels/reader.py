@@ -105,7 +105,7 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
         table,
         assigner,
         lambda candidate: clock_of(candidate, frame, table, assigner, motions),
-        lambda interval: np.arange(rows.number) * (interval * assigner.every),
+        lambda interval: rows.places * interval,
     )
     check_clock_stated_again(times, (label, clock), unit_before, assigner)
     timeline = build_timeline(clock.seconds)

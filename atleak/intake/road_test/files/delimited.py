@@ -82,7 +82,8 @@ class Delimited(OfLayout):
 
         Every line is a row, of which each ``every``-th is kept. How many were left out, because they have more numbers
         than the table has columns, stands in ``attrs["too_wide"]``, how many have fewer cells in ``attrs["short"]``,
-        and whether the last line breaks off in ``attrs["breaks_off"]``.
+        and whether the last line breaks off in ``attrs["breaks_off"]``. Where not all are kept, their numbers stand in
+        ``attrs["lines"]``.
 
         Raises
         ------
@@ -97,6 +98,7 @@ class Delimited(OfLayout):
         """Read columns of a text that is not held, block by block."""
         self.source.digest.start()
         joined = {index: _Joined(self.rows // every, self.decimal) for index in columns}
+        places: list[np.ndarray] = []
         lines = kept = too_wide = short = 0
         breaks_off = False
         for block in self._blocks():
@@ -105,12 +107,15 @@ class Delimited(OfLayout):
             some = thinned(frame, every, lines)
             for index, column in joined.items():
                 column.add(some[index], some.attrs.get("words", {}).get(index), kept)
+            places.append(some.attrs.get("lines", np.empty(0, int)))
             lines, kept, breaks_off = lines + len(frame), kept + len(some), block.breaks_off
         refuse_too_wide(too_wide, lines, self.source.file)
         result = pd.DataFrame({index: column.cells(kept) for index, column in joined.items()}, copy=False)
         words = {index: pd.concat(column.words) for index, column in joined.items() if column.words}
         short = counted_short(short, lines, breaks_off)
         result.attrs = {"words": words, "too_wide": too_wide, "short": short, "breaks_off": breaks_off}
+        if every > 1:
+            result.attrs["lines"] = np.concatenate(places)
         return result
 
     def _blocks(self) -> Iterator[Delimited]:
@@ -372,7 +377,8 @@ def thinned(frame: pd.DataFrame, every: int, before: int = 0) -> pd.DataFrame:
     result, places = frame[keep].reset_index(drop=True), np.cumsum(keep) - 1
     kept = {index: cells[keep[cells.index]] for index, cells in words.items()}
     result.attrs = {
-        **frame.attrs, "words": {index: cells.set_axis(places[cells.index]) for index, cells in kept.items()},
+        **frame.attrs, "lines": before + np.flatnonzero(keep),
+        "words": {index: cells.set_axis(places[cells.index]) for index, cells in kept.items()},
     }  # fmt: skip
     return result
 

@@ -69,6 +69,7 @@ class ParquetLog(OfLayout):
         together: dict[int, Any] = {index: pd.concat(parts, ignore_index=True) for index, parts in texts.items()}
         joined = together | {index: room.numbers for index, room in numbers.items()}
         frame = pd.DataFrame({index: joined[index] for index in columns}, copy=False)
+        frame.attrs["lines"] = np.arange(0, done, every)
         return self._without_cell_units(frame)
 
     def _without_cell_units(self, frame: pd.DataFrame) -> pd.DataFrame:

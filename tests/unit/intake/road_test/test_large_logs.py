@@ -18,9 +18,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from atleak.errors import RoadTestError
+from atleak.errors import InputError, RoadTestError
 from atleak.intake.road_test import importer, mdf, read_road_test, understand
-from atleak.intake.road_test.channels import build
+from atleak.intake.road_test.blocks import Filled
+from atleak.intake.road_test.channels import assign, build
 from atleak.intake.road_test.channels.assign import BESIDE
 from atleak.intake.road_test.files import delimited
 from atleak.intake.road_test.outcome import Understood
@@ -157,6 +158,12 @@ def test_too_many_rows_that_are_too_wide_are_refused_as_of_the_whole() -> None:
 # --- memory
 
 
+@pytest.fixture
+def none_small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let even the logs of tests count as large."""
+    monkeypatch.setattr(assign, "SMALL", 1)
+
+
 COUNT = 200_000
 
 
@@ -189,6 +196,7 @@ def test_little_is_held_beside_the_channels_that_are_known(
     assert most < 2.5 * (3 * 8 * COUNT) + 10e6  # thirteen columns alone would be 20.8 MB, pandas' text of one 10 MB
 
 
+@pytest.mark.usefixtures("none_small")
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 def test_a_log_that_would_not_fit_is_refused_before_it_is_read_and_what_fits_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
@@ -207,6 +215,22 @@ def test_a_log_that_would_not_fit_is_refused_before_it_is_read_and_what_fits_is_
     assert "would take" in str(understand(path, memory=BESIDE + 1_000_000).problem)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_a_small_log_is_read_however_little_memory_is_free(monkeypatch: pytest.MonkeyPatch, encoding: str) -> None:
+    monkeypatch.setattr(importer, "free_memory", lambda: 100 << 20)
+    data = "Time (s),RPM (rpm)\n" + "".join(f"{row / 10},{800 + row}\n" for row in range(300))
+    assert read_road_test(data.encode(encoding)).rows == 300
+
+
+@pytest.mark.usefixtures("none_small")
+def test_what_a_process_may_take_counts_whatever_is_free_at_the_moment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importer, "free_memory", lambda: 0)
+    data = forms(numbers_of(100))["text"]
+    assert "would take" in str(understand(data).problem)
+    assert understand(data, memory=BESIDE + 1_000_000).problem is None
+
+
+@pytest.mark.usefixtures("none_small")
 def test_a_text_that_is_held_to_be_read_is_refused_where_the_memory_does_not_suffice(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -223,7 +247,7 @@ def test_a_log_for_which_the_memory_does_not_suffice_after_all_says_what_to_do(
         raise MemoryError
 
     monkeypatch.setattr(importer, "read_table", short)
-    with pytest.raises(RoadTestError, match=r"too large for the memory of this computer.*--every 10") as caught:
+    with pytest.raises(RoadTestError, match=r"too large for the memory of this computer.*part of the drive$") as caught:
         understand(CASES["utf-8 with mark"].bytes)
     assert isinstance(caught.value.__cause__, MemoryError)
 
@@ -275,8 +299,40 @@ def test_remarks_and_headers_among_the_rows_are_met_though_they_are_no_row_that_
     assert some.rows == 31  # of 302 lines
     assert some.rows_left_out == 2
     lines[203:203] = ["Time (s),RPM (rpm),Speed (mph)"]
-    problem = understand("\n".join(["Time (s),RPM (rpm),Speed (km/h)", *lines]).encode(), every=10).problem
-    assert "the unit changes from km/h to mph" in str(problem)
+    text = "\n".join(["Time (s),RPM (rpm),Speed (km/h)", *lines])
+    some, whole = (understand(text.encode(), every=every).problem for every in (10, 1))
+    assert "the unit changes from km/h to mph" in str(some)
+    assert "at data row 204" in str(some)
+    assert str(some) == str(whole)
+
+
+@pytest.mark.parametrize("blocks", [False, True])
+def test_a_unit_stated_later_holds_from_its_row_of_the_file_on(monkeypatch: pytest.MonkeyPatch, blocks: bool) -> None:
+    if blocks:
+        in_blocks(monkeypatch)
+    lines = [f"{row / 10:.1f},{800 + row},{60 + row / 10}" for row in range(300)]
+    lines[203:203] = ["Time (s),RPM (rpm),ATF Temp (°C)"]
+    text = "\n".join(["Time (s),RPM (rpm),ATF Temp", *lines])
+    told = [
+        [str(each) for each in understand(text.encode(), every=every).messages if each.code == "unit_stated_later"]
+        for every in (10, 1)
+    ]
+    assert told[0] == told[1]
+    assert "from data row 204 on" in told[0][0]
+
+
+@pytest.mark.parametrize("blocks", [False, True])
+def test_a_stated_interval_does_not_count_the_remarks_among_the_rows(
+    monkeypatch: pytest.MonkeyPatch, blocks: bool
+) -> None:
+    if blocks:
+        in_blocks(monkeypatch)
+    lines = [f"{800 + row},{row % 50}" for row in range(300)]
+    lines[101:101] = ["Lap 2,", "# stop,"]
+    test = read_road_test("\n".join(["RPM (rpm),Speed (km/h)", *lines]).encode(), constants={"time": 0.1}, every=10)
+    rows_read = test.values("engine_speed") * 60.0 - 800.0
+    np.testing.assert_allclose(test.time - test.time[0], (rows_read - rows_read[0]) * 0.1, rtol=0, atol=1e-9)
+    assert len(test.time) == 31
 
 
 def test_of_a_table_with_one_signal_below_the_other_each_signal_keeps_one_sample_in_some() -> None:
@@ -360,12 +416,40 @@ def test_of_the_samples_of_an_mdf_file_one_in_some_is_kept(monkeypatch: pytest.M
             np.testing.assert_array_equal(getattr(channel, what), getattr(whole.channels[name], what)[::every])
 
 
+@pytest.mark.parametrize("every", [1, 7])
+@pytest.mark.parametrize("blocks", [False, True])
+def test_of_an_mdf_file_that_was_cut_off_there_are_the_samples_that_it_holds(
+    monkeypatch: pytest.MonkeyPatch, blocks: bool, every: int
+) -> None:
+    if blocks:
+        in_blocks(monkeypatch)
+    whole = mixed_mdf(slice(100, 300))
+    cut, of_stated = bytearray(whole), whole.index((500).to_bytes(8, "little"), whole.index(b"##CG"))
+    cut[of_stated : of_stated + 8] = (700).to_bytes(8, "little")
+    one, other = read_road_test(whole, every=every), read_road_test(bytes(cut), every=every)
+    assert one.rows == other.rows == -(-500 // every)
+    for name, channel in one.channels.items():
+        for what in ("time", "values"):
+            np.testing.assert_array_equal(getattr(other.channels[name], what), getattr(channel, what))
+
+
+@pytest.mark.parametrize("every", [1, 3])
+def test_of_numbers_that_come_part_by_part_those_that_came_are_given_out_and_no_more_are_taken(every: int) -> None:
+    filled = Filled(10, every)
+    for part in (np.arange(4.0), np.arange(4.0, 7.0)):
+        filled.add(part)
+    assert filled.numbers.tolist() == np.arange(7.0)[::every].tolist()
+    with pytest.raises(InputError, match="holds more samples than it states"):
+        filled.add(np.arange(7.0))
+
+
 def test_a_channel_without_a_valid_sample_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     speed = signal(900.0 + np.arange(500), "Engine Speed", "rpm")
     test = read_road_test(mdf_of([[speed, signal(np.zeros(500), "ATF Temperature", "°C", TIME, slice(None))]]))
     assert list(test.channels) == ["engine_speed"]
 
 
+@pytest.mark.usefixtures("none_small")
 def test_an_mdf_file_that_would_not_fit_is_refused_with_what_fits(monkeypatch: pytest.MonkeyPatch) -> None:
     data = mixed_mdf(slice(0, 0))
     monkeypatch.setattr(importer, "free_memory", lambda: BESIDE + 10_000)
@@ -378,5 +462,7 @@ def test_a_frame_that_is_thinned_keeps_its_words_in_their_rows() -> None:
     frame.attrs["words"] = {0: pd.Series(["Lap 2"], [1]), 1: pd.Series(["x", "y"], [1, 2])}
     thinned = delimited.thinned(frame, 2)
     assert thinned[0].tolist()[2:] == [2.0, 4.0]
+    assert thinned.attrs["lines"].tolist() == [0, 1, 2, 4]
+    assert delimited.thinned(frame, 2, 3).attrs["lines"].tolist() == [4, 6]
     words = {index: cells.to_dict() for index, cells in thinned.attrs["words"].items()}
     assert words == {0: {1: "Lap 2"}, 1: {1: "x", 2: "y"}}
