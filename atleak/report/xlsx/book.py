@@ -155,7 +155,7 @@ class Book:
 
         Words take as wide a column [characters] as their longest, but of several lines at the most 48.
         """
-        say, first = self.say, row + 1
+        say, first = content.say, row + 1
         self.headings(sheet, row, content.headings)
         for number, column in enumerate(content.columns):
             places = column.places(say) if column.is_number else 0
