@@ -116,7 +116,8 @@ def test_every_command_of_the_page_does_what_it_says(
     shown = re.sub(r"\s+", " ", page)  # a page breaks long lines
     for answer in (said["controller check"], learnt[0].splitlines()[0]):
         assert re.sub(r"\s+", " ", answer).strip() in shown
-    table = [[cell.strip() for cell in line.split("│")] for line in learnt[0].splitlines() if "regulator valve/1" in line]
+    lines = [line for line in learnt[0].splitlines() if "regulator valve/1" in line]
+    table = [[cell.strip() for cell in line.split("│")] for line in lines]
     columns = re.findall(r"^\| \*\*(?:New|Sure to ±|95 % of pairs ±|Spread)\*\* \| ([\d.]+) µm \|", page, re.MULTILINE)
     assert columns == table[0][2:6]
     ranged = load_controller("my_unit.toml").lands[0]
