@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any, Literal, TextIO
 
 from rich.console import Console, ConsoleOptions, RenderableType
@@ -52,9 +53,9 @@ from atleak.views.sentences import (
     reserve_sentence,
     when_new,
 )
-from atleak.views.table import VERDICT, Column, Table
+from atleak.views.table import VERDICT, Column, Table, span
 from atleak.wording import Wording, begun, signed, wording
-from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
+from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM, UM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
@@ -124,8 +125,10 @@ def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
     counted = counted_in_speed(diagnosis, wording("en"))
     console.print(Text(f"At these speeds the pump covers the leakage and its own slip; {counted}."))
     if diagnosis.flagged:
-        flagged = pair_table(diagnosis, diagnosis.flagged, wording("en"), at=())
-        console.print(laid_out(flagged.without("decision")))
+        flagged = pair_table(diagnosis, diagnosis.flagged, wording("en"), at=()).without("decision")
+        verdict, pair, clearance, *others = flagged.columns
+        new = Column("mounting", words_of="clearance", of=_when_new)
+        console.print(laid_out(replace(flagged, columns=(verdict, pair, clearance, new, *others))))
     else:
         console.print(Text("No measured land has reached a limit."))
     for part in _matrix(diagnosis):
@@ -371,6 +374,10 @@ def _pressures(diagnosis: Diagnosis, projection: Projection) -> Iterator[str]:
             others.setdefault(circuit.verdict, []).append(f"{circuit.circuit.name} {circuit.now * KPA:.0f} kPa")
     for verdict, circuits in others.items():
         yield f"   {signed(verdict) + ': ' if verdict else ''}{', '.join(circuits)}"
+
+
+def _when_new(land: LandDiagnosis) -> str:
+    return span((end * UM for end in land.state.land.mounting_ends), "clearance", wording("en"))
 
 
 def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
