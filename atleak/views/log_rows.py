@@ -45,7 +45,7 @@ def place_table(permitted: RoadPressure, say: Wording) -> Table:
     columns = (
         Column("place_gear", digits=0, of="gear"),
         Column("place_state", of=lambda place: say(f"states.{place.state}"), width=100),
-        Column("place_judged", "time", 1, of="judged"),
+        Column("place_judged", "time", 2, of="judged"),
         Column("place_lowest", "pressure", 0, of=lambda place: worst(place, lambda at: at.pressure), times=KPA),
         Column("place_limit", "pressure", 0, of=lambda place: worst(place, lambda at: at.limit), times=KPA),
         Column(
@@ -55,8 +55,8 @@ def place_table(permitted: RoadPressure, say: Wording) -> Table:
             of=lambda place: worst(place, lambda at: max(at.fraction, 0.0)),
             times=PERCENT,
         ),
-        Column("place_below", "time", 1, of="below"),
-        Column("place_above", "time", 1, of="above"),
+        Column("place_below", "time", 2, of="below"),
+        Column("place_above", "time", 2, of="above"),
         Column("place_source", of=lambda place: worst(place, lambda at: at.source)),
     )
     return Table("places", columns, permitted.places, say)

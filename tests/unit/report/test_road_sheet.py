@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
+from pathlib import Path
 
+import openpyxl
 import pytest
 
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.job.case import Case, SourceFile
 from atleak.report.xlsx import write_workbook
 from atleak.verdicts import Verdict
 from atleak.wording import signed
@@ -26,3 +30,33 @@ def test_the_verdict_of_a_sheet_and_a_log_follows_from_the_workbooks_cells(
     sheets = calculator(write_workbook(both))
     assert sheets.value("Summary", "B2") == signed(both.verdict)
     assert sheets.value("Summary", "B4").startswith(f"Provisional. {signed(both.verdict)}: ")
+
+
+@pytest.mark.parametrize(("name", "heading"), [("Road test", "Lowest, lasting"), ("Gauge readings", "Gauge")])
+def test_values_are_in_the_units_of_their_headings_whoever_reads(
+    sample_diagnoses: dict[str, Diagnosis], sample_readings: Path, name: str, heading: str
+) -> None:
+    gauges = SourceFile.at(sample_readings.with_name("gauge_readings_five_speed.csv"))
+    gauged = Case(controller="five_speed_2005", pressures=gauges).diagnose()
+    diagnosis = gauged if name == "Gauge readings" else sample_diagnoses["workshop"]
+    metric, us = (
+        openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis, units=units)))[name] for units in ("metric", "us")
+    )
+    (head,) = [cell for row in us.iter_rows() for cell in row if str(cell.value).startswith(heading)]
+    assert str(head.value).endswith("[kPa]")
+    shown = [[sheet.cell(head.row + at, head.column) for at in range(1, 5)] for sheet in (metric, us)]
+    (values, forms), same = ([[cell.value for cell in row], [cell.number_format for cell in row]] for row in shown)
+    assert [values, forms] == same
+    assert max(filter(None, values)) > 300.0  # kPa, not psi
+
+
+def test_a_gear_is_a_number_and_seconds_have_two_decimals(sample_diagnoses: dict[str, Diagnosis]) -> None:
+    sheet = openpyxl.load_workbook(io.BytesIO(write_workbook(sample_diagnoses["workshop"])))["Road test"]
+    (gear,) = [cell for row in sheet.iter_rows() for cell in row if cell.value == "Gear"]
+    first = {sheet.cell(gear.row, at).value: sheet.cell(gear.row + 1, at) for at in range(1, 10)}
+    assert isinstance(first["Gear"].value, int | float)
+    assert {key: cell.number_format for key, cell in first.items() if key.endswith("[s]")} == {
+        "Judged for [s]": "0.00",
+        "Below for [s]": "0.00",
+        "Above for [s]": "0.00",
+    }
