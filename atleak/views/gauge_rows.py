@@ -17,6 +17,7 @@ from atleak.wording import Wording, wording
 from atleak.workshop_units import KPA, PERCENT, RPM
 
 WORTH_NAMING, LEAST_OF_A_LAND, MOST_LANDS = 0.05, 0.005, 4  # parts of a loss that causes explain, to be named
+MOST_TYPED = 3  # decimal places of a gauge reading [kPa]; more are those of a converted unit
 
 
 def gauge_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
@@ -158,7 +159,7 @@ def gauge_table(check: PressureCheck, say: Wording) -> Table:
         Column("engine_state", width=150, of=lambda each: say.sentence(each.cell.engine.label)),
         Column("tap", width=150, of=lambda each: _tap(each, say) if circuits else None),
         Column("reading_number", digits=0, width=44, of=lambda each: each.reading.repeat if repeated else None),
-        Column("gauge", "pressure", 1, of=lambda each: each.reading.pressure, times=KPA),
+        Column("gauge", "pressure", _typed_places(check), of=lambda each: each.reading.pressure, times=KPA),
         Column("permitted", words_of="pressure", of=lambda each: permissible_text(each.permissible, say)),
         Column("expected", "pressure", of=lambda each: each.expected, times=KPA),
         Column("lost", "pressure", of=lambda each: each.loss, times=KPA),
@@ -167,6 +168,12 @@ def gauge_table(check: PressureCheck, say: Wording) -> Table:
         Column("decision", width=110, of=lambda each: each.deciding and say.get("decisions", each.deciding.decision)),
     )
     return Table("gauges", shown, check.readings, say).filled
+
+
+def _typed_places(check: PressureCheck) -> int:
+    """Return how many decimal places of a kPa were typed; one of another unit seldom has a whole number of them."""
+    decimals = [len(f"{each.reading.pressure * KPA:.9g}".partition(".")[2]) for each in check.readings]
+    return max((places for places in decimals if places <= MOST_TYPED), default=0)
 
 
 def _tap(each: CheckedReading, say: Wording) -> str:

@@ -22,6 +22,7 @@ from atleak.gauges.check import CheckedReading
 from atleak.gauges.patterns import Pattern
 from atleak.intake.gauge_table import read_pressure_table
 from atleak.intake.readings import read_readings
+from atleak.job.case import Case, SourceFile
 from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable
 from atleak.readings import clearances
 from atleak.report.terminal import print_diagnosis
@@ -519,3 +520,20 @@ def test_a_reading_that_others_contradict_is_not_called_higher_than_can_be(judge
     rows = (("D", SLOW, 0.0, "clutch_a"), ("D", STALL, 1550.0, "clutch_a"))
     *_, stall = checked(judged(load_controller("zf_6hp26"), *(at(*row) for row in rows)))
     assert "contradict one another" in str(stall.unjudged)
+
+
+@pytest.mark.parametrize(
+    ("unit", "typed", "shown"),
+    [
+        ("kPa", ("870", "1240"), ["870", "1\u00a0240"]),
+        ("kPa", ("870", "450,5"), ["870.0", "450.5"]),
+        ("bar", ("8,7", "12,4"), ["870", "1\u00a0240"]),
+        ("psi", ("120", "180"), ["827", "1\u00a0241"]),
+    ],
+)
+def test_a_gauge_reading_has_the_decimals_that_were_typed(unit: str, typed: Sequence[str], shown: list[str]) -> None:
+    rows = [f"{place};slow idle;line;{each}" for place, each in zip("PR", typed, strict=True)]
+    table = "\n".join([f"range;state;tap;pressure [{unit}]", *rows]).encode()
+    check = Case(controller="five_speed_2005", pressures=SourceFile("typed.csv", table)).diagnose().pressures
+    column = next(each for each in gauge_table(check, wording("en")).columns if each.key == "gauge")
+    assert [column.text(each, wording("en")) for each in check.readings] == shown
