@@ -84,7 +84,7 @@ def asked_study(say: Wording) -> GaugeStudy | None:
     try:
         return _study((file.sha256, file.name), file, unit or None, tolerance, alpha)
     except InputError as error:
-        st.error(f"**{show.plain(say('gauge_study.not_taken', file=file.name))}** {show.plain(error)}")
+        st.error(f"**{show.plain(say('typed_entries.not_taken', file=file.name))}** {show.plain(error)}")
         return None
 
 
