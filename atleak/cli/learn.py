@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import datetime as dt
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -157,9 +158,12 @@ def _show(learned: Learned) -> None:
     from atleak.learning.words import messages, summary
     from atleak.report.terminal import print_table
     from atleak.views.learned_table import learned_lands
+    from atleak.views.table import Column
     from atleak.wording import wording
 
     print(summary(learned))
-    print_table(learned_lands(learned, wording("en")))
+    lands = learned_lands(learned, wording("en"))
+    pair = Column("pair", of=lambda each: "{}/{}".format(*each.land.key), whole=True)  # as options and records take it
+    print_table(replace(lands, columns=(pair, *lands.columns[1:])))
     for message in messages(learned):
         print(f"{'! ' if message.level == 'warning' else ''}{message.text}")

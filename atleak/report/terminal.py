@@ -126,7 +126,8 @@ def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
     console.print(Text(f"At these speeds the pump covers the leakage and its own slip; {counted}."))
     if diagnosis.flagged:
         flagged = pair_table(diagnosis, diagnosis.flagged, wording("en"), at=()).without("decision")
-        verdict, pair, clearance, *others = flagged.columns
+        verdict, _, clearance, *others = flagged.columns
+        pair = Column("pair", of=lambda land: _named(diagnosis, land))
         new = Column("mounting", words_of="clearance", of=_when_new)
         console.print(laid_out(replace(flagged, columns=(verdict, pair, clearance, new, *others))))
     else:
@@ -182,7 +183,7 @@ def _short(value: float | None) -> str:
 def _widths(content: Table, texts: Sequence[Sequence[str]]) -> tuple[list[int], int]:
     """Return the width of each column, and of the blanks beside it; no width where not even single words fit.
 
-    No number and no id is broken. What room is left goes to the longest cells, then to the longest headings.
+    No number and no id is broken. What room is left goes to cells, then to headings, each by what it lacks.
     """
     least, cells, whole = [], [], []
     for column, heading, *said in zip(content.columns, content.headings, *texts, strict=True):
@@ -198,7 +199,7 @@ def _widths(content: Table, texts: Sequence[Sequence[str]]) -> tuple[list[int], 
         return [], blanks
     for wanted in (cells, whole):
         while room > 0 and any(width < most for width, most in zip(least, wanted, strict=True)):
-            least[max(range(len(least)), key=lambda at: wanted[at] - least[at])] += 1
+            least[max(range(len(least)), key=lambda at: wanted[at] / least[at])] += 1
             room -= 1
     return least, blanks
 
@@ -313,8 +314,13 @@ def _verdict(diagnosis: Diagnosis) -> str:
         because = because_of(diagnosis, decided_by, say)
         return f"{sentence} {because}" if because else f"{sentence}, decided by the {decided_by.label}"
     assert isinstance(decided_by, LandDiagnosis)
-    component, land = decided_by.key
-    return f"{sentence}, decided by {component}/{land} {diagnosis.controller.components[component]}"
+    return f"{sentence}, decided by {_named(diagnosis, decided_by)}"
+
+
+def _named(diagnosis: Diagnosis, found: LandDiagnosis) -> str:
+    """Name a land by its id, which options and records take, and its component's name."""
+    component, land = found.key
+    return f"{component}/{land} {diagnosis.controller.components[component]}".rstrip()
 
 
 def _measured_by(diagnosis: Diagnosis) -> str:
@@ -338,8 +344,7 @@ def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
     ranked = measure_first(diagnosis)
     yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {finding(diagnosis)}"
     for each in ranked[:MEASURE_FIRST]:
-        component, land = each.land.key
-        yield f"  {component}/{land} {diagnosis.controller.components[component]}: {reason(each)}"
+        yield f"  {_named(diagnosis, each.land)}: {reason(each)}"
     if len(ranked) > MEASURE_FIRST:
         yield f"  … and {len(ranked) - MEASURE_FIRST} more that leak there"
 
@@ -413,8 +418,7 @@ def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
         as_left = "as its repair leaves it" if rows else "as new"
         yield f"Order of repair, each land {as_left} after those before it:"
     for number, step in enumerate(plan.steps, start=1):
-        component, land = step.land.key
-        yield f"{number:3}. {component}/{land} {diagnosis.controller.components[component]}: {_helps(step)}"
+        yield f"{number:3}. {_named(diagnosis, step.land)}: {_helps(step)}"
         for row in rows:
             if row.step is step:
                 yield f"       {'→' if row.chosen else 'or'} {planned(row)}"

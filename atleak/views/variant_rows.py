@@ -31,7 +31,7 @@ def table_2(results: Sequence[VariantResult], say: Wording) -> Table:
         _column("ν used [mm²/s]", say, lambda result: result.kinematic_viscosity * MM2_S, 2),
         _column("ρ [g/cm³]", say, lambda result: result.density * G_CM3, 3),
     )
-    return Table("table_2", columns, results, say)
+    return Table("table_2", columns, results, say, say("study.table_2_is"))
 
 
 def table_3(results: Sequence[VariantResult], say: Wording) -> Table:
@@ -61,7 +61,7 @@ def table_3(results: Sequence[VariantResult], say: Wording) -> Table:
         _column("U digits", say, lambda result: _digits(result.variant.printed_max_share, share(result))),
         _column("U largest", say, lambda result: _share(result.computed.max_share), 3),
     )
-    return Table("table_3", columns, results, say, told=told)
+    return Table("table_3", columns, results, say, say("study.table_3_is"), told=told)
 
 
 def _column(heading: str, say: Wording, of: Callable[[VariantResult], Any], digits: int | None = None) -> Column:

@@ -33,6 +33,13 @@ def test_names_stay_legible_in_a_terminal_of_eighty_columns(run: Run, monkeypatc
     assert "0, 51, 158" in table
 
 
+def test_a_long_source_leaves_a_name_more_than_a_word_a_line(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
+    _, out, _ = run("limits")
+    assert "atleak default" in out
+    assert len([line for line in out.splitlines() if line.startswith("│ ")]) <= 5
+
+
 def test_the_catalogue_into_a_file_is_shown_too(run: Run, tmp_path: Path) -> None:
     status, out, _ = run("limits", "--json", tmp_path / "limits.json")
     assert status == 0

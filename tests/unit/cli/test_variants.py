@@ -8,6 +8,13 @@ from collections.abc import Callable
 Run = Callable[..., tuple[int, str, str]]
 
 
+def test_the_tables_of_the_variants_have_titles_and_their_columns_are_explained(run: Run) -> None:
+    _, out, _ = run("variants")
+    for said in ("Table 2: the variants", "Table 3: most leakage", "at its maximum over the log", "U largest: of the"):
+        assert said in out
+    assert "*" not in out
+
+
 def test_variants_has_the_promised_keys(run: Run) -> None:
     status, out, err = run("variants", "--json", "-")
     assert (status, err) == (0, "")
