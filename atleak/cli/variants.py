@@ -50,5 +50,7 @@ def run(options: argparse.Namespace) -> int:
         say = wording("en")
         print_table(table_2(results, say))
         print_table(table_3(results, say))
-        print(f"Leakage in dm³/min at its maximum over the log, share in % at that instant. {say('study.table_3_help')}")
+        print(
+            f"Leakage in dm³/min at its maximum over the log, share in % at that instant. {say('study.table_3_help')}"
+        )
     return 0
