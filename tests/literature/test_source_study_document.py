@@ -69,6 +69,5 @@ def test_named_functions_and_tests_exist(text: str, root: Path) -> None:
             assert place.is_file(), name
             continue
         module, _, function = name.rpartition(".") if "." in name else (module, "", name)
-        assert hasattr(
-            importlib.import_module(module if module.startswith("tests.") else f"atleak.{module}"), function
-        ), name
+        whole = module if module.startswith("tests.") else f"atleak.{module}"
+        assert hasattr(importlib.import_module(whole), function), name
