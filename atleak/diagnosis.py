@@ -8,10 +8,11 @@ from functools import cached_property, partial
 
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.complaints import Complaint
-from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, Land, OperatingPoint
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
 from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
+from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import Repair
 from atleak.driven import classes_over, driven, evaluated

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Limits
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.road_bands import TemperatureClass, temperature_classes
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test

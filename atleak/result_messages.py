@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
-from atleak.catalogue.controller import Controller, NewOrigin, OperatingPoint
+from atleak.catalogue.controller import Controller, NewOrigin
 from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.driven import Driven
 from atleak.engine.leakage import narrow_gap_messages

@@ -14,8 +14,8 @@ from functools import cached_property
 
 from atleak.catalogue.circuits import Circuit, PermissiblePressure, StandingPressure
 from atleak.catalogue.complaints import LandKey
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import ROUNDING, Level, LimitOrigin, Limits, RuleKind, Steps, falls_below
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.engine.projection import Projection
 from atleak.readings import LandClearance

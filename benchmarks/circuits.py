@@ -21,9 +21,10 @@ from scipy.optimize import root
 from timing import median_time, options
 
 from atleak.catalogue.circuits import Circuit, Feed, SetPressure
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel

@@ -15,10 +15,11 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits, load_limits
+from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
 from atleak.uncertainty.propagation import DRAWS, DRAWS_OF_CIRCUITS
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -8,21 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from atleak.catalogue.circuit_tables import SelectorRange, StandingState, State
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.errors import unknown
 from atleak.sentence import Sentence
-
-if TYPE_CHECKING:
-    from atleak.catalogue.controller import OperatingPoint
-
-IDLE_SPEED = (
-    1000.0 / 60.0
-)  # [1/s] under which an engine in gear idles, where nothing else says so: choice of this project
 
 
 @dataclass(frozen=True)

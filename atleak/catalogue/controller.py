@@ -14,7 +14,6 @@ import numpy as np
 
 from atleak.catalogue.circuit_tables import SelectorRange, StandingState, State
 from atleak.catalogue.circuits import (
-    IDLE_SPEED,
     Circuit,
     Consumer,
     Leak,
@@ -26,6 +25,7 @@ from atleak.catalogue.complaints import Complaint, LandKey, find_complaint
 from atleak.catalogue.controller_tables import PART_NAMES, SEALS, ControllerFile, NewOrigin, PartKind, Seal
 from atleak.catalogue.entries import Evidence, Origin
 from atleak.catalogue.instruments import Part
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump, PumpClearances
 from atleak.catalogue.repairs import Repair
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
@@ -33,8 +33,6 @@ from atleak.equations import clearance as clearance_equations
 from atleak.errors import Message
 from atleak.sentence import Sentence
 
-HOT_IDLE = "hot_idle"
-STATED = "stated"  # name of the condition that a job states: no point of a file has it
 REFERENCE_TEMPERATURE = 20.0  # °C, at which clearances are measured
 
 
@@ -199,43 +197,6 @@ class Gap:
     @property
     def published(self) -> bool:
         return self.evidence is Evidence.PUBLISHED
-
-
-@dataclass(frozen=True)
-class OperatingPoint:
-    """A stated condition at which leakage and pump are compared."""
-
-    name: str
-    label: str
-    temperature: float  # [°C]
-    engine_speed: float  # [1/s]
-    gear: int
-    main_pressure: float  # [Pa]
-    converter_pressure: float  # [Pa]
-    source: str
-    stated_state: State | None = None  # where the file says it
-    solenoid_current: float | None = None  # [A]
-    lockup_duty: float | None = None  # [-] of the lock-up solenoid, 0 to 1
-    values_of: str = ""  # name of the file's point whose set pressures and flows hold here; "" for its own
-
-    def __format__(self, specification: str) -> str:
-        """Write the point's label, as the file has it."""
-        return format(self.label, specification)
-
-    @property
-    def is_stated(self) -> bool:
-        """Whether a job states it, so that no file names it."""
-        return self.name == STATED
-
-    @property
-    def state(self) -> State:
-        """Return whether the engine idles, the converter stalls or the vehicle drives; by speed unless stated."""
-        return self.stated_state or ("idle" if self.engine_speed < IDLE_SPEED else "driving")
-
-    @property
-    def like(self) -> str:
-        """Return the name of the point of the controller's file whose set pressures and flows hold here."""
-        return self.values_of or self.name
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from atleak.catalogue.circuit_reading import (
     read_standing,
 )
 from atleak.catalogue.complaints import Complaint, ComplaintTable, LandKey, written_land
-from atleak.catalogue.controller import STATED, Controller, Gap, Land, OperatingPoint
+from atleak.catalogue.controller import Controller, Gap, Land
 from atleak.catalogue.controller_tables import (
     ComponentTable,
     ControllerFile,
@@ -36,6 +36,7 @@ from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Evidence, Origin, listed, read_tables
 from atleak.catalogue.keys import made
 from atleak.catalogue.limits import DEFAULT_LIMITS, load_limits, reaches
+from atleak.catalogue.operating_point import STATED, OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_reading import read_pump
 from atleak.catalogue.reading import Reading, Steps

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import NO_CLEARANCES
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.sentence import Name, Sentence

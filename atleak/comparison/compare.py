@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
-from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.comparison.changes import Change, change_between, clearance_change
 from atleak.comparison.choices import differing_choices, judged_as, same_condition
 from atleak.comparison.logs import compared_logs

@@ -9,8 +9,8 @@ from types import MappingProxyType
 import numpy as np
 
 from atleak.catalogue.circuit_tables import State
-from atleak.catalogue.circuits import IDLE_SPEED
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.operating_point import IDLE_SPEED, OperatingPoint
 from atleak.errors import Message
 from atleak.road_test import Channel, RoadTest
 from atleak.sentence import Sentence, in_a_row

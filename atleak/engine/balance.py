@@ -24,7 +24,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from atleak.catalogue.circuits import Circuit
-from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.restrictions import Branch, Gap, Orifice, Restriction, leaks_both_ways
 from atleak.equations import orifice as orifice_equations
 

@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.controller import Gap, OperatingPoint
+from atleak.catalogue.controller import Gap
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import SECTIONS
 from atleak.engine import circuits, restrictions
 from atleak.engine.balance import Balance

@@ -22,7 +22,8 @@ import numpy as np
 
 from atleak.catalogue import controller as catalogue
 from atleak.catalogue.circuits import Circuit
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.balance import Balance, balance
 from atleak.engine.restrictions import Branch, Gap, Orifice, Restriction, leaks_both_ways

@@ -9,7 +9,7 @@ from enum import StrEnum
 from types import MappingProxyType
 
 from atleak.catalogue.complaints import LandKey
-from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.circuits import Balance, Network
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import LINE, hold, wanted

@@ -24,8 +24,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Gap, Land, OperatingPoint
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Gap, Land
 from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.section_pressures import SECTIONS
 from atleak.engine import circuits, restrictions

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.circuits import SetPressure
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.balance import Balance
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import PumpFlow

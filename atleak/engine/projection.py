@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from atleak.catalogue.circuits import Circuit, Leak, PermissiblePressure
-from atleak.catalogue.controller import STATED, Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.operating_point import STATED, OperatingPoint
 from atleak.engine.circuits import Balance, Network, leaks_both_ways
 from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
 from atleak.engine.line import SURELY_LESS, Held, consumed, hold

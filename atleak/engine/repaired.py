@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.complaints import LandKey
-from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import LINE, hold

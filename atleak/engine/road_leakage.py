@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.circuits import Circuit
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.extremes import Extremes, Instant, SeriesExtremes, first_largest, share_of, sustained_window
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.road_samples import RoadSamples, Tally, refuse_without_pressure, said_of_assumed, samples_of

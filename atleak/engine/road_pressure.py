@@ -12,8 +12,8 @@ from typing import Literal
 import numpy as np
 
 from atleak.catalogue.circuit_tables import State
-from atleak.catalogue.circuits import IDLE_SPEED
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.operating_point import IDLE_SPEED
 from atleak.engine.lasting import CountedSamples, Lasting
 from atleak.events import Thresholds
 from atleak.events.event import gear_engaged, rolling_samples, standing_samples

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.extremes import share_of
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.series import LeakageSeries, leakage_series

@@ -46,7 +46,8 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, OperatingPoint
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import SECTIONS
 from atleak.engine.circuit_series import CircuitLog
 from atleak.engine.gap_polynomials import follows_polynomial, polynomial, without_entry_loss

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import RuleKind
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import DECISION_MARKS, SCREEN

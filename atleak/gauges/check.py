@@ -12,9 +12,10 @@ import numpy as np
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.circuits import Circuit, StandingPressure
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind, Steps
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import LINE as LINE_SECTION
 from atleak.engine.projection import Projection, project

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Level, reaches
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import repaired

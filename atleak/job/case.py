@@ -15,7 +15,7 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any, Protocol, Self, TypedDict, TypeVar
 
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.entries import own_files, shipped_files
 from atleak.catalogue.fluid import FluidState, load_fluid
@@ -27,6 +27,7 @@ from atleak.catalogue.instruments import (
     load_instrument,
 )
 from atleak.catalogue.limits import DEFAULT_LIMITS, load_limits
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import find_repairs
 from atleak.diagnosis import Diagnosis, diagnose

@@ -13,9 +13,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from atleak.catalogue.circuit_tables import State
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.entries import Origin, catalogue_files
 from atleak.catalogue.fluid import FluidState
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.doors import own_errors_only
 from atleak.engine.profile import find_profile

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import RuleKind, falls_below, reaches
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.line import LINE
 from atleak.engine.projection import Projection

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.extremes import Instant
 from atleak.engine.leakage import LeakageModel, named_land
 from atleak.engine.projection import Projection

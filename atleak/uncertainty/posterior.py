@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.circuits import SHARP, Network
 from atleak.engine.leakage import LeakageModel

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Limits
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.balance import Balance
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel, PumpFlow

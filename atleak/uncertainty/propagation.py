@@ -22,8 +22,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Limits, Steps
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.balance import Balance
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel

@@ -16,8 +16,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid, ViscosityModel, load_fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import with_wear

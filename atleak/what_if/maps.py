@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Level
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.line import LINE, hold

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Literal
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.fluid import Fluid, FluidState
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import stated_condition

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.uncertainty import Assumptions
 from simulated.pairs import Pair
 

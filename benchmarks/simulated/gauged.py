@@ -15,9 +15,10 @@ from typing import Literal
 import numpy as np
 
 from atleak.catalogue.circuits import Leak
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP

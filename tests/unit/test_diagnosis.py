@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid, FluidState, load_fluid
 from atleak.catalogue.limits import Limits, load_limits
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, PROFILES, Profile

@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller import Controller, Land, OperatingPoint
+from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.catalogue.entries import read_tables
 from atleak.catalogue.fluid import Fluid, fluids, load_fluid
 from atleak.catalogue.limits import Limits, RuleKind
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PROFILES

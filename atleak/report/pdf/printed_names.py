@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
-from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.extremes import Instant
 from atleak.job.estimate import estimate

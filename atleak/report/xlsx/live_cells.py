@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.instruments import Part
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import SECTIONS, Pressure
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection

@@ -13,7 +13,8 @@ import numpy as np
 from scipy.optimize import brentq, root
 
 from atleak.catalogue.circuits import Circuit, Feed, Following, SetPressure
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.circuits import Network
 from atleak.engine.restrictions import Branch, Gap, Orifice

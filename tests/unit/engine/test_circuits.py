@@ -16,8 +16,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.catalogue.circuits import Following, SetPressure
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.balance import BALANCED, Balance
 from atleak.engine.circuits import Network

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import PressureRelation
 from atleak.engine.leakage import GapLaw, LeakageModel, gap_messages, narrow_gap_messages
 from atleak.engine.profile import PAPER, WORKSHOP, Profile

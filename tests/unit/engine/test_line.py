@@ -13,9 +13,10 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from atleak.catalogue.circuits import Consumer, Following, SetPressure
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.flows import ENDS, Kind, Place, flows_at
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import Held, hold, sections_held

@@ -9,8 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test

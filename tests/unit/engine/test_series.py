@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.gap_polynomials import ENTRY_LOSS_LEFT_OUT
 from atleak.engine.leakage import GapLaw, LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
