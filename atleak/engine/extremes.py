@@ -7,9 +7,8 @@ sample cannot move: people read these first. Where several samples are equal but
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -38,41 +37,6 @@ def share_of(leakage: np.ndarray, capacity: np.ndarray) -> np.ndarray:
     return leakage / np.where(capacity > 0.0, capacity, np.nan)
 
 
-class Extremes(Protocol):
-    """The extremes of the leakage over a log, or over some of its samples."""
-
-    @property
-    def window(self) -> float: ...  # [s] of the running median
-    @property
-    def samples(self) -> int: ...  # that count
-    @property
-    def max_leakage(self) -> Instant: ...
-    @property
-    def min_leakage(self) -> Instant: ...
-    @property
-    def max_share(self) -> Instant | None: ...  # None where no sample has one
-    @property
-    def max_leakage_sustained(self) -> Instant | None: ...  # None where no window holds enough samples
-    @property
-    def max_share_sustained(self) -> Instant | None: ...
-    @property
-    def instants(self) -> tuple[Instant, ...]: ...
-
-
-def instants_of(extremes: Extremes) -> tuple[Instant, ...]:
-    """Return every extreme there is."""
-    every = (
-        extremes.max_leakage, extremes.min_leakage, extremes.max_share, extremes.max_leakage_sustained,
-        extremes.max_share_sustained,
-    )  # fmt: skip
-    return tuple(instant for instant in every if instant is not None)
-
-
-def larger(value: float, other: float) -> bool:
-    """Tell whether a value is larger than another by more than rounding."""
-    return value - other > ROUNDING * abs(other)
-
-
 def first_largest(values: np.ndarray) -> int:
     """Return the first place of the largest value, or of one that equals it but for rounding; NaN is left out.
 
@@ -84,8 +48,8 @@ def first_largest(values: np.ndarray) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class SeriesExtremes:
-    """The extremes of some samples, each worked out when it is asked for.
+class Extremes:
+    """The extremes of the leakage over a log, or over some of its samples, each worked out when it is asked for.
 
     Arrays have shape (samples,). ``leakage`` is NaN where a sample does not count and finite in one at least.
     """
@@ -95,29 +59,22 @@ class SeriesExtremes:
     pump_capacity: np.ndarray | None  # [m³/s]
     segments: Sequence[Segment]
     window: float  # [s] of the running median
-    clock: np.ndarray | None = None  # as `clock_of` gives it for the log of which these samples are a part
-    core: slice = field(
-        default_factory=lambda: slice(None)
-    )  # those that may be an extreme: the others stand around them
-    first: int = 0  # number of the first sample in the log
 
     @cached_property
     def max_leakage(self) -> Instant:
         """Return the sample with the largest leakage."""
-        return self._at(self._largest(self.leakage))
+        return self._at(first_largest(self.leakage))
 
     @cached_property
     def min_leakage(self) -> Instant:
         """Return the sample with the smallest leakage."""
-        return self._at(self._largest(-self.leakage))
+        return self._at(first_largest(-self.leakage))
 
     @cached_property
     def max_share(self) -> Instant | None:
         """Return the sample with the largest share; None where no sample has one."""
         share = self._share
-        if share is None or not np.isfinite(share[self.core]).any():
-            return None
-        return self._at(self._largest(share))
+        return None if share is None or not np.isfinite(share).any() else self._at(first_largest(share))
 
     @cached_property
     def max_leakage_sustained(self) -> Instant | None:
@@ -132,34 +89,34 @@ class SeriesExtremes:
     @property
     def instants(self) -> tuple[Instant, ...]:
         """Return every extreme there is."""
-        return instants_of(self)
+        every = (
+            self.max_leakage, self.min_leakage, self.max_share, self.max_leakage_sustained, self.max_share_sustained,
+        )  # fmt: skip
+        return tuple(instant for instant in every if instant is not None)
 
     @property
     def samples(self) -> int:
         """Return how many samples count."""
-        return int(np.count_nonzero(np.isfinite(self.leakage[self.core])))
+        return int(np.count_nonzero(np.isfinite(self.leakage)))
 
     @cached_property
     def _share(self) -> np.ndarray | None:
         return None if self.pump_capacity is None else share_of(self.leakage, self.pump_capacity)
 
-    def _largest(self, values: np.ndarray) -> int:
-        return (self.core.start or 0) + first_largest(values[self.core])
-
     def _at(self, sample: int) -> Instant:
         flow = float(self.leakage[sample])
         capacity = None if self.pump_capacity is None else _known(float(self.pump_capacity[sample]))
         share = flow / capacity if capacity else None
-        return Instant(float(self.time[sample]), flow, capacity, share, self.first + sample)
+        return Instant(float(self.time[sample]), flow, capacity, share, sample)
 
     def _sustained(self, values: np.ndarray) -> Instant | None:
         if not np.isfinite(values).any():
             return None
-        clock = clock_of(self.time, self.segments, self.window) if self.clock is None else self.clock
+        clock = clock_of(self.time, self.segments, self.window)
         medians = running_median(values, clock, self.window)
-        if not np.isfinite(medians[self.core]).any():
+        if not np.isfinite(medians).any():
             return None
-        middle = self._largest(medians)
+        middle = first_largest(medians)
         near = np.flatnonzero(np.abs(clock - clock[middle]) <= 0.5 * self.window * (1.0 + 1e-9))
         near = near[np.isfinite(values[near])]
         capacity = None if self.pump_capacity is None else self.pump_capacity[near]
@@ -171,20 +128,15 @@ class SeriesExtremes:
             leakage=float(np.median(self.leakage[near])),
             pump_capacity=None if capacity is None else _median(capacity),
             share=None if share is None else _median(share),
-            sample=self.first + int(near[nearest]),
+            sample=int(near[nearest]),
         )
 
 
-def sustained_window(road_test: RoadTest, usual_step: float | None = None) -> float:
+def sustained_window(road_test: RoadTest) -> float:
     """Return the length of the running median for a log [s].
 
     Half a second or, where a pressure or the engine speed is sampled more slowly than ten times a second, five of its
     intervals: otherwise a single answer that the logger holds would fill the window.
-
-    Parameters
-    ----------
-    usual_step
-        median step of the log's time [s], where its samples do not stand in it: that of a derived channel.
     """
     intervals = [SUSTAINED_SECONDS / SUSTAINED_SAMPLES]
     for channel in (road_test.channel(name) for name in _LIVELY):
@@ -194,8 +146,6 @@ def sustained_window(road_test: RoadTest, usual_step: float | None = None) -> fl
         interval = _median(steps[steps > 0.0]) if len(steps) else None
         if channel.sampling_hz > 0.0:
             interval = 1.0 / channel.sampling_hz
-        elif channel.source == "derived" and usual_step is not None:
-            interval = usual_step
         intervals.append(interval or 0.0)
     return SUSTAINED_SAMPLES * max(intervals)
 

@@ -5,30 +5,19 @@ Pressure rises and falls within a shift and sensors err for single samples; neit
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 import pandas as pd
 from pandas.api.indexers import BaseIndexer
 
 from atleak.engine.extremes import SUSTAINED_SECONDS, clock_of, running_median
-from atleak.events import Event, Thresholds, engine_starts, gear_shifts
+from atleak.events import Thresholds, engine_starts, gear_shifts
 from atleak.events.event import segments, within
 from atleak.road_test import RoadTest
 
 LASTING = 1.0  # [s] that a value must last, and under which a shift does not count: choice of this project
-ENOUGH = LASTING * (1.0 - 1e-9)
-NEVER = -1e300  # stands for an unknown value, below all others: pandas' windows leave out what is not finite
-APART = 10.0 * LASTING  # [s] between two segments on the clock that counts: more than any window
-
-
-def events_cut_out(events: Iterable[Event]) -> list[Event]:
-    """Return the events whose samples do not count: starts of the engine, and shifts shorter than a second."""
-    return [
-        event
-        for event in events
-        if event.kind == "engine_start" or (event.kind == "gear_shift" and event.duration < LASTING)
-    ]
+_ENOUGH = LASTING * (1.0 - 1e-9)
+_NEVER = -1e300  # stands for an unknown value, below all others: pandas' windows leave out what is not finite
+_APART = 10.0 * LASTING  # [s] between two segments on the clock that counts: more than any window
 
 
 class CountedSamples:
@@ -39,7 +28,8 @@ class CountedSamples:
 
     def __init__(self, road_test: RoadTest) -> None:
         self.time, self._segments = road_test.time, road_test.segments
-        cut_out = events_cut_out((*engine_starts(road_test), *gear_shifts(road_test)))
+        shifts = (event for event in gear_shifts(road_test) if event.duration < LASTING)
+        cut_out = (*engine_starts(road_test), *shifts)
         engine, out = road_test.values("engine_speed"), within(self.time, cut_out)
         if engine is not None:
             out |= engine < Thresholds.idle_low
@@ -53,7 +43,7 @@ class CountedSamples:
             out, 0.0, steps
         )  # [s] to the next sample of the same segment; 0 of one that does not count
         elapsed = np.cumsum(self.steps) - self.steps
-        self.clock = elapsed[self.samples] + APART * self.part  # [s] of those that count
+        self.clock = elapsed[self.samples] + _APART * self.part  # [s] of those that count
 
     def time_of(self, mask: np.ndarray) -> float:
         """Return how long some of the log's samples take [s], each until the next one of its segment."""
@@ -80,16 +70,17 @@ class Lasting:
     def __init__(self, counted: CountedSamples, values: np.ndarray) -> None:
         self.excess, self._counted = values, counted
         samples, clock, part = counted.samples, counted.clock, counted.part
-        known = np.where(np.isnan(values), NEVER, values)[samples]
+        known = np.where(np.isnan(values), _NEVER, values)[samples]
         begins = np.searchsorted(part, part)  # first sample of each one's segment
-        since = np.searchsorted(clock, clock - ENOUGH, side="right") - 1
+        since = np.searchsorted(clock, clock - _ENOUGH, side="right") - 1
         self._since = np.maximum(since, begins)
         # of the second that ends with each sample
-        self._least = np.where(since >= begins, least_since(known, self._since), NEVER)
+        least = pd.Series(known).rolling(_Windows(self._since), min_periods=1).min().to_numpy()
+        self._least = np.where(since >= begins, least, _NEVER)
         over = known > 0.0
         edges = np.flatnonzero((np.diff(over, prepend=~over[:1]) != 0) | (np.diff(part, prepend=-1) != 0))
         stops = np.append(edges[1:], len(samples))[: len(edges)] - 1
-        kept = over[edges] & (clock[stops] - clock[edges] >= ENOUGH)
+        kept = over[edges] & (clock[stops] - clock[edges] >= _ENOUGH)
         self._starts, self._stops = edges[kept], stops[kept]
         self.outside = np.zeros(len(values), bool)  # in a stretch outside that lasts
         for start, stop in zip(self._starts, self._stops, strict=True):
@@ -97,8 +88,8 @@ class Lasting:
 
     def worst(self, among: np.ndarray) -> int | None:
         """Return the sample at which the worst second is least bad; None where none of these samples ends one."""
-        least = np.where(among[self._counted.samples], self._least, NEVER)
-        if not np.max(least, initial=NEVER) > NEVER:
+        least = np.where(among[self._counted.samples], self._least, _NEVER)
+        if not np.max(least, initial=_NEVER) > _NEVER:
             return None
         end = int(np.argmax(least))
         window = self._counted.samples[self._since[end] : end + 1]
@@ -113,11 +104,6 @@ class Lasting:
         if number < 0 or place > self._stops[number]:
             return float(time[sample]), float(time[sample])
         return float(time[samples[self._starts[number]]]), float(time[samples[self._stops[number]]])
-
-
-def least_since(values: np.ndarray, begins: np.ndarray) -> np.ndarray:
-    """Return the least of the values from a given one on to each of them."""
-    return pd.Series(values).rolling(_Windows(begins), min_periods=1).min().to_numpy()
 
 
 class _Windows(BaseIndexer):

@@ -6,9 +6,10 @@ engine stands or starts, nor those of short shifts (`atleak.engine.lasting`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -51,26 +52,63 @@ def temperature_classes(road: RoadLeakage, limits: Steps, unworn: LeakageModel |
         the same unit as it may have been when new (`model_unworn`), over which growth is judged; None for one that was
         not measured, whose share is in no band.
     """
-    sums = TemperatureSums()
-    if (temperature := road.road_test.values("atf_temperature")) is not None:
-        sums.add(
-            seconds=CountedSamples(road.road_test).steps,
-            temperature=temperature,
-            leakage=road.leakage,
-            share=road.share,
-            pressure=logged_pressure(road),
-            bands=None if unworn is None else share_bands(road, limits, unworn),
-        )
-    return sums.classes
+    temperature = road.road_test.values("atf_temperature")
+    if temperature is None:
+        return ()
+    seconds = CountedSamples(road.road_test).steps
+    counting = (seconds > 0.0) & np.isfinite(temperature) & np.isfinite(road.leakage)
+    numbers = np.floor(np.where(counting, temperature, 0.0) / CLASS_WIDTH).astype(int)
+    pressure = road.road_test.values("main_pressure") if _logged(road) else None
+    bands = None if unworn is None else _share_bands(road, limits, unworn)
+    return tuple(
+        _class(number, np.flatnonzero(counting & (numbers == number)), seconds, road, pressure, bands)
+        for number in np.unique(numbers[counting]).tolist()
+    )
 
 
-def logged_pressure(road: RoadLeakage) -> np.ndarray | None:
-    """Return the main pressure of every sample [Pa]; None where it is only assumed."""
+def _logged(road: RoadLeakage) -> bool:
     channel = road.road_test.channel("main_pressure")
-    return None if channel is None or channel.source != "logged" else road.road_test.values("main_pressure")
+    return channel is not None and channel.source == "logged"
 
 
-def share_bands(road: RoadLeakage, limits: Steps, unworn: LeakageModel) -> np.ndarray | None:
+def _class(
+    number: int,
+    here: np.ndarray,
+    seconds: np.ndarray,
+    road: RoadLeakage,
+    pressure: np.ndarray | None,
+    bands: np.ndarray | None,
+) -> TemperatureClass:
+    """Sum up the samples of one class; ``bands`` has the place in `BANDS` of every share, −1 where it is in none."""
+    time, share = seconds[here], road.share
+    whole = float(np.sum(time))
+    in_bands = [0.0 if bands is None else float(np.sum(time[bands[here] == place])) for place in range(len(BANDS))]
+    share_mean, share_max = (None, None) if share is None else _mean_and(np.max, share[here], time)
+    pressure_mean, pressure_min = (None, None) if pressure is None else _mean_and(np.min, pressure[here], time)
+    return TemperatureClass(
+        low=number * CLASS_WIDTH,
+        high=(number + 1) * CLASS_WIDTH,
+        seconds=whole,
+        in_bands=MappingProxyType(dict(zip(BANDS, in_bands, strict=True))),
+        share_mean=share_mean,
+        share_max=share_max,
+        pressure_mean=pressure_mean,
+        pressure_min=pressure_min,
+        leakage_mean=float(np.sum(road.leakage[here] * time)) / whole,
+    )
+
+
+def _mean_and(
+    end: Callable[[np.ndarray], Any], values: np.ndarray, time: np.ndarray
+) -> tuple[float, float] | tuple[None, None]:
+    """Return the mean over time of the values that are known, and their least or largest; None of none."""
+    known = np.isfinite(values)
+    if not known.any():
+        return None, None
+    return float(np.sum(values[known] * time[known])) / float(np.sum(time[known])), float(end(values[known]))
+
+
+def _share_bands(road: RoadLeakage, limits: Steps, unworn: LeakageModel) -> np.ndarray | None:
     """Return the place in `BANDS` of every sample's share, −1 where it is not known; None where no share is.
 
     Growth is judged against what the unworn unit draws at the same sample, of the flow that the pump delivers now.
@@ -90,84 +128,3 @@ def bands_of(share: np.ndarray, new: np.ndarray, limits: Steps) -> np.ndarray:
         reached = np.where(limit == 0.0, share > ROUNDING, share > limit - ROUNDING * np.abs(limit))
         places[known & reached] = BANDS.index(Band(level))
     return places
-
-
-@dataclass
-class _Sums:
-    """Sums over the samples of one class: times [s], and values times time."""
-
-    seconds: float = 0.0
-    bands: np.ndarray = field(default_factory=lambda: np.zeros(len(BANDS)))
-    leakage: float = 0.0
-    with_share: float = 0.0  # [s]
-    share: float = 0.0
-    share_max: float = -np.inf
-    with_pressure: float = 0.0  # [s]
-    pressure: float = 0.0
-    pressure_min: float = np.inf
-
-
-class TemperatureSums:
-    """The classes of a log as they grow; samples may be added in several parts."""
-
-    def __init__(self) -> None:
-        self._sums: dict[int, _Sums] = {}
-
-    def add(
-        self,
-        *,
-        seconds: np.ndarray,
-        temperature: np.ndarray,
-        leakage: np.ndarray,
-        share: np.ndarray | None,
-        pressure: np.ndarray | None,
-        bands: np.ndarray | None,
-    ) -> None:
-        """Add some samples; arrays have shape (samples,).
-
-        Parameters
-        ----------
-        seconds
-            for which each counts.
-        temperature, leakage, share, pressure
-            [°C], [m³/s], a fraction, [Pa]; NaN where not known, and None where they are not at all.
-        bands
-            place in `BANDS` of every share, −1 where it is in none; None where none is judged.
-        """
-        counting = (seconds > 0.0) & np.isfinite(temperature) & np.isfinite(leakage)
-        numbers = np.floor(np.where(counting, temperature, 0.0) / CLASS_WIDTH).astype(int)
-        for number in np.unique(numbers[counting]).tolist():
-            here = np.flatnonzero(counting & (numbers == number))
-            sums, time = self._sums.setdefault(number, _Sums()), seconds[here]
-            sums.seconds += float(np.sum(time))
-            sums.leakage += float(np.sum(leakage[here] * time))
-            if bands is not None:
-                sums.bands += [float(np.sum(time[bands[here] == place])) for place in range(len(BANDS))]
-            if share is not None and (known := np.isfinite(share[here])).any():
-                values = share[here][known]
-                sums.with_share += float(np.sum(time[known]))
-                sums.share += float(np.sum(values * time[known]))
-                sums.share_max = max(sums.share_max, float(values.max()))
-            if pressure is not None and (known := np.isfinite(pressure[here])).any():
-                values = pressure[here][known]
-                sums.with_pressure += float(np.sum(time[known]))
-                sums.pressure += float(np.sum(values * time[known]))
-                sums.pressure_min = min(sums.pressure_min, float(values.min()))
-
-    @property
-    def classes(self) -> tuple[TemperatureClass, ...]:
-        """Return the classes as they stand, the coldest first."""
-        return tuple(
-            TemperatureClass(
-                low=number * CLASS_WIDTH,
-                high=(number + 1) * CLASS_WIDTH,
-                seconds=sums.seconds,
-                in_bands=MappingProxyType(dict(zip(BANDS, sums.bands.tolist(), strict=True))),
-                share_mean=sums.share / sums.with_share if sums.with_share else None,
-                share_max=sums.share_max if sums.with_share else None,
-                pressure_mean=sums.pressure / sums.with_pressure if sums.with_pressure else None,
-                pressure_min=sums.pressure_min if sums.with_pressure else None,
-                leakage_mean=sums.leakage / sums.seconds,
-            )
-            for number, sums in sorted(self._sums.items())
-        )

@@ -10,9 +10,9 @@ import numpy as np
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.engine.extremes import Extremes, Instant, SeriesExtremes, first_largest, share_of, sustained_window
+from atleak.engine.extremes import Extremes, Instant, first_largest, share_of, sustained_window
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.road_samples import RoadSamples, Tally, refuse_without_pressure, said_of_assumed, samples_of
+from atleak.engine.road_samples import RoadSamples, hottest, said_of_assumed, said_of_samples, samples_of
 from atleak.errors import Message
 from atleak.events import Thresholds, engine_starts
 from atleak.events.event import within
@@ -66,7 +66,20 @@ class RoadLeakage:
 
     def condition_at(self, instant: Instant) -> OperatingPoint:
         """Return the pressures, temperature, gear and speed of an instant's sample."""
-        return condition_of(self.road_test, instant.sample, instant, self.assumed)
+        logged: dict[str, Any] = {}
+        for quantity in ("main_pressure", "converter_pressure", "atf_temperature", "engine_speed", "gear"):
+            values = self.road_test.values(quantity)
+            if values is not None and np.isfinite(values[instant.sample]):
+                logged[_FIELDS.get(quantity, quantity)] = float(values[instant.sample])
+        return replace(
+            self.assumed,
+            name=f"sample_{instant.sample}",
+            label=f"{instant.time:.2f} s of {self.road_test.file}",
+            gear=int(logged.pop("gear", self.assumed.gear)),
+            source=f"sample {instant.sample + 1} of the log",
+            values_of=self.assumed.like,
+            **logged,
+        )
 
     @property
     def max_leakage(self) -> Instant:
@@ -82,20 +95,6 @@ class RoadLeakage:
     def max_share(self) -> Instant | None:
         """Return the sample with the largest share, the moments after a start apart; None where no sample has one."""
         return self.extremes.max_share
-
-
-def condition_of(road_test: RoadTest, row: int, instant: Instant, assumed: OperatingPoint) -> OperatingPoint:
-    """Return the pressures, temperature, gear and speed of an instant, whose sample is a row of a road test."""
-    logged: dict[str, Any] = {}
-    for quantity in ("main_pressure", "converter_pressure", "atf_temperature", "engine_speed", "gear"):
-        values = road_test.values(quantity)
-        if values is not None and np.isfinite(values[row]):
-            logged[_FIELDS.get(quantity, quantity)] = float(values[row])
-    label = f"{instant.time:.2f} s of {road_test.file}"
-    gear = int(logged.pop("gear", assumed.gear))
-    source = f"sample {instant.sample + 1} of the log"
-    name = f"sample_{instant.sample}"
-    return replace(assumed, name=name, label=label, gear=gear, source=source, values_of=assumed.like, **logged)
 
 
 def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint) -> RoadLeakage:
@@ -114,13 +113,13 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     RoadTestError
         where the log has no main pressure, no usable column or sample of it, or only negative ones: it says which.
     """
-    refuse_without_pressure(road_test, *ends_of(road_test.values("main_pressure")))
-    samples, tally = samples_of(model, road_test, assumed), Tally()
-    tally.add(model, samples)
-    tally.refuse_nothing_known(model, road_test.file)
+    samples = samples_of(model, road_test, assumed)
     series, capacity = samples.series, samples.pump_capacity
-    messages = [*said_of_assumed(road_test, assumed), *tally.messages(model, with_speed=capacity is not None)]
-    extremes, start = _extremes(road_test, series.total, capacity, messages)
+    hotter = int(np.count_nonzero((samples.temperature > hottest(model)) & (samples.main > 0.0)))
+    messages = [*said_of_assumed(road_test, assumed), *said_of_samples(model, samples, hotter)]
+    starts = engine_starts(road_test)
+    starting = within(road_test.time, starts)
+    extremes, start = _extremes(road_test, samples, starting & samples.known, len(starts), messages)
     return RoadLeakage(
         road_test=road_test,
         assumed=assumed,
@@ -128,52 +127,37 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         leakage=series.total,
         sections=series.sections,
         circuits=series.circuits,
-        circuit_ranges=_circuit_ranges(model.controller, road_test, samples),
+        circuit_ranges=_circuit_ranges(model.controller, road_test, samples, starting),
         pump_capacity=capacity,
-        gears=tuple(sorted(tally.gears)),
+        gears=tuple(sorted({int(number) for number in np.unique(samples.gear[samples.known])})),
         section_shares=_section_shares(series.sections, road_test.time),
         extremes=extremes,
         start=start,
-        lower_bound=tally.hotter > 0,
+        lower_bound=hotter > 0,
         messages=tuple(messages),
     )
 
 
-def ends_of(values: np.ndarray | None) -> tuple[float, float]:
-    """Return the lowest and highest of some values, NaN left out; NaN where there are none."""
-    if values is None:
-        return np.nan, np.nan
-    return float(np.fmin.reduce(values, initial=np.nan)), float(np.fmax.reduce(values, initial=np.nan))
-
-
 def _extremes(
-    road_test: RoadTest, leakage: np.ndarray, capacity: np.ndarray | None, messages: list[Message]
+    road_test: RoadTest, samples: RoadSamples, starting: np.ndarray, starts: int, messages: list[Message]
 ) -> tuple[Extremes, Extremes | None]:
     """Return the extremes without the moments after a start of the engine, and those of these moments."""
-    window = sustained_window(road_test)
+    window, leakage = sustained_window(road_test), samples.series.total
 
     def of(counting: np.ndarray) -> Extremes:
-        return SeriesExtremes(road_test.time, counting, capacity, road_test.segments, window)
+        return Extremes(road_test.time, counting, samples.pump_capacity, road_test.segments, window)
 
-    starts = engine_starts(road_test)
-    starting = within(road_test.time, starts) & np.isfinite(leakage)
     if not starting.any():
         return of(leakage), None
-    alone = not turning_apart(road_test, leakage, starting).any()
-    messages.append(said_of_starts(len(starts), int(np.count_nonzero(starting)), alone=alone))
+    turning = np.asarray(road_test.values("engine_speed")) >= Thresholds.engine_standing
+    alone = not (samples.known & turning & ~starting).any()
+    messages.append(_said_of_starts(starts, int(np.count_nonzero(starting)), alone=alone))
     if alone:
         return of(leakage), None
     return of(np.where(starting, np.nan, leakage)), of(np.where(starting, leakage, np.nan))
 
 
-def turning_apart(road_test: RoadTest, leakage: np.ndarray, starting: np.ndarray) -> np.ndarray:
-    """Return at which samples with a leakage the engine turns, its starts apart."""
-    turning = np.asarray(road_test.values("engine_speed")) >= Thresholds.engine_standing
-    apart: np.ndarray = np.isfinite(leakage) & turning & ~starting
-    return apart
-
-
-def said_of_starts(count: int, samples: int, *, alone: bool) -> Message:
+def _said_of_starts(count: int, samples: int, *, alone: bool) -> Message:
     """Say that the moments after the starts of the engine are given apart, or that there are no others."""
     if alone:
         text = Sentence(
@@ -199,55 +183,35 @@ def said_of_starts(count: int, samples: int, *, alone: bool) -> Message:
     return Message("info", "start_apart", text)
 
 
-def _circuit_ranges(controller: Controller, road_test: RoadTest, samples: RoadSamples) -> dict[str, CircuitRange]:
+def _circuit_ranges(
+    controller: Controller, road_test: RoadTest, samples: RoadSamples, starting: np.ndarray
+) -> dict[str, CircuitRange]:
     """Return the lowest and mean pressure of every circuit that the log applies, with the engine running."""
+    counting, speed = ~starting, road_test.values("engine_speed")
+    if speed is not None:
+        counting &= speed >= Thresholds.engine_standing
     ranges = {}
-    starting = within(road_test.time, engine_starts(road_test)) if controller.circuits else np.empty(0, bool)
     for circuit in controller.circuits:
-        found = range_of(circuit, road_test, samples, starting)
-        if found is not None:
-            ranges[circuit.id] = found
+        pressure = samples.series.circuits[circuit.id]
+        here = np.flatnonzero(counting & np.isfinite(pressure) & np.isin(samples.gear, list(circuit.gears)))
+        if here.size:
+            held = pressure[here]
+            at = int(here[first_largest(-held)])
+            lowest, mean, main = float(pressure[at]), float(held.mean()), float(samples.main[at])
+            ranges[circuit.id] = CircuitRange(lowest, mean, at, float(road_test.time[at]), here.size, circuit, main)
     return ranges
 
 
-def range_of(circuit: Circuit, road_test: RoadTest, samples: RoadSamples, starting: np.ndarray) -> CircuitRange | None:
-    """Return what a circuit holds while it is applied and the engine runs; None where it never does.
-
-    ``starting`` says which samples lie in a start of the engine.
-    """
-    pressure, counting = samples.series.circuits[circuit.id], ~starting
-    speed = road_test.values("engine_speed")
-    if speed is not None:
-        counting &= speed >= Thresholds.engine_standing
-    here = np.flatnonzero(counting & np.isfinite(pressure) & np.isin(samples.gear, list(circuit.gears)))
-    if not here.size:
-        return None
-    held = pressure[here]
-    at = int(here[first_largest(-held)])
-    lowest, mean = float(pressure[at]), float(held.mean())
-    return CircuitRange(lowest, mean, at, float(road_test.time[at]), here.size, circuit, float(samples.main[at]))
-
-
 def _section_shares(sections: dict[str, np.ndarray], time: np.ndarray) -> dict[str, float | None]:
-    """Return each section's part of the volume leaked."""
-    steps = np.diff(time, append=np.nan)
-    forward = steps[steps > 0.0]
-    usual = float(np.median(forward)) if forward.size else np.nan
-    return shares_of({name: volume_of(flow, steps, usual) for name, flow in sections.items()})
-
-
-def volume_of(flow: np.ndarray, steps: np.ndarray, usual: float) -> float:
-    """Return the volume that some samples leak.
+    """Return each section's part of the volume leaked; None where nothing leaks.
 
     A sample stands for the time to the next one; where the log pauses or ends, for the usual step, or a second where
     there is none.
     """
-    usual = usual if usual > 0.0 else 1.0
+    steps = np.diff(time, append=np.nan)
+    forward = steps[steps > 0.0]
+    usual = float(np.median(forward)) if forward.size else 1.0
     steps = np.where((steps > 0.0) & (steps <= 10.0 * usual), steps, usual)
-    return float(np.nansum(flow * steps))
-
-
-def shares_of(volumes: dict[str, float]) -> dict[str, float | None]:
-    """Return each section's part of the volume; None where there is none."""
+    volumes = {name: float(np.nansum(flow * steps)) for name, flow in sections.items()}
     total = sum(volumes.values())
     return {name: volume / total if total > 0.0 else None for name, volume in volumes.items()}

@@ -5,7 +5,6 @@ Only what lasts counts (`atleak.engine.lasting`): a departure is as large as it 
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -133,14 +132,14 @@ def judge_pressure(controller: Controller, road_test: RoadTest) -> RoadPressure 
     RoadPressure | NotJudged
         the comparison, or why there is none: a pressure that was assumed or commanded is never judged.
     """
-    why = why_not_judged(controller, road_test)
+    why = _why_not_judged(controller, road_test)
     if why is not None:
         return why
-    limits = PermittedSamples(controller, road_test, CountedSamples(road_test))
-    return limits.judge() if limits.ever else "never_there"
+    samples = _Permitted(controller, road_test)
+    return samples.judge() if samples.counted.time_of(samples.number >= 0) > 0.0 else "never_there"
 
 
-def why_not_judged(controller: Controller, road_test: RoadTest) -> NotJudged | None:
+def _why_not_judged(controller: Controller, road_test: RoadTest) -> NotJudged | None:
     """Return what is missing to judge a log's main pressure, its samples apart; None where nothing is."""
     channel = road_test.channel("main_pressure")
     if channel is None:
@@ -156,13 +155,12 @@ def why_not_judged(controller: Controller, road_test: RoadTest) -> NotJudged | N
     return None
 
 
-class PermittedSamples:
+class _Permitted:
     """What is permitted at every sample of a log; arrays of shape (samples,), NaN where there is no limit."""
 
-    def __init__(self, controller: Controller, road_test: RoadTest, counted: CountedSamples) -> None:
+    def __init__(self, controller: Controller, road_test: RoadTest) -> None:
         self.controller, self.time = controller, road_test.time
-        self.gear = np.asarray(gear_engaged(road_test))
-        self.counted = counted
+        self.gear, self.counted = np.asarray(gear_engaged(road_test)), CountedSamples(road_test)
         temperature = road_test.values("atf_temperature")
         self.temperature = np.full(len(self.time), np.nan) if temperature is None else temperature
         self.pressure = self.counted.smooth(np.asarray(road_test.values("main_pressure")))
@@ -175,15 +173,10 @@ class PermittedSamples:
             self.low[here] = np.nan if permitted.low is None else permitted.low
             self.high[here] = np.nan if permitted.high is None else permitted.high
 
-    @property
-    def ever(self) -> bool:
-        """Tell whether there is a limit for any time at all."""
-        return self.counted.time_of(self.number >= 0) > 0.0
-
     def judge(self) -> RoadPressure:
         under = Lasting(self.counted, 1.0 - self.pressure / self.low)
         over = Lasting(self.counted, self.pressure / self.high - 1.0)
-        places, warmth = [], PressureByTemperature()
+        places = []
         for number, permitted in enumerate(self.controller.permissible):
             for gear in sorted(permitted.gears):
                 here = (self.number == number) & (self.gear == gear)
@@ -191,8 +184,7 @@ class PermittedSamples:
                 if judged > 0.0:
                     below, above = (self.counted.time_of(each.outside & here) for each in (under, over))
                     worst = self._departure(under, self.low, here)
-                    warmth.add((number, gear), self.counted.steps[here], self.temperature[here], self.pressure[here])
-                    found = warmth.of((number, gear))
+                    found = self._by_temperature(here)
                     places.append(PlaceFinding(gear, permitted.state, judged, below, above, worst, found))
         places.sort(key=lambda place: (place.gear, STATES.index(place.state)))
         limited = self.number >= 0
@@ -217,26 +209,15 @@ class PermittedSamples:
             source=permitted.source,
         )
 
-
-class PressureByTemperature:
-    """Main pressure over the fluid's temperature, by gear and state; of the pieces of a log it adds up."""
-
-    def __init__(self) -> None:
-        self._sums: dict[Hashable, dict[int, np.ndarray]] = {}
-
-    def add(self, place: Hashable, seconds: np.ndarray, temperature: np.ndarray, pressure: np.ndarray) -> None:
-        """Add samples of a place: how long each takes [s], temperature [°C] and pressure [Pa]; NaN is left out."""
+    def _by_temperature(self, here: np.ndarray) -> tuple[AtTemperature, ...]:
+        """Return main pressure over the fluid's temperature at some samples, the coldest first."""
+        temperature, pressure = self.temperature[here], self.pressure[here]
         known = np.isfinite(temperature) & np.isfinite(pressure)
         classes = np.floor(temperature[known] / _CLASS).astype(int)
-        rows = np.stack([np.ones(len(classes)), temperature[known], pressure[known]]) * seconds[known]
-        sums = self._sums.setdefault(place, {})
-        for each in np.unique(classes).tolist():
-            sums[each] = sums.get(each, 0.0) + rows[:, classes == each].sum(axis=1)
-
-    def of(self, place: Hashable) -> tuple[AtTemperature, ...]:
-        """Return what was added for a place, the coldest first."""
-        sums = (sums for _, sums in sorted(self._sums.get(place, {}).items()) if sums[0] > 0.0)
-        return tuple(AtTemperature(float(t / s), float(p / s), float(s)) for s, t, p in sums)
+        seconds = self.counted.steps[here][known]
+        rows = np.stack([np.ones(len(classes)), temperature[known], pressure[known]]) * seconds
+        sums = (rows[:, classes == each].sum(axis=1) for each in np.unique(classes))
+        return tuple(AtTemperature(float(t / s), float(p / s), float(s)) for s, t, p in sums if s > 0.0)
 
 
 def _states(road_test: RoadTest, gear: np.ndarray) -> dict[State, np.ndarray]:
@@ -257,27 +238,15 @@ def _states(road_test: RoadTest, gear: np.ndarray) -> dict[State, np.ndarray]:
     }
 
 
-def commanded_is_logged(road_test: RoadTest) -> bool:
-    """Tell whether a log holds main pressure both as measured and as commanded."""
-    channel, wanted = road_test.channel("main_pressure"), road_test.channel("commanded_pressure")
-    if channel is None or wanted is None or channel.kind == "commanded":
-        return False
-    return {channel.source, wanted.source} == {"logged"}
-
-
-def actual_and_commanded(road_test: RoadTest, counted: CountedSamples) -> tuple[np.ndarray, np.ndarray]:
-    """Return main pressure as measured and as commanded [Pa], as they last for half a second."""
-    names = ("main_pressure", "commanded_pressure")
-    actual, commanded = (counted.smooth(np.asarray(road_test.values(name))) for name in names)
-    return actual, commanded
-
-
 def compare_with_commanded(road_test: RoadTest) -> CommandedPressure | None:
     """Compare main pressure with what the gearbox computer commanded; None where one of them is not logged."""
-    if not commanded_is_logged(road_test):
+    names = "main_pressure", "commanded_pressure"
+    channels = [road_test.channel(name) for name in names]
+    logged = [each for each in channels if each is not None and each.source == "logged"]
+    if len(logged) < len(names) or logged[0].kind == "commanded":
         return None
     counted = CountedSamples(road_test)
-    actual, commanded = actual_and_commanded(road_test, counted)
+    actual, commanded = (counted.smooth(np.asarray(road_test.values(name))) for name in names)
     difference, everywhere = actual - commanded, np.ones(len(road_test.time), bool)
     sides = (Lasting(counted, difference), Lasting(counted, -difference))
     largest = [(lasting, sample) for lasting in sides if (sample := lasting.worst(everywhere)) is not None]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import KPA
 
-Ends = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Lowest and highest main pressure, converter pressure and temperature of a log, as `leakage_series` has them."""
-
 
 @dataclass(frozen=True)
 class RoadSamples:
@@ -32,6 +29,11 @@ class RoadSamples:
     gear: np.ndarray
     series: LeakageSeries
     pump_capacity: np.ndarray | None  # [m³/s]; None without an engine speed
+
+    @cached_property
+    def known(self) -> np.ndarray:
+        """Return which samples have a leakage."""
+        return np.isfinite(self.series.total)
 
 
 def channels_of(road_test: RoadTest, assumed: OperatingPoint) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -52,42 +54,40 @@ def channels_of(road_test: RoadTest, assumed: OperatingPoint) -> tuple[np.ndarra
     return main, converter, temperature, gear
 
 
-def samples_of(
-    model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint, ends: Ends | None = None
-) -> RoadSamples:
-    """Compute leakage and pump flow of every sample, which may be a part of a log with these ends."""
-    main, converter, temperature, gear = channels_of(road_test, assumed)
-    series = leakage_series(model, main, converter, temperature, gear, sections=True, assumed=assumed, ends=ends)
-    speed = road_test.values("engine_speed")
-    capacity = None if speed is None else np.asarray(model.pump_capacity(speed, main, temperature), dtype=float)
-    return RoadSamples(main, converter, temperature, gear, series, capacity)
-
-
-def refuse_without_pressure(road_test: RoadTest, lowest: float, highest: float) -> None:
-    """Refuse a log in which no main pressure can be used.
-
-    Parameters
-    ----------
-    lowest, highest
-        of its main pressure [Pa]; NaN where no sample is usable.
+def samples_of(model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint) -> RoadSamples:
+    """Compute leakage and pump flow of every sample of a log.
 
     Raises
     ------
     RoadTestError
-        saying why.
+        where no main pressure can be used, or no sample has a leakage: it says why.
     """
+    _refuse_without_pressure(road_test)
+    main, converter, temperature, gear = channels_of(road_test, assumed)
+    series = leakage_series(model, main, converter, temperature, gear, sections=True, assumed=assumed)
+    speed = road_test.values("engine_speed")
+    capacity = None if speed is None else np.asarray(model.pump_capacity(speed, main, temperature), dtype=float)
+    samples = RoadSamples(main, converter, temperature, gear, series, capacity)
+    if not samples.known.any():
+        raise _nothing_known(model, series, road_test.file)
+    return samples
+
+
+def _refuse_without_pressure(road_test: RoadTest) -> None:
+    values = road_test.values("main_pressure")
+    known = np.empty(0) if values is None else values[~np.isnan(values)]
     why = road_test.refused.get("main_pressure")
     if road_test.channel("main_pressure") is None:
         missing = Sentence("the log has no main pressure")
         if why is not None:
             missing = Sentence("the log's column of main pressure is not usable: {why}", why=why)
-    elif np.isnan(highest):
+    elif not known.size:
         missing = Sentence("the log has no usable sample of main pressure")
-    elif not highest >= 0.0:
+    elif not known.max() >= 0.0:
         missing = Sentence(
             "main pressure is below zero throughout this log ({low:.4g} to {high:.4g} {high.unit})",
-            low=Quantity(lowest * KPA, "pressure"),
-            high=Quantity(highest * KPA, "pressure"),
+            low=Quantity(float(known.min()) * KPA, "pressure"),
+            high=Quantity(float(known.max()) * KPA, "pressure"),
         )
     else:
         return
@@ -130,156 +130,116 @@ def said_of_assumed(road_test: RoadTest, assumed: OperatingPoint) -> Iterator[Me
             yield Message("warning", f"assumed_{quantity}", text)
 
 
-@dataclass
-class Tally:
-    """How many samples of a log have a leakage, and why the others have none."""
+def _nothing_known(model: LeakageModel, series: LeakageSeries, file: str) -> RoadTestError:
+    low, high = model.fluid.span(model.profile.viscosity)
+    return RoadTestError(
+        Sentence(
+            "no sample of the log has usable values of pressure, temperature and gear together ({other_gear} in a "
+            "gear this valve body does not have, {outside} at a temperature outside the fluid's data)",
+            other_gear=series.other_gear,
+            outside=series.outside_fluid,
+        ),
+        place=Place(file=file),
+        expected=Sentence(
+            "gears {gears}, temperatures from {low:g} to {high:g} {high.unit}",
+            gears=model.controller.gears,
+            low=Quantity(low, "temperature"),
+            high=Quantity(high, "temperature"),
+        ),
+    )
 
-    samples: int = 0
-    known: int = 0  # with a leakage
-    no_delivery: int = 0  # at which the pump delivers nothing while pressure stands
-    any_share: bool = False
-    hotter: int = 0  # than the fluid's data
-    other_gear: int = 0
-    outside_fluid: int = 0
-    unbalanced: int = 0
-    reversed_drops: Counter[str] = field(default_factory=Counter)  # by section
-    above_main: Counter[str] = field(default_factory=Counter)
-    gears: set[int] = field(default_factory=set)  # of samples with a leakage
 
-    def add(self, model: LeakageModel, each: RoadSamples) -> None:
-        """Add some samples."""
-        series, capacity = each.series, each.pump_capacity
-        known = np.isfinite(series.total)
-        self.samples += len(known)
-        self.known += int(np.count_nonzero(known))
-        if capacity is not None:
-            self.no_delivery += int(np.count_nonzero((capacity <= 0.0) & (series.total > 0.0)))
-            self.any_share = self.any_share or bool((share_of(series.total, capacity) >= 0.0).any())
-        self.hotter += int(np.count_nonzero((each.temperature > _hottest(model)) & (each.main > 0.0)))
-        self.other_gear += series.other_gear
-        self.outside_fluid += series.outside_fluid
-        self.unbalanced += series.unbalanced
-        for section, count in series.reversed_samples.items():
-            self.reversed_drops[section] += count
-        for section, above in model.controller.above_main(each.main).items():
-            self.above_main[section] += int(np.count_nonzero(above))
-        self.gears |= {int(number) for number in np.unique(each.gear[known])}
-
-    def refuse_nothing_known(self, model: LeakageModel, file: str) -> None:
-        """Refuse a log of which no sample has a leakage.
-
-        Raises
-        ------
-        RoadTestError
-            saying why they have none.
-        """
-        if self.known:
-            return
-        low, high = model.fluid.span(model.profile.viscosity)
-        raise RoadTestError(
-            Sentence(
-                "no sample of the log has usable values of pressure, temperature and gear together ({other_gear} in a "
-                "gear this valve body does not have, {outside} at a temperature outside the fluid's data)",
-                other_gear=self.other_gear,
-                outside=self.outside_fluid,
-            ),
-            place=Place(file=file),
-            expected=Sentence(
-                "gears {gears}, temperatures from {low:g} to {high:g} {high.unit}",
-                gears=model.controller.gears,
-                low=Quantity(low, "temperature"),
-                high=Quantity(high, "temperature"),
-            ),
+def said_of_samples(model: LeakageModel, samples: RoadSamples, hotter: int) -> Iterator[Message]:
+    """Say what of a log was left out, and what does not hold everywhere; ``hotter`` samples are so than the fluid."""
+    capacity, total, size = samples.pump_capacity, samples.series.total, len(samples.main)
+    if capacity is None:
+        text = Sentence("The log has no engine speed: pump capacity and share over the log are not known.")
+        yield Message("warning", "no_engine_speed", text)
+    elif no_delivery := int(np.count_nonzero((capacity <= 0.0) & (total > 0.0))):
+        without = {"count": no_delivery, "samples": size}
+        if (share_of(total, capacity) >= 0.0).any():
+            text = Sentence(
+                "In {count} of {samples} samples the pump delivers nothing while pressure stands: no share can be "
+                "given there, and the largest share is that of the other samples.",
+                **without,
+            )
+        else:
+            text = Sentence(
+                "In {count} of {samples} samples the pump delivers nothing while pressure stands: no sample of "
+                "this log has a share.",
+                **without,
+            )
+        yield Message("warning", "pump_delivers_nothing", text)
+    yield from _left_out(model, samples)
+    if hotter:
+        text = Sentence(
+            "{count} of the samples left out are hotter than {hottest:g} {hottest.unit}: the largest leakage and "
+            "share of this log are lower bounds.",
+            count=hotter,
+            hottest=Quantity(hottest(model), "temperature"),
         )
-
-    def messages(self, model: LeakageModel, *, with_speed: bool) -> Iterator[Message]:
-        """Say what was left out, and what does not hold everywhere."""
-        if not with_speed:
-            text = Sentence("The log has no engine speed: pump capacity and share over the log are not known.")
-            yield Message("warning", "no_engine_speed", text)
-        elif self.no_delivery:
-            without = {"count": self.no_delivery, "samples": self.samples}
-            if self.any_share:
-                text = Sentence(
-                    "In {count} of {samples} samples the pump delivers nothing while pressure stands: no share can be "
-                    "given there, and the largest share is that of the other samples.",
-                    **without,
-                )
-            else:
-                text = Sentence(
-                    "In {count} of {samples} samples the pump delivers nothing while pressure stands: no sample of "
-                    "this log has a share.",
-                    **without,
-                )
-            yield Message("warning", "pump_delivers_nothing", text)
-        yield from self._left_out(model)
-        if self.hotter:
+        yield Message("warning", "lower_bound", text)
+    for section, above in model.controller.above_main(samples.main).items():
+        if count := int(np.count_nonzero(above)):
             text = Sentence(
-                "{count} of the samples left out are hotter than {hottest:g} {hottest.unit}: the largest leakage and "
-                "share of this log are lower bounds.",
-                count=self.hotter,
-                hottest=Quantity(_hottest(model), "temperature"),
+                "In {count} of {samples} samples {section} would be above main pressure, where its relation does "
+                "not hold: its leakage there is too high.",
+                count=count,
+                samples=size,
+                section=section,
             )
-            yield Message("warning", "lower_bound", text)
-        for section, count in self.above_main.items():
-            if count:
-                text = Sentence(
-                    "In {count} of {samples} samples {section} would be above main pressure, where its relation does "
-                    "not hold: its leakage there is too high.",
-                    count=count,
-                    samples=self.samples,
-                    section=section,
-                )
-                yield Message("warning", "pressure_relation", text)
-
-    def _left_out(self, model: LeakageModel) -> Iterator[Message]:
-        size = self.samples
-        for section, count in self.reversed_drops.items():
-            if count:
-                text = Sentence(
-                    "In {count} of {size} samples a pressure drop of section {section} is negative and counts as no "
-                    "leakage.",
-                    count=count,
-                    size=size,
-                    section=section,
-                )
-                yield Message("warning", "reversed_pressure_drop", text)
-        if self.unbalanced:
-            text = Sentence(
-                "In {count} of {size} samples no pressures were found at which all circuits balance.",
-                count=self.unbalanced,
-                size=size,
-            )
-            yield Message("warning", "circuits_not_balanced", text)
-        if self.other_gear:
-            text = Sentence(
-                "{count} of {size} samples are in no gear of this valve body ({gears}) and are left out.",
-                count=self.other_gear,
-                size=size,
-                gears=model.controller.gears,
-            )
-            yield Message("warning", "other_gear", text)
-        if self.outside_fluid:
-            low, high = model.fluid.span(model.profile.viscosity)
-            text = Sentence(
-                "{count} of {size} samples are at a temperature outside the data of {fluid} ({low:g} to {high:g} "
-                "{high.unit}) and are left out.",
-                count=self.outside_fluid,
-                size=size,
-                fluid=Name(model.fluid.name),
-                low=Quantity(low, "temperature"),
-                high=Quantity(high, "temperature"),
-            )
-            yield Message("warning", "outside_fluid", text)
-        missing = size - self.known - self.other_gear - self.outside_fluid
-        if missing > 0:
-            text = Sentence(
-                "{count} of {size} samples lack a usable value of pressure, temperature or gear and are left out.",
-                count=missing,
-                size=size,
-            )
-            yield Message("info", "samples_left_out", text)
+            yield Message("warning", "pressure_relation", text)
 
 
-def _hottest(model: LeakageModel) -> float:
+def _left_out(model: LeakageModel, samples: RoadSamples) -> Iterator[Message]:
+    series, size = samples.series, len(samples.main)
+    for section, count in series.reversed_samples.items():
+        if count:
+            text = Sentence(
+                "In {count} of {size} samples a pressure drop of section {section} is negative and counts as no "
+                "leakage.",
+                count=count,
+                size=size,
+                section=section,
+            )
+            yield Message("warning", "reversed_pressure_drop", text)
+    if series.unbalanced:
+        text = Sentence(
+            "In {count} of {size} samples no pressures were found at which all circuits balance.",
+            count=series.unbalanced,
+            size=size,
+        )
+        yield Message("warning", "circuits_not_balanced", text)
+    if series.other_gear:
+        text = Sentence(
+            "{count} of {size} samples are in no gear of this valve body ({gears}) and are left out.",
+            count=series.other_gear,
+            size=size,
+            gears=model.controller.gears,
+        )
+        yield Message("warning", "other_gear", text)
+    if series.outside_fluid:
+        low, high = model.fluid.span(model.profile.viscosity)
+        text = Sentence(
+            "{count} of {size} samples are at a temperature outside the data of {fluid} ({low:g} to {high:g} "
+            "{high.unit}) and are left out.",
+            count=series.outside_fluid,
+            size=size,
+            fluid=Name(model.fluid.name),
+            low=Quantity(low, "temperature"),
+            high=Quantity(high, "temperature"),
+        )
+        yield Message("warning", "outside_fluid", text)
+    missing = size - np.count_nonzero(samples.known) - series.other_gear - series.outside_fluid
+    if missing > 0:
+        text = Sentence(
+            "{count} of {size} samples lack a usable value of pressure, temperature or gear and are left out.",
+            count=int(missing),
+            size=size,
+        )
+        yield Message("info", "samples_left_out", text)
+
+
+def hottest(model: LeakageModel) -> float:
+    """Return the highest temperature that the fluid's data cover [°C]."""
     return float(model.fluid.span(model.profile.viscosity)[1])

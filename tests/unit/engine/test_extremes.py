@@ -13,7 +13,7 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
-from atleak.engine.extremes import SUSTAINED_SECONDS, SeriesExtremes, running_median, sustained_window
+from atleak.engine.extremes import SUSTAINED_SECONDS, Extremes, running_median, sustained_window
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
@@ -36,8 +36,8 @@ def slow_median(values: np.ndarray, time: np.ndarray, window: float) -> np.ndarr
     return np.array(medians)
 
 
-def extremes_of(values: np.ndarray, time: np.ndarray, segments: tuple[Segment, ...] = ()) -> SeriesExtremes:
-    return SeriesExtremes(time, values, None, segments, SUSTAINED_SECONDS)
+def extremes_of(values: np.ndarray, time: np.ndarray, segments: tuple[Segment, ...] = ()) -> Extremes:
+    return Extremes(time, values, None, segments, SUSTAINED_SECONDS)
 
 
 def test_the_running_median_agrees_with_one_window_at_a_time() -> None:

@@ -18,7 +18,7 @@ from atleak.engine.lasting import CountedSamples
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import model_unworn
-from atleak.engine.road_bands import TemperatureClass, TemperatureSums, bands_of, temperature_classes
+from atleak.engine.road_bands import temperature_classes
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.intake.readings import read_readings
 from atleak.readings import LandClearance, clearances
@@ -114,29 +114,6 @@ def test_every_class_agrees_with_a_loop_over_the_samples(
         assert each.share_mean == pytest.approx(sums["share"] / sums["with_share"], rel=1e-12, abs=0.0)
         assert each.share_max == pytest.approx(sums["share_max"], rel=1e-15, abs=0.0)
         assert dict(each.in_bands) == pytest.approx({band: sums[band] for band in BANDS}, rel=1e-12, abs=0.0)
-
-
-def test_pieces_sum_to_the_whole(model: LeakageModel, unworn: LeakageModel, limits: Limits, warming: RoadTest) -> None:
-    road, new = over(model, warming), over(unworn, warming)
-    capacity = np.where(road.pump_capacity > 0.0, road.pump_capacity, NAN)
-    parts = {
-        "seconds": CountedSamples(warming).steps,
-        "temperature": warming.values("atf_temperature"),
-        "leakage": road.leakage,
-        "share": road.share,
-        "pressure": warming.values("main_pressure"),
-        "bands": bands_of(road.share, new.leakage / capacity, limits.total_share),
-    }
-    sums = TemperatureSums()
-    for start, stop in ((0, 1), (1, 350), (350, 617), (617, 900)):
-        sums.add(**{name: values[start:stop] for name, values in parts.items()})
-    for part, whole in zip(sums.classes, temperature_classes(road, limits.total_share, unworn), strict=True):
-        assert numbers_of(part) == pytest.approx(numbers_of(whole), rel=1e-13, abs=0.0)
-
-
-def numbers_of(one: TemperatureClass) -> list[float]:
-    values = {**vars(one), "in_bands": 0.0}
-    return [*values.values(), *one.in_bands.values()]
 
 
 def test_what_is_not_known_is_in_no_class_or_band(
