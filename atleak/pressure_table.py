@@ -8,7 +8,7 @@ from enum import StrEnum
 from typing import cast, get_args
 
 from atleak.catalogue.circuit_tables import SelectorRange, StandingState
-from atleak.catalogue.circuits import Circuit, StandingPressure
+from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.errors import Message, Place
 from atleak.sentence import Name, Sentence
@@ -116,7 +116,7 @@ def ranges_of(controller: Controller) -> tuple[SelectorRange, ...]:
 
     Park, reverse, neutral, drive, every forward gear below the highest, and what its permissible pressures name.
     """
-    named = {each for permissible in controller.standing for each in permissible.ranges}
+    named = {each for permissible in controller.permissible for each in permissible.ranges}
     forward = sorted((gear for gear in controller.gears if 0 < gear < 10), reverse=True)
     held = [cast("SelectorRange", str(gear)) for gear in forward[1:]]
     usual: tuple[SelectorRange, ...] = ("P", "R", "N", "D", *held)
@@ -166,7 +166,7 @@ def applied(controller: Controller, cell: Cell) -> bool:
     return circuit is None or gear_in(cell.range, controller.gears) in circuit.gears
 
 
-def permitted(controller: Controller, cell: Cell) -> StandingPressure | None:
+def permitted(controller: Controller, cell: Cell) -> PermissiblePressure | None:
     """Return between which pressures main pressure must lie in a cell; None where the file does not tell.
 
     A file that permits nothing at a fast idle of its own means that the low limit at idle holds there too.

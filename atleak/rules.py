@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from atleak.catalogue.circuits import Circuit, PermissiblePressure, StandingPressure
+from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.limits import ROUNDING, Level, LimitOrigin, Limits, RuleKind, Steps, falls_below
 from atleak.catalogue.operating_point import OperatingPoint
@@ -226,7 +226,7 @@ def permissible_low(now: Projection) -> float | None:
     return min(permissible.low, condition.main_pressure) or None
 
 
-def permissible_steps(permissible: PermissiblePressure | StandingPressure, limits: Limits) -> Steps | None:
+def permissible_steps(permissible: PermissiblePressure, limits: Limits) -> Steps | None:
     """Return the limits of main pressure below the permissible: one under a published least is critical."""
     if limits.below_permissible is None or not permissible.published:
         return limits.below_permissible

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 from atleak.catalogue.circuit_tables import (
     CircuitTable,
@@ -19,10 +18,9 @@ from atleak.catalogue.circuits import (
     Leak,
     PermissiblePressure,
     SetPressure,
-    StandingPressure,
 )
 from atleak.catalogue.entries import Evidence
-from atleak.catalogue.keys import made
+from atleak.catalogue.keys import in_si, made
 from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.section_pressures import DRAINS, SECTIONS
 from atleak.sentence import Sentence
@@ -34,31 +32,25 @@ def read_circuits(tables: Sequence[CircuitTable], reading: Reading) -> tuple[Cir
     What is wrong is gathered: an id given twice or that means something else, an unknown section, gear or operating
     point, circuits that follow or feed themselves.
     """
-    circuits: list[Circuit] = []
-    for number, table in enumerate(tables):
-        where = ("circuits", number)
-        with reading.gathering():
-            if table.id in {*SECTIONS, *DRAINS} or table.id.isdigit():
-                problem, expected = Sentence("an id that already names something else"), Sentence("another id")
-                raise reading.fault((*where, "id"), problem, value=table.id, expected=expected)
-            if any(table.id == before.id for before in tables[:number]):
-                raise reading.fault((*where, "id"), Sentence("circuit given twice"), value=table.id)
-            circuits.append(_circuit(table, reading, where))
+
+    def circuit(table: CircuitTable, where: Steps) -> Circuit:
+        if table.id in {*SECTIONS, *DRAINS} or table.id.isdigit():
+            problem, expected = Sentence("an id that already names something else"), Sentence("another id")
+            raise reading.fault((*where, "id"), problem, value=table.id, expected=expected)
+        gears = reading.gears_of(table.gears, (*where, "gears"))
+        feeds = []
+        for number, feed in enumerate(table.feeds):
+            at = (*where, "feeds", number, "from")
+            if feed.source == table.id:
+                problem, expected = Sentence("a circuit that feeds itself"), Sentence("another section")
+                raise reading.fault(at, problem, value=table.id, expected=expected)
+            feeds.append(made(Feed, feed, source=reading.section(feed.source, at)))
+        set_pressure = reading.set_pressure(table.set_kpa, (*where, "set_kpa"), gears)
+        return made(Circuit, table, gears=gears, feeds=tuple(feeds), set_pressure=set_pressure)
+
+    circuits = reading.each(tables, ("circuits",), circuit, twice=Sentence("circuit given twice"))
     _refuse_circles(circuits, tables, reading)
     return tuple(circuits)
-
-
-def _circuit(table: CircuitTable, reading: Reading, where: Steps) -> Circuit:
-    gears = reading.gears_of(table.gears, (*where, "gears"))
-    feeds = []
-    for number, feed in enumerate(table.feeds):
-        at = (*where, "feeds", number, "from")
-        if feed.source == table.id:
-            problem, expected = Sentence("a circuit that feeds itself"), Sentence("another section")
-            raise reading.fault(at, problem, value=table.id, expected=expected)
-        feeds.append(made(Feed, feed, source=reading.section(feed.source, at)))
-    set_pressure = reading.set_pressure(table.set_kpa, (*where, "set_kpa"), gears)
-    return made(Circuit, table, gears=gears, feeds=tuple(feeds), set_pressure=set_pressure)
 
 
 def _refuse_circles(circuits: Sequence[Circuit], tables: Sequence[CircuitTable], reading: Reading) -> None:
@@ -105,29 +97,22 @@ def read_leaks(tables: Sequence[LeakTable], reading: Reading) -> tuple[Leak, ...
 
     What is wrong is gathered: an unknown section or gear, an id given twice, a leak that could leak nothing.
     """
-    leaks: list[Leak] = []
-    for number, table in enumerate(tables):
-        where = ("leaks", number)
-        with reading.gathering():
-            _refuse_second(table.id, tables[:number], reading, where, Sentence("leak given twice"))
-            leaks.append(_leak(table, reading, where))
-    return tuple(leaks)
 
+    def leak(table: LeakTable, where: Steps) -> Leak:
+        high, low = reading.ends(table.high, table.low, where, "leak")
+        at = in_si(table)
+        return made(
+            Leak,
+            table,
+            name=table.name or table.id.replace("_", " "),
+            high=high,
+            low=low,
+            viscosity=at["at_viscosity"] * at["density"] if table.law == "laminar" else None,
+            gears=reading.gears_of(table.gears, (*where, "gears")),
+            into_sump=not low.is_section,
+        )
 
-def _leak(table: LeakTable, reading: Reading, where: Steps) -> Leak:
-    density = table.at_density_g_cm3 * 1e3
-    high, low = reading.ends(table.high, table.low, where, "leak")
-    viscosity = None if table.at_viscosity_mm2_s is None else table.at_viscosity_mm2_s * 1e-6 * density
-    return made(
-        Leak,
-        table,
-        name=table.name or table.id.replace("_", " "),
-        high=high,
-        low=low,
-        viscosity=viscosity if table.law == "laminar" else None,
-        gears=reading.gears_of(table.gears, (*where, "gears")),
-        into_sump=not low.is_section,
-    )
+    return tuple(reading.each(tables, ("leaks",), leak, twice=Sentence("leak given twice")))
 
 
 def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[Consumer, ...]:
@@ -135,29 +120,23 @@ def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[C
 
     What is wrong is gathered: an operating point that is unknown or not stated, or an id given twice.
     """
-    consumers: list[Consumer] = []
-    for number, table in enumerate(tables):
-        where, stated = ("consumers", number), table.flow_dm3_min
-        with reading.gathering():
-            _refuse_second(table.id, tables[:number], reading, where, Sentence("consumer given twice"))
-            by_point = isinstance(stated, dict)
-            flow = reading.by_point(stated, (*where, "flow_dm3_min"), 1.0 / 60e3) if by_point else stated / 60e3
-            name, law = table.name or table.id.replace("_", " "), table.law or "orifice"
-            consumers.append(made(Consumer, table, name=name, flow=flow, law=law))
-    return tuple(consumers)
+
+    def consumer(table: ConsumerTable, where: Steps) -> Consumer:
+        stated, per_minute = table.flow_dm3_min, 1.0 / 60e3
+        by_point = isinstance(stated, dict)
+        flow = reading.by_point(stated, (*where, "flow_dm3_min"), per_minute) if by_point else stated / 60e3
+        name, law = table.name or table.id.replace("_", " "), table.law or "orifice"
+        return made(Consumer, table, name=name, flow=flow, law=law)
+
+    return tuple(reading.each(tables, ("consumers",), consumer, twice=Sentence("consumer given twice")))
 
 
-def _refuse_second(name: str, before: Iterable[Any], reading: Reading, where: Steps, problem: Sentence) -> None:
-    if any(name == each.id for each in before):
-        raise reading.fault((*where, "id"), problem, value=name)
-
-
-def read_standing(tables: Sequence[PermissiblePressureTable], reading: Reading) -> tuple[StandingPressure, ...]:
-    """Return between which pressures main pressure must lie, for gauge readings of a standing vehicle.
+def read_permissible(tables: Sequence[PermissiblePressureTable], reading: Reading) -> tuple[PermissiblePressure, ...]:
+    """Return between which pressures main pressure must lie.
 
     What is wrong is gathered: an unknown gear, or a gear or range given twice in one state.
     """
-    standing: list[StandingPressure] = []
+    permissible: list[PermissiblePressure] = []
     for number, table in enumerate(tables):
         where = ("permissible_pressure", number)
         with reading.gathering():
@@ -165,24 +144,15 @@ def read_standing(tables: Sequence[PermissiblePressureTable], reading: Reading) 
             key = "gears" if table.gear is None else "gear"
             gears = reading.gears_of(stated, (*where, key))
             ranges = frozenset(table.ranges or ())
-            for other in standing:
+            for other in permissible:
                 if other.state == table.state:
                     twice = Sentence("gear given twice for the state {state}", state=table.state)
                     _refuse_twice(twice, key, gears & other.gears, where, reading)
                     twice = Sentence("range given twice for the state {state}", state=table.state)
                     _refuse_twice(twice, "ranges", ranges & other.ranges, where, reading)
             published = table.evidence is not Evidence.REPRESENTATIVE
-            standing.append(made(StandingPressure, table, gears=gears, ranges=ranges, published=published))
-    return tuple(standing)
-
-
-def permissible_in_gear(standing: Iterable[StandingPressure]) -> tuple[PermissiblePressure, ...]:
-    """Return those of them that hold in gears, at operating points and over logs."""
-    return tuple(
-        PermissiblePressure(each.gears, each.state, each.low, each.high, each.source, each.published)
-        for each in standing
-        if each.gears and each.state != "fast_idle"
-    )
+            permissible.append(made(PermissiblePressure, table, gears=gears, ranges=ranges, published=published))
+    return tuple(permissible)
 
 
 def _refuse_twice(problem: Sentence, key: str, both: Iterable[int | str], where: Steps, reading: Reading) -> None:

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import SelectorRange, StandingState, State
+from atleak.catalogue.circuit_tables import SelectorRange, StandingState
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.errors import unknown
@@ -131,27 +131,15 @@ class Consumer:
 
 @dataclass(frozen=True)
 class PermissiblePressure:
-    """Between which pressures main pressure must lie in some gears and one state of driving."""
+    """Between which pressures main pressure must lie in one state: in gears, and in ranges of the selector lever."""
 
     gears: frozenset[int]
-    state: State
-    low: float | None  # [Pa]
-    high: float | None  # [Pa]
-    source: str
-    published: bool = True  # else representative
-
-
-@dataclass(frozen=True)
-class StandingPressure:
-    """The same for gauge readings of a standing vehicle: in gears, and in ranges of the selector lever by name."""
-
-    gears: frozenset[int]
-    ranges: frozenset[SelectorRange]
     state: StandingState
     low: float | None  # [Pa]
     high: float | None  # [Pa]
     source: str
     published: bool = True  # else representative
+    ranges: frozenset[SelectorRange] = frozenset()  # for gauge readings of a standing vehicle
 
 
 def _at_point(stated: Mapping[str, float], point: OperatingPoint) -> float:

@@ -19,7 +19,6 @@ from atleak.catalogue.circuits import (
     Leak,
     PermissiblePressure,
     SetPressure,
-    StandingPressure,
 )
 from atleak.catalogue.complaints import Complaint, LandKey, find_complaint
 from atleak.catalogue.controller_tables import PART_NAMES, SEALS, ControllerFile, NewOrigin, PartKind, Seal
@@ -224,7 +223,6 @@ class Controller:
     line: SetPressure | None = None  # of main pressure, where it is not simply that of the operating point
     line_source: str = ""
     permissible: tuple[PermissiblePressure, ...] = ()  # of main pressure
-    standing: tuple[StandingPressure, ...] = ()  # of main pressure, for gauge readings of a standing vehicle
     repairs: tuple[Repair, ...] = ()
     gaps_not_described: frozenset[LandKey] = frozenset()  # taken to leak from main pressure to the sump: an upper bound
     entry: ControllerFile | None = field(default=None, repr=False, compare=False)  # the tables that it was read from
@@ -287,15 +285,20 @@ class Controller:
         """Return the gaps that see a pressure drop in that gear."""
         return tuple(gap for gap in self.gaps if gear in gap.gears)
 
+    @cached_property
+    def permissible_in_gear(self) -> tuple[PermissiblePressure, ...]:
+        """Return the permissible pressures that hold at operating points and over logs."""
+        return tuple(each for each in self.permissible if each.gears and each.state != "fast_idle")
+
     def permissible_at(self, gear: int, state: State) -> PermissiblePressure | None:
         """Return between which pressures main pressure must lie in a gear and state; None where the file is silent."""
         return next((each for each in self.permissible if gear in each.gears and each.state == state), None)
 
     def permissible_in(
         self, selected: SelectorRange, gear: int | None, state: StandingState
-    ) -> StandingPressure | None:
+    ) -> PermissiblePressure | None:
         """Return the same for a range of the selector lever: what the file says of the range, or else of its gear."""
-        of_state = [each for each in self.standing if each.state == state]
+        of_state = [each for each in self.permissible if each.state == state]
         of_range = (each for each in of_state if selected in each.ranges)
         return next(of_range, None) or next((each for each in of_state if gear in each.gears), None)
 

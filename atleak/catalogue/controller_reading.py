@@ -16,12 +16,11 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from atleak.catalogue.circuit_reading import (
-    permissible_in_gear,
     read_circuits,
     read_consumers,
     read_leaks,
     read_line,
-    read_standing,
+    read_permissible,
 )
 from atleak.catalogue.complaints import Complaint, ComplaintTable, LandKey, written_land
 from atleak.catalogue.controller import Controller, Gap, Land
@@ -31,6 +30,7 @@ from atleak.catalogue.controller_tables import (
     GapTable,
     LandTable,
     NewOrigin,
+    OperatingPointTable,
 )
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Evidence, Origin, listed, read_tables
@@ -160,7 +160,6 @@ def _read(
     without = [land for land in lands if land.key not in leaking | sealed]
     gaps = (*described, *_gaps_not_described(entry, without))
     points = tuple(_operating_points(entry, reading))
-    standing = read_standing(entry.permissible_pressure, reading)
     controller = made(
         Controller,
         entry,
@@ -177,9 +176,8 @@ def _read(
         consumers=read_consumers(entry.consumers, reading),
         line=None if entry.line is None else read_line(entry.line, reading),
         line_source="" if entry.line is None else entry.line.source,
-        permissible=permissible_in_gear(standing),
-        standing=standing,
-        repairs=tuple(_repairs(entry.repairs, lands, known, reading)),
+        permissible=read_permissible(entry.permissible_pressure, reading),
+        repairs=_repairs(entry.repairs, lands, known, reading),
         gaps_not_described=frozenset(land.key for land in without),
         entry=entry,
     )
@@ -229,24 +227,21 @@ def _check_default_materials(entry: ControllerFile, reading: Reading) -> None:
 
 def _lands(entry: ControllerFile, reading: Reading) -> list[Land]:
     lands: list[Land] = []
-    for number, component in enumerate(entry.components):
-        where = ("components", number)
-        if any(component.id == before.id for before in entry.components[:number]):
-            problem = Sentence("component given twice")
-            reading.faults.append(reading.fault((*where, "id"), problem, value=component.id))
-            continue
+
+    def component(table: ComponentTable, where: Steps) -> None:
         planes: set[str] = set()
-        for index, table in enumerate(component.lands):
-            at = (*where, "lands", index)
-            with reading.gathering():
-                if any(table.land == before.land for before in component.lands[:index]):
-                    raise reading.fault((*at, "land"), Sentence("land given twice"), value=table.land)
-                land = _land(entry, component, table, at, reading)
-                lands.append(land)
-                for plane in land.planes:
-                    if plane in planes:
-                        raise reading.fault((*at, "planes"), Sentence("plane given to two lands"), value=plane)
-                    planes.add(plane)
+
+        def land_of(own: LandTable, at: Steps) -> None:
+            land = _land(entry, table, own, at, reading)
+            lands.append(land)
+            for plane in land.planes:
+                if plane in planes:
+                    raise reading.fault((*at, "planes"), Sentence("plane given to two lands"), value=plane)
+                planes.add(plane)
+
+        reading.each(table.lands, (*where, "lands"), land_of, twice=Sentence("land given twice"), named_by="land")
+
+    reading.each(entry.components, ("components",), component, twice=Sentence("component given twice"))
     if not any(component.lands for component in entry.components):
         problem, expected = Sentence("no component has a land"), Sentence("at least one land")
         reading.faults.append(reading.fault(("components", 0, "lands"), problem, expected=expected))
@@ -395,18 +390,14 @@ def _check_land(
 
 def _repairs(
     tables: Sequence[RepairTable], lands: Sequence[Land], known: Sequence[LandKey], reading: Reading
-) -> list[Repair]:
-    repairs: list[Repair] = []
-    for number, table in enumerate(tables):
-        where = ("repairs", number)
-        with reading.gathering():
-            if any(table.id == before.id for before in tables[:number]):
-                raise reading.fault((*where, "id"), Sentence("repair given twice"), value=table.id)
-            mine = [land for component, land in known if component == table.component]
-            _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
-            _check_diameter(table, lands, where, reading)
-            repairs.append(made(Repair, table, lands=frozenset(mine if table.lands is None else table.lands)))
-    return repairs
+) -> tuple[Repair, ...]:
+    def repair(table: RepairTable, where: Steps) -> Repair:
+        mine = [land for component, land in known if component == table.component]
+        _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
+        _check_diameter(table, lands, where, reading)
+        return made(Repair, table, lands=frozenset(mine if table.lands is None else table.lands))
+
+    return tuple(reading.each(tables, ("repairs",), repair, twice=Sentence("repair given twice")))
 
 
 def _check_diameter(table: RepairTable, lands: Sequence[Land], where: Steps, reading: Reading) -> None:
@@ -424,40 +415,33 @@ def _check_diameter(table: RepairTable, lands: Sequence[Land], where: Steps, rea
 
 
 def _operating_points(entry: ControllerFile, reading: Reading) -> list[OperatingPoint]:
-    points: list[OperatingPoint] = []
-    for number, table in enumerate(entry.operating_points):
-        where = ("operating_points", number)
-        with reading.gathering():
-            if table.gear not in entry.gears:
-                raise reading.unknown_gear((*where, "gear"), table.gear)
-            if table.name == STATED:
-                problem = Sentence(
-                    "name of the condition that a job states, which no controller may give to a point of its own"
-                )
-                raise reading.fault((*where, "name"), problem, value=table.name, expected=Sentence("another name"))
-            if any(table.name == before.name for before in entry.operating_points[:number]):
-                raise reading.fault((*where, "name"), _POINT_TWICE, value=table.name)
-            points.append(made(OperatingPoint, table))
-    return points
+    def point(table: OperatingPointTable, where: Steps) -> OperatingPoint:
+        if table.gear not in entry.gears:
+            raise reading.unknown_gear((*where, "gear"), table.gear)
+        if table.name == STATED:
+            problem = Sentence(
+                "name of the condition that a job states, which no controller may give to a point of its own"
+            )
+            raise reading.fault((*where, "name"), problem, value=table.name, expected=Sentence("another name"))
+        return made(OperatingPoint, table)
+
+    return reading.each(entry.operating_points, ("operating_points",), point, twice=_POINT_TWICE, named_by="name")
 
 
 def _complaints(
-    tables: Iterable[ComplaintTable], lands: Collection[LandKey], source: str, reading: Reading
+    tables: Sequence[ComplaintTable], lands: Collection[LandKey], source: str, reading: Reading
 ) -> tuple[Complaint, ...]:
     names = {written_land(key): key for key in lands}
-    complaints: dict[str, Complaint] = {}
-    for number, table in enumerate(tables):
-        where = ("complaints", number)
-        with reading.gathering():
-            if table.id in complaints:
-                raise reading.fault((*where, "id"), Sentence("complaint given twice"), value=table.id)
-            at, problems = (*where, "conditions"), (_NO_POINT, _POINT_TWICE)
-            _each_known_once(table.conditions, reading.points, at, problems, "operating_points", reading)
-            at, problems = (*where, "lands"), (_NO_LAND, Sentence("land given twice"))
-            _each_known_once(table.lands or (), names, at, problems, "lands", reading)
-            at_lands = tuple(names[name] for name in table.lands or ())
-            complaints[table.id] = made(Complaint, table, lands=at_lands, source=table.source or source)
-    return tuple(complaints.values())
+
+    def complaint(table: ComplaintTable, where: Steps) -> Complaint:
+        at, problems = (*where, "conditions"), (_NO_POINT, _POINT_TWICE)
+        _each_known_once(table.conditions, reading.points, at, problems, "operating_points", reading)
+        at, problems = (*where, "lands"), (_NO_LAND, Sentence("land given twice"))
+        _each_known_once(table.lands or (), names, at, problems, "lands", reading)
+        at_lands = tuple(names[name] for name in table.lands or ())
+        return made(Complaint, table, lands=at_lands, source=table.source or source)
+
+    return tuple(reading.each(tables, ("complaints",), complaint, twice=Sentence("complaint given twice")))
 
 
 def _each_known_once(

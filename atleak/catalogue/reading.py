@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from atleak.catalogue.circuit_tables import ByGearTable, CurrentTable, DutyTable, FollowingTable, SetTable
 from atleak.catalogue.circuits import Following, SetPressure
@@ -15,6 +15,9 @@ from atleak.catalogue.section_pressures import Pressure
 from atleak.errors import CatalogueError, Steps, nearest_name, one_of
 from atleak.faults import NotAccepted, place_of, place_of_table
 from atleak.sentence import Sentence
+
+Entry = TypeVar("Entry")
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,27 @@ class Reading:
             yield
         except CatalogueError as fault:
             self.faults.append(fault)
+
+    def each(
+        self,
+        tables: Sequence[Entry],
+        at: Steps,
+        make: Callable[[Entry, Steps], Made],
+        *,
+        twice: Sentence,
+        named_by: str = "id",
+    ) -> list[Made]:
+        """Return what is made of each table, of which no two have one name; the fault of a wrong one is gathered."""
+        objects: list[Made] = []
+        names: set[object] = set()
+        for number, table in enumerate(tables):
+            where, name = (*at, number), getattr(table, named_by)
+            with self.gathering():
+                if name in names:
+                    raise self.fault((*where, named_by), twice, value=name)
+                names.add(name)
+                objects.append(make(table, where))
+        return objects
 
     def fault(
         self,

@@ -146,7 +146,7 @@ def _why_not_judged(controller: Controller, road_test: RoadTest) -> NotJudged | 
         return "no_main_pressure"
     if channel.source != "logged" or channel.kind == "commanded":
         return "not_measured"
-    if not controller.permissible:
+    if not controller.permissible_in_gear:
         return "not_permitted"
     if road_test.channel("engine_speed") is None:
         return "no_engine_speed"
@@ -167,7 +167,7 @@ class _Permitted:
         self.low, self.high = (np.full(len(self.time), np.nan) for _ in range(2))
         self.number = np.full(len(self.time), -1)  # of the limits in the valve body's file
         states = _states(road_test, self.gear)
-        for number, permitted in enumerate(controller.permissible):
+        for number, permitted in enumerate(controller.permissible_in_gear):
             here = np.isin(self.gear, list(permitted.gears)) & states[permitted.state] & np.isfinite(self.pressure)
             self.number[here] = number
             self.low[here] = np.nan if permitted.low is None else permitted.low
@@ -177,7 +177,7 @@ class _Permitted:
         under = Lasting(self.counted, 1.0 - self.pressure / self.low)
         over = Lasting(self.counted, self.pressure / self.high - 1.0)
         places = []
-        for number, permitted in enumerate(self.controller.permissible):
+        for number, permitted in enumerate(self.controller.permissible_in_gear):
             for gear in sorted(permitted.gears):
                 here = (self.number == number) & (self.gear == gear)
                 judged = self.counted.time_of(here)
@@ -195,7 +195,7 @@ class _Permitted:
         sample = lasting.worst(among)
         if sample is None:
             return None
-        permitted = self.controller.permissible[self.number[sample]]
+        permitted = self.controller.permissible_in_gear[self.number[sample]]
         start, stop = lasting.stretch(sample)
         return Departure(
             start=start,

@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 
 from atleak.catalogue.circuit_tables import SelectorRange
-from atleak.catalogue.circuits import Circuit, StandingPressure
+from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind, Steps
@@ -77,7 +77,7 @@ class CheckedReading:
     reading: GaugeReading
     tap_name: str
     gear: int | None  # that is taken for the range; None where the gears do not tell
-    permissible: StandingPressure | None  # of main pressure; None where the file does not tell
+    permissible: PermissiblePressure | None  # of main pressure; None where the file does not tell
     expected: (
         float | None
     )  # [Pa] that pump or circuit hold there by the engine; None where no operating point is like it

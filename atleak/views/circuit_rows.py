@@ -56,7 +56,7 @@ def circuit_tables(controller: Controller, say: Wording) -> list[Table]:
         Table("circuits", circuit, circuits, say),
         Table("leaks", leak, controller.leaks, say),
         Table("consumers", consumer, controller.consumers, say),
-        Table("permissible", permissible, controller.permissible, say),
+        Table("permissible", permissible, controller.permissible_in_gear, say),
     ]
 
 

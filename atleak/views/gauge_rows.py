@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from atleak.catalogue.circuits import StandingPressure
+from atleak.catalogue.circuits import PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
 from atleak.gauges.check import CheckedReading, PressureCheck
@@ -126,10 +126,10 @@ def _cell(cell: Cell) -> dict[str, Any]:
     return {"range": cell.range, "state": cell.engine, "tap": cell.tap}
 
 
-def permissible_text(permissible: StandingPressure | None, say: Wording) -> str | None:
+def permissible_text(permissible: PermissiblePressure | None, say: Wording) -> str | None:
     """Return what is permissible in a reader's language and unit; None where nothing is stated.
 
-    >>> permissible_text(StandingPressure(frozenset(), frozenset(), "idle", 412e3, None, ""), wording("en"))
+    >>> permissible_text(PermissiblePressure(frozenset(), "idle", 412e3, None, ""), wording("en"))
     'from 412'
     """
     if permissible is None:

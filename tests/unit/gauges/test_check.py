@@ -118,10 +118,10 @@ def test_the_gauges_uncertainty_says_how_sure_a_verdict_is(unit, judged, kpa, de
 @pytest.mark.parametrize("name", ["gm_4l60e", "five_speed_2005", "four_speed_2023"])
 def test_main_pressure_under_a_published_least_is_critical(judged, name: str) -> None:
     unit = load_controller(name)
-    stated = next(each for each in unit.standing if each.low and each.state == "idle" and 1 in each.gears)
-    unit = replace(unit, standing=(replace(stated, published=True, ranges=frozenset()),))
+    stated = next(each for each in unit.permissible if each.low and each.state == "idle" and 1 in each.gears)
+    unit = replace(unit, permissible=(replace(stated, published=True, ranges=frozenset()),))
     for part, published, verdict in ((0.95, True, "critical"), (0.95, False, "watch"), (1.0, True, "ok")):
-        its = replace(unit, standing=(replace(unit.standing[0], published=published),))
+        its = replace(unit, permissible=(replace(unit.permissible[0], published=published),))
         (line,) = checked(judged(its, at("D", SLOW, part * stated.low / 1e3)))
         assert line.verdict == verdict
         assert (line.deciding.rule.origin == "published") == published
@@ -472,7 +472,7 @@ def test_every_pattern_has_its_sentence_in_every_language(unit, judged) -> None:
 
 @pytest.mark.parametrize("name", ["zf_6hp26", "chrysler_41te", "aisin_aw55_50sn"])
 def test_a_line_without_a_permissible_pressure_is_judged_by_what_a_new_unit_holds(judged, capsys, name: str) -> None:
-    unit, readings = replace(load_controller(name), permissible=(), standing=()), {}
+    unit, readings = replace(load_controller(name), permissible=()), {}
     for engine, state in ((SLOW, "idle"), (STALL, "stall")):
         point = next(each for each in unit.operating_points if (each.gear, each.state) == (1, state))
         new = project(LeakageModel(unit, clearances(None, unit), load_fluid("hipol_atf_iid"), WORKSHOP), point)
