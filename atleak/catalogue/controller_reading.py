@@ -33,7 +33,7 @@ from atleak.catalogue.controller_tables import (
     OperatingPointTable,
 )
 from atleak.catalogue.doubts import doubts_of
-from atleak.catalogue.entries import Evidence, Origin, listed, read_tables
+from atleak.catalogue.entries import Evidence, Origin, Shelf
 from atleak.catalogue.keys import made
 from atleak.catalogue.limits import DEFAULT_LIMITS, load_limits, reaches
 from atleak.catalogue.operating_point import STATED, OperatingPoint
@@ -43,48 +43,11 @@ from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import Repair, RepairTable
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
-from atleak.doors import own_errors_only
 from atleak.errors import CatalogueError, DomainError, Message
 from atleak.faults import in_words, place_of, together
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import UM
-
-
-@own_errors_only(CatalogueError, "id_or_path")
-def load_controller(id_or_path: str | Path) -> Controller:
-    """Load a shipped controller by id or a workshop's own by path.
-
-    Raises
-    ------
-    CatalogueError
-        if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
-    """
-    return _checked(*read_tables("controllers", id_or_path))
-
-
-def controllers() -> list[Controller]:
-    """Return every controller that can be used, shipped or own."""
-    return list(listed("controllers", load_controller).entries.values())
-
-
-@own_errors_only(CatalogueError, "file")
-def checked_controller(data: Mapping[str, Any], file: str = "this description") -> Controller:
-    """Return the controller that tables describe which came another way than from a TOML file.
-
-    Parameters
-    ----------
-    data
-        the tables as a TOML file of the same content gives them.
-    file
-        what the messages call the file.
-
-    Raises
-    ------
-    CatalogueError
-        the first fault, with every other one in ``others``; ``place.steps`` of each leads to it through the tables.
-    """
-    return _checked(data, Origin(Path(file), ""))
 
 
 def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
@@ -98,6 +61,21 @@ def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
         raise together(faults)
     doubts = doubts_of("controllers", ControllerFile, data, origin.file, displacement=controller.pump.displacement)
     return replace(controller, doubts=(*doubts, *_mending_nothing(controller, data, origin.file)))
+
+
+CONTROLLERS = Shelf("controllers", ControllerFile, _checked)
+checked_controller, controllers = CONTROLLERS.checked, CONTROLLERS.usable
+
+
+def load_controller(id_or_path: str | Path) -> Controller:
+    """Load a shipped controller by id or a workshop's own by path.
+
+    Raises
+    ------
+    CatalogueError
+        if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
+    """
+    return CONTROLLERS.load(id_or_path)
 
 
 def _mending_nothing(controller: Controller, data: Mapping[str, Any], file: str) -> Iterator[Message]:

@@ -17,6 +17,7 @@ from datetime import date
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, StringConstraints
@@ -24,7 +25,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidat
 from atleak.catalogue.keys import key
 from atleak.doors import own_errors_only
 from atleak.errors import CatalogueError, OutputError, Place, unknown
-from atleak.faults import NotAccepted, validated
+from atleak.faults import NotAccepted
 from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.home import home, made
@@ -114,9 +115,6 @@ class Entry(Strict):
     note: str = key("Note", "Anything a reader of the result must know", default="")
 
 
-EntryModel = TypeVar("EntryModel", bound=Entry)
-
-
 @dataclass(frozen=True)
 class Origin:
     """The file that a catalogue object came from; ``own`` where it was chosen from the user's own catalogue."""
@@ -142,12 +140,12 @@ class Listed(Generic[Loaded]):
 
 
 @dataclass(frozen=True)
-class Shelf(Generic[EntryModel, Loaded]):
+class Shelf(Generic[Loaded]):
     """The entries of one kind: how a file is checked, and what is made of it."""
 
     kind: str  # one of `KINDS`
-    model: type[EntryModel]
-    make: Callable[[EntryModel, Mapping[str, Any], Origin], Loaded]
+    model: type[Entry]  # of their files
+    made_of: Callable[[Mapping[str, Any], Origin], Loaded]  # the tables of a file, once they are checked
 
     @own_errors_only(CatalogueError, "id_or_path")
     def load(self, id_or_path: str | Path) -> Loaded:
@@ -158,7 +156,7 @@ class Shelf(Generic[EntryModel, Loaded]):
         CatalogueError
             if the file is missing or wrong; the message names file, table, key and value.
         """
-        return self._made(*read_tables(self.kind, id_or_path))
+        return self.made_of(*read_tables(self.kind, id_or_path))
 
     @own_errors_only(CatalogueError, "file")
     def checked(self, data: Mapping[str, Any], file: str = "this description") -> Loaded:
@@ -169,25 +167,17 @@ class Shelf(Generic[EntryModel, Loaded]):
         CatalogueError
             as `load`; ``place.steps`` of every fault leads to it through the tables.
         """
-        return self._made(data, Origin(Path(file), ""))
+        return self.made_of(data, Origin(Path(file), ""))
 
     def usable(self) -> list[Loaded]:
         """Return every entry that can be used, shipped or own."""
         return list(listed(self.kind, self.load).entries.values())
 
-    def _made(self, data: Mapping[str, Any], origin: Origin) -> Loaded:
-        return self.make(validated(self.model, data, origin.file, kind=CatalogueError), data, origin)
 
-
-def shipped_files(kind: str) -> dict[str, Path]:
+@cache  # they stay the same as long as a process, and a fleet asks for them with every unit
+def shipped_files(kind: str) -> Mapping[str, Path]:
     """Return ids and files of one kind (one of `KINDS`) that ship with atleak, sorted by id."""
-    return dict(_shipped_files(kind))
-
-
-@cache
-def _shipped_files(kind: str) -> dict[str, Path]:
-    """Look for them once: they stay the same as long as a process, and a fleet asks for them with every unit."""
-    return {path.stem: path for path in sorted((_HERE / kind).glob("*.toml"))}
+    return MappingProxyType({path.stem: path for path in sorted((_HERE / kind).glob("*.toml"))})
 
 
 def own_folder(kind: str = "") -> Path:
@@ -324,20 +314,6 @@ def _same_id(path: Path) -> CatalogueError:
         value=path.stem,
         expected=Sentence("an id of its own, and a file named as it"),
     )
-
-
-@own_errors_only(CatalogueError, "id_or_path")
-def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tuple[EntryModel, Origin]:
-    """Read a catalogue entry by id, or a user's file by path, and check it against its model.
-
-    Raises
-    ------
-    CatalogueError
-        if there is no such entry (the message gives the nearest id), the file cannot be read, its TOML syntax is wrong
-        or a value is missing, unknown or out of range; the message names file, table, key, value and what was expected.
-    """
-    data, origin = read_tables(kind, id_or_path)
-    return validated(model, data, origin.file, kind=CatalogueError), origin
 
 
 @own_errors_only(CatalogueError, "id_or_path")

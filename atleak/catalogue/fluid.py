@@ -20,14 +20,14 @@ from atleak.catalogue.entries import (
     Origin,
     Shelf,
     Strict,
-    read_entry,
+    read_tables,
     shipped_files,
 )
 from atleak.catalogue.keys import key, made
 from atleak.equations import fluid as fluid_equations
 from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
 from atleak.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
-from atleak.faults import NotAccepted, place_of
+from atleak.faults import NotAccepted, place_of, validated
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import PERCENT
@@ -280,7 +280,8 @@ def fresh_assumed(fluid: Fluid) -> Message:
     return Message("info", "fluid_state_assumed", text)
 
 
-def _fluid(entry: FluidFile, data: Mapping[str, Any], origin: Origin) -> Fluid:
+def _fluid(data: Mapping[str, Any], origin: Origin) -> Fluid:
+    entry = validated(FluidFile, data, origin.file, kind=CatalogueError)
     points = _falling("viscosity", entry.viscosity, data, origin)
     rows = _falling("table", entry.table, data, origin)
     return made(
@@ -308,7 +309,7 @@ def _used_entry(entry: FluidFile, origin: Origin) -> str | None:
     shipped = shipped_files("fluids")
     if entry.used not in shipped:
         raise unknown(NO_ENTRY["fluids"], entry.used, shipped, kind=CatalogueError, place=place)
-    if read_entry("fluids", entry.used, FluidFile)[0].state != "used":
+    if read_tables("fluids", entry.used)[0].get("state") != "used":
         problem = Sentence("names an entry that does not describe a used fluid")
         expected = Sentence('an entry with state = "used"')
         raise CatalogueError(problem, place=place, value=entry.used, expected=expected)
@@ -395,8 +396,8 @@ class FluidFile(Entry):
         return rows
 
 
-_SHELF = Shelf("fluids", FluidFile, _fluid)
-checked_fluid, fluids = _SHELF.checked, _SHELF.usable
+FLUIDS = Shelf("fluids", FluidFile, _fluid)
+checked_fluid, fluids = FLUIDS.checked, FLUIDS.usable
 
 
 def load_fluid(id_or_path: str | Path) -> Fluid:
@@ -407,4 +408,4 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
     CatalogueError
         if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
     """
-    return _SHELF.load(id_or_path)
+    return FLUIDS.load(id_or_path)

@@ -13,7 +13,8 @@ from atleak.catalogue import usual
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Entry, Origin, Shelf
 from atleak.catalogue.keys import key, made
-from atleak.errors import InputError, Message, one_of
+from atleak.errors import CatalogueError, InputError, Message, one_of
+from atleak.faults import validated
 from atleak.sentence import Name, Sentence
 
 Part = Literal["spool", "sleeve"]
@@ -100,7 +101,8 @@ class Instruments:
         return self.spool == self.sleeve and self.spool.alike_inside_and_outside
 
 
-def _instrument(entry: InstrumentFile, data: Mapping[str, Any], origin: Origin) -> Instrument:
+def _instrument(data: Mapping[str, Any], origin: Origin) -> Instrument:
+    entry = validated(InstrumentFile, data, origin.file, kind=CatalogueError)
     doubts = doubts_of("instruments", InstrumentFile, data, origin.file)
     return made(Instrument, entry, origin=origin, doubts=doubts)
 
@@ -169,8 +171,8 @@ class InstrumentFile(Entry):
     ] = []
 
 
-_SHELF = Shelf("instruments", InstrumentFile, _instrument)
-checked_instrument, instruments = _SHELF.checked, _SHELF.usable
+INSTRUMENTS = Shelf("instruments", InstrumentFile, _instrument)
+checked_instrument, instruments = INSTRUMENTS.checked, INSTRUMENTS.usable
 
 
 def load_instrument(id_or_path: str | Path) -> Instrument:
@@ -181,4 +183,4 @@ def load_instrument(id_or_path: str | Path) -> Instrument:
     CatalogueError
         if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
     """
-    return _SHELF.load(id_or_path)
+    return INSTRUMENTS.load(id_or_path)

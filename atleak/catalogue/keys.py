@@ -76,24 +76,11 @@ class Key:
     becomes: str = ""  # name of the value in SI units, where that is not the key without its unit
 
 
-def key(
-    heading: str = "",
-    help: str = "",
-    *,
-    unit: str = "",
-    radial: bool = False,
-    usual: Usual | None = None,
-    known: str = "",
-    known_of_all: str = "",
-    up_to: tuple[str, str] = ("", ""),
-    names: str = "",
-    width: int = 14,
-    becomes: str = "",
-    **field: Any,
-) -> Any:
-    """Return the field of a model for a key; parameters as of `Key`, ``field`` as of `pydantic.Field`."""
-    described = Key(heading, help, unit, radial, usual, known, known_of_all, up_to, names, width, becomes)
-    return Field(description=help or None, json_schema_extra={_KEY: described}, **field)  # type: ignore[dict-item]
+def key(heading: str = "", help: str = "", **more: Any) -> Any:
+    """Return the field of a model for a key: ``more`` has parameters of `Key`, and those of `pydantic.Field`."""
+    own = {name: more.pop(name) for name in Key.__dataclass_fields__ if name in more}
+    described = Key(heading, help, **own)
+    return Field(description=help or None, json_schema_extra={_KEY: described}, **more)  # type: ignore[dict-item]
 
 
 def key_of(field: FieldInfo) -> Key | None:

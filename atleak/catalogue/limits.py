@@ -17,8 +17,8 @@ from atleak.catalogue import usual
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Entry, NonEmptyText, Origin, Shelf, Strict
 from atleak.catalogue.keys import key, made, unit_of
-from atleak.errors import Message
-from atleak.faults import NotAccepted, WrongTogether
+from atleak.errors import CatalogueError, Message
+from atleak.faults import NotAccepted, WrongTogether, validated
 from atleak.sentence import Sentence
 from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.workshop_units import KPA, PERCENT, UM
@@ -263,7 +263,8 @@ class Limits:
         return MappingProxyType({kind: steps for kind, steps in stated.items() if steps is not None})
 
 
-def _limits(entry: LimitsFile, data: Mapping[str, Any], origin: Origin) -> Limits:
+def _limits(data: Mapping[str, Any], origin: Origin) -> Limits:
+    entry = validated(LimitsFile, data, origin.file, kind=CatalogueError)
     doubts = doubts_of("limits", LimitsFile, data, origin.file)
     tables = {name: getattr(entry, name) for name in LimitsFile.model_fields}
     steps = {
@@ -498,8 +499,8 @@ class LimitsFile(Entry):
         return self
 
 
-_SHELF = Shelf("limits", LimitsFile, _limits)
-checked_limits, limit_sets = _SHELF.checked, _SHELF.usable
+LIMIT_SETS = Shelf("limits", LimitsFile, _limits)
+checked_limits, limit_sets = LIMIT_SETS.checked, LIMIT_SETS.usable
 
 
 def load_limits(id_or_path: str | Path) -> Limits:
@@ -510,4 +511,4 @@ def load_limits(id_or_path: str | Path) -> Limits:
     CatalogueError
         if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
     """
-    return _SHELF.load(id_or_path)
+    return LIMIT_SETS.load(id_or_path)

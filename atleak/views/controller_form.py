@@ -6,13 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import checked_controller
-from atleak.catalogue.controller_tables import ControllerFile
+from atleak.catalogue.controller_reading import CONTROLLERS, checked_controller
 from atleak.controller_sheets.layout import NAMES, SHEETS
 from atleak.errors import CatalogueError
 from atleak.views.entry_form import Subject
 
-CONTROLLER = Subject("controllers", SHEETS, ControllerFile, checked_controller, NAMES)
+CONTROLLER = Subject(CONTROLLERS, SHEETS, NAMES)
 _LAND_KEYS = ("land", "nominal_diameter_mm", "contact_length_mm")  # what a drawing needs
 
 

@@ -12,11 +12,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
-from pydantic import BaseModel
-
 from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.doubts import doubts_of
-from atleak.catalogue.entries import id_from_name
+from atleak.catalogue.entries import Shelf, id_from_name
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
 from atleak.controller_sheets.kinds import Kind
 from atleak.controller_sheets.layout import Offered
@@ -44,13 +42,16 @@ def _as_it_is(data: Mapping[str, Any]) -> dict[str, Any]:
 class Subject:
     """A kind of entry that can be typed: its sheets, the first of which is its head, and how its file is checked."""
 
-    kind: str  # the folder of the catalogue
+    shelf: Shelf[Any]
     sheets: tuple[Sheet, ...]
-    model: type[BaseModel]  # of its file
-    load: Callable[..., Any]  # from the tables of a file, and what it is called; raises a CatalogueError
     names: Mapping[str, Offered] = field(default_factory=dict)  # that drop-downs offer
     opened: Callable[[Mapping[str, Any]], dict[str, Any]] = _as_it_is  # a file's tables as the sheets have them
     closed: Callable[[Mapping[str, Any]], dict[str, Any]] = _as_it_is  # the other way round, as people write a file
+
+    @property
+    def kind(self) -> str:
+        """Return the folder of the catalogue."""
+        return self.shelf.kind
 
     def sheet(self, name: str) -> Sheet:
         """Return a sheet by its name."""
@@ -58,7 +59,7 @@ class Subject:
 
     def toml(self, data: Mapping[str, Any]) -> str:
         """Return tables as the text of their file."""
-        return written_toml(self.closed(data), self.model)
+        return written_toml(self.closed(data), self.shelf.model)
 
 
 @dataclass(frozen=True)
@@ -185,7 +186,7 @@ def checked(draft: Draft) -> Checked:
     faults = [_of_cell(subject, fault) for fault in into.faults]
     entry = None
     try:
-        entry = subject.load(into.data)
+        entry = subject.shelf.checked(into.data)
     except CatalogueError as error:
         further = in_cells(error, into, subject.sheets, rows, draft.units)
         faults += [_of_cell(subject, _on_page(fault, draft)) for fault in further]
@@ -205,7 +206,9 @@ def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequ
     for sheet in draft.subject.sheets:
         for spot, text in doubts(sheet, rows[sheet.name], draft.units):
             yield _of_cell(draft.subject, Fault(spot, text))
-    of_file = entry.doubts if entry is not None else doubts_of(draft.subject.kind, draft.subject.model, into.data, "")
+    of_file = (
+        entry.doubts if entry is not None else doubts_of(draft.subject.kind, draft.subject.shelf.model, into.data, "")
+    )
     for message in of_file:
         at = None if message.place is None else into.spot(message.place.steps)
         yield _of_cell(draft.subject, Fault(at or Spot(draft.subject.sheets[0].name), message.text))

@@ -8,10 +8,10 @@ from types import MappingProxyType
 from typing import Any
 
 from atleak.catalogue.entries import Evidence
-from atleak.catalogue.fluid import DensityTable, FluidFile, PropertyTable, ViscosityTable, checked_fluid
-from atleak.catalogue.instruments import InstrumentFile, checked_instrument
+from atleak.catalogue.fluid import FLUIDS, DensityTable, FluidFile, PropertyTable, ViscosityTable
+from atleak.catalogue.instruments import INSTRUMENTS, InstrumentFile
 from atleak.catalogue.keys import LIMIT, Key, key_of
-from atleak.catalogue.limits import BESIDE_LIMIT, LevelLimit, LevelTable, LimitsFile, checked_limits
+from atleak.catalogue.limits import BESIDE_LIMIT, LIMIT_SETS, LevelLimit, LevelTable, LimitsFile
 from atleak.controller_sheets.fields import columns_of, kind_of
 from atleak.controller_sheets.kinds import Choice
 from atleak.controller_sheets.shapes import Column, Form, Tables
@@ -92,13 +92,11 @@ def _is_limit(value: Any) -> bool:
 
 
 LIMITS = Subject(
-    "limits",
+    LIMIT_SETS,
     (
         _head("What these limits are, and whose", columns_of(LimitsFile, without=_TABLES)),
         *(_limit_form(name) for name in LimitsFile.model_fields if name in _TABLES),
     ),
-    LimitsFile,
-    checked_limits,
     opened=_opened,
     closed=_closed,
 )
@@ -107,7 +105,7 @@ LIMITS = Subject(
 
 _OF_HEAD = ("id", "name", "source", "date", "note", "measures")
 INSTRUMENT = Subject(
-    "instruments",
+    INSTRUMENTS,
     (
         _head(
             "What this instrument is, and where its numbers come from",
@@ -125,14 +123,12 @@ INSTRUMENT = Subject(
             ),
         ),
     ),
-    InstrumentFile,
-    checked_instrument,
 )
 
 # --- fluids -------------------------------------------------------------------------------------------------------
 
 FLUID = Subject(
-    "fluids",
+    FLUIDS,
     (
         _head(
             "What this fluid is, and where its numbers come from",
@@ -157,8 +153,6 @@ FLUID = Subject(
             ("table",),
         ),
     ),
-    FluidFile,
-    checked_fluid,
 )
 
 SUBJECTS: Mapping[str, Subject] = MappingProxyType({each.kind: each for each in (LIMITS, INSTRUMENT, FLUID)})

@@ -171,7 +171,7 @@ def draw_upload(desk: Desk, label: str, kinds: list[str], say: Wording, workbook
             draft = workbook(content, name)
         else:
             data = tomllib.loads(content.decode("utf-8-sig"))
-            desk.subject.load(data, name)
+            desk.subject.shelf.checked(data, name)
             draft = draft_of(desk.subject, data)
     except (CatalogueError, ValueError, RecursionError) as error:
         why = error if isinstance(error, CatalogueError) else text_reason(error)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller_reading import checked_controller, load_controller
-from atleak.catalogue.entries import Shelf, read_entry, read_tables
+from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.entries import Shelf, read_tables
 from atleak.doors import DAMAGE, own_errors_only
 from atleak.errors import CatalogueError, InputError, ReadingsError, RoadTestError
 from atleak.intake.controller_workbook import read_controller_workbook
@@ -27,7 +27,7 @@ from atleak.sentence import Sentence
 DOORS = (
     *(read_readings, read_pressure_table, read_study, understand, log_columns, read_controller_workbook),
     *(load_job, parse_job, read_job_file, JobFile.of, printable_picture, kind_of, typed_in),
-    *(load_controller, checked_controller, read_tables, read_entry, Shelf.load, Shelf.checked),
+    *(read_tables, Shelf.load, Shelf.checked),
 )
 ZIP = b"PK\5\6" + bytes(18)  # one without files
 

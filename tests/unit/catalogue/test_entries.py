@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from atleak.catalogue.controller_reading import controllers, load_controller
-from atleak.catalogue.entries import Entry, catalogue_files, read_entry
+from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import fluids, load_fluid
 from atleak.catalogue.instruments import load_instrument
 from atleak.catalogue.limits import limit_sets, load_limits
@@ -233,16 +233,6 @@ def test_an_id_is_found_before_a_file_of_that_name(tmp_path: Path, monkeypatch: 
 def test_entries_are_read_by_path_object_and_text_alike(edited: Edited) -> None:
     path = edited("fluids", "hipol_atf_iid")
     assert load_fluid(path) == load_fluid(str(path))
-
-
-def test_read_entry_gives_the_model_it_was_asked_for(edited: Edited) -> None:
-    class Plain(Entry):
-        gears: list[int]
-
-    path = edited("controllers", "minimal_example")
-    path.write_text('id = "a"\nname = "b"\nsource = "c"\ndate = 2026-01-02\ngears = [1]\n', encoding="utf-8")
-    entry, origin = read_entry("controllers", path, Plain)
-    assert (entry.gears, entry.date, entry.note, origin.path) == ([1], "2026-01-02", "", path)
 
 
 def test_nearest_name_is_silent_when_nothing_is_near() -> None:

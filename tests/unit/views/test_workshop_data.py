@@ -43,7 +43,7 @@ def test_a_shipped_entry_typed_in_forms_is_the_same_to_the_last_digit(kind: str,
 def test_every_key_of_the_file_has_a_field(subject: Subject) -> None:
     known = {key for sheet in subject.sheets for column in sheet.columns for key in (*sheet.at, *column.keys)}
     known |= {"representative"}  # of an instrument: the fields beside its numbers
-    assert set(subject.model.model_fields) <= known
+    assert set(subject.shelf.model.model_fields) <= known
 
 
 @pytest.mark.parametrize(
