@@ -1,7 +1,7 @@
 """Run the command line: files in, a verdict, JSON, a workbook out.
 
 Exit status: 0 done, 1 only with ``--fail-on`` and a pair or a total at or past it, 2 bad input or usage.
-Every module adds the parsers of its commands and runs them; what costs time is imported when a command runs.
+Every module adds the parsers of its commands and runs them; it is imported when one of them is called.
 """
 
 from __future__ import annotations
@@ -10,26 +10,11 @@ import argparse
 import errno
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from importlib import import_module
 
-from atleak.cli import (
-    app,
-    catalogue,
-    compare,
-    controller,
-    diagnose,
-    fleet,
-    gauge_study,
-    import_log,
-    jobs,
-    report,
-    sample,
-    schema,
-    template,
-    variants,
-)
-from atleak.cli.parser import Parser, add_shown, groups_of, parsed
+from atleak.cli.parser import COMMANDS, Parser, add_shown, groups_of, parsed
 from atleak.errors import AtleakError
 from atleak.system.printable import only_what_is_asked_for, printable_streams
 from atleak.version import __version__
@@ -58,7 +43,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     try:
-        options = parsed(_parser(), arguments)
+        arguments = sys.argv[1:] if arguments is None else arguments
+        called = next((each for each in arguments if not each.startswith("-")), None)
+        options = parsed(_parser([called]), arguments)
         with _as_shown(options):
             status: int = options.run(options)
         sys.stdout.flush()  # a reader that went away is noticed here, not when the interpreter ends
@@ -103,30 +90,15 @@ def _as_shown(options: argparse.Namespace) -> Iterator[None]:
                 os.environ[_NO_COLOUR] = earlier
 
 
-def _parser() -> Parser:
-    parser = Parser(
-        prog="atleak",
-        description="Internal leakage of automatic-transmission valve bodies.",
-        epilog=_MORE,
-    )
-    parser.add_argument("--version", action="version", version=f"atleak {__version__}", help="print it and end")
-    add_shown(parser)
-    commands = groups_of(parser, "COMMAND")
-    for group in (
-        diagnose,
-        jobs,
-        fleet,
-        compare,
-        variants,
-        import_log,
-        report,
-        template,
-        controller,
-        gauge_study,
-        catalogue,
-        schema,
-        sample,
-        app,
-    ):  # as --help lists them
-        group.add_parser(commands)
-    return parser
+def _parser(called: Collection[str | None] = tuple(COMMANDS)) -> Parser:
+    """Return the parser of the command line, with all that some of its commands take; help names every one."""
+    whole = Parser(prog="atleak", description="Internal leakage of automatic-transmission valve bodies.", epilog=_MORE)
+    whole.add_argument("--version", action="version", version=f"atleak {__version__}", help="print it and end")
+    add_shown(whole)
+    commands = groups_of(whole, "COMMAND")
+    for name, (module, about) in COMMANDS.items():
+        if name in called:
+            import_module(f"atleak.cli.{module}").add_parser(commands, name)
+        else:
+            commands.add_parser(name, help=about)
+    return whole

@@ -34,10 +34,10 @@ _SPARING = {"MALLOC_ARENA_MAX": "2"}
 _INTERNET = (socket.AF_INET, socket.AF_INET6)
 
 
-def add_parser(commands: Any) -> None:
+def add_parser(commands: Any, name: str) -> None:
     """Add the command."""
     examples = ("app", "app --port 8600", "app --address 0.0.0.0", "app --host atleak.shop.example")
-    parser = add_command(commands, "app", run, "the dashboard in a browser", examples=examples, quiet=False)
+    parser = add_command(commands, name, run, examples=examples, quiet=False)
     help = f"at which it answers: the first free one from {PORT} on unless given"
     parser.add_argument("--port", metavar="N", type=port_number, help=help)
     help = f"of this machine at which it answers: {_HERE}, which no other machine reaches, unless given"

@@ -7,37 +7,37 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.entries import KINDS, Evidence, Listed, listed, own_folder
+from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.instruments import load_instrument
+from atleak.catalogue.limits import load_limits
 from atleak.cli.parser import add_command, add_group
-from atleak.cli.shared import add_force, add_json, check_targets, say_written, write_json
+from atleak.cli.shared import Outputs, add_force, add_json
+from atleak.report.terminal import print_records
+from atleak.system.home import made
 from atleak.system.printable import asked_for
 from atleak.version import __version__
+from atleak.views.diagnosis_record import limits_record
+from atleak.views.evidence_rows import evidence_counts, still_to_measure
 
-if TYPE_CHECKING:
-    from atleak.catalogue.entries import Listed
 
-
-def add_parser(commands: Any) -> None:
-    """Add the commands."""
-    for name, run in (
-        ("controllers", _controllers),
-        ("fluids", _fluids),
-        ("limits", _limits),
-        ("instruments", _instruments),
-    ):
-        about = f"the {name} of the catalogue, shipped and own"
-        parser = add_command(commands, name, run, about, examples=(name, f"{name} --json -"))
-        add_json(parser)
-        add_force(parser)
-    own = add_group(commands, "catalogue", "your own catalogue", examples=("catalogue path",))
-    add_command(own, "path", _path, "make the folder of your own catalogue and say where it is", quiet=False)
+def add_parser(commands: Any, name: str) -> None:
+    """Add one of the commands."""
+    if name == "catalogue":
+        own = add_group(commands, name, examples=("catalogue path",))
+        about = "make the folder of your own catalogue and say where it is"
+        add_command(own, "path", _path, about, quiet=False)
+        return
+    run = {"controllers": _controllers, "fluids": _fluids, "limits": _limits, "instruments": _instruments}[name]
+    parser = add_command(commands, name, run, examples=(name, f"{name} --json -"))
+    add_json(parser)
+    add_force(parser)
 
 
 def _path(options: argparse.Namespace) -> int:
-    from atleak.catalogue.entries import KINDS, own_folder
-    from atleak.system.home import made
-
     for kind in KINDS:
         made(own_folder(kind))
     print(own_folder(), file=asked_for(sys.stdout))
@@ -45,10 +45,6 @@ def _path(options: argparse.Namespace) -> int:
 
 
 def _controllers(options: argparse.Namespace) -> int:
-    from atleak.catalogue.controller_reading import load_controller
-    from atleak.catalogue.entries import Evidence, listed
-    from atleak.views.evidence_rows import evidence_counts, still_to_measure
-
     known = listed("controllers", load_controller)
     rows: list[dict[str, Any]] = [
         {
@@ -82,9 +78,6 @@ def _controllers(options: argparse.Namespace) -> int:
 
 
 def _fluids(options: argparse.Namespace) -> int:
-    from atleak.catalogue.entries import listed
-    from atleak.catalogue.fluid import load_fluid
-
     known = listed("fluids", load_fluid)
     rows = [
         {
@@ -105,18 +98,11 @@ def _fluids(options: argparse.Namespace) -> int:
 
 
 def _limits(options: argparse.Namespace) -> int:
-    from atleak.catalogue.entries import listed
-    from atleak.catalogue.limits import load_limits
-    from atleak.views.diagnosis_record import limits_record
-
     known = listed("limits", load_limits)
     return _list(known, [limits_record(limits) for limits in known.entries.values()], ["id", "name", "source"], options)
 
 
 def _instruments(options: argparse.Namespace) -> int:
-    from atleak.catalogue.entries import listed
-    from atleak.catalogue.instruments import load_instrument
-
     known = listed("instruments", load_instrument)
     rows = [
         {
@@ -148,15 +134,13 @@ def _list(
 
     Each says whether its entry is the user's own; own files that cannot be used are named.
     """
-    check_targets(options, [], [("record", options.json)])
+    outputs = Outputs(options)
     own = [{"own": entry.origin.own} for entry in known.entries.values()]
-    if options.json is not None:
-        records = [{**row, **mine, "atleak": __version__} for row, mine in zip(rows, own, strict=True)]
-        say_written(write_json(options.json, records))
-    if options.json != "-":
-        from atleak.report.terminal import print_records
-
+    records = [{**row, **mine, "atleak": __version__} for row, mine in zip(rows, own, strict=True)]
+    outputs.write(json=lambda: records)
+    if outputs.shown:
         print_records([*columns, "own"], [{**row, **mine} for row, mine in zip(shown or rows, own, strict=True)])
+    outputs.say_written()
     for fault in known.faults:
         print(f"atleak: left aside: {fault}", file=sys.stderr)
     return 0

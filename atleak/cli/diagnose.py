@@ -3,42 +3,29 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from atleak.cli.job_options import add_job_options, as_read, chosen_job, input_files
 from atleak.cli.parser import add_command
 from atleak.cli.shared import (
+    Outputs,
     add_force,
     add_json,
     add_print,
-    check_targets,
     doubt_option,
     print_font,
     print_options,
     say_doubts,
-    say_written,
-    write,
-    write_json,
 )
-from atleak.errors import InputError
-from atleak.sentence import Sentence
-from atleak.verdicts import FLAGGED
-
-if TYPE_CHECKING:
-    from atleak.diagnosis import Diagnosis
-    from atleak.job.case import Case
-    from atleak.job.record import Job
-    from atleak.report.own_font import OwnFont
-    from atleak.system.marks import Kind
+from atleak.verdicts import FLAGGED, Verdict
 
 
-def add_parser(commands: Any) -> None:
+def add_parser(commands: Any, name: str) -> None:
     """Add the command."""
     parser = add_command(
         commands,
-        "diagnose",
+        name,
         run,
-        "a verdict from a measuring sheet, a road test or gauge readings",
         usage="atleak diagnose [READINGS] [--road-test LOG] [--pressures FILE] [options]",
         examples=(
             "diagnose sheet.xlsx",
@@ -68,29 +55,43 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Diagnose the job, write the reports that were asked for and show the verdict."""
-    from atleak.verdicts import Verdict
-
-    for name in ("xlsx", "pdf", "job_file"):
-        if getattr(options, name) == "-":
-            problem = Sentence("a workbook, PDF or job file cannot be written to standard output")
-            raise InputError(problem, value=f"--{name} -", expected=Sentence("a file name"))
-    targets: list[tuple[Kind, str | None]] = [("record", options.json), ("report workbook", options.xlsx)]
-    check_targets(options, input_files(options), [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
+    outputs = Outputs(options, input_files(options))
     case, job = chosen_job(options)
-    formats = [name for name in ("pdf", "xlsx") if getattr(options, name) is not None]
-    printed, font = print_options(options, formats), print_font(options, formats)
+    printed, font = print_options(options, outputs.formats), print_font(options, outputs.formats)
     if options.sections is not None and options.pdf is None:
         doubt_option("--sections", ["--pdf"])
+    diagnosis = case.diagnose()
     from atleak.job.of_sheet import with_sheet
 
-    diagnosis = case.diagnose()
     job = with_sheet(job, diagnosis.readings)
-    written = _write_reports(diagnosis, job, case, options, printed, font)
-    if options.json != "-":
+
+    def workbook() -> bytes:
+        from atleak.report.xlsx import write_workbook
+
+        return write_workbook(diagnosis, job, **printed)
+
+    def pdf() -> bytes:
+        from atleak.report.pdf import write_pdf
+
+        sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
+        return write_pdf(diagnosis, job, **printed, sections=sections, font=font)
+
+    def job_file() -> bytes:
+        from atleak.job.file import write_job_file
+
+        return write_job_file(diagnosis, job, as_read(case))
+
+    def record() -> dict[str, Any]:
+        from atleak.job.issued import issued_record
+
+        return issued_record(diagnosis, job)
+
+    outputs.write(xlsx=workbook, pdf=pdf, job_file=job_file, json=record)
+    if outputs.shown:
         from atleak.report.terminal import print_diagnosis
 
         print_diagnosis(diagnosis)
-        say_written(written)
+    outputs.say_written()
     if job is not None:
         from atleak.job.doubts import record_doubts
 
@@ -101,35 +102,3 @@ def run(options: argparse.Namespace) -> int:
             say_doubts(missing_characters([job], font))
     past = options.fail_on and diagnosis.verdict.rank >= Verdict(options.fail_on).rank
     return 1 if past else 0
-
-
-def _write_reports(
-    diagnosis: Diagnosis,
-    job: Job | None,
-    case: Case,
-    options: argparse.Namespace,
-    printed: dict[str, str],
-    font: OwnFont | None,
-) -> list[str]:
-    """Write the files asked for; return their names."""
-    written = []
-    if options.xlsx is not None:
-        from atleak.report.xlsx import write_workbook
-
-        written += write(options.xlsx, write_workbook(diagnosis, job, **printed))
-    if options.pdf is not None:
-        from atleak.report.pdf import write_pdf
-
-        sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
-        content = write_pdf(diagnosis, job, **printed, sections=sections, font=font)
-        written += write(options.pdf, content)
-    if options.job_file is not None:
-        from atleak.job.file import write_job_file
-
-        content = write_job_file(diagnosis, job, as_read(case))
-        written += write(options.job_file, content)
-    if options.json is not None:  # written last: standard output stays empty when another file fails
-        from atleak.job.issued import issued_record
-
-        written += write_json(options.json, issued_record(diagnosis, job))
-    return written

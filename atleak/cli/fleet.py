@@ -28,12 +28,11 @@ _TWICE = 5  # names that are printed of units that are there twice
 _ERRORS = 30  # messages that are printed of each kind of error
 
 
-def add_parser(commands: Any) -> None:
+def add_parser(commands: Any, name: str) -> None:
     """Add the commands."""
     group = add_group(
         commands,
-        "fleet",
-        "thousands of units: diagnosed on all processors or many machines, and summed up",
+        name,
         examples=(
             "fleet run jobs/ --out results",
             "fleet run fleet.csv --controller four_speed_2023 --out results --fail-on replace",

@@ -7,25 +7,11 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import (
-    add_force,
-    add_json,
-    add_print,
-    check_targets,
-    print_font,
-    print_options,
-    say_written,
-    write,
-    write_json,
-)
+from atleak.cli.shared import Outputs, add_force, add_json, add_print, print_font, print_options
 from atleak.errors import OutputError
 
 if TYPE_CHECKING:
     from atleak.fleet.results import Results
-    from atleak.fleet.summed import FleetSummary
-    from atleak.job.record import Job
-    from atleak.report.own_font import OwnFont
-    from atleak.system.marks import Kind
 
 
 def add_summary(group: Any) -> None:
@@ -77,28 +63,35 @@ def run(options: argparse.Namespace) -> int:
     from atleak.fleet.summed import LISTED
     from atleak.job.file import load_job
 
-    targets: list[tuple[Kind, str | None]] = [("PDF", options.pdf), ("report workbook", options.xlsx)]
-    check_targets(options, [options.job], [("record", options.json), *targets])
-    formats = [name for name in ("pdf", "xlsx") if getattr(options, name) is not None]
-    printed, font = print_options(options, formats), print_font(options, formats)
+    outputs = Outputs(options, [options.job])
+    printed, font = print_options(options, outputs.formats), print_font(options, outputs.formats)
     letterhead = None if options.job is None else load_job(options.job)
     results = Results.open(options.results)
-    if options.errors and options.json is None and not formats:
+    if options.errors and not outputs.files:
         _list_errors(results)
         return 0
     listed = LISTED if options.list is None else options.list
     summary = summed_up(results, by=options.by, controller=options.controller, listed=listed)
     with suppress(OutputError):  # where the user's folder cannot be written, a page does not offer them
         note(options.results)
-    written = _write_papers(summary, options, printed, font, letterhead)
-    if options.json is not None:  # written last: standard output stays empty when another file fails
-        written += write_json(options.json, summary_record(summary))
-    if options.json != "-":
+
+    def workbook() -> bytes:
+        from atleak.fleet.summary_workbook import write_summary_workbook
+
+        return write_summary_workbook(summary, **printed)
+
+    def pdf() -> bytes:
+        from atleak.fleet.summary_pdf import write_summary_pdf
+
+        return write_summary_pdf(summary, **printed, font=font, letterhead=letterhead)
+
+    outputs.write(xlsx=workbook, pdf=pdf, json=lambda: summary_record(summary))
+    if outputs.shown:
         if options.errors:
             _list_errors(results)
         else:
             print_summary(summary)
-        say_written(written)
+    outputs.say_written()
     return 0
 
 
@@ -107,23 +100,3 @@ def _list_errors(results: Results) -> None:
 
     for row in results.table("errors", columns=["name", "kind", "message"]).to_pylist():
         print(f"{named_message(row['name'], row['message'])} ({row['kind']})")
-
-
-def _write_papers(
-    summary: FleetSummary,
-    options: argparse.Namespace,
-    printed: dict[str, str],
-    font: OwnFont | None,
-    letterhead: Job | None,
-) -> list[str]:
-    """Write the PDF and the workbook where they are asked for; return the names of the files written."""
-    written: list[str] = []
-    if options.xlsx is not None:
-        from atleak.fleet.summary_workbook import write_summary_workbook
-
-        written += write(options.xlsx, write_summary_workbook(summary, **printed))
-    if options.pdf is not None:
-        from atleak.fleet.summary_pdf import write_summary_pdf
-
-        written += write(options.pdf, write_summary_pdf(summary, **printed, font=font, letterhead=letterhead))
-    return written

@@ -6,27 +6,22 @@ import argparse
 from typing import Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import (
-    add_force,
-    add_json,
-    check_targets,
-    say_written,
-    write_json,
-)
+from atleak.cli.shared import Outputs, add_force, add_json
 from atleak.errors import InputError
+from atleak.gauge_study.anova import ALPHA, analysed
+from atleak.intake.gauge_study import read_study
+from atleak.report.terminal import print_gauge_study
 from atleak.sentence import Sentence
+from atleak.views.gauge_study import study_record
+from atleak.wording import wording
+from atleak.workshop_units import MM
 from atleak.written_numbers import decimal_number
 
 
-def add_parser(commands: Any) -> None:
+def add_parser(commands: Any, name: str) -> None:
     """Add the command."""
-    parser = add_command(
-        commands,
-        "gauge-study",
-        run,
-        "repeatability and reproducibility of a gauge, by ANOVA",
-        examples=("gauge-study study.xlsx", "gauge-study study.csv --unit µm --tolerance 0.02 --json study.json"),
-    )
+    examples = ("gauge-study study.xlsx", "gauge-study study.csv --unit µm --tolerance 0.02 --json study.json")
+    parser = add_command(commands, name, run, examples=examples)
     parser.add_argument("file", metavar="FILE", help="repeated readings of several parts by several people: xlsx, csv")
     parser.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
     parser.add_argument(
@@ -42,22 +37,15 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Analyse the readings and show the components of their variation."""
-    from atleak.gauge_study.anova import ALPHA, analysed
-    from atleak.intake.gauge_study import read_study
-    from atleak.report.terminal import print_gauge_study
-    from atleak.views.gauge_study import study_record
-    from atleak.wording import wording
-    from atleak.workshop_units import MM
-
-    check_targets(options, [options.file], [("record", options.json)])
+    outputs = Outputs(options, [options.file])
     tolerance = None if options.tolerance is None else _number(options.tolerance, "--tolerance") / MM
     alpha = ALPHA if options.alpha is None else _number(options.alpha, "--alpha")
     readings = read_study(options.file, sheet=options.sheet, length_unit=options.unit)
     study = analysed(readings, tolerance=tolerance, alpha=alpha)
-    if options.json is not None:
-        say_written(write_json(options.json, study_record(study)))
-    if options.json != "-":
+    outputs.write(json=lambda: study_record(study))
+    if outputs.shown:
         print_gauge_study(study, wording("en"))
+    outputs.say_written()
     return 0
 
 

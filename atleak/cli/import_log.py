@@ -10,32 +10,26 @@ from typing import Any
 from atleak.cli.parser import add_command
 from atleak.cli.shared import (
     SAMPLE_LOG,
+    Outputs,
     add_columns,
     add_force,
     add_json,
-    check_targets,
     log_choices,
     or_sample,
-    say_written,
-    write_json,
-    write_text,
 )
 from atleak.errors import InputError, OutputError, Place
+from atleak.intake.road_test import default_path, describe, remember, tidy_csv, understand
+from atleak.report.terminal import print_log
 from atleak.sentence import Sentence
 
 
-def add_parser(commands: Any) -> None:
+def add_parser(commands: Any, name: str) -> None:
     """Add the command."""
-    parser = add_command(
-        commands,
-        "import-log",
-        run,
-        "what is understood of a road-test log",
-        examples=(
-            "import-log log.csv",
-            "import-log log.csv --map main_pressure=PL --unit main_pressure=bar --csv tidy.csv",
-        ),
+    examples = (
+        "import-log log.csv",
+        "import-log log.csv --map main_pressure=PL --unit main_pressure=bar --csv tidy.csv",
     )
+    parser = add_command(commands, name, run, examples=examples)
     parser.add_argument(
         "road_test",
         metavar="LOG",
@@ -53,30 +47,23 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Read the log, write what was asked for and remember how its columns were chosen."""
-    from atleak.intake.road_test import default_path, describe, remember, tidy_csv, understand
-    from atleak.report.terminal import print_log
-
-    check_targets(options, [options.road_test], [("record", options.json), ("table", options.csv)])
-    choices = log_choices(options)
+    outputs, choices = Outputs(options, [options.road_test]), log_choices(options)
     mapping, units = choices["mapping"], choices["units"]
     understood = understand(Path(options.road_test), **choices, remembered=default_path())
-    record = describe(understood)
-    written = []
-    if options.json is not None:
-        written += write_json(options.json, record)
-    if understood.road_test is None:
+    record, test = describe(understood), understood.road_test
+    outputs.write(json=lambda: record)
+    if test is None:
         raise understood.problem or InputError(
             Sentence("the log's columns cannot be identified"), place=Place(file=understood.file)
         )
-    if options.csv is not None:
-        written += write_text(options.csv, tidy_csv(understood.road_test))
+    outputs.write(csv=lambda: tidy_csv(test))
     if (mapping or units) and not options.forget and understood.uses(mapping):
         labels = [heading.label for heading in understood.headings]
         try:
             remember(default_path(), understood.signature, mapping, units, format=understood.format, columns=labels)
         except OutputError as error:
             print(f"atleak: columns are not remembered: {error}", file=sys.stderr)
-    if "-" not in (options.json, options.csv):
+    if outputs.shown:
         print_log(record)
-        say_written(written)
+    outputs.say_written()
     return 0

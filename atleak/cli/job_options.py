@@ -11,13 +11,12 @@ from atleak.cli.shared import (
     SAMPLE_LOG,
     add_columns,
     add_controller,
-    add_fill_down,
+    add_pairs,
     length_of,
     log_constants,
     number,
     number_of,
     or_sample,
-    pair,
 )
 from atleak.errors import InputError, unknown
 from atleak.sentence import Sentence
@@ -49,7 +48,7 @@ def add_job_options(parser: argparse.ArgumentParser) -> None:
 
 def add_choices(parser: argparse.ArgumentParser) -> None:
     """Add the choices of a job without its files, for the rows of a table; `chosen_case` makes a case of them."""
-    _add_sheet(parser.add_argument_group("how measuring sheets are read, where their row does not say"))
+    add_sheet(parser.add_argument_group("how measuring sheets are read, where their row does not say"))
     add_columns(parser.add_argument_group("how logs are read, where their row does not say"))
     _add_catalogue(parser.add_argument_group("what units are diagnosed with, where their row does not say"))
     _add_condition(parser.add_argument_group("the stated condition, in place of each valve body's first"))
@@ -65,73 +64,48 @@ _OF_ONE_JOB: dict[str, Any] = {
 
 
 def _add_measured(group: Options) -> None:
-    group.add_argument(
-        "readings",
-        metavar="READINGS",
-        nargs="?",
-        type=or_sample("measuring_sheet_four_speed.xlsx"),
-        help="measuring sheet: xlsx, xls, ods or csv; sample: the one that comes with atleak, unless there is a file "
-        "of that name; without one the road test is judged by itself",
+    help = (
+        "measuring sheet: xlsx, xls, ods or csv; sample: the one that comes with atleak, unless there is a file "
+        "of that name; without one the road test is judged by itself"
     )
-    _add_sheet(group)
+    sample = or_sample("measuring_sheet_four_speed.xlsx")
+    group.add_argument("readings", metavar="READINGS", nargs="?", type=sample, help=help)
+    add_sheet(group)
+    help = "clearance of this job's pump [µm, or with its unit: 0.0033in]; as the job record or the sheet's head says"
     for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
         group.add_argument(
-            f"--pump-{side}-clearance",
-            metavar="UM",
-            type=length_of(asked),
-            help=f"{side} clearance of this job's pump [µm, or with its unit: 0.0033in]; as the job record or the "
-            "sheet's head says unless given",
+            f"--pump-{side}-clearance", metavar="UM", type=length_of(asked), help=f"{side} {help} unless given"
         )
-    group.add_argument(
-        "--pressures",
-        metavar="FILE",
-        help="gauge readings of the standing vehicle: xlsx or csv; the measuring sheet's own tab unless given",
-    )
+    help = "gauge readings of the standing vehicle: xlsx or csv; the measuring sheet's own tab unless given"
+    group.add_argument("--pressures", metavar="FILE", help=help)
 
 
-def _add_sheet(group: Options) -> None:
+def add_sheet(group: Options) -> None:
+    """Add how measuring sheets are read, and with what they were measured."""
     group.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
-    group.add_argument(
-        "--sheet-unit", metavar="UNIT", help="of the diameters, where the sheet does not say: mm, µm, inch"
-    )
-    group.add_argument(
-        "--where",
-        metavar="HEADING=VALUE",
-        type=pair,
-        action="append",
-        default=[],
-        help="the rows of the sheet to read, where it holds several inspections or vehicles: Inspection=May",
-    )
-    add_fill_down(group)
-    group.add_argument(
-        "--measuring-temperature",
-        metavar="C",
-        type=number_of(MEASURING_TEMPERATURE),
-        help="of gauge and parts when they were measured [°C]; as the job record or the sheet says unless given",
-    )
+    help = "of the diameters, where the sheet does not say: mm, µm, inch"
+    group.add_argument("--sheet-unit", metavar="UNIT", help=help)
+    help = "the rows of the sheet to read, where it holds several inspections or vehicles: Inspection=May"
+    add_pairs(group, "--where", "HEADING=VALUE", help)
+    help = "an empty cell under a valve, land, part or direction means the one above it"
+    group.add_argument("--fill-down", action="store_true", help=help)
+    help = "of gauge and parts when they were measured [°C]; as the job record or the sheet says unless given"
+    group.add_argument("--measuring-temperature", metavar="C", type=number_of(MEASURING_TEMPERATURE), help=help)
     group.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
     group.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
 
 
 def _add_road_test(group: Options) -> None:
-    group.add_argument(
-        "--road-test",
-        metavar="LOG",
-        type=or_sample(SAMPLE_LOG),
-        help="road-test log of any logger: text, xlsx or mf4; sample: likewise",
-    )
+    help = "road-test log of any logger: text, xlsx or mf4; sample: likewise"
+    group.add_argument("--road-test", metavar="LOG", type=or_sample(SAMPLE_LOG), help=help)
     add_columns(group)
 
 
 def _add_catalogue(group: Options) -> None:
     add_controller(group)
     group.add_argument("--fluid", metavar="ID|FILE", help="ATF in the transmission; `atleak fluids` lists those known")
-    group.add_argument(
-        "--fluid-state",
-        metavar="fresh|used",
-        type=_fluid_state,
-        help="of the fluid in the transmission; taken as fresh unless given",
-    )
+    help = "of the fluid in the transmission; taken as fresh unless given"
+    group.add_argument("--fluid-state", metavar="fresh|used", type=_fluid_state, help=help)
 
 
 def _add_unit(group: Options) -> None:
@@ -139,13 +113,8 @@ def _add_unit(group: Options) -> None:
     group.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
     group.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
     group.add_argument("--job", metavar="RECORD", help="what the workshop wrote down (TOML or JSON)")
-    group.add_argument(
-        "--repair",
-        metavar="ID",
-        action="append",
-        default=[],
-        help="plan with this repair of the valve body's file; of other lands the cheapest is planned",
-    )
+    help = "plan with this repair of the valve body's file; of other lands the cheapest is planned"
+    group.add_argument("--repair", metavar="ID", action="append", default=[], help=help)
 
 
 def _add_condition(group: Options) -> None:
@@ -157,17 +126,9 @@ def _add_condition(group: Options) -> None:
 def _add_computing(group: Options) -> None:
     group.add_argument("--limits", metavar="ID|FILE", help="limits to judge by; `atleak limits` lists those known")
     group.add_argument("--profile", metavar="NAME", type=_profile, help="of the engine: workshop unless given")
-    group.add_argument(
-        "--set", metavar="OPTION=VALUE", type=pair, action="append", default=[], help="one option of the profile"
-    )
-    group.add_argument(
-        "--assume",
-        metavar="NAME=VALUE",
-        type=pair,
-        action="append",
-        default=[],
-        help="one assumed uncertainty; or eccentricity=unknown, an option of the profile",
-    )
+    add_pairs(group, "--set", "OPTION=VALUE", "one option of the profile")
+    help = "one assumed uncertainty; or eccentricity=unknown, an option of the profile"
+    add_pairs(group, "--assume", "NAME=VALUE", help)
     group.add_argument("--guard", metavar="K", type=number, help="guard band of every limit in standard uncertainties")
 
 
@@ -188,7 +149,7 @@ def _fluid_state(text: str) -> str:
 
 
 def input_files(options: argparse.Namespace) -> tuple[str | None, ...]:
-    """Return the files that the command line names, for `atleak.cli.shared.check_targets`."""
+    """Return the files that the command line names, for `atleak.cli.shared.Outputs`."""
     from atleak.job.case import SLOTS
 
     given = (options.readings, options.road_test, options.pressures, options.job)
@@ -203,19 +164,18 @@ def chosen_job(options: argparse.Namespace) -> tuple[Case, Job | None]:
     if options.readings is None and options.road_test is None and options.pressures is None:
         problem = "there is nothing to diagnose: neither a measuring sheet nor a road test nor gauge readings are given"
         options.refuse(f"{problem}; expected READINGS, --road-test LOG or --pressures FILE")
-    case, job = chosen_case(options), None
-    if options.job is not None:
-        from atleak.job.file import load_job
-        from atleak.job.of_sheet import with_record
+    case = chosen_case(options)
+    if options.job is None:
+        return case, None
+    from atleak.job.case import SLOTS, Reader
+    from atleak.job.decisions import check_decisions
+    from atleak.job.file import load_job
+    from atleak.job.of_sheet import with_record
 
-        job = load_job(options.job)
-        case = with_record(case, job)
-    if job is not None and job.repair_decisions:
-        from atleak.job.case import SLOTS, Reader
-        from atleak.job.decisions import check_decisions
-
+    job = load_job(options.job)
+    if job.repair_decisions:
         check_decisions(job, Reader().entry(SLOTS["controller"], case.controller), Path(options.job).name)
-    return case, job
+    return with_record(case, job), job
 
 
 def as_read(case: Case) -> Case:
@@ -228,12 +188,10 @@ def as_read(case: Case) -> Case:
 def chosen_case(options: argparse.Namespace) -> Case:
     """Return the files and choices that the command line names, without what a job record says."""
     from atleak.catalogue.pump import PumpClearances
-    from atleak.job.case import SLOTS, Case, SourceFile
+    from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile
 
     return Case(
-        readings=None if options.readings is None else SourceFile.at(options.readings),
-        road_test=None if options.road_test is None else SourceFile.at(options.road_test),
-        pressures=None if options.pressures is None else SourceFile.at(options.pressures),
+        **{name: SourceFile.at(path) for name in OWN_FILES if (path := getattr(options, name)) is not None},
         **{name: chosen for name in (*SLOTS, "profile") if (chosen := getattr(options, name)) is not None},
         fluid_state=options.fluid_state,
         options=_profile_options(options),

@@ -5,48 +5,43 @@ from __future__ import annotations
 import argparse
 import datetime as dt
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from atleak.cli import compare
 from atleak.cli.app import PORT, open_page, port_number
 from atleak.cli.job_options import add_job_options, as_read, chosen_job
 from atleak.cli.jobs_upkeep import add_upkeep
 from atleak.cli.parser import add_command, add_group
-from atleak.cli.shared import (
-    add_force,
-    add_job_id,
-    add_json,
-    check_targets,
-    say_written,
-    write_json,
-)
+from atleak.cli.shared import Outputs, add_force, add_job_id, add_json
+from atleak.intake.dates import sure_date
+from atleak.job.issued import issued_record
+from atleak.job.judged_anew import judged_otherwise
+from atleak.job.of_sheet import with_sheet
+from atleak.job.parts import job_parts
+from atleak.jobs.book import JobRow, open_book
+from atleak.jobs.named import named_job
+from atleak.jobs.search import Query
+from atleak.report.terminal import print_diagnosis, print_records
 from atleak.system.printable import asked_for
 from atleak.verdicts import Verdict
 from atleak.version import __version__
-
-if TYPE_CHECKING:
-    from atleak.jobs.book import JobRow
+from atleak.wording import signed
 
 _LIMIT = 200  # rows of a list
 _MOST = 1_000_000  # rows that may be asked for
 _ID = 8  # characters of an id in it
 
 
-def add_parser(commands: Any) -> None:
+def add_parser(commands: Any, name: str) -> None:
     """Add the commands."""
-    about = "the job book: every job that was worked on"
-    group = add_group(
-        commands,
-        "jobs",
-        about,
-        examples=(
-            "jobs add sheet.xlsx --job job.toml",
-            "jobs list --text WVW --verdict replace",
-            "jobs show 2026-0417",
-            "jobs export --all -o backup",
-            "jobs erase --customer 10023",
-        ),
+    examples = (
+        "jobs add sheet.xlsx --job job.toml",
+        "jobs list --text WVW --verdict replace",
+        "jobs show 2026-0417",
+        "jobs export --all -o backup",
+        "jobs erase --customer 10023",
     )
+    group = add_group(commands, name, examples)
     add = add_command(
         group,
         "add",
@@ -58,24 +53,20 @@ def add_parser(commands: Any) -> None:
     )
     add_job_options(add)
     _add_list(group)
-    show = add_command(
-        group, "show", _show, "a job of the book, diagnosed anew", examples=("jobs show 2026-0417 --json job.json",)
-    )
+    examples = ("jobs show 2026-0417 --json job.json",)
+    show = add_command(group, "show", _show, "a job of the book, diagnosed anew", examples=examples)
     add_job_id(show)
     add_json(show)
     add_force(show)
-    opened = add_command(
-        group, "open", _open, "a job of the book in the dashboard, which is started where it is not up", quiet=False
-    )
+    about = "a job of the book in the dashboard, which is started where it is not up"
+    opened = add_command(group, "open", _open, about, quiet=False)
     add_job_id(opened)
-    opened.add_argument(
-        "--port", metavar="N", type=port_number, default=PORT, help=f"of the dashboard: {PORT} unless given"
-    )
-    compare.add_parser(group)
-    archive = add_command(group, "archive", _archive, "take jobs out of lists and statistics; bring-back undoes it")
-    add_job_id(archive, "+")
-    back = add_command(group, "bring-back", _archive, "put archived jobs back")
-    add_job_id(back, "+")
+    help = f"of the dashboard: {PORT} unless given"
+    opened.add_argument("--port", metavar="N", type=port_number, default=PORT, help=help)
+    compare.add_parser(group, "compare")
+    about = "take jobs out of lists and statistics; bring-back undoes it"
+    add_job_id(add_command(group, "archive", _archive, about), "+")
+    add_job_id(add_command(group, "bring-back", _archive, "put archived jobs back"), "+")
     add_upkeep(group)
 
 
@@ -106,8 +97,6 @@ def _rows(text: str) -> int:
 
 
 def _date(text: str) -> dt.date:
-    from atleak.intake.dates import sure_date
-
     date = sure_date([text])
     if date is None:
         raise argparse.ArgumentTypeError(f"{text!r} is no date that can be read in one way: write it as 2026-04-17")
@@ -118,10 +107,6 @@ def _date(text: str) -> dt.date:
 
 
 def _add(options: argparse.Namespace) -> int:
-    from atleak.job.of_sheet import with_sheet
-    from atleak.job.parts import job_parts
-    from atleak.jobs.book import open_book
-
     case, job = chosen_job(options)
     diagnosis = case.diagnose()
     parts = job_parts(diagnosis, with_sheet(job, diagnosis.readings), as_read(case))
@@ -130,47 +115,27 @@ def _add(options: argparse.Namespace) -> int:
 
 
 def _list(options: argparse.Namespace) -> int:
-    from atleak.jobs.book import open_book
-    from atleak.jobs.search import Query
-
-    check_targets(options, [], [("record", options.json)])
+    outputs = Outputs(options)
     names = ("text", "vin", "plate", "serial", "customer", "number", "to", "verdict", "controller", "archived", "limit")
     asked = {name: getattr(options, name) for name in names}
     query = Query(date_from=getattr(options, "from"), date_to=asked.pop("to"), **asked)
     book = open_book()
     rows = book.rows(query)
-    if options.json is not None:
-        say_written(write_json(options.json, [_record(row) for row in rows]))
-    if options.json != "-":
+    outputs.write(json=lambda: [_record(row) for row in rows])
+    if outputs.shown:
         _print_rows(rows, book.count(query))
+    outputs.say_written()
     return 0
 
 
 def _record(row: JobRow) -> dict[str, Any]:
-    return {
-        "id": row.id,
-        "number": row.number,
-        "vin": row.vin,
-        "serial": row.serial,
-        "customer": row.customer,
-        "date": row.date and row.date.isoformat(),
-        "controller": row.controller,
-        "verdict": row.verdict,
-        "mileage_km": row.mileage_km,
-        "plate": row.plate,
-        "unit": row.unit,
-        "visit": row.visit,
-        "changed_at": row.changed_at.isoformat(),
-        "archived_at": row.archived_at and row.archived_at.isoformat(),
-        "sample": row.sample,
-        "atleak": __version__,
-    }
+    names = ("id", "number", "vin", "serial", "customer", "date", "controller", "verdict", "mileage_km", "plate")
+    known = {name: getattr(row, name) for name in (*names, "unit", "visit", "changed_at", "archived_at", "sample")}
+    plain = {name: value.isoformat() if isinstance(value, dt.date) else value for name, value in known.items()}
+    return {**plain, "atleak": __version__}
 
 
 def _print_rows(rows: list[JobRow], count: int) -> None:
-    from atleak.report.terminal import print_records
-    from atleak.wording import signed
-
     if not rows:
         print("No job of the job book fits.")
         return
@@ -189,13 +154,7 @@ def _print_rows(rows: list[JobRow], count: int) -> None:
 
 
 def _show(options: argparse.Namespace) -> int:
-    from atleak.job.issued import issued_record
-    from atleak.job.judged_anew import judged_otherwise
-    from atleak.jobs.book import open_book
-    from atleak.jobs.named import named_job
-
-    check_targets(options, [], [("record", options.json)])
-    book = open_book()
+    outputs, book = Outputs(options), open_book()
     stored = book.load(named_job(book, options.job))
     diagnosis = stored.file.diagnose()
     record = issued_record(diagnosis, stored.file.job)
@@ -206,29 +165,20 @@ def _show(options: argparse.Namespace) -> int:
         print(f"atleak: judged otherwise than by atleak {stored.result_by}, which stored it:", file=sys.stderr)
         for each in otherwise:
             print(f"  {each}", file=sys.stderr)
-    if options.json is not None:
-        record["job"] |= stored.file.job.record()  # all that was written down
-        said = {"id": stored.id, "stored_verdict": stored.file.result.get("verdict")}
-        say_written(write_json(options.json, {**record, **said}))
-    if options.json != "-":
-        from atleak.report.terminal import print_diagnosis
-
+    written_down = {**record["job"], **stored.file.job.record()}
+    said = {"id": stored.id, "stored_verdict": stored.file.result.get("verdict")}
+    outputs.write(json=lambda: {**record, "job": written_down, **said})
+    if outputs.shown:
         print_diagnosis(diagnosis)
+    outputs.say_written()
     return 0
 
 
 def _open(options: argparse.Namespace) -> int:
-    from atleak.jobs.book import open_book
-    from atleak.jobs.named import named_job
-
-    book = open_book()
-    return open_page(options.port, {"job": named_job(book, options.job)})
+    return open_page(options.port, {"job": named_job(open_book(), options.job)})
 
 
 def _archive(options: argparse.Namespace) -> int:
-    from atleak.jobs.book import open_book
-    from atleak.jobs.named import named_job
-
     book, back = open_book(), options.action == "bring-back"
     for id in [named_job(book, name) for name in options.jobs]:  # one that is not there stops before the first
         (book.bring_back if back else book.archive)(id)

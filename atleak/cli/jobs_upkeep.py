@@ -5,16 +5,18 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from atleak.cli.parser import add_command
 from atleak.cli.shared import add_force, add_job_id, check_targets, job_files, say_differences, say_written
 from atleak.errors import AtleakError, InputError, Place
+from atleak.jobs.book import Book, open_book
+from atleak.jobs.named import named_job
+from atleak.jobs.search import Query
 from atleak.sentence import Sentence
-
-if TYPE_CHECKING:
-    from atleak.jobs.book import Book
-    from atleak.system.marks import Kind
+from atleak.system.files import replace_file
+from atleak.system.home import made
+from atleak.wording import wording
 
 
 def add_upkeep(group: Any) -> None:
@@ -51,19 +53,13 @@ def add_upkeep(group: Any) -> None:
 
 
 def _export(options: argparse.Namespace) -> int:
-    from atleak.jobs.book import open_book
     from atleak.jobs.exchange import export_paths, exported
-    from atleak.system.files import replace_file
-    from atleak.system.home import made
 
-    book = open_book()
+    book, folder = open_book(), Path(options.output)
     ids = _ids(book, options)
-    folder = Path(options.output)
-    targets: list[tuple[Kind, str | None]] = [
-        ("job file" if path.suffix == ".zip" else "table", str(folder / path))
-        for path in export_paths(book, ids).values()
-    ]
-    check_targets(options, [], targets)
+    paths = export_paths(book, ids).values()
+    kinds = (("job file" if path.suffix == ".zip" else "table", str(folder / path)) for path in paths)
+    check_targets(options, [], kinds)
     made(folder / "tables")
     for path, content in exported(book, ids):
         replace_file(folder / path, content)
@@ -73,9 +69,6 @@ def _export(options: argparse.Namespace) -> int:
 
 def _ids(book: Book, options: argparse.Namespace) -> list[str]:
     """Return the jobs that an export is asked for."""
-    from atleak.jobs.named import named_job
-    from atleak.jobs.search import Query
-
     if options.all == bool(options.jobs):
         raise InputError(Sentence("it is not said which jobs"), expected=Sentence("their ids, or --all"))
     if not options.all:
@@ -84,7 +77,6 @@ def _ids(book: Book, options: argparse.Namespace) -> list[str]:
 
 
 def _import(options: argparse.Namespace) -> int:
-    from atleak.jobs.book import open_book
     from atleak.jobs.exchange import import_job
 
     book, failed = open_book(), 0
@@ -105,7 +97,6 @@ def _import(options: argparse.Namespace) -> int:
 
 
 def _merge(options: argparse.Namespace) -> int:
-    from atleak.jobs.book import open_book
     from atleak.jobs.merge import merge
 
     moved = merge(open_book(), options.unit, options.other)
@@ -114,7 +105,6 @@ def _merge(options: argparse.Namespace) -> int:
 
 
 def _part(options: argparse.Namespace) -> int:
-    from atleak.jobs.book import open_book
     from atleak.jobs.merge import part
 
     part(open_book(), options.unit)
@@ -123,7 +113,6 @@ def _part(options: argparse.Namespace) -> int:
 
 
 def _duplicates(options: argparse.Namespace) -> int:
-    from atleak.jobs.book import open_book
     from atleak.jobs.merge import duplicates
 
     pairs = duplicates(open_book())
@@ -139,11 +128,7 @@ def _duplicates(options: argparse.Namespace) -> int:
 
 
 def _erase(options: argparse.Namespace) -> int:
-    from atleak.jobs.book import open_book
     from atleak.jobs.erase import erase, jobs_of_customer, same_vehicle
-    from atleak.jobs.named import named_job
-    from atleak.jobs.search import Query
-    from atleak.wording import wording
 
     if (options.customer is None) == (not options.jobs):
         expected = Sentence("--customer NAME|NUMBER, or ids of jobs")
@@ -191,7 +176,6 @@ def _agreed(count: int) -> bool:
 
 def _backup(options: argparse.Namespace) -> int:
     from atleak.jobs.backup import backup
-    from atleak.jobs.book import open_book
 
     path = Path(options.file)
     if path.exists() and not options.force:
@@ -204,8 +188,6 @@ def _backup(options: argparse.Namespace) -> int:
 
 def _restore(options: argparse.Namespace) -> int:
     from atleak.jobs.backup import restore
-    from atleak.jobs.book import open_book
-    from atleak.jobs.search import Query
 
     book = open_book()
     before = book.count(Query(archived=None))
@@ -217,8 +199,6 @@ def _restore(options: argparse.Namespace) -> int:
 
 def _verify(options: argparse.Namespace) -> int:
     from atleak.jobs.backup import verify
-    from atleak.jobs.book import open_book
-    from atleak.jobs.search import Query
 
     book = open_book()
     faults = verify(book)

@@ -6,27 +6,27 @@ import argparse
 import datetime as dt
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from atleak.catalogue.catalogue_toml import written_toml
+from atleak.catalogue.controller_reading import checked_controller, load_controller
+from atleak.catalogue.entries import read_tables
+from atleak.catalogue.instruments import load_instruments
+from atleak.cli.job_options import add_sheet
 from atleak.cli.parser import add_command
-from atleak.cli.shared import (
-    add_fill_down,
-    add_force,
-    add_json,
-    check_targets,
-    number_of,
-    pair,
-    say_written,
-    write_json,
-    write_text,
-)
+from atleak.cli.shared import Outputs, add_force, add_json
 from atleak.errors import InputError
+from atleak.intake.readings.several import read_several
+from atleak.jobs.book import open_book
+from atleak.jobs.new_sheets import NewSheet, new_sheets, shared_instruments
+from atleak.learning.learned import Learned, learn
+from atleak.learning.tables import with_learned
+from atleak.learning.words import messages, summary
+from atleak.report.terminal import print_table
 from atleak.sentence import Sentence
-from atleak.written_numbers import MEASURING_TEMPERATURE
-
-if TYPE_CHECKING:
-    from atleak.jobs.new_sheets import NewSheet
-    from atleak.learning.learned import Learned
+from atleak.views.learned_table import learned_lands, learned_record
+from atleak.views.table import Column
+from atleak.wording import wording
 
 
 def add_learn(group: Any) -> None:
@@ -55,52 +55,19 @@ def add_learn(group: Any) -> None:
     )
     parser.add_argument("--controller", metavar="ID|FILE", required=True, help="the valve body that they are of")
     parser.add_argument("-o", "--output", metavar="FILE.toml|-", help="its file with the clearances that were learned")
-    parser.add_argument("--sheet", metavar="NAME", help="of each workbook, where several hold readings")
-    parser.add_argument("--sheet-unit", metavar="UNIT", help="of the diameters, where a sheet does not say")
-    parser.add_argument(
-        "--where",
-        metavar="HEADING=VALUE",
-        type=pair,
-        action="append",
-        default=[],
-        help="the rows to read, where a sheet holds several inspections or vehicles",
-    )
-    add_fill_down(parser)
-    parser.add_argument(
-        "--made-for", metavar="ID", help="the valve body that the sheets name, where this one was copied from it"
-    )
-    parser.add_argument(
-        "--measuring-temperature",
-        metavar="C",
-        type=number_of(MEASURING_TEMPERATURE),
-        help="of gauge and parts [°C]; as each sheet says unless given",
-    )
-    parser.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
-    parser.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
+    add_sheet(parser)
+    help = "the valve body that the sheets name, where this one was copied from it"
+    parser.add_argument("--made-for", metavar="ID", help=help)
     add_json(parser)
     add_force(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Learn, write the file that was asked for, and show what was learned."""
-    from atleak.catalogue.controller_reading import load_controller
-    from atleak.catalogue.instruments import load_instruments
-    from atleak.intake.readings.several import read_several
-    from atleak.jobs.new_sheets import shared_instruments
-    from atleak.learning.learned import learn
-    from atleak.views.learned_table import learned_record
-
-    if options.output not in (None, "-") and Path(options.output).suffix.lower() != ".toml":
-        expected = Sentence("a name{suffix}", suffix=".toml")
-        raise InputError(Sentence("the description is a .toml file"), value=options.output, expected=expected)
     if options.output == options.json == "-":
         problem = Sentence("only one of -o and --json can be written to standard output")
         raise InputError(problem, expected=Sentence("a file for the other"))
-    check_targets(
-        options,
-        [options.controller, *options.sheets],
-        [("TOML file", options.output), ("record", options.json)],
-    )
+    outputs = Outputs(options, [options.controller, *options.sheets], "TOML file")
     controller = load_controller(options.controller)
     chosen = {"spool": options.spool_instrument, "sleeve": options.sleeve_instrument}
     of_book = _of_book(options, controller.id)
@@ -120,12 +87,10 @@ def run(options: argparse.Namespace) -> int:
     )
     sheets += [sheet.readings(controller) for sheet in of_book]
     learned = learn(controller, sheets, instruments=instruments, temperature=options.measuring_temperature)
-    written = [] if options.output is None else _write(options, learned)
-    if options.json is not None:
-        written += write_json(options.json, learned_record(learned))
-    if "-" not in (options.output, options.json):
+    outputs.write(output=lambda: _described(options, learned), json=lambda: learned_record(learned))
+    if outputs.shown:
         _show(learned)
-    say_written(written)
+    outputs.say_written()
     return 0
 
 
@@ -136,31 +101,16 @@ def _of_book(options: argparse.Namespace, controller: str) -> tuple[NewSheet, ..
             expected = Sentence("one for each unit, or --from-book")
             raise InputError(Sentence("no measuring sheet is given"), expected=expected)
         return ()
-    from atleak.jobs.book import open_book
-    from atleak.jobs.new_sheets import new_sheets
-
     return new_sheets(open_book(), options.made_for or controller)
 
 
-def _write(options: argparse.Namespace, learned: Learned) -> list[str]:
-    from atleak.catalogue.catalogue_toml import written_toml
-    from atleak.catalogue.controller_reading import checked_controller
-    from atleak.catalogue.entries import read_tables
-    from atleak.learning.tables import with_learned
-
-    data, _ = read_tables("controllers", options.controller)
-    tables = with_learned(data, learned, dt.date.today())
+def _described(options: argparse.Namespace, learned: Learned) -> str:
+    tables = with_learned(read_tables("controllers", options.controller)[0], learned, dt.date.today())
     checked_controller(tables, str(options.output))
-    return write_text(options.output, written_toml(tables))
+    return written_toml(tables)
 
 
 def _show(learned: Learned) -> None:
-    from atleak.learning.words import messages, summary
-    from atleak.report.terminal import print_table
-    from atleak.views.learned_table import learned_lands
-    from atleak.views.table import Column
-    from atleak.wording import wording
-
     print(summary(learned))
     lands = learned_lands(learned, wording("en"))
     pair = Column("pair", of=lambda each: "{}/{}".format(*each.land.key), whole=True)  # as options and records take it

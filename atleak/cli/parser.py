@@ -13,6 +13,31 @@ from atleak.sentence import Sentence
 Options = argparse.ArgumentParser | argparse._ArgumentGroup
 """What options are added to: a command, or one of the groups under which its help lists them."""
 
+COMMANDS = {
+    "diagnose": ("diagnose", "a verdict from a measuring sheet, a road test or gauge readings"),
+    "jobs": ("jobs", "the job book: every job that was worked on"),
+    "fleet": ("fleet", "thousands of units: diagnosed on all processors or many machines, and summed up"),
+    "compare": ("compare", "two jobs of one unit side by side, before and after"),
+    "variants": ("variants", "W1 to W8 of the source study, as printed and as computed"),
+    "import-log": ("import_log", "what is understood of a road-test log"),
+    "report": ("report", "the reports of job files"),
+    "template": ("template", "a measuring sheet to fill in"),
+    "controller": (
+        "controller",
+        "describe a valve body: in a workbook, and as the TOML file that every command takes",
+    ),
+    "gauge-study": ("gauge_study", "repeatability and reproducibility of a gauge, by ANOVA"),
+    **{
+        name: ("catalogue", f"the {name} of the catalogue, shipped and own")
+        for name in ("controllers", "fluids", "limits", "instruments")
+    },
+    "catalogue": ("catalogue", "your own catalogue"),
+    "schema": ("schema", "the JSON Schema of what a command writes, or of a job record"),
+    "sample": ("sample", "the sample files: sheets, a log, gauge readings"),
+    "app": ("app", "the dashboard in a browser"),
+}
+"""Every command as help lists them: its module, imported when it is called, and what it does or gives."""
+
 
 class Parser(argparse.ArgumentParser):
     """A parser whose help keeps the lines of its examples, and which names what somebody may have meant."""
@@ -56,7 +81,7 @@ def add_command(
     commands: Any,
     name: str,
     run: Callable[[argparse.Namespace], int],
-    about: str,
+    about: str = "",
     *,
     examples: Iterable[str] = (),
     usage: str | None = None,
@@ -67,7 +92,7 @@ def add_command(
     Parameters
     ----------
     about
-        what it does, or gives, in one line.
+        what it does, or gives, in one line; as `COMMANDS` says unless given.
     examples
         command lines, without the program's name.
     usage
@@ -75,9 +100,7 @@ def add_command(
     quiet
         whether it takes ``--quiet``: not where what it prints is all that it is for.
     """
-    parser: Parser = commands.add_parser(
-        name, help=about, description=_sentence(about), epilog=_examples(examples), usage=usage
-    )
+    parser = _added(commands, name, about, examples, usage=usage)
     parser.set_defaults(run=run, parser=parser)
     add_shown(parser, quiet=quiet)
     return parser
@@ -93,10 +116,9 @@ def add_shown(parser: Parser, *, quiet: bool = True) -> None:
     parser.add_argument("--no-color", action="store_true", default=unless, help=help)
 
 
-def add_group(commands: Any, name: str, about: str, metavar: str = "ACTION", *, examples: Iterable[str] = ()) -> Any:
+def add_group(commands: Any, name: str, examples: Iterable[str]) -> Any:
     """Add a command that has commands of its own; by itself it shows its help. Return what those are added to."""
-    parser: Parser = commands.add_parser(name, help=about, description=_sentence(about), epilog=_examples(examples))
-    return groups_of(parser, metavar)
+    return groups_of(_added(commands, name, "", examples), "ACTION")
 
 
 def groups_of(parser: Parser, metavar: str) -> Any:
@@ -110,10 +132,10 @@ def groups_of(parser: Parser, metavar: str) -> Any:
     return parser.add_subparsers(metavar=metavar, title="commands", dest=metavar.lower())
 
 
-def _sentence(about: str) -> str:
-    return about[0].upper() + about[1:] + "."
-
-
-def _examples(examples: Iterable[str]) -> str | None:
+def _added(commands: Any, name: str, about: str, examples: Iterable[str], **settings: Any) -> Parser:
+    about = about or COMMANDS[name][1]
     lines = [f"  atleak {each}" for each in examples]
-    return "\n".join(["examples:", *lines]) if lines else None
+    epilog = "\n".join(["examples:", *lines]) if lines else None
+    description = f"{about[0].upper()}{about[1:]}."
+    parser: Parser = commands.add_parser(name, help=about, description=description, epilog=epilog, **settings)
+    return parser

@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from rich.progress import Progress
+
 from atleak.cli.parser import add_command
 from atleak.cli.shared import (
     add_force,
@@ -19,17 +21,14 @@ from atleak.cli.shared import (
     say_doubts,
     say_written,
 )
+from atleak.report.batch import KINDS, report_paths, write_reports
+from atleak.report.terminal import TerminalConsole
 
 
-def add_parser(commands: Any) -> None:
+def add_parser(commands: Any, name: str) -> None:
     """Add the command."""
-    parser = add_command(
-        commands,
-        "report",
-        run,
-        "the reports of job files",
-        examples=("report jobs/2026-0417.zip -o reports", "report *.zip -o reports --formats pdf,xlsx --language pl"),
-    )
+    examples = ("report jobs/2026-0417.zip -o reports", "report *.zip -o reports --formats pdf,xlsx --language pl")
+    parser = add_command(commands, name, run, examples=examples)
     what = "as diagnose --job-file writes them, or folders of them"
     parser.add_argument("jobs", metavar="JOB.zip", nargs="+", help=what)
     parser.add_argument(
@@ -44,11 +43,6 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the reports of every job; one that cannot be read does not stop the others."""
-    from rich.progress import Progress
-
-    from atleak.report.batch import KINDS, report_paths, write_reports
-    from atleak.report.terminal import TerminalConsole
-
     printed = print_options(options, options.formats, "--formats {}")
     font = print_font(options, options.formats, "--formats pdf")
     sources = job_files(options.jobs)
@@ -74,8 +68,6 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _formats(text: str) -> list[str]:
-    from atleak.report.batch import KINDS
-
     names = [name.strip().lower() for name in text.split(",")]
     for name in names:
         if name not in KINDS:

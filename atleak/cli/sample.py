@@ -7,16 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import SAMPLES, say_written, write
+from atleak.cli.shared import SAMPLES, say_written, write_file
 from atleak.errors import OutputError, Place
 from atleak.sentence import Sentence
 from atleak.system.files import shipped
 
 
-def add_parser(commands: Any) -> None:
+def add_parser(commands: Any, name: str) -> None:
     """Add the command."""
-    examples = ("sample", "sample trial")
-    parser = add_command(commands, "sample", run, "the sample files: sheets, a log, gauge readings", examples=examples)
+    parser = add_command(commands, name, run, examples=("sample", "sample trial"))
     parser.add_argument(
         "folder", metavar="FOLDER", nargs="?", default=SAMPLES, help=f"into which they go: {SAMPLES} unless given"
     )
@@ -36,5 +35,5 @@ def run(options: argparse.Namespace) -> int:
     contents = {folder / file.name: file.read_bytes() for file in files}
     folder.mkdir(parents=True, exist_ok=True)
     for path, content in contents.items():
-        say_written(write(str(path), content))
+        say_written(write_file(str(path), content))
     return 0

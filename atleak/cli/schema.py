@@ -6,23 +6,17 @@ import argparse
 from typing import Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import write_json
+from atleak.cli.shared import write_file
 from atleak.schemas import DIALECT, OUTPUTS, schema
 
 _UNLESS_GIVEN = "diagnose"
 _JOB = "job"  # what people write for --job
 
 
-def add_parser(commands: Any) -> None:
+def add_parser(commands: Any, name: str) -> None:
     """Add the command."""
-    parser = add_command(
-        commands,
-        "schema",
-        run,
-        "the JSON Schema of what a command writes, or of a job record",
-        examples=("schema", "schema import-log", "schema job"),
-        quiet=False,
-    )
+    examples = ("schema", "schema import-log", "schema job")
+    parser = add_command(commands, name, run, examples=examples, quiet=False)
     known = ", ".join((*OUTPUTS, _JOB))
     parser.add_argument(
         "output",
@@ -36,11 +30,11 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print the schema."""
-    write_json("-", _job() if options.output == _JOB else schema(options.output))
+    if options.output == _JOB:
+        from atleak.job.record import Job
+
+        record = {"$schema": DIALECT, "$id": "urn:atleak:job:1", **Job.model_json_schema()}
+    else:
+        record = schema(options.output)
+    write_file("-", record)
     return 0
-
-
-def _job() -> dict[str, Any]:
-    from atleak.job.record import Job
-
-    return {"$schema": DIALECT, "$id": "urn:atleak:job:1", **Job.model_json_schema()}

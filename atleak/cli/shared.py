@@ -6,7 +6,6 @@ import argparse
 import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from atleak.cli.parser import Options
 from atleak.errors import InputError, Message, Place, unknown
 from atleak.paper import DEFAULT_PAPER, PAPERS
 from atleak.sentence import Sentence
+from atleak.system import marks
 from atleak.system.files import replace_file, shipped
 from atleak.system.marks import Kind
 from atleak.system.printable import asked_for, unguarded
@@ -38,10 +38,9 @@ def add_controller(parser: Options) -> None:
     parser.add_argument("--controller", metavar="ID|FILE", help=help)
 
 
-def add_fill_down(parser: Options) -> None:
-    """Add ``--fill-down``, which lets empty cells of a measuring sheet go on with the one above."""
-    help = "an empty cell under a valve, land, part or direction means the one above it"
-    parser.add_argument("--fill-down", action="store_true", help=help)
+def add_pairs(parser: Options, option: str, metavar: str, help: str, read: Callable[[str], Any] | None = None) -> None:
+    """Add an option that takes ``NAME=VALUE`` and may be repeated."""
+    parser.add_argument(option, metavar=metavar, type=read or pair, action="append", default=[], help=help)
 
 
 def add_job_id(parser: Options, count: str | None = None) -> None:
@@ -107,31 +106,19 @@ def add_json(parser: Options) -> None:
     parser.add_argument("--json", metavar="FILE|-", help=help)
 
 
-@dataclass(frozen=True)
-class _Print:
-    """An option of printing, and the formats in which it does anything."""
-
-    choices: tuple[str, ...]
-    unless_given: str
-    help: str
-    formats: tuple[str, ...] = ("pdf", "xlsx")
-
-
-_PRINT = {
-    "language": _Print(languages(), "en", "of the PDF and the workbook: en unless given"),
-    "units": _Print(tuple(SYSTEMS), "metric", "of the PDF and the workbook: metric unless given"),
-    "paper": _Print(tuple(PAPERS), DEFAULT_PAPER, f"of the PDF and the workbook: {DEFAULT_PAPER} unless given"),
+_PRINT = {  # what is chosen of printing: the choices, the first unless given
+    "language": ("en", languages()),
+    "units": ("metric", tuple(SYSTEMS)),
+    "paper": (DEFAULT_PAPER, tuple(PAPERS)),
 }
-
-
 SHOWN = "language", "units"  # of what a terminal shows
 
 
 def add_print(parser: Options, *, shown: bool = False) -> None:
     """Add the options of printing, which `print_options` gathers; what is ``shown`` has that language, too."""
-    for name, option in _PRINT.items():
-        help = f"of what is shown and of the PDF: {option.unless_given} unless given"
-        parser.add_argument(f"--{name}", choices=option.choices, help=help if shown and name in SHOWN else option.help)
+    for name, (unless_given, choices) in _PRINT.items():
+        of = "what is shown and of the PDF" if shown and name in SHOWN else "the PDF and the workbook"
+        parser.add_argument(f"--{name}", choices=choices, help=f"of {of}: {unless_given} unless given")
     help = "for characters that the PDF's own fonts lack; without it the one kept on the page Workshop data"
     parser.add_argument("--font", metavar="FILE", help=help)
 
@@ -161,11 +148,10 @@ def print_options(
     shown
         whether what the terminal shows is in that language and those units.
     """
-    for name, option in _PRINT.items():
-        used = (shown and name in SHOWN) or set(formats) & set(option.formats)
-        if getattr(options, name) is not None and not used:
-            doubt_option(f"--{name}", [asked.format(each) for each in option.formats])
-    return {name: getattr(options, name) or option.unless_given for name, option in _PRINT.items()}
+    for name in _PRINT:
+        if getattr(options, name) is not None and not {"pdf", "xlsx"} & set(formats) and not (shown and name in SHOWN):
+            doubt_option(f"--{name}", [asked.format(each) for each in ("pdf", "xlsx")])
+    return {name: getattr(options, name) or unless_given for name, (unless_given, _) in _PRINT.items()}
 
 
 def doubt_option(option: str, others: Iterable[str]) -> None:
@@ -175,37 +161,17 @@ def doubt_option(option: str, others: Iterable[str]) -> None:
 
 def add_columns(parser: Options) -> None:
     """Add the options about a log's columns, which `log_choices` gathers."""
-    for name, what in (("map", "COLUMN"), ("unit", "UNIT")):
-        parser.add_argument(
-            f"--{name}",
-            metavar=f"QUANTITY={what}",
-            type=pair,
-            action="append",
-            default=[],
-            help=f"the {what.lower()} of a quantity of the log",
-        )
-    parser.add_argument(
-        "--constant",
-        metavar="QUANTITY=VALUE",
-        type=constant,
-        action="append",
-        default=[],
-        help="what stands for a channel that the log lacks, in kPa, °C or rpm: converter_pressure=300; in a diagnosis "
-        "main_pressure=operating-points, those of the valve body's file by gear",
+    add_pairs(parser, "--map", "QUANTITY=COLUMN", "the column of a quantity of the log")
+    add_pairs(parser, "--unit", "QUANTITY=UNIT", "the unit of a quantity of the log")
+    help = (
+        "what stands for a channel that the log lacks, in kPa, °C or rpm: converter_pressure=300; in a diagnosis "
+        "main_pressure=operating-points, those of the valve body's file by gear"
     )
-    parser.add_argument(
-        "--interval",
-        metavar="S",
-        type=number_of(INTERVAL),
-        help="seconds from row to row of a log without a clock: 0.033",
-    )
-    parser.add_argument(
-        "--every",
-        metavar="N",
-        type=_every,
-        default=1,
-        help="read only one row in N of the log, where all would take too much memory",
-    )
+    add_pairs(parser, "--constant", "QUANTITY=VALUE", help, constant)
+    help = "seconds from row to row of a log without a clock: 0.033"
+    parser.add_argument("--interval", metavar="S", type=number_of(INTERVAL), help=help)
+    help = "read only one row in N of the log, where all would take too much memory"
+    parser.add_argument("--every", metavar="N", type=_every, default=1, help=help)
 
 
 _WITH_UNIT = re.compile(r"(?P<number>[\d.,]+)\s*(?P<unit>[^\d\s.,].*)")
@@ -321,19 +287,14 @@ def chosen_road_test(options: argparse.Namespace) -> RoadTest:
 
 # --- files written ------------------------------------------------------------------------------------------------
 
-
-def check_targets(
-    options: argparse.Namespace, inputs: Iterable[str | None], targets: Iterable[tuple[Kind, str | None]]
-) -> None:
-    """Refuse, before anything is computed, to write over a file that must not be replaced."""
-    from atleak.system import marks
-
-    targets = list(targets)
-    marks.check_targets(inputs, targets, force=options.force)
-    for kind, target in targets:
-        _check_ending(kind, target)
-
-
+_ASKED: dict[str, Kind] = {
+    "xlsx": "report workbook",
+    "pdf": "PDF",
+    "job_file": "job file",
+    "csv": "table",
+    "json": "record",
+}
+_BINARY = ("xlsx", "pdf", "job_file")  # options of which no terminal or pipe takes the file
 _ENDINGS: dict[Kind, tuple[str, ...]] = {
     "record": (".json",),
     "report workbook": (".xlsx",),
@@ -344,6 +305,11 @@ _ENDINGS: dict[Kind, tuple[str, ...]] = {
     "table": (".csv", ".parquet"),
     "TOML file": (".toml",),
 }
+_ONE_ENDING: dict[Kind, Sentence] = {  # kinds that no other command reads under another name
+    "measuring sheet": Sentence("the measuring sheet is an Excel workbook"),
+    "controller workbook": Sentence("the workbook is a .xlsx file"),
+    "TOML file": Sentence("the description is a .toml file"),
+}
 _ENDINGS_OF_OTHERS = {
     *(ending for endings in _ENDINGS.values() for ending in endings),
     *(".doc", ".docx", ".odt", ".rtf", ".xls", ".xlsm", ".xlsb", ".ods", ".ppt", ".pptx", ".htm", ".html", ".xml"),
@@ -351,39 +317,87 @@ _ENDINGS_OF_OTHERS = {
 }
 
 
-def _check_ending(kind: Kind, target: str | None) -> None:
-    """Refuse a file whose name says that it is of another kind; a name that says nothing is taken."""
-    ending = Path(target or "").suffix.lower()
-    if ending in _ENDINGS_OF_OTHERS and ending not in _ENDINGS[kind]:
-        problem = Sentence("the ending of its name is that of another kind of file")
-        expected = Sentence("a name{suffix}", suffix=_ENDINGS[kind][0])
-        raise InputError(problem, place=Place(file=target), expected=expected)
+class Outputs:
+    """The files that a command is asked for: refused before anything is computed, and written when all of it is.
+
+    Parameters
+    ----------
+    inputs
+        files that the command reads, which none may take the place of.
+    output
+        the kind of file that ``-o`` asks for.
+    """
+
+    def __init__(
+        self, options: argparse.Namespace, inputs: Iterable[str | None] = (), output: Kind | None = None
+    ) -> None:
+        kinds = _ASKED if output is None else {"output": output, **_ASKED}
+        asked = {name: getattr(options, name, None) for name in kinds}
+        self.files = {name: target for name, target in asked.items() if target is not None}
+        for name in _BINARY:
+            if self.files.get(name) == "-":
+                problem = Sentence("a workbook, PDF or job file cannot be written to standard output")
+                value = f"--{name.replace('_', '-')} -"
+                raise InputError(problem, value=value, expected=Sentence("a file name"))
+        if output in _ONE_ENDING and self.files.get("output", "-") != "-":
+            (suffix,) = _ENDINGS[output]
+            if Path(self.files["output"]).suffix.lower() != suffix:
+                expected = Sentence("a name{suffix}", suffix=suffix)
+                raise InputError(_ONE_ENDING[output], value=self.files["output"], expected=expected)
+        check_targets(options, inputs, [(kinds[name], target) for name, target in self.files.items()])
+        self.formats = [name for name in ("pdf", "xlsx") if name in self.files]
+        self.shown = "-" not in self.files.values()  # else standard output is for a file alone
+        self.written: list[str] = []
+
+    def write(self, **contents: Callable[[], Any]) -> None:
+        """Write what is asked for of some files, by the names of their options: bytes, text, or a record as JSON.
+
+        What may go to standard output comes last, so that that stays empty when another file fails.
+        """
+        for name, content in contents.items():
+            if name in self.files:
+                self.written += write_file(self.files[name], content())
+
+    def say_written(self) -> None:
+        """Print one line for every file that was written, where standard output is not for one of them."""
+        if self.shown:
+            say_written(self.written)
 
 
-def write(target: str, content: bytes) -> list[str]:
-    """Write a file; return its name."""
-    replace_file(target, content)
-    return [target]
-
-
-def write_text(target: str, text: str) -> list[str]:
-    """Write text as UTF-8 to a file or, for ``-``, to standard output; return the names of the files written.
+def write_file(target: str, content: Any) -> list[str]:
+    """Write a file or, for ``-``, to standard output; return the names of the files written.
 
     What is read by a program is written as it is; a terminal gets no control character.
     """
+    if not isinstance(content, bytes | str):
+        from atleak.views.diagnosis_record import to_json
+
+        content = to_json(content)
     if target == "-":
         asked = asked_for(sys.stdout)
         output = asked if asked.isatty() else unguarded(asked)
-        output.write(text)
+        output.write(content)
         return []
-    return write(target, text.encode("utf-8", errors="backslashreplace"))
+    encoded = content.encode("utf-8", errors="backslashreplace") if isinstance(content, str) else content
+    replace_file(target, encoded)
+    return [target]
 
 
-def write_json(target: str, record: Any) -> list[str]:
-    """Write a record as JSON, as `write_text` does."""
-    from atleak.views.diagnosis_record import to_json
+def check_targets(
+    options: argparse.Namespace, inputs: Iterable[str | None], targets: Iterable[tuple[Kind, str]]
+) -> None:
+    """Refuse, before anything is computed, to write over a file that must not be replaced.
 
-    return write_text(target, to_json(record))
+    A file whose name says that it is of another kind is refused too; a name that says nothing is taken.
+    """
+    targets = list(targets)
+    marks.check_targets(inputs, targets, force=options.force)
+    for kind, target in targets:
+        ending = Path(target).suffix.lower()
+        if ending in _ENDINGS_OF_OTHERS and ending not in _ENDINGS[kind]:
+            problem = Sentence("the ending of its name is that of another kind of file")
+            expected = Sentence("a name{suffix}", suffix=_ENDINGS[kind][0])
+            raise InputError(problem, place=Place(file=target), expected=expected)
 
 
 def say_written(names: Iterable[object]) -> None:

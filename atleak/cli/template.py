@@ -3,21 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import (
-    add_controller,
-    add_force,
-    check_targets,
-    chosen_controller,
-    number_of,
-    say_written,
-    write,
-)
-from atleak.errors import InputError
-from atleak.sentence import Sentence
+from atleak.cli.shared import Outputs, add_controller, add_force, chosen_controller, number_of
+from atleak.job.file import load_job
+from atleak.job.record import Job, clean_text
+from atleak.report.measuring_sheet import head, write_template
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages
 from atleak.written_numbers import MILEAGE
@@ -31,13 +23,13 @@ _TEXTS = {
 }
 
 
-def add_parser(commands: Any) -> None:
+def add_parser(commands: Any, name: str) -> None:
     """Add the command."""
     examples = (
         "template -o sheet.xlsx",
         "template --controller five_speed_2005 --number 2026-0417 --mileage 212000 -o sheet.xlsx",
     )
-    parser = add_command(commands, "template", run, "a measuring sheet to fill in", examples=examples)
+    parser = add_command(commands, name, run, examples=examples)
     add_controller(parser)
     parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the sheet")
     parser.add_argument(
@@ -55,15 +47,10 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the sheet."""
-    from atleak.report.measuring_sheet import write_template
-
-    if Path(options.output).suffix.lower() != ".xlsx":
-        problem = Sentence("the measuring sheet is an Excel workbook")
-        raise InputError(problem, value=options.output, expected=Sentence("a name{suffix}", suffix=".xlsx"))
-    check_targets(options, [options.controller, options.job], [("measuring sheet", options.output)])
-    controller = chosen_controller(options)
-    content = write_template(controller, fields=_fields(options), language=options.language, units=options.units)
-    say_written(write(options.output, content))
+    outputs = Outputs(options, [options.controller, options.job], "measuring sheet")
+    known = {"fields": _fields(options), "language": options.language, "units": options.units}
+    outputs.write(output=lambda: write_template(chosen_controller(options), **known))
+    outputs.say_written()
     return 0
 
 
@@ -71,10 +58,6 @@ def _fields(options: argparse.Namespace) -> dict[str, str]:
     """Return what the head says: the record, and in its place what the options say."""
     if not any(getattr(options, name.replace("-", "_")) is not None for name in ("job", "mileage", *_TEXTS)):
         return {}
-    from atleak.job.file import load_job
-    from atleak.job.record import Job, clean_text
-    from atleak.report.measuring_sheet import head
-
     job = Job() if options.job is None else load_job(options.job)
     if options.mileage is not None:
         job = job.model_copy(update={"vehicle": job.vehicle.model_copy(update={"mileage_km": options.mileage})})
