@@ -3,8 +3,8 @@
 This module and those with the functions import nothing heavy at their top: the process starts as fast as they do.
 
 Parent and child exchange frames, eight bytes of length and then the content. The child greets with its process number.
-A request is two frames: the function with its limits, then the file. The answer is one frame for each item the
-function yields, then one that ends it or says why the file is refused.
+A request is two frames: the function with its limits and perhaps the file's path, then the file where there is none.
+The answer is one frame for each item the function yields, then one that ends it or says why the file is refused.
 """
 
 from __future__ import annotations
@@ -65,12 +65,13 @@ def of_library() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Request:
-    """One file to read: by which function, and within which limits [bytes], [s]."""
+    """One file to read: by which function, within which limits [bytes], [s], and what it is asked."""
 
     module: str
     function: str
     memory: int
     seconds: float
+    asked: dict[str, Any]
 
 
 def send(stream: BinaryIO, content: bytes) -> None:
@@ -115,11 +116,12 @@ def serve() -> None:
     send(target, pickle.dumps(os.getpid()))
     while True:
         packed_request, data = requests.get()
-        request: Request = pickle.loads(packed_request)
+        request: Request
+        request, path = pickle.loads(packed_request)
         _limit_addresses(request.memory + ADDRESSES)
         # a thread below Python ends the process if the parent is no longer there to do so
         faulthandler.dump_traceback_later(2 * request.seconds, exit=True)
-        for answer in _answers(request, data):
+        for answer in _answers(request, data if path is None else path):
             send(target, pickle.dumps(answer, protocol=5))
             faulthandler.dump_traceback_later(2 * request.seconds, exit=True)  # anew: the parent may take its time
         faulthandler.cancel_dump_traceback_later()
@@ -134,10 +136,10 @@ def _listen(source: BinaryIO, requests: queue.SimpleQueue[tuple[bytes, bytes]]) 
             os._exit(0)
 
 
-def _answers(request: Request, data: bytes) -> Iterator[tuple[str, Any]]:
+def _answers(request: Request, source: bytes | str) -> Iterator[tuple[str, Any]]:
     try:
-        function: Callable[[bytes], Iterator[Any]] = getattr(import_module(request.module), request.function)
-        for item in function(data):
+        function: Callable[..., Iterator[Any]] = getattr(import_module(request.module), request.function)
+        for item in function(source, **request.asked):
             yield "item", item
     except Refused as refused:
         yield "refused", refused.words

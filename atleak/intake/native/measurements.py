@@ -3,43 +3,33 @@
 from __future__ import annotations
 
 import io
-import json
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 MdfPart = tuple[str, dict[str, Any]]
 
 
-def mdf_request(content: bytes | None, path: str | None, **asked: Any) -> bytes:
-    """Return a request about an MDF file: its bytes, or its path in full, and what is asked besides."""
-    return json.dumps({"path": path, **asked}).encode("ascii") + b"\n" + (content or b"")
-
-
 @contextmanager
-def _opened(request: bytes) -> Iterator[tuple[dict[str, Any], Any]]:
-    """Give what is asked for, and the file."""
+def _opened(source: bytes | str) -> Iterator[Any]:
     from asammdf import MDF
 
-    header, _, content = request.partition(b"\n")
-    asked = json.loads(header)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        with MDF(io.BytesIO(content) if asked["path"] is None else asked["path"]) as mdf:
-            yield asked, mdf
+        with MDF(io.BytesIO(source) if isinstance(source, bytes) else source) as mdf:
+            yield mdf
 
 
-def mdf_contents(request: bytes) -> Iterator[MdfPart]:
+def mdf_contents(source: bytes | str) -> Iterator[MdfPart]:
     """Yield what an MDF file holds without the numbers of its channels; arrays are bytes.
 
     ``file`` with its ``version``; then each ``channel`` that holds numbers, with ``label``, ``unit`` or None, its
     ``group`` and ``index``, by which `mdf_ranges` finds it, its ``count`` of valid samples among the ``cycles`` of its
-    group; then ``frames`` of each group
-    of a CAN bus, with their ``count`` and, where they carry eight bytes, ``stamps`` [s], ``identifiers`` (int64) and
-    ``data`` (uint8, shape (frames, 8)).
+    group; then ``frames`` of each group of a CAN bus, with their ``count`` and, where they carry eight bytes,
+    ``stamps`` [s], ``identifiers`` (int64) and ``data`` (uint8, shape (frames, 8)).
     """
-    with _opened(request) as (_, mdf):
+    with _opened(source) as mdf:
         yield "file", {"version": str(mdf.version)}
         held: dict[int, int] = {}  # records by group
         for number, index, channel in _named(mdf):
@@ -56,7 +46,7 @@ def mdf_contents(request: bytes) -> Iterator[MdfPart]:
             yield "frames", frames
 
 
-def mdf_ranges(request: bytes) -> Iterator[MdfPart]:
+def mdf_ranges(source: bytes | str, indexes: Mapping[int, Sequence[int]], length: int) -> Iterator[MdfPart]:
     """Yield the samples of some channels, range by range: ``range`` with ``group``, ``stamps`` [s] and ``channels``.
 
     Of every channel that is asked for there are the ``values``, and the ``stamps`` of those that are valid, None where
@@ -64,20 +54,22 @@ def mdf_ranges(request: bytes) -> Iterator[MdfPart]:
 
     Parameters
     ----------
-    request
-        with the ``indexes`` of the channels by the number of their group, and the ``length`` of a range.
+    indexes
+        of the channels, by the number of their group.
+    length
+        of a range.
     """
     import numpy as np
 
-    with _opened(request) as (asked, mdf):
-        for group, indexes in asked["indexes"].items():
-            chosen = [(None, int(group), index) for index in indexes]
-            count = _records(mdf, int(group), indexes[0])
-            for start in range(0, count, asked["length"]):
-                signals = mdf.select(chosen, record_offset=start, record_count=min(asked["length"], count - start))
+    with _opened(source) as mdf:
+        for group, those in indexes.items():
+            chosen = [(None, group, index) for index in those]
+            count = _records(mdf, group, those[0])
+            for start in range(0, count, length):
+                signals = mdf.select(chosen, record_offset=start, record_count=min(length, count - start))
                 stamps = np.asarray(signals[0].timestamps, float)
                 channels = [_valid(signal) for signal in signals]
-                yield "range", {"group": int(group), "stamps": bytearray(stamps), "channels": channels}
+                yield "range", {"group": group, "stamps": bytearray(stamps), "channels": channels}
 
 
 def _records(mdf: Any, group: int, index: int) -> int:

@@ -23,7 +23,9 @@ _INDEX = "__index_level_"
 _NOT = -(1 << 63)  # the stamp of a blank cell
 
 
-def parquet_parts(request: bytes) -> Iterator[ParquetPart]:
+def parquet_parts(
+    source: bytes | str, columns: Sequence[int] = (), limit: int | None = None, rows: int | None = None
+) -> Iterator[ParquetPart]:
     """Yield what a Parquet file holds, part by part.
 
     ``table`` with its ``rows`` and its ``columns``: of each the ``name``, the ``unit`` that the file states or None,
@@ -34,42 +36,40 @@ def parquet_parts(request: bytes) -> Iterator[ParquetPart]:
 
     Parameters
     ----------
-    request
-        what `request_of` makes.
+    columns
+        their places among all; none: only what the file says of itself is wanted.
+    limit
+        bytes of numbers beyond which a table is refused before it is read; None: it is handed over block by block.
+    rows
+        how many of the first rows are enough; None: all.
     """
-    with _opened(request) as (asked, file):
+    with _opened(source) as file:
         with of_library():
-            schema, rows = file.schema_arrow, file.metadata.num_rows
+            schema, count = file.schema_arrow, file.metadata.num_rows
         left_out = _twice(schema)
-        fields = [field for place, field in enumerate(schema) if place not in left_out]
-        columns = [_described(field) for field in fields]
-        yield "table", {"rows": rows, "columns": columns}
-        wanted: Sequence[int] = asked["columns"]
-        if not wanted:
+        places = [place for place in range(len(schema)) if place not in left_out]
+        yield "table", {"rows": count, "columns": [_described(schema.field(place)) for place in places]}
+        if not columns:
             return
-        limit = asked["limit"]
-        if limit is not None and rows * len(wanted) * 8 > limit:
-            problem = Sentence("unfolds to {rows} rows of {columns} columns", rows=rows, columns=len(wanted))
+        if limit is not None and count * len(columns) * 8 > limit:
+            problem = Sentence("unfolds to {rows} rows of {columns} columns", rows=count, columns=len(columns))
             raise Refused(problem, expected=Sentence("at most {size} MB of numbers", size=limit >> 20))
-        names = [fields[place].name for place in wanted]
-        numbers = [place for place in range(len(schema)) if place not in left_out]
-        chosen = [(schema.names[numbers[place]], schema.names[: numbers[place]]) for place in wanted]
-        keys = [(name, before.count(name)) for name, before in chosen]
-        length = max(_BLOCK // 8 // len(wanted), _FEWEST)
-        first = asked["rows"]
-        batches = _batches(file, length if first is None else first, names)
-        left = rows
+        wanted = [places[column] for column in columns]
+        names = [schema.names[place] for place in wanted]
+        keys = [(name, schema.names[:place].count(name)) for name, place in zip(names, wanted, strict=True)]
+        batches = _batches(file, max(_BLOCK // 8 // len(columns), _FEWEST) if rows is None else rows, names)
+        left = count
         while True:
             with of_library():
                 batch = next(batches, None)
                 cells = [] if batch is None else [_cells(each) for each in _columns(batch, keys)]
             left -= 0 if batch is None else batch.num_rows
             if left < 0 or (batch is None and left):
-                raise Damaged(f"it has {rows - left} rows and says {rows}")
+                raise Damaged(f"it has {count - left} rows and says {count}")
             if batch is None:
                 return
             yield "block", cells
-            if first is not None:
+            if rows is not None:
                 return
 
 
@@ -88,54 +88,31 @@ def _batches(file: Any, length: int, names: Sequence[str]) -> Iterator[Any]:
             groups, rows = [], 0
 
 
-def parquet_head(request: bytes) -> Iterator[bytes]:
+def parquet_head(source: bytes | str, rows: int) -> Iterator[bytes]:
     """Yield the bytes of a Parquet file with the same columns, what is said of them, and the first rows alone."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    with _opened(request) as (asked, file), of_library():
-        rows = next(file.iter_batches(asked["rows"], use_threads=False), None)
+    with _opened(source) as file, of_library():
+        head = next(file.iter_batches(rows, use_threads=False), None)
         target = io.BytesIO()
-        pq.write_table(pa.Table.from_batches([] if rows is None else [rows], file.schema_arrow), target)
+        pq.write_table(pa.Table.from_batches([] if head is None else [head], file.schema_arrow), target)
     yield target.getvalue()
 
 
 @contextmanager
-def _opened(request: bytes) -> Iterator[tuple[dict[str, Any], Any]]:
-    """Give what is asked for, and the file."""
+def _opened(source: bytes | str) -> Iterator[Any]:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    header, _, content = request.partition(b"\n")
-    asked = json.loads(header)
     pa.set_memory_pool(pa.system_memory_pool())  # the others keep what they once had
     with of_library():  # pyarrow itself opens no path that is not UTF-8
-        source = io.BytesIO(content) if asked["path"] is None else open(asked["path"], "rb")  # noqa: SIM115, PTH123
-    with source:
+        stream = io.BytesIO(source) if isinstance(source, bytes) else open(source, "rb")  # noqa: SIM115, PTH123
+    with stream:
         with of_library():
-            file = pq.ParquetFile(source, buffer_size=_BUFFER, pre_buffer=False)
+            file = pq.ParquetFile(stream, buffer_size=_BUFFER, pre_buffer=False)
         with file:
-            yield asked, file
-
-
-def request_of(
-    content: bytes | None, path: str | None, columns: Sequence[int], *, limit: int | None, rows: int | None = None
-) -> bytes:
-    """Return the request for some columns of a Parquet file.
-
-    Parameters
-    ----------
-    content
-        the file's bytes; None where it is to be read from ``path``, in full.
-    columns
-        their places among all; none: only what the file says of itself is wanted.
-    limit
-        bytes of numbers beyond which a table is refused before it is read; None: it is handed over block by block.
-    rows
-        how many of the first rows are enough; None: all.
-    """
-    header = json.dumps({"path": path, "columns": list(columns), "limit": limit, "rows": rows})
-    return header.encode("ascii") + b"\n" + (content or b"")
+            yield file
 
 
 def _columns(batch: Any, keys: Sequence[tuple[str, int]]) -> list[Any]:

@@ -3,9 +3,9 @@
 Children keep running for the next file of the same kind and serve one thread at a time. When one dies, or is ended at a
 limit, the file it was reading is refused; the next file gets a new child.
 
-To have another kind of file read there, write a function that takes the file's bytes and yields plain data (None,
-numbers, texts, sentences, bytes, bytearrays, dates, times, and lists, tuples and dicts of them), in a module that
-imports nothing heavy at its top, and hand it to `read_apart`.
+To have another kind of file read there, write a function that takes the file's bytes or path and yields plain data
+(None, numbers, texts, sentences, bytes, bytearrays, dates, times, and lists, tuples and dicts of them), in a module
+that imports nothing heavy at its top, and hand it to `read_apart`.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Generator, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Generator, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO, Literal, TypeVar, cast
 
@@ -34,8 +34,6 @@ from atleak.intake.native.child import Request, receive, send
 from atleak.sentence import Sentence
 
 Item = TypeVar("Item")
-Answers = Generator[Any, None, tuple[str, Any]]
-"""The items of an answer; at the end, how it ended, and what came with its end."""
 
 CHILDREN = 2
 """Files read at the same time; a third waits. Each may take the memory of its budget."""
@@ -70,9 +68,8 @@ class Budget:
         return int(self.memory + self.memory_per_byte * size), self.seconds + self.seconds_per_byte * size
 
 
-# An xlsx of 104 MB (720 000 rows of 12 columns) takes 310 MB and 6 s, because it is read in slices. Laid out whole, as
-# an xls, xlsb or ods is, it takes 8 bytes of memory a byte of file; packed four times as tightly, as a log of round
-# numbers is, 32. A measuring sheet takes 30 MB and 0.03 s.
+# A workbook takes 8 bytes of memory a byte of file; packed four times as tightly, as a log of round numbers is, 32. A
+# measuring sheet takes 30 MB and 0.03 s.
 WORKBOOK = Budget(
     kind=Sentence("workbook"),
     memory=400 << 20,
@@ -95,27 +92,18 @@ MDF = Budget(
     suspicion=Sentence("it is damaged"),
     expected=Sentence("the log saved anew, or exported as .csv, by the logger's own program"),
 )
-
 # pyarrow takes 80 MB. Of a table whose columns hardly change, a byte of file unfolds to many.
-PARQUET = Budget(
-    kind=Sentence("Parquet file"),
-    memory=700 << 20,
-    memory_per_byte=30.0,
-    seconds=30.0,
-    seconds_per_byte=2e-6,
-    suspicion=Sentence("it is damaged"),
-    expected=Sentence("the log saved anew, or exported as .csv, by the logger's own program"),
-)
+PARQUET = replace(MDF, kind=Sentence("Parquet file"))
 
 
 def read_apart(
-    function: Callable[[bytes], Iterator[Item]],
-    data: bytes,
+    function: Callable[..., Iterator[Item]],
+    source: bytes | Path,
     file: str,
     error: type[InputError],
     budget: Budget,
-    explain: Callable[[bytes], Iterator[object]] | None = None,
-    size: int | None = None,
+    explain: Callable[..., Iterator[object]] | None = None,
+    **asked: Any,
 ) -> list[Item]:
     """Call a reading function in a child process and return all it yields about a file.
 
@@ -123,8 +111,8 @@ def read_apart(
     ----------
     function
         at the top level of a module the child can import; yields plain data.
-    data
-        the file's bytes.
+    source
+        the file's bytes, or where it lies: the function gets the path as text.
     file
         the file's name in messages.
     error
@@ -133,8 +121,8 @@ def read_apart(
         what reading it may use.
     explain
         called on a file that ended its reader, to refuse it with a better reason.
-    size
-        of the file [bytes], where ``data`` only says where it lies.
+    asked
+        what else the function is to know, plain data too.
 
     Raises
     ------
@@ -142,16 +130,16 @@ def read_apart(
         of type ``error``: where the function refuses the file, a library fails on it or atleak itself does, where
         reading it takes more than its budget or ends the child, and where no child can be started.
     """
-    return list(_answers(function, data, file, error, budget, explain, size, streamed=False))
+    return list(_items(function, source, file, error, budget, explain, asked, streamed=False))
 
 
 def read_apart_in_parts(
-    function: Callable[[bytes], Iterator[Item]],
-    data: bytes,
+    function: Callable[..., Iterator[Item]],
+    source: bytes | Path,
     file: str,
     error: type[InputError],
     budget: Budget,
-    size: int,
+    **asked: Any,
 ) -> Generator[Item]:
     """Call a reading function in a child process and yield what it yields, as it comes.
 
@@ -163,47 +151,43 @@ def read_apart_in_parts(
     InputError
         as `read_apart`.
     """
-    return _answers(function, data, file, error, budget, None, size, streamed=True)
+    return _items(function, source, file, error, budget, None, asked, streamed=True)
 
 
-def _answers(
-    function: Callable[[bytes], Iterator[Item]],
-    data: bytes,
+def _items(
+    function: Callable[..., Iterator[Item]],
+    source: bytes | Path,
     file: str,
     error: type[InputError],
     budget: Budget,
-    explain: Callable[[bytes], Iterator[object]] | None,
-    size: int | None,
+    explain: Callable[..., Iterator[object]] | None,
+    asked: Mapping[str, Any],
     *,
     streamed: bool,
 ) -> Generator[Item]:
-    memory, seconds = budget.limits(len(data) if size is None else size)
-    place = Place(file)
+    memory, seconds = budget.limits(len(source) if isinstance(source, bytes) else source.stat().st_size)
+    kind, content = "end", dict[str, Any]()
     try:
-        ending, answer = yield from _pool.read(_request(function, memory, seconds), data, streamed=streamed)
+        for kind, content in _pool.read(_request(function, memory, seconds, asked), source, streamed=streamed):
+            if kind == "item":
+                yield content
     except _ChildGone as gone:
-        answer = None if explain is None or gone.reason == "time" else _explained_refusal(explain, data, memory)
-        if answer is None:
-            kind, suspicion = budget.kind, budget.suspicion
+        better = None if explain is None or gone.reason == "time" else _explained(explain, source, memory)
+        if better is None:
+            said = {"kind": budget.kind, "suspicion": budget.suspicion}
             problem = {
                 "time": Sentence(
                     "reading this {kind} took longer than {limit:.0f} s and was stopped; {suspicion}",
-                    kind=kind,
-                    limit=seconds,
-                    suspicion=suspicion,
+                    limit=seconds, **said,
                 ),
                 "memory": Sentence(
                     "reading this {kind} took more than {limit} MB of memory and was stopped; {suspicion}",
-                    kind=kind,
-                    limit=memory >> 20,
-                    suspicion=suspicion,
+                    limit=memory >> 20, **said,
                 ),
-                "death": Sentence(
-                    "this {kind} cannot be read: what reads it broke down; {suspicion}", kind=kind, suspicion=suspicion
-                ),
-            }[gone.reason]
-            raise error(problem, place=place, expected=budget.expected) from None
-        ending, answer = answer
+                "death": Sentence("this {kind} cannot be read: what reads it broke down; {suspicion}", **said),
+            }[gone.reason]  # fmt: skip
+            raise error(problem, place=Place(file), expected=budget.expected) from None
+        kind, content = better
     except OSError as fault:
         raise error(
             Sentence(
@@ -211,42 +195,31 @@ def _answers(
                 kind=budget.kind,
                 reason=str(fault),
             ),
-            place=place,
+            place=Place(file),
             expected=Sentence("a plain Python installation, or the table as .csv, which needs no second process"),
         ) from fault
-    if ending == "refused":
-        raise error(
-            answer["problem"], place=Place(file, answer["sheet"]), value=answer["value"], expected=answer["expected"]
-        )
-    if ending == "fault":
-        raise error(own_fault(answer["said"], answer["at"]), place=place) from FaultOfChild(answer["trace"])
-    if ending == "damaged":
+    if kind == "refused":
+        sheet, value, expected = (content[name] for name in ("sheet", "value", "expected"))
+        raise error(content["problem"], place=Place(file, sheet), value=value, expected=expected)
+    if kind == "fault":
+        raise error(own_fault(content["said"], content["at"]), place=Place(file)) from FaultOfChild(content["trace"])
+    if kind == "damaged":
         problem = Sentence(
-            "this {kind} is damaged or of a kind that cannot be read ({reason})", kind=budget.kind, reason=answer
+            "this {kind} is damaged or of a kind that cannot be read ({reason})", kind=budget.kind, reason=content
         )
-        raise error(problem, place=place, expected=budget.expected)
+        raise error(problem, place=Place(file), expected=budget.expected)
 
 
-def _request(function: Callable[[bytes], Iterator[Any]], memory: int, seconds: float) -> Request:
-    return Request(function.__module__, function.__qualname__, memory, seconds)
+def _request(function: Callable[..., Any], memory: int, seconds: float, asked: Mapping[str, Any]) -> Request:
+    return Request(function.__module__, function.__qualname__, memory, seconds, dict(asked))
 
 
-def _explained_refusal(explain: Callable[[bytes], Iterator[Any]], data: bytes, memory: int) -> Any:
+def _explained(explain: Callable[..., Iterator[object]], source: bytes | Path, memory: int) -> tuple[str, Any] | None:
     """Return how ``explain`` ended and the reason for which it refuses the file; None where it gives none."""
     with contextlib.suppress(_ChildGone, OSError):
-        ending, answer = _ending_of(_pool.read(_request(explain, memory, EXPLAIN), data))
-        return (ending, answer) if ending in ("refused", "fault") else None
+        *_, ending = _pool.read(_request(explain, memory, EXPLAIN, {}), source)
+        return ending if ending[0] in ("refused", "fault") else None
     return None
-
-
-def _ending_of(answers: Answers) -> tuple[str, Any]:
-    """Return how answers end."""
-    while True:
-        try:
-            next(answers)
-        except StopIteration as end:
-            ending: tuple[str, Any] = end.value
-            return ending
 
 
 class FaultOfChild(Exception):
@@ -275,13 +248,6 @@ class _PlainUnpickler(pickle.Unpickler):
         raise pickle.UnpicklingError(f"{module}.{name} is no plain data")
 
 
-@dataclass
-class _Deadline:
-    """When a child is to have answered, by the monotonic clock [s]."""
-
-    at: float
-
-
 class _Child:
     """One child process."""
 
@@ -302,7 +268,7 @@ class _Child:
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
         )
         self._input, self._output = cast(BinaryIO, self.process.stdin), cast(BinaryIO, self.process.stdout)
-        self._killed = False
+        self._killed, self._deadline = False, math.inf  # by the monotonic clock [s]
         try:
             self._watched = psutil.Process(self.process.pid)
             with self._limits(sys.maxsize, START):
@@ -349,55 +315,53 @@ class _Child:
         with contextlib.suppress(OSError):
             self.process.kill()
 
-    def disown(self) -> None:
-        """Leave the child alone, in a process forked off the parent, which alone may end it."""
-        self.process.returncode = 0
+    def read(self, request: Request, source: bytes | Path, *, streamed: bool) -> Iterator[tuple[str, Any]]:
+        """Read a file: yield its items, and at last how the answer ended.
 
-    def read(self, request: Request, data: bytes, *, streamed: bool) -> Answers:
-        """Read a file. The limits are those of the whole answer, or of each item where these are taken one by one.
+        The limits are those of the whole answer, or of each item where these are taken one by one.
 
         Raises
         ------
         _ChildGone
             where the child ends before it has answered in full.
         """
-        with self._limits(request.memory, request.seconds) as deadline:
-            send(self._input, pickle.dumps(request))
-            send(self._input, data)
-            left = request.memory
-            while True:
+        with self._limits(request.memory, request.seconds):
+            path = None if isinstance(source, bytes) else str(source.absolute())
+            send(self._input, pickle.dumps((request, path)))
+            send(self._input, source if isinstance(source, bytes) else b"")
+            left, kind = request.memory, "item"
+            while kind == "item":
                 frame = receive(self._output, left)
                 left -= 0 if streamed else len(frame)
                 kind, content = _plain_data(frame)
+                del frame
                 if kind == "memory":
                     raise _ChildGone("memory")
-                if kind != "item":
-                    return kind, content
-                del frame
                 if streamed:
-                    deadline.at = math.inf  # while others work on it, the child waits
-                yield content
+                    self._deadline = math.inf  # while others work on it, the child waits
+                yield kind, content
                 if streamed:
-                    deadline.at = time.monotonic() + request.seconds
+                    self._deadline = time.monotonic() + request.seconds
 
     @contextlib.contextmanager
-    def _limits(self, memory: int, seconds: float) -> Iterator[_Deadline]:
+    def _limits(self, memory: int, seconds: float) -> Iterator[None]:
         """End the child when it passes a limit; the exchange with it then fails with `_ChildGone`."""
         done = threading.Event()
         passed: list[Literal["time", "memory"]] = []
-        deadline = _Deadline(time.monotonic() + seconds)
+        self._deadline = time.monotonic() + seconds
 
         def watch() -> None:
             while not done.wait(CHECK_INTERVAL):
-                if self.memory() > memory or time.monotonic() > deadline.at:
-                    passed.append("time" if time.monotonic() > deadline.at else "memory")
+                late = time.monotonic() > self._deadline
+                if late or self.memory() > memory:
+                    passed.append("time" if late else "memory")
                     self.kill()
                     return
 
         watcher = threading.Thread(target=watch, name="atleak reading limits", daemon=True)
         watcher.start()
         try:
-            yield deadline
+            yield
         except OverflowError as fault:
             raise _ChildGone("memory") from fault
         except (EOFError, OSError, pickle.UnpicklingError) as fault:
@@ -424,8 +388,10 @@ class _Pool:
         self._idle: list[_Child] = []
         self._lock = threading.Lock()
 
-    def read(self, request: Request, data: bytes, *, streamed: bool = False) -> Answers:
+    def read(self, request: Request, source: bytes | Path, *, streamed: bool = False) -> Iterator[tuple[str, Any]]:
         """Read a file as `_Child.read` does, with a child that is free.
+
+        It is kept for the next file if it answered in full and stayed small.
 
         Raises
         ------
@@ -434,39 +400,30 @@ class _Pool:
         OSError
             where no child can be started.
         """
-        with self._borrowed(request.module) as child:
-            return (yield from child.read(request, data, streamed=streamed))
-
-    @contextlib.contextmanager
-    def _borrowed(self, module: str) -> Iterator[_Child]:
-        """Provide a child for one file; keep it afterwards if it answered in full and stayed small."""
         with self._places:
-            child = self._take(module)
+            child = self._taken(request.module) or _Child(request.module)
             try:
-                yield child
+                yield from child.read(request, source, streamed=streamed)
             except BaseException:  # the rest of its answer is not read, so it cannot be used again
                 child.kill()
                 child.end()
                 raise
+            surplus = [child]
             if child.usable() and child.memory() < KEPT:
-                self._keep(child)
-            else:
-                child.end()
+                with self._lock:
+                    self._idle.append(child)
+                    surplus = [self._idle.pop(0) for _ in range(len(self._idle) - IDLE)]
+            for each in surplus:
+                each.end()
 
-    def _keep(self, child: _Child) -> None:
-        with self._lock:
-            self._idle.append(child)
-            surplus = [self._idle.pop(0) for _ in range(len(self._idle) - IDLE)]
-        for each in surplus:
-            each.end()
-
-    def _take(self, module: str) -> _Child:
+    def _taken(self, module: str) -> _Child | None:
+        """Return the idle child that was used last on files of a kind; None where there is none."""
         while True:
-            with self._lock:  # the one used last
-                places = [place for place, each in enumerate(self._idle) if each.module == module]
-                child = self._idle.pop(places[-1]) if places else None
-            if child is None:
-                return _Child(module)
+            with self._lock:
+                child = next((each for each in reversed(self._idle) if each.module == module), None)
+                if child is None:
+                    return None
+                self._idle.remove(child)
             if child.usable():
                 return child
             child.end()
@@ -478,9 +435,9 @@ class _Pool:
                 self._idle.pop().end()
 
     def disown(self) -> None:
-        """Forget the children, which belong to the process this one was forked off."""
+        """Leave the children alone, in a process forked off the parent, which alone may end them."""
         for child in self._idle:
-            child.disown()
+            child.process.returncode = 0
 
 
 _pool = _Pool()

@@ -14,7 +14,6 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from atleak.intake.native.child import Refused, of_library
-from atleak.intake.native.sheet_slices import Slices
 from atleak.intake.sheets.extent import COLUMNS as WIDTH
 from atleak.intake.sheets.extent import EXPECTED, SHEETS, excess, trimmed
 from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths, unpacked_part, whole_number
@@ -31,8 +30,8 @@ COLUMNS = 16_384
 """Columns of a sheet in a spreadsheet program."""
 LOOK = 300
 """Rows of a sheet in which it shows what it holds."""
-HEAD, BLOCK = 2_000, 20_000
-"""Rows of a log in its first item, among which its table is sought, and in every other."""
+BLOCK = 20_000
+"""Rows of a log that are handed over together."""
 _NAN = float("nan")
 
 _CELL = re.compile(rb"<(?:\w+:)?c\b([^>]*?)(?:/>|>(.*?)</(?:\w+:)?c>)", re.DOTALL)
@@ -92,28 +91,22 @@ def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
         as `log_blocks`.
     """
     _refuse_other_kinds(data)
-    for name, hidden, sheets in _worksheets_of_a_log(data):
-        sheet = next(sheets)
+    for name, hidden, sheet in _worksheets(data):
         rows: Iterable[list[NativeCell]] = ()
         if sheet.start is not None:
-            _Extent(data, name).add(sheet.start, sheet.end)
-            rows = _from_column_a(sheet)
+            _refuse_vast_log(sheet, name, len(data))
+            rows = ([""] * sheet.start[1] + row for row in _rows(sheet))  # calamine's begin at its first column
         cells = trimmed([row[:WIDTH] for row in itertools.islice(rows, LOOK)])
         ranges = [] if sheet.merged_cell_ranges is None else sheet.merged_cell_ranges
         merged = _within(ranges, cells, name)
         yield {"name": name, "hidden": hidden, "rows": cells, "merged": merged, "faults": {}, "marks": vars(Marks())}
 
 
-LogRows = list[list[NativeCell | None]]
-LogColumns = list[bytes | list[NativeCell | None]]
+def log_blocks(data: bytes) -> Iterator[tuple[str, int, list[bytes | list[NativeCell | None]]]]:
+    """Yield every worksheet in blocks: its name, how many rows, and their columns.
 
-
-def log_blocks(data: bytes) -> Iterator[tuple[str, int, int, LogRows, LogColumns]]:
-    """Yield every worksheet in blocks: its name, its first column so far, how many rows, and their rows or columns.
-
-    The first block of a sheet comes in rows, all others in columns: packed floats where every cell is a number or
-    empty (NaN), which takes a quarter of the memory, else a list. Empty cells are None, those before the first column
-    and above the first row are left out.
+    A column is packed floats where every cell is a number or empty (NaN), which takes a quarter of the memory, else a
+    list with None where a cell is empty. Empty cells before the first column and above the first row are left out.
 
     Raises
     ------
@@ -121,77 +114,24 @@ def log_blocks(data: bytes) -> Iterator[tuple[str, int, int, LogRows, LogColumns
         where the file is protected by a password, no workbook, or spans more cells than a log of its size can.
     """
     _refuse_other_kinds(data)
-    for name, _, sheets in _worksheets_of_a_log(data):
-        extent = _Extent(data, name)
-        rows = _rows(sheets, extent)
-        if first := list(itertools.islice(rows, HEAD)):
-            left, width = extent.left, max(map(len, first))
-            head = [[None if cell == "" else cell for cell in row[left:]] for row in first]
-            yield name, left, len(head), [row + [None] * (width - left - len(row)) for row in head], []
-        while block := list(itertools.islice(rows, BLOCK)):
-            columns = itertools.islice(itertools.zip_longest(*block, fillvalue=""), extent.left, None)
-            yield name, extent.left, len(block), [], [_packed(column) for column in columns]
-
-
-class _Extent:
-    """How far the cells of a sheet reach, as far as they were read."""
-
-    def __init__(self, data: bytes, name: str) -> None:
-        self._data, self._name = data, name
-        self._area: tuple[int, int, int, int] | None = None
-
-    def add(self, start: tuple[int, int], end: tuple[int, int]) -> None:
-        """Count in another part of the sheet.
-
-        Raises
-        ------
-        Refused
-            where all parts together span more cells than a log can.
-        """
-        top, left, bottom, right = self._area or (*start, *end)
-        self._area = min(top, start[0]), min(left, start[1]), max(bottom, end[0]), max(right, end[1])
-        top, left, bottom, right = self._area
-        most = LOG_CELLS + LOG_CELLS_PER_BYTE * len(self._data)
-        vast = (bottom - top + 1) * (right - left + 1) > most
-        _refuse_vast(bottom + 1, right + 1, self._name, vast)
-
-    @property
-    def left(self) -> int:
-        """Return the first column in which a cell was filled."""
-        return self._area[1] if self._area is not None else 0
-
-
-def _rows(sheets: Iterable[Any], extent: _Extent) -> Iterator[list[NativeCell]]:
-    """Yield the rows of a sheet that comes in parts, from the first one that is filled on, each from column A on."""
-    next_row: int | None = None
-    for sheet in sheets:
+    for name, _, sheet in _worksheets(data):
         if sheet.start is None:
             continue
-        top, bottom = sheet.start[0], sheet.end[0]
-        extent.add(sheet.start, sheet.end)
-        if next_row is not None and top < next_row:
-            raise Refused(
-                Sentence("the rows of this sheet are not in the order of their numbers"),
-                sheet=sheet.name,
-                expected=Sentence("a workbook as a spreadsheet program saves it: open it there and save it anew"),
-            )
-        yield from ([] for _ in range(top - (top if next_row is None else next_row)))
-        # of a later part the blank rows above it are many
-        yield from _filled_area(sheet) if next_row else itertools.islice(_from_column_a(sheet), top, None)
-        next_row = bottom + 1
+        _refuse_vast_log(sheet, name, len(data))
+        rows = itertools.islice(_rows(sheet), sheet.start[0], None)
+        while block := list(itertools.islice(rows, BLOCK)):
+            yield name, len(block), [_packed(column) for column in itertools.zip_longest(*block, fillvalue="")]
 
 
-def _from_column_a(sheet: Any) -> Iterator[list[NativeCell]]:
-    """Yield all rows of a sheet; calamine's own begin at the first column that is filled."""
+def _rows(sheet: Any) -> Iterator[list[NativeCell]]:
     with of_library():
-        yield from ([""] * sheet.start[1] + row for row in sheet.iter_rows())
+        yield from sheet.iter_rows()
 
 
-def _filled_area(sheet: Any) -> Iterator[list[NativeCell]]:
-    """Yield the rows of a sheet from the first one that is filled on."""
-    with of_library():
-        filled = sheet.to_python(skip_empty_area=True)
-    yield from ([""] * sheet.start[1] + row for row in filled)
+def _refuse_vast_log(sheet: Any, name: str, size: int) -> None:
+    (top, left), (bottom, right) = sheet.start, sheet.end
+    vast = (bottom - top + 1) * (right - left + 1) > LOG_CELLS + LOG_CELLS_PER_BYTE * size
+    _refuse_vast(bottom + 1, right + 1, name, vast)
 
 
 def _packed(column: tuple[NativeCell, ...]) -> bytes | list[NativeCell | None]:
@@ -264,31 +204,7 @@ def _protected() -> Refused:
 
 def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
     """Yield every worksheet's name, whether it is hidden, and its cells."""
-    workbook = _opened(data)
-    for name, hidden in _listed(workbook):
-        yield name, hidden, _sheet(workbook, name)
-
-
-def _worksheets_of_a_log(data: bytes) -> Iterator[tuple[str, bool, Iterator[Any]]]:
-    """Yield every worksheet's name, whether it is hidden, and its cells: in several parts where they are many."""
-    slices = Slices(data) if data.startswith(b"PK") else None
-    if slices is None or not slices.names:
-        for name, hidden, sheet in _worksheets(data):
-            yield name, hidden, iter([sheet])
-        return
-    workbook = _opened(slices.rest())
-    for name, hidden in _listed(workbook):
-        cut = name in slices.names
-        yield name, hidden, _parts(slices, name) if cut else iter([_sheet(workbook, name)])
-
-
-def _parts(slices: Slices, name: str) -> Iterator[Any]:
-    for part in slices.of(name):
-        yield _sheet(_opened(part), name)
-
-
-def _opened(data: bytes) -> Any:
-    from python_calamine import CalamineWorkbook, PasswordError
+    from python_calamine import CalamineWorkbook, PasswordError, SheetTypeEnum, SheetVisibleEnum
 
     with of_library():
         try:
@@ -300,21 +216,11 @@ def _opened(data: bytes) -> Any:
             Sentence("this workbook has {count} sheets", count=len(workbook.sheets_metadata)),
             expected=Sentence("at most {count}", count=SHEETS),
         )
-    return workbook
-
-
-def _sheet(workbook: Any, name: str) -> Any:
-    with of_library():
-        return workbook.get_sheet_by_name(name)
-
-
-def _listed(workbook: Any) -> Iterator[tuple[str, bool]]:
-    """Yield every worksheet's name, and whether it is hidden."""
-    from python_calamine import SheetTypeEnum, SheetVisibleEnum
-
     for meta in workbook.sheets_metadata:
         if meta.typ == SheetTypeEnum.WorkSheet:
-            yield meta.name, meta.visible != SheetVisibleEnum.Visible
+            with of_library():
+                sheet = workbook.get_sheet_by_name(meta.name)
+            yield meta.name, meta.visible != SheetVisibleEnum.Visible, sheet
 
 
 def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None:

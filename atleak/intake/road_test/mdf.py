@@ -6,12 +6,11 @@ import importlib.util
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from atleak.errors import Place, RoadTestError, extra_installed
-from atleak.intake.native.measurements import mdf_contents, mdf_ranges, mdf_request
+from atleak.intake.native.measurements import mdf_contents, mdf_ranges
 from atleak.intake.native.process import MDF, read_apart, read_apart_in_parts
 from atleak.intake.road_test.blocks import Filled
 from atleak.intake.road_test.channels.assign import Assigner, find_candidates, map_columns
@@ -227,7 +226,7 @@ def _contents(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
     _check_readable(source)
     channels: list[_MdfChannel] = []
     frames, bus, version = 0, [], ""
-    for kind, part in read_apart(mdf_contents, _request(source), source.file, RoadTestError, MDF, size=source.size):
+    for kind, part in read_apart(mdf_contents, source.apart, source.file, RoadTestError, MDF):
         if kind == "file":
             version = part["version"]
         elif kind == "channel":
@@ -248,11 +247,6 @@ def _contents(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
     return channels, frames, version
 
 
-def _request(source: LogFile, **asked: Any) -> bytes:
-    path = None if source.in_memory or source.path is None else str(source.path.absolute())
-    return mdf_request(source.data if path is None else None, path, **asked)
-
-
 def _samples(
     source: LogFile, wanted: Sequence[_MdfChannel], every: int = 1
 ) -> dict[int, tuple[np.ndarray, np.ndarray]]:
@@ -269,8 +263,9 @@ def _samples(
     values = {each.heading.index: Filled(each.count, every) for these in groups.values() for each in these}
     own = {index: Filled(each.count, every) for index, each in by_place.items() if each.count < each.cycles}
     indexes = {group: [channel.index for channel in these] for group, these in groups.items()}
-    request = _request(source, indexes=indexes, length=RANGE)
-    parts = read_apart_in_parts(mdf_ranges, request, source.file, RoadTestError, MDF, source.size)
+    parts = read_apart_in_parts(
+        mdf_ranges, source.apart, source.file, RoadTestError, MDF, indexes=indexes, length=RANGE
+    )
     for _, part in parts if groups else ():
         common[part["group"]].add(np.frombuffer(part["stamps"]))
         for channel, read in zip(groups[part["group"]], part["channels"], strict=True):

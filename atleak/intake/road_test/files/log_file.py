@@ -173,6 +173,11 @@ class LogFile:
         return self.path.read_bytes()
 
     @property
+    def apart(self) -> bytes | Path:
+        """Return what another process reads it from: its bytes where they are read already, else where it lies."""
+        return self.data if self.content is not None or self.path is None else self.path
+
+    @property
     def whole_lines(self) -> bytes:
         """Return the first bytes up to the end of a line: no character of a text is cut there."""
         return self.head if self.size <= len(self.head) else self.head[: self.head.rfind(b"\n") + 1] or self.head

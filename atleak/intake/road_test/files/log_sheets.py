@@ -23,6 +23,8 @@ from atleak.intake.road_test.files.sheet_cells import SheetCells
 from atleak.intake.road_test.names.matching import match_name, split_unit
 from atleak.intake.sheets.extent import cut
 
+_HEAD = 2000  # rows of a sheet among which its table is sought
+
 
 @dataclass(frozen=True)
 class LogSheet(OfLayout):
@@ -63,7 +65,7 @@ class LogSheet(OfLayout):
     @cached_property
     def sample(self) -> tuple[Row, ...]:
         """Return the first data rows as text."""
-        body = self.cells.head[self.layout.start : self.layout.start + 400]
+        body = self.cells.head(self.layout.start + 400)[self.layout.start :]
         return tuple([text_of(cell, self.decimal) for cell in row] for row in body)
 
     @property
@@ -148,20 +150,15 @@ def open_sheets(source: LogFile) -> list[LogSheet]:
     """
     by_name: dict[str, SheetCells] = {}
     blocks = read_apart(log_blocks, source.data, source.file, RoadTestError, WORKBOOK, stray_cells)
-    for name, left, count, rows, columns in blocks:
-        by_name.setdefault(name, SheetCells()).add(left, count, rows, columns)
-    sheets = []
-    for name, cells in by_name.items():
-        cells.drop_blank_end()
-        sheet = _sheet(name, cells)
-        if sheet is not None:
-            sheets.append(sheet)
-    return sheets
+    for name, count, columns in blocks:
+        by_name.setdefault(name, SheetCells()).blocks.append((count, columns))
+    sheets = [_sheet(name, cells) for name, cells in by_name.items()]
+    return [sheet for sheet in sheets if sheet is not None]
 
 
 def _sheet(name: str, cells: SheetCells) -> LogSheet | None:
     """Locate the table on a sheet; None where there is none."""
-    rows = cells.head
+    rows = cells.head(_HEAD)
     width = max((index + 1 for row in rows for index, cell in enumerate(row) if cell is not None), default=0)
     if width < 2:
         return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from atleak.errors import Place, RoadTestError
-from atleak.intake.native.parquet_tables import parquet_head, parquet_parts, request_of
+from atleak.intake.native.parquet_tables import parquet_head, parquet_parts
 from atleak.intake.native.process import PARQUET, read_apart, read_apart_in_parts
 from atleak.intake.road_test.blocks import Filled
 from atleak.intake.road_test.files.cells import Decimal, kind_of, unit_in_cells, without_unit
@@ -58,7 +58,11 @@ class ParquetLog(OfLayout):
         numbers: dict[int, Filled] = {}
         texts: dict[int, list[pd.Series]] = {}
         done = 0
-        for block in _blocks(self.source, columns, limit):
+        parts = read_apart_in_parts(
+            parquet_parts, self.source.apart, self.source.file, RoadTestError, PARQUET, columns=list(columns),
+            limit=limit,
+        )  # fmt: skip
+        for block in (block for kind, block in parts if kind == "block"):
             for index, part in zip(columns, block, strict=True):
                 cells = _cells(part, self.kinds[index])
                 if isinstance(cells, pd.Series):
@@ -88,12 +92,15 @@ def open_parquet(source: LogFile) -> ParquetLog:
     RoadTestError
         where the file is damaged, holds no rows, or columns with several values in a cell.
     """
-    ((_, told),) = _parts(source, (), limit=None)
+    ((_, told),) = read_apart(parquet_parts, source.apart, source.file, RoadTestError, PARQUET)
     columns, rows = told["columns"], told["rows"]
     if not rows or not columns:
         problem = Sentence("holds no rows: the logger wrote nothing")
         raise RoadTestError(problem, place=Place(file=source.file))
-    _, (_, block) = _parts(source, range(len(columns)), limit=None, rows=_SAMPLE)
+    _, (_, block) = read_apart(
+        parquet_parts, source.apart, source.file, RoadTestError, PARQUET, columns=list(range(len(columns))),
+        rows=_SAMPLE,
+    )  # fmt: skip
     kinds = tuple(column["kind"] for column in columns)
     cells = [_cells_of(part, kind) for part, kind in zip(block, kinds, strict=True)]
     decimal = _decimal([text for texts, kind in zip(cells, kinds, strict=True) if kind == "text" for text in texts])
@@ -123,28 +130,8 @@ def head_of_parquet(source: str | Path | bytes, name: str) -> bytes:
         where the file is damaged.
     """
     opened = open_source(source, name)
-    (head,) = read_apart(
-        parquet_head, _request(opened, (), rows=_SAMPLE), name, RoadTestError, PARQUET, size=opened.size
-    )
+    (head,) = read_apart(parquet_head, opened.apart, name, RoadTestError, PARQUET, rows=_SAMPLE)
     return head
-
-
-def _parts(
-    source: LogFile, columns: Sequence[int], *, limit: int | None, rows: int | None = None
-) -> list[tuple[str, Any]]:
-    request = _request(source, columns, limit=limit, rows=rows)
-    return read_apart(parquet_parts, request, source.file, RoadTestError, PARQUET, size=source.size)
-
-
-def _request(source: LogFile, columns: Sequence[int], *, limit: int | None = None, rows: int | None = None) -> bytes:
-    path = None if source.in_memory or source.path is None else str(source.path.absolute())
-    return request_of(source.data if path is None else None, path, columns, limit=limit, rows=rows)
-
-
-def _blocks(source: LogFile, columns: Sequence[int], limit: int | None) -> Iterator[list[Any]]:
-    request = _request(source, columns, limit=limit)
-    parts = read_apart_in_parts(parquet_parts, request, source.file, RoadTestError, PARQUET, source.size)
-    return (block for kind, block in parts if kind == "block")
 
 
 def _cells(part: Any, kind: str) -> np.ndarray | pd.Series:

@@ -197,7 +197,7 @@ def test_no_more_children_wait_than_are_kept(readers, monkeypatch):
 
 
 def test_parts_come_one_by_one_however_many_they_are(readers):
-    parts = read_apart_in_parts(readers.talkative, bytes(20 << 20), "some.file", ReadingsError, SMALL, 0)
+    parts = read_apart_in_parts(readers.talkative, bytes(20 << 20), "some.file", ReadingsError, SMALL)
     assert [len(next(parts)) for _ in range(8)] == [20 << 20] * 8  # more together than a whole answer may have
     parts.close()
     assert process._pool._idle == []  # what was not taken cannot be answered any more
