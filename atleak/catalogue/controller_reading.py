@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 from pydantic import ValidationError
 
@@ -29,6 +29,7 @@ from atleak.catalogue.controller_tables import (
     ControllerFile,
     GapTable,
     LandTable,
+    LandValue,
     NewOrigin,
     OperatingPointTable,
 )
@@ -255,7 +256,7 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
         spool_material=materials[1][0],
         body_expansion=materials[0][1],
         spool_expansion=materials[1][1],
-        representative=tuple(name for name in entry.representative_values if entry.known_from(table, name) is _ASSUMED),
+        representative=tuple(name for name in get_args(LandValue) if entry.known_from(table, name) is _ASSUMED),
         mounting_tolerance=new.tolerance,
         new_origin=new.origin,
         sleeved=component.bore == "sleeved",

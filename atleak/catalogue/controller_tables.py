@@ -138,6 +138,7 @@ class LandTable(Strict):
     spool: NonEmptyText | None = key("Spool", _OWN_MATERIAL, names="material", default=None)
     published: list[LandValue] = []
     measured: list[LandValue] = []
+    representative: list[LandValue] = []
 
     @model_validator(mode="after")
     def _known_once(self) -> LandTable:
@@ -298,8 +299,7 @@ class ControllerFile(Entry):
     def known_from(self, land: LandTable, value: LandValue) -> Evidence | None:
         """Return what a value of a land is known from: as the land says, or else the file for all lands."""
         for table in (land, self.defaults):
-            if value in table.measured:
-                return Evidence.MEASURED
-            if value in table.published:
-                return Evidence.PUBLISHED
+            for evidence in Evidence:
+                if value in getattr(table, evidence, ()):
+                    return evidence
         return Evidence.REPRESENTATIVE if value in self.representative_values else None

@@ -239,47 +239,12 @@ class Parts(Sheet):
 
     def fill(self, rows: Sequence[Row], into: Description) -> None:
         owners = by_id(into, str(self.at[0]))
-        tables: list[tuple[Row, Values]] = []
         for row in rows:
             owner = owner_of(row, self.columns[0].heading, owners, into)
             if owner is not None:
                 number, table = owners[owner]
                 listed = table.setdefault(self.under, [])
                 listed.append(self._read(row, (*self.at, number, self.under, len(listed)), into))
-                tables.append((row, listed[-1]))
-        for column in self.columns:
-            if column.how_known:
-                self._say_in_head(column, tables, into)
-        for _, table in tables:
-            table.pop("representative", None)
-
-    def _say_in_head(self, column: Column, tables: Sequence[tuple[Row, Values]], into: Description) -> None:
-        """Say in the head what rows call representative, since only there a file can; other rows are then taken so."""
-        rows = [row for row, table in tables if column.of(table) == "representative"]
-        everywhere: list[str] = into.data.get(REPRESENTATIVE, [])
-        if not rows or column.how_known in everywhere:
-            return
-        for name in _LISTS[:2]:
-            if column.how_known in into.data.get(DEFAULTS, {}).get(name, ()):
-                problem = Sentence("the head says that this is {evidence} in all lands", evidence=name)
-                expected = Sentence("{evidence}, or a head that leaves it open", evidence=name)
-                for row in rows:
-                    into.fault(row, column.heading, problem, expected)
-                return
-        keys = [each.how_known for each in self.columns if each.how_known in {*everywhere, column.how_known} - {""}]
-        into.data[REPRESENTATIVE] = keys
-        silent = sum(column.of(table) is None for _, table in tables)
-        if silent:
-            one = Sentence("{count} empty cell is taken as representative, as others say so", count=silent)
-            several = Sentence("{count} empty cells are taken as representative, as others say so", count=silent)
-            into.notes.append(
-                Sentence(
-                    "sheet {sheet!r}, column {column}: {note}",
-                    sheet=self.name,
-                    column=column.heading,
-                    note=one if silent == 1 else several,
-                )
-            )
 
 
 @dataclass(frozen=True)

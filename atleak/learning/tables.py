@@ -55,9 +55,9 @@ def _write(table: dict[str, Any], land: LearnedLand, *, used_by_default: bool) -
     table.pop("mounting_clearance_of_used_unit", None)
     if used_by_default:
         table["mounting_clearance_of_used_unit"] = False
-    published = [key for key in table.pop("published", []) if key != _KEY]
-    if published:
-        table["published"] = published
+    for name in ("published", "representative"):
+        if others := [key for key in table.pop(name, []) if key != _KEY]:
+            table[name] = others
 
 
 def origin_note(learned: Learned, day: dt.date) -> str:

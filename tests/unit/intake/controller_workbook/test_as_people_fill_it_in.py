@@ -87,11 +87,9 @@ def test_sheets_that_hold_nothing_may_be_deleted(minimal_book: Book) -> None:
     assert minimal_book.read().data == plain
 
 
-def test_a_land_that_does_not_say_how_it_is_known_is_taken_as_representative_where_others_are(
-    minimal_book: Book,
-) -> None:
-    minimal_book.put("Head", 0, "Diameters are", "")
-    for row, known in enumerate(("measured", "measured", "", "representative", "published"), start=1):
+def test_each_land_says_for_itself_how_its_values_are_known(minimal_book: Book) -> None:
+    minimal_book.put("Head", 0, "Diameters are", "published")
+    for row, known in enumerate(("measured", "", "representative"), start=1):
         minimal_book.put("Lands", row, "Diameter is", known)
     described = minimal_book.read()
     assert [land.representative for land in described.controller.lands][:3] == [
@@ -99,9 +97,7 @@ def test_a_land_that_does_not_say_how_it_is_known_is_taken_as_representative_whe
         ("contact_length_mm", "mounting_clearance_um"),
         ("nominal_diameter_mm", "contact_length_mm", "mounting_clearance_um"),
     ]
-    assert described.notes == (
-        "sheet 'Lands', column Diameter is: 1 empty cell is taken as representative, as others say so",
-    )
+    assert described.notes == ()
 
 
 def test_a_circuit_without_a_mark_is_said_to_be_applied_everywhere(five_speed_book: Book) -> None:

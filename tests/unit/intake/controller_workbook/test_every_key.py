@@ -28,6 +28,7 @@ TOGETHER = {
     ("line", "set_kpa"),
     ("components", "lands", "published"),  # the columns that say how a value is known
     ("components", "lands", "measured"),
+    ("components", "lands", "representative"),
     ("representative_values",),  # the head's fields that say so of all lands
     ("defaults", "published"),
     ("defaults", "measured"),

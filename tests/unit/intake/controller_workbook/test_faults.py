@@ -224,13 +224,6 @@ def test_another_workbook_is_refused(bare_workbook: Callable[..., bytes], stray_
         read_controller_workbook(stray_workbook, name="unit.xlsx")
 
 
-def test_a_land_cannot_be_representative_where_the_head_says_published_for_all(minimal_book: Book) -> None:
-    minimal_book.put("Head", 0, "Diameters are", "published")
-    minimal_book.put("Lands", 2, "Diameter is", "representative")
-    (fault,) = minimal_book.faults()
-    assert "row 3, column E (Diameter is): the head says that this is published in all lands" in str(fault)
-
-
 @pytest.mark.parametrize(
     ("heading", "value", "question"),
     [
