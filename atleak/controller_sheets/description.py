@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import SequenceMatcher
-from typing import Any
+from typing import Any, NamedTuple
 
-from atleak.errors import Steps, nearest_name, one_of
+from atleak.errors import InputError, Steps, nearest_name, one_of
 from atleak.sentence import Sentence
 
 _SURELY = 0.85  # how alike two names are of which one is a slip of the pen
 
 
-@dataclass(frozen=True)
-class Spot:
+class Spot(NamedTuple):
     """A cell of the workbook: sheet by the name it is declared with, row as numbered there, column by its heading."""
 
     sheet: str
@@ -31,6 +30,11 @@ class Fault:
     value: Any = None
     expected: Sentence | None = None
     nearest: str | None = None
+
+    @property
+    def text(self) -> Sentence:
+        """Return what is wrong, without where."""
+        return InputError(self.problem, value=self.value, expected=self.expected, nearest=self.nearest).sentence
 
 
 @dataclass(frozen=True)

@@ -63,22 +63,6 @@ class Subject:
 
 
 @dataclass(frozen=True)
-class FormFault:
-    """What is wrong or in doubt, and where: table, row from 1 and heading; of a form and as a whole, there is none."""
-
-    table: str
-    row: int | None
-    heading: str | None
-    text: Sentence
-
-    @property
-    def where(self) -> Sentence:
-        """Return row and column in words."""
-        row = None if self.row is None else Sentence("row {number}", number=self.row)
-        return Sentence("{parts}", parts=tuple(part for part in (row, self.heading) if part))
-
-
-@dataclass(frozen=True)
 class Draft:
     """What is typed so far: by table the rows, and the units in which its numbers are typed."""
 
@@ -129,17 +113,17 @@ class Checked:
 
     data: Mapping[str, Any]
     entry: Any  # None where something is wrong
-    faults: tuple[FormFault, ...]
-    doubts: tuple[FormFault, ...]  # values that are accepted, and probably a slip
+    faults: tuple[Fault, ...]
+    doubts: tuple[Fault, ...]  # values that are accepted, and probably a slip
     notes: tuple[Sentence, ...]  # what was taken for granted, in sentences
 
-    def of(self, table: str) -> tuple[FormFault, ...]:
+    def of(self, table: str) -> tuple[Fault, ...]:
         """Return the faults in one table."""
-        return tuple(fault for fault in self.faults if fault.table == table)
+        return tuple(fault for fault in self.faults if fault.spot.sheet == table)
 
-    def doubted_in(self, table: str) -> tuple[FormFault, ...]:
+    def doubted_in(self, table: str) -> tuple[Fault, ...]:
         """Return the doubts in one table."""
-        return tuple(doubt for doubt in self.doubts if doubt.table == table)
+        return tuple(doubt for doubt in self.doubts if doubt.spot.sheet == table)
 
 
 def draft_of(subject: Subject, data: Mapping[str, Any], units: Units = Units()) -> Draft:  # noqa: B008  frozen
@@ -183,35 +167,30 @@ def checked(draft: Draft) -> Checked:
         sheet.fill(rows[sheet.name], into)
     if "id" not in into.data and (made := id_from_name(into.data.get("name", "unnamed"))):
         into.data["id"] = made
-    faults = [_of_cell(subject, fault) for fault in into.faults]
-    entry = None
+    entry, faults = None, into.faults
     try:
         entry = subject.shelf.checked(into.data)
     except CatalogueError as error:
         further = in_cells(error, into, subject.sheets, rows, draft.units)
-        faults += [_of_cell(subject, _on_page(fault, draft)) for fault in further]
+        faults = [*faults, *(_on_page(fault, draft) for fault in further)]
     order = {sheet.name: number for number, sheet in enumerate(subject.sheets)}
-    faults = sorted(dict.fromkeys(faults), key=lambda fault: (order.get(fault.table, -1), fault.row or 0))
-    taken = {(fault.table, fault.row, fault.heading) for fault in faults}
-    asked = []
+    told = {(fault.spot, str(fault.text)): fault for fault in faults}.values()
+    faults = sorted(told, key=lambda fault: (order.get(fault.spot.sheet, -1), fault.spot.row or 0))
+    wrong, asked = {fault.spot for fault in faults}, {}
     for doubt in _doubts(draft, entry, into, rows):
-        if (cell := (doubt.table, doubt.row, doubt.heading)) not in taken:
-            taken.add(cell)
-            asked.append(doubt)
-    return Checked(into.data, None if faults else entry, tuple(faults), tuple(asked), tuple(into.notes))
+        if doubt.spot not in wrong:
+            asked.setdefault(doubt.spot, doubt)
+    return Checked(into.data, None if faults else entry, tuple(faults), tuple(asked.values()), tuple(into.notes))
 
 
-def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequence[Row]]) -> Iterable[FormFault]:
+def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequence[Row]]) -> Iterable[Fault]:
     """Yield what looks like a number of another unit as it was typed, then what is unusual in its file."""
     for sheet in draft.subject.sheets:
-        for spot, text in doubts(sheet, rows[sheet.name], draft.units):
-            yield _of_cell(draft.subject, Fault(spot, text))
-    of_file = (
-        entry.doubts if entry is not None else doubts_of(draft.subject.kind, draft.subject.shelf.model, into.data, "")
-    )
+        yield from (Fault(*doubt) for doubt in doubts(sheet, rows[sheet.name], draft.units))
+    shelf, head = draft.subject.shelf, Spot(draft.subject.sheets[0].name)
+    of_file = entry.doubts if entry is not None else doubts_of(shelf.kind, shelf.model, into.data, "")
     for message in of_file:
-        at = None if message.place is None else into.spot(message.place.steps)
-        yield _of_cell(draft.subject, Fault(at or Spot(draft.subject.sheets[0].name), message.text))
+        yield Fault((message.place and into.spot(message.place.steps)) or head, message.text)
 
 
 # --- cells --------------------------------------------------------------------------------------------------------
@@ -223,18 +202,18 @@ def _rows(draft: Draft, sheet: Sheet, into: Description) -> list[Row]:
     for number, cells in enumerate(draft.rows(sheet.name), start=1):
         if not cells and not sheet.is_form:
             continue
-        spot, values = Spot(sheet.name, number), {}
+        spot, values = Spot(sheet.name, None if sheet.is_form else number), {}
         for heading, text in cells.items():
             column = _column(sheet, heading)
             if column is None:
                 problem = Sentence("no column of this table")
-                into.faults.append(Fault(replace(spot, heading=heading), problem, text))
+                into.faults.append(Fault(spot._replace(heading=heading), problem, text))
                 continue
             try:
                 values[heading] = column.kind.value(_cell(text), draft.units)
             except NotAccepted as error:
                 problem = Sentence("cannot be read")
-                into.faults.append(Fault(replace(spot, heading=heading), problem, text, error.wanted))
+                into.faults.append(Fault(spot._replace(heading=heading), problem, text, error.wanted))
         rows.append(Row(spot, dict(cells), values))
     return rows
 
@@ -270,12 +249,6 @@ def _cell(text: str) -> str | float:
 
 
 # --- faults -------------------------------------------------------------------------------------------------------
-
-
-def _of_cell(subject: Subject, fault: Fault) -> FormFault:
-    row = None if subject.sheet(fault.spot.sheet).is_form else fault.spot.row
-    error = InputError(fault.problem, value=fault.value, expected=fault.expected, nearest=fault.nearest)
-    return FormFault(fault.spot.sheet, row, fault.spot.heading, error.sentence)
 
 
 def _on_page(fault: Fault | InputError, draft: Draft) -> Fault:

@@ -261,9 +261,10 @@ def draw_faults(editing: Editing, found: Checked, say: Wording) -> None:
 
 
 def _line(editing: Editing, sign: str, fault: Any, say: Wording) -> str:
-    row = "" if fault.row is None else f", {say('typed_entries.in_row', number=fault.row)}"
-    heading = "" if fault.heading is None else f", {editing.said(fault.heading, say)}"
-    return f"{sign} **{editing.said(fault.table, say)}**{show.plain(row + heading)}: {show.plain(fault.text)}"
+    table, number, heading = fault.spot
+    row = "" if number is None else f", {say('typed_entries.in_row', number=number)}"
+    column = "" if heading is None else f", {editing.said(heading, say)}"
+    return f"{sign} **{editing.said(table, say)}**{show.plain(row + column)}: {show.plain(fault.text)}"
 
 
 # --- saving -------------------------------------------------------------------------------------------------------

@@ -13,9 +13,10 @@ import pandas as pd
 import streamlit as st
 
 from atleak.controller_sheets.circuit_shapes import Mark
+from atleak.controller_sheets.description import Fault
 from atleak.controller_sheets.kinds import Choice, YesNo
 from atleak.controller_sheets.shapes import Column, Sheet
-from atleak.views.entry_form import Checked, Draft, FormFault
+from atleak.views.entry_form import Checked, Draft
 from atleak.wording import Wording
 from pages.shared import fields, reader, show
 
@@ -53,8 +54,8 @@ def draw(editing: Editing, names: Iterable[str], found: Checked, aside: Collecti
 
 def _form(editing: Editing, sheet: Sheet, found: Checked, aside: Collection[str], say: Wording) -> None:
     """Draw a field for each line of a form, with what is wrong or in doubt beneath it."""
-    signs = {doubt.heading: f":orange[? {show.plain(doubt.text)}]" for doubt in found.doubted_in(sheet.name)}
-    signs |= {fault.heading: f":red[✗ {show.plain(fault.text)}]" for fault in found.of(sheet.name)}
+    signs = {doubt.spot.heading: f":orange[? {show.plain(doubt.text)}]" for doubt in found.doubted_in(sheet.name)}
+    signs |= {fault.spot.heading: f":red[✗ {show.plain(fault.text)}]" for fault in found.of(sheet.name)}
     groups = _together(sheet.columns)
     _fields(editing, sheet, [group for group in groups if not _is_aside(group, aside)], signs, say)
     others = [group for group in groups if _is_aside(group, aside)]
@@ -167,13 +168,13 @@ def _table(editing: Editing, sheet: Sheet, found: Checked, say: Wording) -> None
     st.button(say("typed_entries.more"), key=f"{key}-more", on_click=_more, args=(editing, sheet.name))
 
 
-def _by_row(faults: Iterable[FormFault], editing: Editing, say: Wording) -> dict[int, list[str]]:
+def _by_row(faults: Iterable[Fault], editing: Editing, say: Wording) -> dict[int, list[str]]:
     """Return what is said of each row, under 0 what is of the whole table."""
     said: dict[int, list[str]] = {}
     for fault in faults:
         text = say.sentence(fault.text)
-        heading = f"{editing.said(fault.heading, say)}: " if fault.heading else ""
-        said.setdefault(fault.row or 0, []).append(f"{heading}{text}")
+        heading = f"{editing.said(fault.spot.heading, say)}: " if fault.spot.heading else ""
+        said.setdefault(fault.spot.row or 0, []).append(f"{heading}{text}")
     return said
 
 

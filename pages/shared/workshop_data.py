@@ -198,7 +198,7 @@ def draw_head(desk: Desk, editing: Editing, found: Checked, say: Wording) -> Non
 
 def choose_step(editing: Editing, found: Checked, say: Wording) -> str:
     """Ask which form or table to show, each with a sign where something is wrong or in doubt in it."""
-    signs = {doubt.table: " ?" for doubt in found.doubts} | {fault.table: " ✗" for fault in found.faults}
+    signs = {doubt.spot.sheet: " ?" for doubt in found.doubts} | {fault.spot.sheet: " ✗" for fault in found.faults}
     steps = [sheet.name for sheet in editing.draft.subject.sheets]
     return ask_step(editing, steps, lambda step: editing.said(step, say) + signs.get(step, ""), say)
 

@@ -14,17 +14,16 @@ from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import checked_controller
-from atleak.controller_sheets.description import Description, Fault, Row, Spot
-from atleak.controller_sheets.kinds import Choice
-from atleak.controller_sheets.layout import HEAD, INSTRUCTIONS, LISTS, SHEETS, UNIT_LINES
+from atleak.controller_sheets.description import Description, Fault, Spot
+from atleak.controller_sheets.layout import INSTRUCTIONS, LISTS, SHEETS
 from atleak.controller_sheets.meaning import doubts, in_cells
 from atleak.controller_sheets.shapes import Sheet as Declared
 from atleak.controller_sheets.units import Units
 from atleak.doors import own_errors_only
-from atleak.errors import CatalogueError, Place, ReadingsError, one_of
+from atleak.errors import CatalogueError, Place, ReadingsError
 from atleak.faults import together
 from atleak.intake.controller_workbook.places import Places
-from atleak.intake.controller_workbook.rows import Page, form_page, table_page
+from atleak.intake.controller_workbook.rows import form_page, table_page
 from atleak.intake.plain_words import words
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.sheets.sheet_file import read_bytes, read_workbook
@@ -93,16 +92,16 @@ def _described(sheets: list[Sheet], file: str) -> DescribedController:
     if not matched:
         names = ", ".join(sheet.name or "" for sheet in sheets[:5])
         raise CatalogueError(Sentence("describes no valve body"), place=Place(file), value=names, expected=WANTED)
-    units = _units(matched.get(HEAD.name), into)
-    places = Places(file, units)
+    units, places = Units(), Places(file)
     is_empty = True
     for declared in SHEETS:
-        sheet = matched.get(declared.name)
-        page = None if sheet is None else _page(sheet, declared, units, into)
+        sheet, read = matched.get(declared.name), form_page if declared.is_form else table_page
+        page = None if sheet is None else read(sheet, declared, units, into)
         if page is None:
             _miss(declared, into)
             continue
         places.pages[declared.name] = page
+        units = page.units
         is_empty = is_empty and not page.rows
         if declared.at:
             into.mark(declared.at, Spot(declared.name))
@@ -155,28 +154,6 @@ def _likeness(sheet: Sheet, declared: Declared) -> float:
     standing = {words(cell) for row in sheet.rows for cell in row if isinstance(cell, str)}
     headings = [column.heading for column in declared.columns if not (declared.is_form and column.how_known)]
     return sum(words(heading) in standing for heading in headings) / len(headings) if len(headings) > 1 else 0.0
-
-
-def _units(sheet: Sheet | None, into: Description) -> Units:
-    """Return what the workbook's numbers are written in."""
-    if sheet is None:
-        return Units()
-    page = form_page(sheet, HEAD, UNIT_LINES, Units(), into, others=HEAD.columns, say_unknown=False)
-    if page is None:
-        return Units()
-    row = page.rows[0] if page.rows else Row(Spot(HEAD.name), {}, {})
-    for line in UNIT_LINES:
-        if line.heading not in row.cells:
-            options = line.kind.shown if isinstance(line.kind, Choice) else ()
-            into.fault(row, line.heading, Sentence("not chosen"), one_of(options))
-    chosen = {line.keys[0]: row.values[line.heading] for line in UNIT_LINES if line.heading in row.values}
-    return Units(**chosen)
-
-
-def _page(sheet: Sheet, declared: Declared, units: Units, into: Description) -> Page | None:
-    if not declared.is_form:
-        return table_page(sheet, declared, units, into)
-    return form_page(sheet, declared, declared.columns, units, into, others=UNIT_LINES if declared is HEAD else ())
 
 
 def _miss(declared: Declared, into: Description) -> None:

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 from atleak.controller_sheets.description import Fault, Spot
 from atleak.controller_sheets.layout import SHEETS
-from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError, InputError, Place
 from atleak.intake.controller_workbook.rows import Page
 from atleak.intake.sheets.sheet import column_letter
@@ -17,7 +16,6 @@ class Places:
     """The sheets as they were read, by the names they are declared with."""
 
     file: str
-    units: Units
     pages: dict[str, Page] = field(default_factory=dict)
 
     def fault(self, fault: Fault | InputError) -> CatalogueError:
@@ -34,8 +32,7 @@ class Places:
         name = spot.heading or ""
         row, column = spot.row, page.columns.get(name)
         if name in page.lines:
-            line, column = page.lines[name]
-            row = page.sheet.row_number(line)
+            row = page.sheet.row_number(page.lines[name])
         heading = spot.heading if column is None else f"{column_letter(column)} ({spot.heading})"
         return Place(self.file, page.sheet.name, row, heading)
 

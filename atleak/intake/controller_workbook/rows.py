@@ -5,17 +5,19 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from typing import Any
 
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
-from atleak.controller_sheets.kinds import Cell, Number, as_text
+from atleak.controller_sheets.kinds import Cell, Choice, Number, as_text
 from atleak.controller_sheets.layout import (
     EXAMPLE_MARK,
     FIELD,
+    HEAD,
     HOW_KNOWN,
     NOTE_HEADING,
+    UNIT_LINES,
     UNIT_MARK,
     VALUE,
     examples,
@@ -40,21 +42,31 @@ class Page:
 
     sheet: Sheet
     declared: Declared
-    rows: list[Row]
-    columns: Mapping[str, int]  # by heading; of a form none
-    lines: Mapping[str, tuple[int, int]] = field(default_factory=dict)  # row and column by heading, of a form
+    units: Units  # in which its numbers are written
+    rows: list[Row] = field(default_factory=list)
+    columns: dict[str, int] = field(default_factory=dict)  # by heading
+    lines: dict[str, int] = field(default_factory=dict)  # row by heading, of a form
+
+    def read(self, spot: Spot, places: Mapping[Column, tuple[int, int]], into: Description) -> Row:
+        """Read the cells of one table, each at its row and column."""
+        cells: dict[str, Any] = {}
+        values: dict[str, Any] = {}
+        for column, (row, number) in places.items():
+            cell, fault = _standing(self.sheet, row, number)
+            if cell is None:
+                continue
+            cells[column.heading] = cell
+            try:
+                if fault is None:
+                    values[column.heading] = _value(column, cell, self.units)
+            except NotAccepted as error:
+                fault = Sentence("not accepted"), error.wanted
+            if fault is not None:
+                into.faults.append(Fault(Spot(spot.sheet, spot.row, column.heading), fault[0], cell, fault[1]))
+        return Row(spot, cells, values)
 
 
-def form_page(
-    sheet: Sheet,
-    declared: Declared,
-    lines: Sequence[Column],
-    units: Units,
-    into: Description,
-    others: Sequence[Column] = (),
-    *,
-    say_unknown: bool = True,
-) -> Page | None:
+def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description) -> Page | None:
     """Read a sheet with one key on each line; None where its headings are missing.
 
     Parameters
@@ -63,16 +75,10 @@ def form_page(
         as it stands in the workbook.
     declared
         as it is declared.
-    lines
-        those to read.
     units
-        in which its numbers are written.
+        in which its numbers are written, unless it is the head, which says so itself.
     into
         takes what is wrong.
-    others
-        further lines of the sheet that are not read here.
-    say_unknown
-        whether a line that is neither of them is a fault; one of two readings of a sheet says so.
     """
     top = _heading_row(sheet, [FIELD, VALUE])
     if top is None:
@@ -81,42 +87,46 @@ def form_page(
     field_column, value_column, known_column = (columns.get(words(each)) for each in (FIELD, VALUE, HOW_KNOWN))
     if field_column is None or value_column is None:
         return None
+    lines = (*(UNIT_LINES if declared is HEAD else ()), *declared.columns)
     by_words = {words(line.heading): line for line in lines if not line.how_known}
     known = {line.how_known: line for line in lines if line.how_known}
-    skipped = {words(line.heading): line for line in others}
-    page = Page(sheet, declared, [], {})
-    places: dict[str, tuple[int, int]] = {}
-    cells: dict[str, Any] = {}
-    values: dict[str, Any] = {}
+    page = Page(sheet, declared, units)
+    places: dict[Column, tuple[int, int]] = {}
     for row in range(top + 1, len(sheet.rows)):
         label = as_text(sheet.cell(row, field_column))
-        line = by_words.get(words(label))
+        line, spot = by_words.get(words(label)), Spot(declared.name, sheet.row_number(row))
         if line is None:
-            if words(label) in skipped:
-                places.setdefault(skipped[words(label)].heading, (row, value_column))
-            elif say_unknown and label and _raw(sheet, row, value_column) is not None:
-                headings = [each.heading for each in (*others, *by_words.values())]
-                spot = Spot(declared.name, sheet.row_number(row))
+            if label and _raw(sheet, row, value_column) is not None:
+                headings = [each.heading for each in by_words.values()]
                 nearest = nearest_name(label, headings)
                 into.faults.append(Fault(spot, Sentence("unknown field"), label, one_of(headings), nearest))
             continue
-        origin = known.get(line.key)
-        for column, each in ((value_column, line), (known_column, origin)):
+        for column, each in ((value_column, line), (known_column, known.get(line.key))):
             if each is None or column is None:
                 continue
-            if each.heading in places and _raw(sheet, row, column) is not None:
-                spot = Spot(declared.name, sheet.row_number(row))
+            if each not in places:
+                places[each] = row, column
+            elif _raw(sheet, row, column) is not None:
                 into.faults.append(Fault(spot, Sentence("field given twice"), label, Sentence("each field once")))
-                continue
-            places.setdefault(each.heading, (row, column))
-            _read_cell(page, row, column, each, units, cells, values, Spot(declared.name, None, each.heading), into)
-    page.lines = places
+    page.lines = {each.heading: row for each, (row, _) in places.items()}
+    page.columns = {each.heading: column for each, (_, column) in places.items()}
     note = columns.get(words(NOTE_HEADING))
-    if note is not None and lines is declared.columns:
+    if note is not None:
         _say_lost(sheet, [row for row in range(top + 1, len(sheet.rows)) if _own(sheet, row, note)], into)
-    if cells:
-        page.rows.append(Row(Spot(declared.name), cells, values))
+    if declared is HEAD:
+        of_units = {line: places.pop(line) for line in UNIT_LINES if line in places}
+        page.units = _chosen(page.read(Spot(declared.name), of_units, into), into)
+    row_read = page.read(Spot(declared.name), places, into)
+    page.rows = [row_read] if row_read.cells else []
     return page
+
+
+def _chosen(row: Row, into: Description) -> Units:
+    """Return what the workbook's numbers are written in."""
+    for line in UNIT_LINES:
+        if line.heading not in row.cells and isinstance(line.kind, Choice):
+            into.fault(row, line.heading, Sentence("not chosen"), one_of(line.kind.shown))
+    return Units(**{line.key: row.values[line.heading] for line in UNIT_LINES if line.heading in row.values})
 
 
 def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description) -> Page | None:
@@ -125,7 +135,7 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
     if top is None:
         return None
     columns = _columns(sheet, top, declared, into)
-    page = Page(sheet, declared, [], {column.heading: number for number, column in columns.items()})
+    page = Page(sheet, declared, units, columns={column.heading: number for number, column in columns.items()})
     note = next((number for number in range(sheet.width) if _is(sheet.cell(top, number), NOTE_HEADING)), None)
     missing = [column for column in declared.columns if column.required and column.heading not in page.columns]
     for column in missing:
@@ -138,8 +148,6 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
             _check_units(sheet, row, columns, declared, units, into)
             continue
         spot = Spot(declared.name, sheet.row_number(row))
-        cells: dict[str, Any] = {}
-        values: dict[str, Any] = {}
         if not any(_own(sheet, row, number) for number in columns):
             continue
         if _is(mark, EXAMPLE_MARK):
@@ -150,11 +158,8 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
                 into.faults.append(Fault(spot, problem, expected=expected))
             continue
         remarks += [row] if as_text(mark) else []
-        for number, column in columns.items():
-            at = Spot(declared.name, spot.row, column.heading)
-            _read_cell(page, row, number, column, units, cells, values, at, into)
-        absent = frozenset(column.heading for column in missing)
-        page.rows.append(Row(spot, cells, values, absent))
+        read = page.read(spot, {column: (row, number) for number, column in columns.items()}, into)
+        page.rows.append(replace(read, absent=frozenset(column.heading for column in missing)))
     _say_lost(sheet, remarks, into)
     return page
 
@@ -256,36 +261,15 @@ def _raw(sheet: Sheet, row: int, column: int) -> Cell | None:
     return None if cell is None or (isinstance(cell, str) and not cell.strip()) else cell
 
 
-def _read_cell(
-    page: Page,
-    row: int,
-    number: int,
-    column: Column,
-    units: Units,
-    cells: dict[str, Any],
-    values: dict[str, Any],
-    spot: Spot,
-    into: Description,
-) -> None:
-    """Read a cell into the cells and values of its row."""
-    sheet = page.sheet
+def _standing(sheet: Sheet, row: int, number: int) -> tuple[Any, tuple[Sentence, Sentence] | None]:
+    """Return what stands in a cell, None where it is empty, and what is wrong with it whatever its column asks for."""
     if (row, number) in sheet.faults:
-        cells[column.heading] = sheet.faults[row, number]
-        problem = Sentence("a formula without a result")
         expected = Sentence("a value, or the workbook saved by a spreadsheet program, which works the formula out")
-        into.faults.append(Fault(spot, problem, cells[column.heading], expected))
-        return
+        return sheet.faults[row, number], (Sentence("a formula without a result"), expected)
     cell = _raw(sheet, row, number)
-    if cell is None:
-        return
-    cells[column.heading] = cell
-    if sheet.is_struck(row, number):
-        into.faults.append(Fault(spot, Sentence("crossed out"), cell, Sentence("the value, or an empty cell")))
-        return
-    try:
-        values[column.heading] = _value(column, cell, units)
-    except NotAccepted as error:
-        into.faults.append(Fault(spot, Sentence("not accepted"), cell, error.wanted))
+    if cell is not None and sheet.is_struck(row, number):
+        return cell, (Sentence("crossed out"), Sentence("the value, or an empty cell"))
+    return cell, None
 
 
 def _value(column: Column, cell: Cell, units: Units) -> Any:

@@ -9,10 +9,11 @@ import pytest
 from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.catalogue.entries import read_tables, shipped_files
+from atleak.controller_sheets.description import Fault
 from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError
 from atleak.views.controller_form import CONTROLLER, sketch
-from atleak.views.entry_form import Checked, Draft, FormFault, checked, copy_of, draft_of, read_draft
+from atleak.views.entry_form import Checked, Draft, checked, copy_of, draft_of, read_draft
 
 INCH = Units("inch", "diametral", "psi")
 
@@ -34,7 +35,7 @@ def with_row(draft: Draft, table: str, row: int, **cells: str) -> Draft:
     return draft.with_rows(table, rows)
 
 
-def fault_of(draft: Draft) -> FormFault:
+def fault_of(draft: Draft) -> Fault:
     (fault,) = checked(draft).faults
     return fault
 
@@ -64,9 +65,8 @@ def test_what_cannot_be_read_stays_as_it_was_typed_whatever_the_units(typed: Dra
     wrong = with_row(typed, "Lands", 1, Diameter="about 15")
     assert wrong.in_units(INCH).rows("Lands")[0]["Diameter"] == "about 15"
     fault = fault_of(wrong)
-    assert (fault.table, fault.row, fault.heading) == ("Lands", 1, "Diameter")
+    assert fault.spot == ("Lands", 1, "Diameter")
     assert fault.text == "cannot be read (found 'about 15'); expected a number in mm"
-    assert fault.where == "row 1, Diameter"
 
 
 @pytest.mark.parametrize("text", ["23,4", "23.4", " 23,40 mm"])
@@ -79,7 +79,7 @@ def test_every_fault_is_named_at_once_with_its_cell(typed: Draft) -> None:
     wrong = with_row(typed, "Lands", 2, Diameter="1500", Mounting_clearance="x")
     wrong = with_row(wrong, "Operating points", 1, Gear="9").with_cell("Pump", "Volumetric efficiency", "1,5")
     wrong = with_row(wrong, "Components", 4, Name="")
-    places = [(fault.table, fault.row, fault.heading) for fault in checked(wrong).faults]
+    places = [fault.spot for fault in checked(wrong).faults]
     assert places == [
         ("Components", 4, "Name"),
         ("Lands", 2, "Mounting clearance"),
@@ -91,14 +91,14 @@ def test_every_fault_is_named_at_once_with_its_cell(typed: Draft) -> None:
 
 def test_what_is_wrong_with_a_default_of_all_lands_is_said_once_at_the_head(typed: Draft) -> None:
     fault = fault_of(typed.with_cell("Head", "Tolerance of mounting clearances", "30"))
-    assert (fault.table, fault.heading) == ("Head", "Tolerance of mounting clearances")
+    assert fault.spot[::2] == ("Head", "Tolerance of mounting clearances")
     assert "its mounting clearance of" in fault.text
 
 
 def test_an_empty_description_says_what_is_to_be_filled_in() -> None:
     found = checked(Draft(CONTROLLER))
     assert found.entry is None
-    assert [(fault.table, fault.heading, fault.text) for fault in found.faults] == [
+    assert [(*fault.spot[::2], fault.text) for fault in found.faults] == [
         *(("Head", heading, "this cell must be filled in") for heading in ("Name", "Source", "Date", "Gears")),
         *(
             (table, None, "nothing is filled in yet")
@@ -127,7 +127,7 @@ def test_empty_rows_between_others_mean_nothing(typed: Draft) -> None:
     assert checked(spread).data == checked(typed).data
     assert len(spread.rows("Lands")) == len(rows) + 2
     fault = fault_of(with_row(spread, "Lands", 5, Diameter="x"))
-    assert (fault.table, fault.row) == ("Lands", 5)
+    assert fault.spot[:2] == ("Lands", 5)
 
 
 def test_a_draft_is_read_back_as_it_was_kept_and_a_damaged_one_is_none(typed: Draft) -> None:
@@ -167,7 +167,7 @@ def test_a_number_that_another_unit_would_make_usual_is_asked_about_and_saved_al
     found = checked(with_row(typed, "Lands", 1, Diameter="0,59"))
     assert found.entry is not None
     (doubt,) = found.doubts
-    assert (doubt.table, doubt.where) == ("Lands", "row 1, Diameter")
+    assert doubt.spot == ("Lands", 1, "Diameter")
     assert doubt.text == "0,59 mm is unusual: was it in inch?"
     refused = checked(with_row(typed, "Lands", 1, Diameter="1500"))
     assert (len(refused.faults), refused.doubts) == (1, ())

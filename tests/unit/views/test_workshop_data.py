@@ -22,7 +22,7 @@ def typed(subject: Subject, name: str) -> Draft:
 
 
 def at(found: Any) -> list[tuple[str, str | None]]:
-    return [(fault.table, fault.heading) for fault in found]
+    return [fault.spot[::2] for fault in found]
 
 
 def _meant(tables: dict[str, Any]) -> dict[str, Any]:
@@ -68,7 +68,7 @@ def test_a_limit_that_cannot_be_is_named_at_its_field(
     found = checked(draft)
     assert found.entry is None
     (fault,) = found.faults
-    assert (fault.table, fault.heading) == (table, heading)
+    assert fault.spot[::2] == (table, heading)
     assert said in fault.text
 
 
@@ -94,7 +94,7 @@ def test_a_viscosity_that_rises_with_temperature_is_named_in_its_row() -> None:
     rows = [dict(row) for row in draft.rows("Viscosity")]
     rows[1]["Kinematic viscosity"] = "7000"
     (fault,) = checked(draft.with_rows("Viscosity", rows)).faults
-    assert (fault.table, fault.row, fault.heading) == ("Viscosity", 2, "Kinematic viscosity")
+    assert fault.spot == ("Viscosity", 2, "Kinematic viscosity")
     assert "viscosity must fall from 40 to 100 °C" in fault.text
 
 
