@@ -41,7 +41,6 @@ from atleak.uncertainty import (
     GUARD_FACTOR,
     Assumptions,
     Decision,
-    Known,
     RuleDecision,
     UnitUncertainty,
     assess,
@@ -513,7 +512,7 @@ def diagnose(
             assumptions=assumptions,
             guard_factor=guard_factor,
             # carried through for these readings before, where nothing but the conditions has changed since
-            known=kept_with(readings, "spreads", (model, limits, instruments, assumptions), Known, most=1),
+            known=kept_with(readings, "spreads", (model, limits, instruments, assumptions), dict, most=1),
         )
         if pump_new is not None and pump_new.uncertainty is not None:  # a worn pump makes no land worn
             uncertainty = uncertainty.with_lands_of(pump_new.uncertainty)

@@ -16,7 +16,6 @@ from atleak.uncertainty.decision import (
     RuleDecision,
     decide,
 )
-from atleak.uncertainty.propagation import Known
 from atleak.uncertainty.results import (
     AtCondition,
     InstantUncertainty,
@@ -36,7 +35,6 @@ __all__ = [
     "AtCondition",
     "Decision",
     "InstantUncertainty",
-    "Known",
     "LandSources",
     "LandUncertainty",
     "LevelDecision",

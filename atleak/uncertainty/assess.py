@@ -25,7 +25,6 @@ from atleak.uncertainty.propagation import (
     DRAWS,
     DRAWS_OF_CIRCUITS,
     SEED,
-    InstantSpread,
     Known,
     LandSpread,
     TotalSpread,
@@ -124,7 +123,7 @@ def assess(
     instruments = instruments or load_instruments()
     sources, repeats = find_sources(states, readings, model.controller, instruments, assumptions)
     limits = rules.limits
-    spread = propagate(
+    units, of_instants = propagate(
         model,
         sources,
         projections,
@@ -137,19 +136,19 @@ def assess(
         known=known,
     )
     lands = tuple(
-        _land(land, land_spreads, projections, rules, coverage, guard_factor)
-        for land, land_spreads in zip(sources, spread.lands, strict=True)
+        _land(land, [unit.lands[number] for unit in units], projections, rules, coverage, guard_factor)
+        for number, land in enumerate(sources)
     )
     totals = tuple(
-        _total(projection, total_spread, rule, rules, guard_factor)
-        for projection, total_spread, rule in zip(projections, spread.totals, rules.totals, strict=True)
+        _total(projection, unit.total, rule, rules, guard_factor)
+        for projection, unit, rule in zip(projections, units, rules.totals, strict=True)
     )
     return UnitUncertainty(
         lands=lands,
         totals=totals,
         instants={
-            instant: _at_instant(instant, projection, instant_spread)
-            for (instant, projection), instant_spread in zip(instants.items(), spread.instants, strict=True)
+            instant: _at_instant(instant, projection, *intervals)
+            for (instant, projection), intervals in zip(instants.items(), of_instants, strict=True)
         },
         instruments=instruments,
         assumptions=assumptions,
@@ -346,16 +345,15 @@ def _pressure_decision(rule: Rule, spread: PressureSpread, guard_factor: float) 
     return decide_rule(rule, us, probabilities, guard_factor, skewed=skewed, interval=drawn.interval)
 
 
-def _at_instant(instant: Instant, projection: Projection, spread: InstantSpread) -> InstantUncertainty:
+def _at_instant(instant: Instant, projection: Projection, leakage: Interval, share: Interval) -> InstantUncertainty:
     """Return the intervals at an instant; those of a median are in proportion to those of the sample nearest to it."""
 
     def scaled(interval: Interval, value: float, nearest: float) -> Interval:
         factor = value / nearest if 0.0 < nearest < math.inf else 1.0
         return interval[0] * factor, interval[1] * factor
 
-    leakage = scaled(spread.leakage_interval, instant.leakage, projection.leakage)
-    share = None if instant.share is None else scaled(spread.share_interval, instant.share, projection.share)
-    return InstantUncertainty(leakage, share)
+    of_share = None if instant.share is None else scaled(share, instant.share, projection.share)
+    return InstantUncertainty(scaled(leakage, instant.leakage, projection.leakage), of_share)
 
 
 _VALUES = {

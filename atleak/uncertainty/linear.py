@@ -14,8 +14,10 @@ from functools import cached_property
 
 import numpy as np
 
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.projection import Projection
 from atleak.uncertainty.assumptions import Assumptions
-from atleak.uncertainty.drawn import Condition
+from atleak.uncertainty.drawn import Drawn, DrawnLands
 from atleak.uncertainty.draws import FACTORS, Bore, LandInState, with_one_side
 from atleak.uncertainty.sources import LandSources
 from atleak.uncertainty.spread import flow_ratio
@@ -41,16 +43,21 @@ class Linear:
     """The lands of a unit at one condition as measured, with one thing changed in each column."""
 
     def __init__(
-        self, condition: Condition, sources: Sequence[LandSources], assumptions: Assumptions, position: float
+        self,
+        model: LeakageModel,
+        projection: Projection,
+        sources: Sequence[LandSources],
+        assumptions: Assumptions,
+        position: float,
     ) -> None:
         """Evaluate them; ``position`` is the relative standard deviation of a flow by where the spool lies."""
         self._sources, self._position = sources, position
-        probe = condition.at(_deviates())
-        self._probe, network, balance = probe.with_circuits(map(_as_measured, sources), keep=False)
-        self._beside = np.zeros(_COLUMNS) + network.beside_lands(balance)
+        self._probe = Drawn(model, projection, assumptions, _deviates())
+        lands = DrawnLands(self._probe, map(_as_measured, sources))
+        self._beside = lands.leakage
         self._steps = np.array([_SMALL * (land.standard_uncertainty or 1e-7) for land in sources])
         bore, lengths = self._changed(assumptions)
-        self._flow, self._drawn = self._probe.leakages(sources, bore, lengths)
+        self._flow, self._drawn = lands.flows(sources, bore, lengths)
 
     def _changed(self, assumptions: Assumptions) -> tuple[Bore, np.ndarray]:
         """Return bores and contact lengths [m], shapes (lands, columns)."""
@@ -67,7 +74,7 @@ class Linear:
             clearance[:, at] += sign * self._steps
         for at, sign in ((_LONGER, 1.0), (_LONGER + 1, -1.0)):
             length[:, at] += sign * _SMALL * rows[:, 4]
-        if self._probe.condition.model.law.counts_form:
+        if self._probe.model.law.counts_form:
             worn = np.array(["sleeve" in source.plans for source in self._sources])
             new = np.array([each.land.new_clearance for each in lands])
             shown = np.where(worn, np.maximum(rows[:, 0] - new, 0.0), 0.0)

@@ -16,9 +16,8 @@ import numpy as np
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import Projection
 from atleak.uncertainty.assumptions import Assumptions
-from atleak.uncertainty.drawn import Condition, leakiest
+from atleak.uncertainty.drawn import Drawn, DrawnLands, leakiest
 from atleak.uncertainty.draws import (
-    FLUID_STATE,
     LandDraws,
     Positions,
     common_errors,
@@ -27,9 +26,9 @@ from atleak.uncertainty.draws import (
     one_sided_fraction,
 )
 from atleak.uncertainty.points import Beside, Cube, Draws, rounded_up
-from atleak.uncertainty.pressures import DrawnUnit, demand_shape
+from atleak.uncertainty.pressures import demand_shape
 from atleak.uncertainty.sources import LandSources
-from atleak.uncertainty.spread import Interval, flow_ratio, interval_of
+from atleak.uncertainty.spread import Interval, interval_of
 
 _UNIT, _VISITS = 1, (4, 5)  # streams of what the unit keeps, and of what each visit measured
 _LENGTH = 3  # dimension of a land's length, behind what it had when new and how its wear is seen, measured or not
@@ -53,17 +52,6 @@ class ChangeSpread:
     reserve: Interval
     main_pressure: Interval  # [Pa] that holds
     circuits: Mapping[str, Interval]  # [Pa] by id, of those that both visits hold
-
-
-@dataclass(frozen=True)
-class _Held:
-    """What one visit comes to at one condition, arrays of shape (draws,)."""
-
-    leakage: np.ndarray
-    share: np.ndarray
-    reserve: np.ndarray
-    main_pressure: np.ndarray
-    circuits: Mapping[str, np.ndarray]
 
 
 def changes(
@@ -94,23 +82,15 @@ def changes(
     drawn = list(_drawn_lands(before, after, deviates, fraction, assumptions, seed))
     found = []
     for pair in zip(before.projections, after.projections, strict=True):
-        first, second = (
+        (first, circuits), (second, others) = (
             _held(visit.model, projection, lands, assumptions, deviates)
             for visit, projection, lands in zip((before, after), pair, drawn, strict=True)
         )
-        found.append(
-            ChangeSpread(
-                leakage=_change(first.leakage, second.leakage, coverage),
-                share=_change(first.share, second.share, coverage),
-                reserve=_change(first.reserve, second.reserve, coverage),
-                main_pressure=_change(first.main_pressure, second.main_pressure, coverage),
-                circuits={
-                    name: _change(pressure, second.circuits[name], coverage)
-                    for name, pressure in first.circuits.items()
-                    if name in second.circuits
-                },
-            )
-        )
+        of_circuits = {
+            name: _change(pressure, others[name], coverage) for name, pressure in circuits.items() if name in others
+        }
+        quantities = {name: _change(value, second[name], coverage) for name, value in first.items()}
+        found.append(ChangeSpread(**quantities, circuits=of_circuits))
     return tuple(found)
 
 
@@ -135,7 +115,7 @@ def _drawn_lands(
         common_errors(Draws(Cube(fraction.size, seed, number)), visit.lands)
         for visit, number in zip((before, after), _VISITS, strict=True)
     ]
-    at_first = Condition(before.model, first, assumptions).at(deviates)
+    at_first = Drawn(before.model, first, assumptions, deviates)
     score = at_first.score(leakiest(before.lands, first), commons[0], fraction)
     kept = Beside(Cube(fraction.size, seed, _UNIT), score)
     for visit, number, common in zip((before, after), _VISITS, commons, strict=True):
@@ -168,22 +148,21 @@ def _held(
     lands: Sequence[LandDraws],
     assumptions: Assumptions,
     deviates: dict[str, np.ndarray],
-) -> _Held:
-    point, drawn = projection.condition, Condition(model, projection, assumptions).at(deviates)
-    solved, network, balance = drawn.with_circuits(each.now for each in lands)
-    total = np.zeros(deviates[FLUID_STATE].size) + network.beside_lands(balance)
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Return what one visit comes to at one condition, as `ChangeSpread` names it: quantities, and circuits' [Pa]."""
+    point, drawn = projection.condition, Drawn(model, projection, assumptions, deviates)
+    counted = DrawnLands(drawn, (each.now for each in lands))
     for each in lands:
-        total += solved.leakage(*each.now)[1]
-    unit = DrawnUnit(network, balance, total, drawn.pressures, drawn.pump, drawn.viscosity)
+        counted.count(*each.now)
+    unit = counted.unit()
     main, pressures = unit.held(point, demand_shape(model, point))
-    return _Held(
-        leakage=total,
-        share=flow_ratio(total, solved.capacity),
-        reserve=unit.reserve(point),
-        main_pressure=main,
-        circuits={
-            state.circuit.id: np.broadcast_to(np.asarray(pressures[state.circuit.id], float), total.shape)
-            for state in projection.circuits
-            if not state.vented
-        },
-    )
+    return {
+        "leakage": counted.leakage,
+        "share": counted.share,
+        "reserve": unit.reserve(point),
+        "main_pressure": main,
+    }, {
+        state.circuit.id: np.broadcast_to(np.asarray(pressures[state.circuit.id], float), main.shape)
+        for state in projection.circuits
+        if not state.vented
+    }

@@ -30,7 +30,7 @@ from atleak.engine.restrictions import Branch, Gap, Orifice, Restriction
 from atleak.equations.uncertainty import normal_cdf
 from atleak.rules import LandKey
 from atleak.uncertainty.assumptions import Assumptions
-from atleak.uncertainty.drawn import Condition
+from atleak.uncertainty.drawn import Drawn, DrawnLands
 from atleak.uncertainty.draws import (
     FLUID_STATE,
     Bore,
@@ -41,7 +41,7 @@ from atleak.uncertainty.draws import (
     one_sided_fraction,
 )
 from atleak.uncertainty.points import Beside, Cube, Draws, stream_of
-from atleak.uncertainty.pressures import DrawnUnit, demand_shape
+from atleak.uncertainty.pressures import demand_shape
 from atleak.uncertainty.propagation import SEED
 from atleak.uncertainty.sources import LandSources
 
@@ -173,8 +173,8 @@ class Unit:
     ) -> None:
         """Take a unit with the sources of its lands' uncertainty, at the operating points at which gauges were read."""
         self.model, self.sources, self.assumptions = model, sources, assumptions
-        own = replace(assumptions, temperature=assumptions.gauged_temperature, main_pressure=1.0)
-        self.conditions = {each.condition: Condition(model, each, own) for each in projections}
+        self._own = replace(assumptions, temperature=assumptions.gauged_temperature, main_pressure=1.0)
+        self.conditions = {each.condition: each for each in projections}
         self._shapes = {point: demand_shape(model, point) for point in self.conditions}
         u, controller = assumptions, model.controller
         gears = {point.gear for point in self.conditions}
@@ -270,7 +270,10 @@ class Unit:
         # what a line is set to, or fallen to by its regulator, is the same for the unit when new
         higher, fallen = (drawn.wear[self.causes.index((what,))] for what in (_SET, _LINE))
         line = (1.0 + u.line_setting * at["main pressure",] + higher) * (1.0 - fallen) - 1.0
-        given = self.conditions[point].at(
+        given = Drawn(
+            self.model,
+            self.conditions[point],
+            self._own,
             {
                 "viscosity": at["viscosity",],
                 "temperature": at["temperature",],
@@ -278,7 +281,7 @@ class Unit:
                 "converter pressure": at["converter pressure",],
                 "pump efficiency": at["pump",],
                 FLUID_STATE: math.sqrt(3.0) * (2.0 * normal_cdf(at["state",]) - 1.0),  # rectangular
-            }
+            },
         )
         lands = []
         for land in self._open:
@@ -311,14 +314,12 @@ class Unit:
             )
             return replace(network, feeds=scaled, leaks=(*network.leaks, *seals))
 
-        solved, network, balance = given.with_circuits(lands, changed=with_rest)
-        leakage = network.beside_lands(balance) + sum(solved.leakage(*land)[1] for land in lands)
+        counted = DrawnLands(given, lands, with_rest)
+        leakage = counted.leakage + sum(counted.flow(*land)[1] for land in lands)
         pump = given.new_pump if new else given.pump
         if (_PUMP,) in wear:
             pump = replace(pump, slip_factor=pump.slip_factor * (1.0 + wear[_PUMP,]))
-        leakage = np.broadcast_to(leakage, drawn.deviates.shape[1:])
-        unit = DrawnUnit(network, balance, leakage, given.pressures, pump, given.viscosity)
-        main, held = unit.held(point, self._shapes[point])
+        main, held = replace(counted.unit(pump), leakage=leakage).held(point, self._shapes[point])
         return {**held, LINE: main}
 
     def _leak(self, what: str, name: str, point: OperatingPoint, viscosity: Any, gone: Any) -> Restriction:

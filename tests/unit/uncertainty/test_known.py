@@ -22,13 +22,13 @@ class Judge:
 
     def __init__(self, controller: Controller, fluid: Fluid, limits: Limits, patch: pytest.MonkeyPatch) -> None:
         self.controller, self.fluid, self.limits, self.carried = controller, fluid, limits, 0
-        unit = propagation._Unit
+        unit = propagation._Trials.unit
 
         def counted(*given: object) -> object:
             self.carried += 1
             return unit(*given)
 
-        patch.setattr(propagation, "_Unit", counted)
+        patch.setattr(propagation._Trials, "unit", counted)
 
     def at(self, readings: Readings, temperature: float, **changes: object) -> Diagnosis:
         condition = stated_condition(self.controller, temperature=temperature)
