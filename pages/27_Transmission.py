@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from pages.shared import panel, reader, transmission, transmission_picture
+from pages.shared import panel, reader, transmission, transmission_picture, workshop_data
 from pages.shared.editing import ask_step, checked_now, draw_faults
 
 case, diagnosis = panel.shown()
@@ -10,8 +10,9 @@ say = reader.say()
 st.title(say("pages.Transmission"))
 st.write(say("transmission.about"))
 editing = transmission.DESK.current()
+workshop_data.draw_undo(transmission.DESK, say)
 if editing is None:
-    transmission.choose_start()
+    workshop_data.choose_start(transmission.DESK, say)
     st.stop()
 checked = checked_now(editing)
 transmission.draw_head(editing, checked)

@@ -192,7 +192,7 @@ def own_files(kind: str) -> dict[str, Path]:
 
 def catalogue_files(kind: str) -> dict[str, Path]:
     """Return ids and files of one kind, shipped and own, sorted by id; a shipped id stays the shipped file's."""
-    return dict(sorted((own_files(kind) | shipped_files(kind)).items()))
+    return dict(sorted({**own_files(kind), **shipped_files(kind)}.items()))
 
 
 def id_from_name(name: str) -> str:

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import State
+from atleak.catalogue.circuit_tables import StandingState
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import IDLE_SPEED
 from atleak.engine.lasting import CountedSamples, Lasting
@@ -18,7 +18,7 @@ from atleak.events import Thresholds
 from atleak.events.event import gear_engaged, rolling_samples, standing_samples
 from atleak.road_test import RoadTest
 
-STATES: tuple[State, ...] = ("idle", "stall", "driving")
+STATES: tuple[StandingState, ...] = ("idle", "stall", "driving")
 HELD_SECONDS = 3.0  # [s] that a temperature must last in a gear and state to count: choice of this project
 SLUMP, SLUMP_SPAN = 0.05, 20.0  # least fall of a slump, of the pressure when cold; over so many K: choices likewise
 _CLASS = 10.0  # [K] of the fluid's temperature over which pressure is averaged
@@ -33,7 +33,7 @@ class Departure:
     stop: float  # [s]
     at: float  # [s] where in that second pressure is nearest to the limit
     gear: int
-    state: State
+    state: StandingState
     pressure: float  # [Pa] there
     limit: float  # [Pa]
     fraction: float  # of the limit by which it lies outside; negative within
@@ -59,7 +59,7 @@ class PlaceFinding:
     """Main pressure in one gear and state: times [s], pressure [Pa] as it stays for a second."""
 
     gear: int
-    state: State
+    state: StandingState
     judged: float  # time with a limit
     below: float  # time in stretches below it that last
     above: float
@@ -220,7 +220,7 @@ class _Permitted:
         return tuple(AtTemperature(float(t / s), float(p / s), float(s)) for s, t, p in sums if s > 0.0)
 
 
-def _states(road_test: RoadTest, gear: np.ndarray) -> dict[State, np.ndarray]:
+def _states(road_test: RoadTest, gear: np.ndarray) -> dict[StandingState, np.ndarray]:
     """Return at which samples the engine idles, the converter stalls and the car drives; none of it where unknown.
 
     Only a logged speed behind the gears shows that the car stands: where it rolls, the engine as slow as at idle, it

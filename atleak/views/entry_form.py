@@ -176,7 +176,8 @@ def checked(draft: Draft) -> Checked:
     order = {sheet.name: number for number, sheet in enumerate(subject.sheets)}
     told = {(fault.spot, str(fault.text)): fault for fault in faults}.values()
     faults = sorted(told, key=lambda fault: (order.get(fault.spot.sheet, -1), fault.spot.row or 0))
-    wrong, asked = {fault.spot for fault in faults}, {}
+    wrong = {fault.spot for fault in faults}
+    asked: dict[Spot, Fault] = {}
     for doubt in _doubts(draft, entry, into, rows):
         if doubt.spot not in wrong:
             asked.setdefault(doubt.spot, doubt)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -12,18 +10,16 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.catalogue.entries import own_files, read_tables, write_own
+from atleak.catalogue.entries import own_files, read_tables
 from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
-from atleak.errors import CatalogueError, OutputError
+from atleak.errors import OutputError
 from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
-from atleak.system.reasons import text_reason
 from atleak.views.entry_form import Checked, Draft, Subject, checked, copy_of, draft_of, read_draft
 from atleak.wording import Wording
 from pages.shared import entrance, reader, show
-from pages.shared.state import pick
 
 _SHOWN = 15  # faults in one list
-UNITS = {"length": LENGTHS, "clearance": CLEARANCES, "pressure": PRESSURES}  # by attribute of `Units`
+_UNITS = {"length": LENGTHS, "clearance": CLEARANCES, "pressure": PRESSURES}  # by attribute of `Units`
 
 
 @dataclass
@@ -92,6 +88,8 @@ class Desk:
     subject: Subject
     state: str
     words: str = ""
+    units: tuple[str, ...] = ()  # that numbers are typed in, by attribute of `Units`
+    workbook: Callable[[bytes, str], Draft] | None = None  # reads an uploaded workbook
 
     def current(self) -> Editing | None:
         """Return what is being typed in this session or, after the page was loaded anew, before it."""
@@ -157,47 +155,6 @@ class Desk:
             st.query_params.pop(name, None)
 
 
-# --- the start ----------------------------------------------------------------------------------------------------
-
-
-def draw_upload(desk: Desk, label: str, kinds: list[str], say: Wording, workbook: Any = None) -> None:
-    """Offer to read a file, which is then typed on; ``workbook`` reads one that is no TOML into a draft."""
-    upload = st.file_uploader(label, kinds, key=f"{desk.state}-file")
-    if upload is None:
-        return
-    name, content = upload.name, upload.getvalue()
-    try:
-        if workbook is not None and content.startswith(b"PK"):
-            draft = workbook(content, name)
-        else:
-            data = tomllib.loads(content.decode("utf-8-sig"))
-            desk.subject.shelf.checked(data, name)
-            draft = draft_of(desk.subject, data)
-    except (CatalogueError, ValueError, RecursionError) as error:
-        why = error if isinstance(error, CatalogueError) else text_reason(error)
-        st.error(f"**{show.plain(say('typed_entries.not_taken', file=name))}** {show.plain(why)}")
-        return
-    desk.take(draft)
-    st.rerun()
-
-
-def draw_kept(desk: Desk, say: Wording) -> None:
-    """Offer to go on with a draft, or to throw it away."""
-    kept = desk.kept()
-    token = st.selectbox(
-        say("typed_entries.go_on_with"),
-        list(kept),
-        format_func=lambda token: kept.get(token, token),
-        disabled=not kept,
-        placeholder=say("typed_entries.none_kept"),
-        help=say("typed_entries.drafts_help"),
-        key=f"{desk.state}-draft",
-    )
-    with st.container(horizontal=True):
-        st.button(say("typed_entries.go_on"), disabled=not kept, on_click=desk.go_on, args=(token,))
-        st.button(say("typed_entries.throw_away"), disabled=not kept, on_click=desk.throw_away, args=(token,))
-
-
 # --- what is typed ------------------------------------------------------------------------------------------------
 
 
@@ -228,7 +185,7 @@ def _checked(key: str, _draft: Draft) -> Checked:
 
 def ask_unit(editing: Editing, attribute: str, label: str, place: Any) -> None:
     """Ask in which unit numbers are typed; another one converts them."""
-    values: Any = UNITS[attribute]
+    values: Any = _UNITS[attribute]
     key, first = editing.key(attribute), values.index(getattr(editing.draft.units, attribute))
     said = partial(reader.say().get, "typed_units")
     place.selectbox(label, values, first, said, key=key, on_change=_convert, args=(editing, attribute, key))
@@ -265,93 +222,3 @@ def _line(editing: Editing, sign: str, fault: Any, say: Wording) -> str:
     row = "" if number is None else f", {say('typed_entries.in_row', number=number)}"
     column = "" if heading is None else f", {editing.said(heading, say)}"
     return f"{sign} **{editing.said(table, say)}**{show.plain(row + column)}: {show.plain(fault.text)}"
-
-
-# --- saving -------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Saving:
-    """How what is typed stands to the user's own catalogue."""
-
-    name: str  # its id
-    text: str  # of its file
-    there: str  # SHA-256 of the own file of that id, "" without one
-    path: Any  # that file, or None
-
-    @property
-    def saved(self) -> bool:
-        """Return whether that file holds just this."""
-        return self.there == hashlib.sha256(self.text.encode("utf-8")).hexdigest()
-
-
-def saving_of(editing: Editing, found: Checked) -> Saving:
-    """Return how the draft stands to the user's own catalogue."""
-    subject = editing.draft.subject
-    name = str(found.data.get("id", ""))
-    path = own_files(subject.kind).get(name)
-    there = "" if path is None else hashlib.sha256(path.read_bytes()).hexdigest()
-    return Saving(name, subject.toml(found.data), there, path)
-
-
-def ask_replacing(editing: Editing, saving: Saving, say: Wording) -> str:
-    """Ask whether another own file of that id may go; return the SHA-256 of the file that may be written over."""
-    with st.container():
-        if saving.there and saving.there != editing.over and not saving.saved:
-            label = show.plain(say("typed_entries.replace", file=f"{saving.name}.toml"))
-            if st.checkbox(label, key=editing.key("replace")):
-                return saving.there
-    return editing.over
-
-
-def draw_use(editing: Editing, found: Checked, saving: Saving, slot: str, label: str, say: Wording) -> None:
-    """Offer to use what was saved for the job."""
-    st.button(
-        label,
-        disabled=found.entry is None or not saving.saved,
-        on_click=pick,
-        args=(slot, saving.name),
-        help=say("typed_entries.use_help"),
-        key=editing.key(f"use-{slot}"),
-    )
-
-
-def draw_toml(saving: Saving, say: Wording) -> None:
-    """Offer its file to take along."""
-    st.download_button(say("typed_entries.toml"), saving.text, f"{saving.name or 'unnamed'}.toml", on_click="ignore")
-
-
-def draw_save_button(
-    editing: Editing, found: Checked, saving: Saving, over: str, say: Wording, then: Callable[[str], None] | None = None
-) -> None:
-    """Offer to save it as an own file; ``then`` is called with its id afterwards."""
-    st.button(
-        say("typed_entries.save"),
-        type="primary",
-        disabled=found.entry is None or saving.saved,
-        on_click=_save,
-        args=(editing, saving, over, then),
-        help=say("typed_entries.save_help"),
-    )
-
-
-def _save(editing: Editing, saving: Saving, over: str, then: Callable[[str], None] | None) -> None:
-    try:
-        path = write_own(editing.draft.subject.kind, saving.name, saving.text, over=over)
-    except OutputError as error:
-        st.session_state[editing.key("refused")] = error.sentence
-        return
-    editing.saved_as(saving.name, hashlib.sha256(path.read_bytes()).hexdigest())
-    if then is not None:
-        then(saving.name)
-
-
-def draw_saved(editing: Editing, found: Checked, saving: Saving, say: Wording) -> None:
-    """Say whether it is saved, or why not."""
-    with st.container():
-        if refused := st.session_state.pop(editing.key("refused"), None):
-            st.error(show.plain(refused))
-        elif saving.saved and saving.path is not None:
-            st.caption(show.plain(say("typed_entries.saved", path=saving.path)))
-        elif found.entry is None:
-            st.caption(say("typed_entries.not_yet"))

@@ -1,38 +1,34 @@
-"""Start, name, save, use, rename and delete an entry of the user's own catalogue on the page Workshop data."""
+"""Start, name, save, use, rename and delete an own entry of the catalogue: Workshop data and Transmission."""
 
 from __future__ import annotations
 
+import hashlib
+import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 import streamlit as st
 
-from atleak.catalogue.entries import own_files, remove_own, removed_own, restore_own
+from atleak.catalogue.entries import own_files, remove_own, removed_own, restore_own, write_own
 from atleak.catalogue.fluid import Fluid
-from atleak.errors import AtleakError, OutputError
+from atleak.errors import AtleakError, CatalogueError, OutputError
 from atleak.figures.fluid_figures import viscosity_curve
 from atleak.job.case import SLOTS, Slot, SourceFile
-from atleak.views.entry_form import Checked
+from atleak.system.reasons import text_reason
+from atleak.views.entry_form import Checked, draft_of
 from atleak.views.workshop_data import SUBJECTS
 from atleak.wording import Wording
 from pages.shared import show
 from pages.shared.cases import catalogue_list, shown_name
-from pages.shared.editing import (
-    Desk,
-    Editing,
-    ask_replacing,
-    ask_step,
-    ask_unit,
-    draw_kept,
-    draw_save_button,
-    draw_saved,
-    draw_toml,
-    draw_upload,
-    draw_use,
-    saving_of,
-)
+from pages.shared.editing import Desk, Editing, ask_step, ask_unit
 from pages.shared.state import pick, session
 
-DESKS = {kind: Desk(subject, f"workshop-data-{kind}", "workshop_fields") for kind, subject in SUBJECTS.items()}
+_UNITS = {"limits": ("length", "pressure"), "instruments": ("length",), "fluids": ()}
+DESKS = {
+    kind: Desk(subject, f"workshop-data-{kind}", "workshop_fields", _UNITS[kind]) for kind, subject in SUBJECTS.items()
+}
 _KIND = "workshop-data-kind"
 _DONE = "workshop-data-done"
 
@@ -81,17 +77,17 @@ def choose_start(desk: Desk, say: Wording) -> None:
     left, right = st.columns(2)
     with left, st.container(border=True):
         start = st.selectbox(
-            say("workshop_data.start_from"),
+            say("typed_entries.start_from"),
             options,
             options.index(in_job) if in_job in options else 0,
-            format_func=lambda name: names.get(name) or say("workshop_data.empty"),
-            help=say("workshop_data.start_help"),
+            format_func=lambda name: names.get(name) or say("typed_entries.empty"),
+            help=say("typed_entries.start_help"),
             key=f"{desk.state}-start",
         )
-        st.button(say("workshop_data.start"), type="primary", on_click=desk.start, args=(start or None,))
-        draw_upload(desk, say("workshop_data.read"), ["toml"], say)
+        st.button(say("typed_entries.start"), type="primary", on_click=desk.start, args=(start or None,))
+        _draw_upload(desk, say)
     with right, st.container(border=True):
-        draw_kept(desk, say)
+        _draw_kept(desk, say)
     st.subheader(say("workshop_data.own"))
     own = own_files(desk.subject.kind)
     if not own:
@@ -112,6 +108,47 @@ def choose_start(desk: Desk, say: Wording) -> None:
         for name in back:
             label = show.plain(say("workshop_data.bring_back", name=name))
             st.button(label, key=f"{desk.state}-{name}-back", on_click=_restore, args=(desk.subject.kind, name))
+
+
+def _draw_upload(desk: Desk, say: Wording) -> None:
+    """Offer to read a file, which is then typed on."""
+    label, kinds = say("typed_entries.read"), ["toml"]
+    if desk.workbook is not None:
+        label, kinds = say("typed_entries.read_workbook"), ["xlsx", "toml"]
+    upload = st.file_uploader(label, kinds, key=f"{desk.state}-file")
+    if upload is None:
+        return
+    name, content = upload.name, upload.getvalue()
+    try:
+        if desk.workbook is not None and content.startswith(b"PK"):
+            draft = desk.workbook(content, name)
+        else:
+            data = tomllib.loads(content.decode("utf-8-sig"))
+            desk.subject.shelf.checked(data, name)
+            draft = draft_of(desk.subject, data)
+    except (CatalogueError, ValueError, RecursionError) as error:
+        why = error if isinstance(error, CatalogueError) else text_reason(error)
+        st.error(f"**{show.plain(say('typed_entries.not_taken', file=name))}** {show.plain(why)}")
+        return
+    desk.take(draft)
+    st.rerun()
+
+
+def _draw_kept(desk: Desk, say: Wording) -> None:
+    """Offer to go on with a draft, or to throw it away."""
+    kept = desk.kept()
+    token = st.selectbox(
+        say("typed_entries.go_on_with"),
+        list(kept),
+        format_func=lambda token: kept.get(token, token),
+        disabled=not kept,
+        placeholder=say("typed_entries.none_kept"),
+        help=say("typed_entries.drafts_help"),
+        key=f"{desk.state}-draft",
+    )
+    with st.container(horizontal=True):
+        st.button(say("typed_entries.go_on"), disabled=not kept, on_click=desk.go_on, args=(token,))
+        st.button(say("typed_entries.throw_away"), disabled=not kept, on_click=desk.throw_away, args=(token,))
 
 
 # --- delete, rename, undo -----------------------------------------------------------------------------------------
@@ -158,10 +195,10 @@ def _undo(desk: Desk, done: Done) -> None:
         desk.close()
 
 
-def _tried(act: object, kind: str, name: str) -> bool:
+def _tried(act: Callable[[str, str], None], kind: str, name: str) -> bool:
     """Do something with an own file; where that fails, keep why."""
     try:
-        act(kind, name)  # type: ignore[operator]
+        act(kind, name)
     except OutputError as error:
         st.session_state[f"{_DONE}-refused"] = error.sentence
         return False
@@ -184,16 +221,17 @@ def draw_undo(desk: Desk, say: Wording) -> None:
 # --- what is being typed ------------------------------------------------------------------------------------------
 
 
-def draw_head(desk: Desk, editing: Editing, found: Checked, say: Wording) -> None:
-    """Show what is edited, and ask in which units its numbers are typed."""
-    name = found.data.get("name") or say("workshop_data.nameless")
-    st.markdown(f"**{show.plain(name)}** · id `{found.data.get('id', '–')}`")
-    places = iter(st.columns(3, vertical_alignment="bottom"))
-    if desk.subject.kind != "fluids":  # of which nothing is a length or a pressure
-        ask_unit(editing, "length", say("workshop_data.lengths"), next(places))
-    if desk.subject.kind == "limits":
-        ask_unit(editing, "pressure", say("workshop_data.pressures"), next(places))
-    next(places).button(say("workshop_data.another"), on_click=desk.close, help=say("workshop_data.another_help"))
+def draw_head(desk: Desk, editing: Editing, found: Checked, say: Wording, told: str = "") -> None:
+    """Show what is edited, with what is ``told`` of it, and ask in which units its numbers are typed."""
+    name = found.data.get("name") or say("typed_entries.nameless")
+    st.markdown(f"**{show.plain(name)}** · {say('typed_entries.id')} `{found.data.get('id', '–')}`")
+    with st.container():
+        if told:
+            st.caption(show.plain(told))
+    *places, last = st.columns(len(desk.units) + 1, vertical_alignment="bottom")
+    for attribute, place in zip(desk.units, places, strict=True):
+        ask_unit(editing, attribute, say(f"typed_entries.in_{attribute}"), place)
+    last.button(say("typed_entries.another"), on_click=desk.close, help=say("typed_entries.another_help"))
 
 
 def choose_step(editing: Editing, found: Checked, say: Wording) -> str:
@@ -213,25 +251,72 @@ def draw_curve(found: Checked, say: Wording) -> None:
             st.caption(show.plain(error))
 
 
-def draw_saving(desk: Desk, editing: Editing, found: Checked, say: Wording) -> None:
-    """Offer to save it as an own file, to use it for the job, and to take it along."""
-    saving = saving_of(editing, found)
-    over = ask_replacing(editing, saving, say)
+# --- saving -------------------------------------------------------------------------------------------------------
+
+
+def draw_saving(
+    desk: Desk, editing: Editing, found: Checked, say: Wording, more: Callable[[str], None] | None = None
+) -> None:
+    """Offer to save it as an own file, to use it for the job, and to take it along; ``more`` is given its id."""
+    kind = desk.subject.kind
+    name, text = str(found.data.get("id", "")), desk.subject.toml(found.data)
+    path = own_files(kind).get(name)
+    there = "" if path is None else _sha256(path.read_bytes())
+    complete, saved = found.entry is not None, there == _sha256(text.encode("utf-8"))
+    over = "" if editing.own not in ("", name) else editing.over
+    with st.container():
+        if there and there != editing.over and not saved:
+            label = show.plain(say("typed_entries.replace", file=f"{name}.toml"))
+            over = there if st.checkbox(label, key=editing.key("replace")) else over
     old, renaming = editing.own, False
     with st.container():
-        if old and saving.name != old and old in own_files(desk.subject.kind) and found.entry is not None:
-            label = show.plain(say("workshop_data.rename", old=old, name=saving.name))
+        if old and name != old and old in own_files(kind) and complete:
+            label = show.plain(say("workshop_data.rename", old=old, name=name))
             renaming = st.checkbox(label, key=editing.key("rename"))
     with st.container(horizontal=True):
-        over = "" if over == editing.over and saving.name != old else over
-        then = (lambda name: _renamed(desk, old, name)) if renaming else None
-        draw_save_button(editing, found, saving, over, say, then)
+        st.button(
+            say("typed_entries.save"),
+            type="primary",
+            disabled=not complete or saved,
+            on_click=_save,
+            args=(editing, name, text, over, partial(_renamed, desk, old) if renaming else None),
+            help=say("typed_entries.save_help"),
+        )
         for slot in _slots(desk):
             if slot.part is None or slot.part in getattr(found.entry, "measures", (slot.part,)):
-                label = say("typed_entries.use" if slot.part is None else f"workshop_data.use_{slot.part}")
-                draw_use(editing, found, saving, slot.name, label, say)
-        draw_toml(saving, say)
+                st.button(
+                    say("typed_entries.use" if slot.part is None else f"workshop_data.use_{slot.part}"),
+                    disabled=not complete or not saved,
+                    on_click=pick,
+                    args=(slot.name, name),
+                    help=say("typed_entries.use_help"),
+                    key=editing.key(f"use-{slot.name}"),
+                )
+        st.download_button(say("typed_entries.toml"), text, f"{name or 'unnamed'}.toml", on_click="ignore")
+        if more is not None:
+            more(name or "unnamed")
     with st.container():
-        if saving.saved and _used_by(desk, saving.name):
+        if saved and _used_by(desk, name):
             st.caption(say("workshop_data.used"))
-    draw_saved(editing, found, saving, say)
+    with st.container():
+        if refused := st.session_state.pop(editing.key("refused"), None):
+            st.error(show.plain(refused))
+        elif saved:
+            st.caption(show.plain(say("typed_entries.saved", path=path)))
+        elif not complete:
+            st.caption(say("typed_entries.not_yet"))
+
+
+def _save(editing: Editing, name: str, text: str, over: str, then: Callable[[str], None] | None) -> None:
+    try:
+        path: Path = write_own(editing.draft.subject.kind, name, text, over=over)
+    except OutputError as error:
+        st.session_state[editing.key("refused")] = error.sentence
+        return
+    editing.saved_as(name, _sha256(path.read_bytes()))
+    if then is not None:
+        then(name)
+
+
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()

@@ -40,13 +40,13 @@ def test_every_sheet_of_the_workbook_has_its_place_on_the_page() -> None:
 
 
 def test_every_table_opens_for_a_unit_and_for_nothing(app: AppTest) -> None:
-    for name in ("five_speed_2005", "an empty description"):
+    for name in ("five_speed_2005", "an empty entry"):
         start(app, name)
         for each, tables in STEPS.items():
             step(app, each)
             assert not app.exception
             assert [heading.value for heading in app.subheader][: len(tables)] == list(tables)
-        labelled(app.button, "Describe another one").click().run()
+        labelled(app.button, "Edit another one").click().run()
 
 
 def test_a_copy_is_named_kept_saved_used_and_edited_again(app: AppTest) -> None:
@@ -89,7 +89,7 @@ def test_a_file_that_is_there_is_replaced_only_where_that_is_decided(app: AppTes
     start(app)
     labelled(app.text_input, "Name *").set_value("Our box").run()
     labelled(app.button, "Save as own file").click().run()
-    labelled(app.button, "Describe another one").click().run()
+    labelled(app.button, "Edit another one").click().run()
     start(app)
     labelled(app.text_input, "Name *").set_value("Our box").run()
     labelled(app.text_input, "Note").set_value("the second").run()
@@ -106,12 +106,12 @@ def test_a_draft_is_gone_on_with_in_its_units_and_thrown_away(app: AppTest) -> N
     labelled(app.text_input, "Name *").set_value("Half a box").run()
     labelled(app.text_input, "Contact length unless stated [mm]").set_value("2,54").run()
     labelled(app.selectbox, "Lengths are in").select("inch").run()
-    labelled(app.button, "Describe another one").click().run()
+    labelled(app.button, "Edit another one").click().run()
     assert labelled(app.selectbox, "Go on with a draft").options[0].startswith("Half a box, ")
     labelled(app.button, "Go on").click().run()
     assert labelled(app.text_input, "Name *").value == "Half a box"
     assert labelled(app.text_input, "Contact length unless stated [inch]").value == "0.1"
-    labelled(app.button, "Describe another one").click().run()
+    labelled(app.button, "Edit another one").click().run()
     labelled(app.button, "Throw it away").click().run()
     assert not drafts()
     assert not app.exception
@@ -136,7 +136,7 @@ def test_a_draft_that_two_windows_change_becomes_two_and_the_second_is_told(app:
     labelled(other.text_input, "Note").set_value("typed on as well").run()
     assert "another window" not in texts(app)
     assert [labelled(each.text_input, "Name *").value for each in (app, other)] == ["First window", "Second window"]
-    labelled(app.button, "Describe another one").click().run()
+    labelled(app.button, "Edit another one").click().run()
     names = [option.split(",")[0] for option in labelled(app.selectbox, "Go on with a draft").options]
     assert sorted(names) == ["First window", "Second window"]
 
@@ -157,7 +157,7 @@ def test_a_draft_of_somebody_who_is_signed_in_is_offered_to_nobody_else(
     whose = "https://shop ana"
     monkeypatch.setattr(entrance, "person", lambda: whose)
     labelled(start(app).text_input, "Name *").set_value("Box of Ana").run()
-    labelled(app.button, "Describe another one").click().run()
+    labelled(app.button, "Edit another one").click().run()
     assert len(labelled(app.selectbox, "Go on with a draft").options) == 1
     whose = "https://shop bert"
     assert labelled(app.run().selectbox, "Go on with a draft").options == []
