@@ -5,7 +5,6 @@ import streamlit as st
 from atleak.figures import uncertainty_figures as figures
 from atleak.figures.diagnosis_figures import total_share
 from atleak.views.clearances import budget_rows
-from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.drawing import spool_svg
 from atleak.views.sentences import land_in_words
 from atleak.views.table import Column, Table
@@ -25,7 +24,7 @@ show.messages(unit.messages, say("about.uncertainty"))
 st.subheader(say("uncertainty.total"))
 show.chart(total_share(diagnosis, say), "totals")
 
-advised = words.advised(diagnosis, diagnosis_record(diagnosis), say)
+advised = words.advised(diagnosis, say)
 show.open_verdicts(words.advice(diagnosis, advised, say))
 
 st.subheader(say("uncertainty.clearances"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
@@ -17,9 +16,9 @@ from pages.shared.show import plain
 from pages.shared.state import job
 
 
-def advised(diagnosis: Diagnosis, record: dict[str, Any], say: Wording) -> Callable[[LandDiagnosis], str]:
+def advised(diagnosis: Diagnosis, say: Wording) -> Callable[[LandDiagnosis], str]:
     """Return what says in the reader's language how a land's open verdict can be decided."""
-    return PrintedNames(diagnosis, record, job(), say).advice
+    return PrintedNames(diagnosis, job(), say).advice
 
 
 def pair(controller: Controller, component: str, land: int) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, Literal
 
+from atleak.verdicts import Band, Verdict
 from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording, begun, isolated
 
@@ -29,6 +29,99 @@ def passage(content: str, language: str, say: Wording) -> str | dict[str, str]:
 def facts(rows: Sequence[Sequence[str]]) -> Block:
     """Return names and values side by side; an empty block where there are no rows."""
     return {"kind": "facts", "rows": [list(row) for row in rows]} if rows else {}
+
+
+def named_facts(table: str, say: Wording, **values: str | None) -> Block:
+    """Return facts by the keys of their names in a table of the texts; one without a value is left out."""
+    return facts([[say(f"{table}.{key}"), value] for key, value in values.items() if value])
+
+
+def bullets(items: Iterable[str | dict[str, str]]) -> Block:
+    """Return a list of sentences; an empty block without any."""
+    listed = list(items)
+    return {"kind": "list", "items": listed} if listed else {}
+
+
+def picture(svg: str, alt: str, caption: str) -> Block:
+    """Return a drawing with what a screen reader says of it, and its caption."""
+    return {"kind": "image", "svg": svg, "alt": alt, "caption": caption}
+
+
+def signatures(people: Iterable[tuple[str, str]], say: Wording) -> Block:
+    """Return a line to sign on for everybody who signs, by role and name."""
+    named = [[say(f"texts.sign_{role}"), name] for role, name in people]
+    return {"kind": "signatures", "line": say("texts.sign_place"), "room": 9, "people": named}  # room in mm
+
+
+def listed(
+    say: Wording,
+    items: Iterable[Any],
+    *columns: Column,
+    told: Callable[[Any], str] | None = None,
+    group: Callable[[Any], str] | None = None,
+    whole: bool = False,
+) -> Block:
+    """Return a table with a row for every item; see `printed`."""
+    return printed(Table("", columns, list(items), say, told=told, group=group), whole=whole)
+
+
+def printed(content: Table, *, whole: bool = False) -> Block:
+    """Return a table as a block; of verdicts sign and word, of a value the sign of its own verdict.
+
+    Where there are columns ``X_low`` and ``X_high``, their values stand in brackets below those of ``X``. A table that
+    is ``whole`` stands on one page, and is to be short.
+    """
+    if not content.rows:
+        return {}
+    say, by_key = content.say, {column.key: column for column in content.columns}
+    ends = {key: (by_key[f"{key}_low"], by_key[f"{key}_high"]) for key in by_key if f"{key}_low" in by_key}
+    shown = [column for column in content.columns if not any(column in both for both in ends.values())]
+    groups: list[list[list[Any]]] = []  # of rows that hold together
+    for title, items in itertools.groupby(content.rows, content.group or (lambda _: "")):
+        groups.append([[[title]]] if title else [])
+        for item in items:
+            said = "" if content.told is None else content.told(item)
+            row = [_cell(column, ends.get(column.key), item, say) for column in shown]
+            groups[-1].append([row, [{"told": said}]] if said else [row])
+    rows = [row for group in groups for held in group for row in held]
+    block: Block = {
+        "kind": "table",
+        "names": [_name(column, say) for column in shown],
+        "rows": rows,
+        "widths": [_share(column) for column in shown],
+        "aligned": "".join("d" if column.is_number or column.words_of else "l" for column in shown),
+        "whole": whole,
+    }
+    if content.group is not None:
+        block["groups"] = [sum(map(len, group)) for group in groups]
+    elif content.told is not None:
+        block["groups"] = _held([len(held) for held in groups[0]])
+    return block
+
+
+def _name(column: Column, say: Wording) -> str:
+    """Return a heading with the unit below it; words begin with a capital letter, a symbol stays as it is."""
+    title = column.words if column.words is not None else say.texts["printed"].get(column.key)
+    if title is None:
+        title = say(column.key) if "." in column.key else column.title(say)
+    unit = column.unit(say)
+    title = begun(title) if title[:2].isalpha() else title
+    return f"{title}\n{unit}" if unit else title
+
+
+def _share(column: Column) -> int:
+    """Return a column's share of the width that is left, in parts of 50 pixels of the screen."""
+    return 0 if column.is_number or column.kind == VERDICT else (column.width or 0) // 50
+
+
+def _cell(column: Column, ends: tuple[Column, Column] | None, item: Any, say: Wording) -> Any:
+    value, level = column.judged(item)
+    if isinstance(value, dict):  # boxes to tick, or words in a language of their own
+        return value
+    text = say.level(value) if isinstance(value, Verdict | Band) else column.text(item, say)
+    low, high = (each.text(item, say) for each in ends) if ends else ("–", "–")
+    text = text if low == "–" else f"{text}\n({low}–{high})"
+    return text if level is None else {"sign": level.verdict if isinstance(level, Band) else level, "text": text}
 
 
 @dataclass(frozen=True)
@@ -112,26 +205,6 @@ def grouped_table(
         held.append([[title], *itertools.islice(rows, count)])
     made |= {"rows": [row for group in held for row in group], "groups": [*map(len, held)]}
     return made
-
-
-def printed(content: Table, *, whole: bool = False) -> Block:
-    """Return a table as a block; of verdicts sign and word, of a value the sign of its own verdict."""
-    say, made = content.say, []
-    for column in content.columns:
-        side: Literal["l", "r"] = "r" if column.is_number or column.words_of else "l"
-        share = 0 if column.is_number or column.kind == VERDICT else (column.width or 0) // 50
-        made.append(PrintedColumn(column.title(say), partial(_printed, column, say), column.unit(say), share, side))
-    if content.group is None:
-        return table(made, content.rows, whole=whole, told=content.told)
-    groups = itertools.groupby(content.rows, content.group)
-    return grouped_table(made, ((title, list(items)) for title, items in groups), told=content.told)
-
-
-def _printed(column: Column, say: Wording, item: Any) -> str | dict[str, str]:
-    level = column.judged(item).level
-    if level is None:
-        return column.text(item, say)
-    return {"sign": level, "text": say.level(level) if column.kind == VERDICT else column.text(item, say)}
 
 
 def with_notes(blocks: Iterable[Block]) -> Iterator[Block]:

@@ -3,33 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from typing import Any
 
 from atleak.catalogue.limits import RuleKind
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.pdf.annex import coverage_factor
-from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.pdf.blocks import Block, joined, listed, text
+from atleak.report.pdf.printed_names import Part
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.uncertainty.budget import MOST_BUDGETS, BudgetLine, budget_lines, combined
+from atleak.views.table import Column
 from atleak.workshop_units import PERCENT, UM
 
 _OF_SHARE = 6  # of the sources of a share that are named
 
 
-@dataclass(frozen=True)
-class _Whole:
-    """The last row of a budget."""
-
-    u: float  # [m]
-
-
-class Budget:
+class Budget(Part):
     """The budgets of one report."""
-
-    def __init__(self, names: PrintedNames) -> None:
-        self.names, self.diagnosis, self.say = names, names.diagnosis, names.say
 
     def blocks(self) -> Iterable[Block]:
         """Return a table for every flagged land that was measured, the worst first."""
@@ -48,8 +39,7 @@ class Budget:
 
     def _of_land(self, land: LandDiagnosis, its: LandUncertainty, unit: UnitUncertainty) -> Iterable[Block]:
         say, lines = self.say, budget_lines(its.sources)
-        u = combined(lines)
-        k = coverage_factor(unit)
+        u, k = combined(lines), coverage_factor(unit)
         yield text(
             say(
                 "annex.of_land",
@@ -62,64 +52,54 @@ class Budget:
             ),
             leads=True,
         )
-        columns = [
-            PrintedColumn(say("annex.source"), self._source, width=5),
-            PrintedColumn(say("annex.distribution"), self._distribution, width=3),
-            PrintedColumn(say("annex.degrees"), self._degrees, side="r"),
-            PrintedColumn("u(x)", self._input, width=2, side="d"),
-            PrintedColumn("c", self._sensitivity, width=2, side="d"),
-            PrintedColumn("c · u(x)", self._contribution, say.unit("clearance"), side="r"),
-            PrintedColumn(say("annex.part_of_variance"), self._fraction, "%", side="r"),
-        ]
-        yield table(columns, [*lines, _Whole(u)], whole=True)
+
+        def of(line_of: Callable[[BudgetLine], Any], of_all: Any = "") -> Callable[[BudgetLine | None], Any]:
+            """Return what stands in a column: something of a line, and something in the last row, of all together."""
+            return lambda line: of_all if line is None else line_of(line)
+
+        yield listed(
+            say,
+            [*lines, None],
+            Column("annex.source", width=250, of=of(self._source, say("annex.combined"))),
+            Column("annex.distribution", width=150, of=of(self._distribution)),
+            Column("annex.degrees", digits=0, of=of(self._degrees)),
+            Column("", digits=0, words="u(x)", of=of(self._input)),
+            Column("", digits=0, words="c", of=of(self._sensitivity)),
+            Column("", "clearance", 2, words="c · u(x)", of=of(lambda line: abs(line.contribution), u), times=UM),
+            Column("annex.part_of_variance", "percent", 1, of=of(lambda line: line.fraction, 1.0), times=PERCENT),
+            whole=True,
+        )
         said = [self._of_wear(land, its), self._of_share(its)]
         if any(said):
             yield text(" ".join(filter(None, said)), small=True)
 
-    def _source(self, line: BudgetLine | _Whole) -> str:
-        if isinstance(line, _Whole):
-            return self.say("annex.combined")
+    def _source(self, line: BudgetLine) -> str:
         return self.say.get("uncertainty_sources", line.source.label)
 
-    def _distribution(self, line: BudgetLine | _Whole) -> str:
-        if isinstance(line, _Whole):
-            return ""
+    def _distribution(self, line: BudgetLine) -> str:
         return f"{self.say(f'annex.{line.source.shape}')}, {'A' if line.statistical else 'B'}"
 
-    def _degrees(self, line: BudgetLine | _Whole) -> str:
-        if isinstance(line, _Whole):
-            return ""
+    def _degrees(self, line: BudgetLine) -> str:
         return self.say.number(line.degrees_of_freedom, 0) if math.isfinite(line.degrees_of_freedom) else "∞"
 
-    def _input(self, line: BudgetLine | _Whole) -> str:
-        if isinstance(line, _Whole):
-            return ""
+    def _input(self, line: BudgetLine) -> str:
         if line.input_kind == "temperature":
             return f"{self.say.plain(line.input_uncertainty, 3)}\u00a0K"
         return self.say.quantity(line.input_uncertainty * UM, "clearance", 2)
 
-    def _sensitivity(self, line: BudgetLine | _Whole) -> str:
-        if isinstance(line, _Whole):
-            return ""
+    def _sensitivity(self, line: BudgetLine) -> str:
         if line.input_kind == "temperature":
             return f"{self.say.value(line.sensitivity * UM, 'clearance', 3)}\u00a0{self.say.unit('clearance')}/K"
         return self.say.number(line.sensitivity, 1)
-
-    def _contribution(self, line: BudgetLine | _Whole) -> str:
-        return self.say.value((line.u if isinstance(line, _Whole) else abs(line.contribution)) * UM, "clearance", 2)
-
-    def _fraction(self, line: BudgetLine | _Whole) -> str:
-        return self.say.number((1.0 if isinstance(line, _Whole) else line.fraction) * PERCENT, 1)
 
     def _of_wear(self, land: LandDiagnosis, its: LandUncertainty) -> str:
         """Return what the wear adds: the uncertainty of what the pair was when new."""
         rule = its.deciding
         if land.wear is None or rule is None or rule.rule.kind is not RuleKind.WEAR:
             return ""
-        if isinstance(land.state.land.mounting_clearance, tuple):
-            return self.say("annex.of_wear_range", u=self.say.percent(rule.standard_uncertainty))
+        ranged = isinstance(land.state.land.mounting_clearance, tuple)
         return self.say(
-            "annex.of_wear",
+            "annex.of_wear_range" if ranged else "annex.of_wear",
             mounting=self.say.quantity(its.sources.u_mounting * UM, "clearance", 2),
             limit=self.say.percent(rule.limit),
             u=self.say.percent(rule.standard_uncertainty),

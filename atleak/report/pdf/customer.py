@@ -6,18 +6,18 @@ stays one page: lists and the complaint are built in several lengths, and the te
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import starmap
 from typing import Any
 
 from atleak.engine.line import LINE
 from atleak.job.doubts import needless_work
 from atleak.job.estimate import Line
 from atleak.repair import Total
-from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.pdf.blocks import Block, joined, listed, printed, signatures
+from atleak.report.pdf.printed_names import Part, PrintedNames
 from atleak.verdicts import VERDICTS, Band, Verdict
 from atleak.views.complaint import explanations, most_lost
 from atleak.views.drawing import controller_svg, shortened
@@ -26,18 +26,17 @@ from atleak.views.land_names import has_number
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import HeldPressure, lowest_first, pressures_at
 from atleak.views.pump_words import worn_pump
+from atleak.views.table import VERDICT, Column, Judged, Table
 from atleak.views.worn_valves import End, WornValve, worn_valves
 from atleak.wording import begun, isolated
 from atleak.workshop_units import KPA, PERCENT
 
-DRAWING = "worn_valves"  # name of the drawing among a report's charts
 NAMED = 4  # valves that a sentence names
 FELT = 2  # complaints, and ways of the oil, that are named for one valve
 _ROW = 6  # valves that are drawn, beside one another
 _ABREAST = 4  # for which there is room beside one another at the least, so that few are not drawn larger
 _LETTERS = 1.6  # against those of the drawing of all valves
 _DIGITS = 3  # decimals of a share at the most
-_FEW, _FEWEST = 3, 2  # sentences of a page that is full
 
 
 @dataclass(frozen=True)
@@ -49,20 +48,13 @@ class Length:
     lines: int  # of the estimate
     sentences: int = 99  # of the finding, and of what to do
 
-    @property
-    def terse(self) -> bool:
-        """Tell whether sentences are left out."""
-        return self.sentences <= _FEW
 
-
-LENGTHS = tuple(
-    itertools.starmap(
+LENGTHS = (
+    *starmap(
         Length,
-        (
-            *((8, 700, 10), (6, 480, 8), (5, 320, 6), (4, 240, 5), (4, 180, 4), (3, 150, 3), (2, 120, 3), (2, 100, 2)),
-            *((2, 100, 2, _FEW), (1, 100, 1, _FEW), (1, 60, 1, _FEWEST), (0, 60, 1, _FEWEST), (0, 60, 0, _FEWEST)),
-        ),
-    )
+        ((8, 700, 10), (6, 480, 8), (5, 320, 6), (4, 240, 5), (4, 180, 4), (3, 150, 3), (2, 120, 3), (2, 100, 2)),
+    ),
+    *starmap(Length, ((2, 100, 2, 3), (1, 100, 1, 3), (1, 60, 1, 2), (0, 60, 1, 2), (0, 60, 0, 2))),
 )
 
 
@@ -77,12 +69,12 @@ def digits_apart(totals: Iterable[Total]) -> int:
     return next(filter(apart, range(1, _DIGITS)), _DIGITS)
 
 
-class CustomerPage:
+class CustomerPage(Part):
     """The first page of one report; ``signed`` puts the signatures on it."""
 
     def __init__(self, names: PrintedNames, *, signed: bool) -> None:
-        self.names, self.signed = names, signed
-        self.diagnosis, self.job, self.say = names.diagnosis, names.job, names.say
+        super().__init__(names)
+        self.signed = signed
         self.verdict = shown_verdict(names.diagnosis)
 
     @cached_property
@@ -111,22 +103,6 @@ class CustomerPage:
             "annex_follows": say("customer.annex_follows"),
             "lengths": len(LENGTHS),
         }
-
-    def drawing(self) -> str | None:
-        """Return the drawing of the valves that have reached a limit as SVG; None where none has."""
-        if not self.valves:
-            return None
-        drawn = self._drawn
-        verdicts = {land.key: land.verdict for each in self.valves for land in each.lands}
-        say = self.say
-        return controller_svg(
-            self.diagnosis.controller,
-            verdicts,
-            columns=max(len(drawn), _ABREAST),
-            only=drawn,
-            named=say.name,
-            letters=_LETTERS,
-        )
 
     @property
     def _only_checked(self) -> bool:
@@ -189,24 +165,19 @@ class CustomerPage:
         worded = (each for each in reversed(VERDICTS) if f"urgent_{each}" in self.say.texts["customer"])
         return next(each for each in worded if each.rank <= self.verdict.rank)
 
-    @property
-    def _drawn(self) -> list[str]:
-        return [each.component for each in self.valves[:_ROW]]
-
     # --- who, and how bad
 
     def _about(self) -> str:
         """Return whose vehicle it is, in a line."""
         job, say = self.job, self.say
-        mileage = self.names.mileage
         return joined(
             (
                 f"{say('facts.number')} {isolated(job.number)}" if job.number else "",
                 say.date(job.date) if job.date else "",
                 job.customer.name,
-                joined((job.vehicle.make, job.vehicle.model, job.vehicle.year), " "),
+                self.names.vehicle,
                 job.vehicle.registration or job.vehicle.vin,
-                "" if mileage is None else say("texts.mileage", value=say.value(mileage, "distance", 0)),
+                self.names.mileage,
             ),
             " · ",
         )
@@ -313,9 +284,12 @@ class CustomerPage:
             "customer.holds",
             circuit=self._pressure(each.id),
             condition=self.names.condition(lowest_first(self.diagnosis)[0].condition),
-            held=say.value(each.now * KPA, "pressure", 0),
-            new=say.value(each.new * KPA, "pressure", 0),
+            held=self._kpa(each.now),
+            new=self._kpa(each.new),
         )
+
+    def _kpa(self, pressure: float) -> str:
+        return self.say.value(pressure * KPA, "pressure", 0)
 
     def _explained(self) -> Iterator[str]:
         """Say which pressure the worn valves cost where the complaint shows; that they cost none, where they do not."""
@@ -333,14 +307,14 @@ class CustomerPage:
             if each.held is None:
                 yield say("customer.explained_by_reserve", **values)
             else:
-                held, new = (say.value(pressure * KPA, "pressure", 0) for pressure in (each.held.now, each.held.new))
+                held, new = self._kpa(each.held.now), self._kpa(each.held.new)
                 yield say("customer.explained", circuit=self._pressure(each.held.id), held=held, new=new, **values)
             return
         if diagnosis.profile.circuits != "on":  # no pressure is solved
             return
         conditions = joined(self.names.condition(each.condition) for each in diagnosis.complained)
         lost = most_lost(diagnosis)
-        loss = "" if lost is None else say.value(lost.loss * KPA, "pressure", 0)
+        loss = "" if lost is None else self._kpa(lost.loss)
         key = "no_effect" if lost is None else "small_effect"
         yield say(f"customer.{key}", label=label, condition=conditions, loss=loss)
 
@@ -362,26 +336,23 @@ class CustomerPage:
         if not self.valves:
             return None
         say = self.say
-        columns = [
-            PrintedColumn(say("customer.valve"), lambda each: self._valve(each.component), width=5),
-            PrintedColumn(say("printed.verdict"), lambda each: self._signed(each.verdict)),
-            PrintedColumn(say("customer.from_to"), self._paths, width=5),
-            PrintedColumn(say("customer.felt"), self._felt, width=6),
-            PrintedColumn(say("customer.alone"), self._alone, width=7),
-        ]
+        columns = (
+            Column("customer.valve", width=250, of=lambda each: self._valve(each.component)),
+            Column("verdict", VERDICT),
+            Column("customer.from_to", width=250, of=self._paths),
+            Column("customer.felt", width=300, of=self._felt),
+            Column("customer.alone", width=350, of=self._alone),
+        )
         shortened_to = [self.valves[: each.valves] for each in LENGTHS]
         note = say("customer.alone_means") if any(each.helped for each in self.valves) else ""
         return {
             "title": say("customer.valves"),
-            "tables": [table(columns, each, empty=False) for each in shortened_to],
+            "tables": [printed(Table("", columns, each, say).filled) for each in shortened_to],
             "notes": [joined((self._more(len(self.valves) - len(each)), note), " ") for each in shortened_to],
         }
 
     def _more(self, count: int) -> str:
         return self.say("customer.more", count=count) if count else ""
-
-    def _signed(self, verdict: Verdict) -> dict[str, str]:
-        return {"sign": verdict, "text": self.say.level(verdict)}
 
     def _paths(self, valve: WornValve) -> str:
         ends = ((self._pressure(high), self._end(low)) for high, low in valve.paths)
@@ -400,38 +371,40 @@ class CustomerPage:
         say = self.say
         complaints = [say.name(each.label) for each in valve.complaints[:FELT]]
         losses = [
-            say(
-                "customer.less_pressure",
-                circuit=self._pressure(held.id),
-                loss=say.value(loss * KPA, "pressure", 0),
-            )
+            say("customer.less_pressure", circuit=self._pressure(held.id), loss=self._kpa(loss))
             for held, loss in valve.costs
         ]
         return joined((*complaints, *losses), "; ")
 
-    def _alone(self, valve: WornValve) -> Any:
+    def _alone(self, valve: WornValve) -> Judged:
         if valve.helped is None:
-            return ""
+            return Judged(None)
         say, (at, rule) = self.say, valve.helped
-        values = {"condition": self.names.condition(at.condition)}
+        condition, both = self.names.condition(at.condition), (at.before, at.after)
         if rule is None:
-            digits = digits_apart((at.before, at.after))
-            before, after = (say.percent(total.share, digits) for total in (at.before, at.after))
-            verdict, word = at.after.band.verdict, say.level(at.after.band)
-            return {
-                "sign": verdict,
-                "text": say("customer.alone_share", before=before, after=after, band=word, **values),
-            }
+            digits, band = digits_apart(both), at.after.band
+            before, after = (say.percent(total.share, digits) for total in both)
+            values = {"before": before, "after": after, "band": say.level(band), "condition": condition}
+            return Judged(say("customer.alone_share", **values), band)
         held = LINE if rule.circuit is None else rule.circuit.id
-        before, after = (say.value(total.pressures[held] * KPA, "pressure", 0) for total in (at.before, at.after))
-        words = say("customer.alone_pressure", circuit=self._pressure(held), before=before, after=after, **values)
-        return {"sign": rule.verdict, "text": words}
+        before, after = (self._kpa(total.pressures[held]) for total in both)
+        values = {"before": before, "after": after, "circuit": self._pressure(held), "condition": condition}
+        return Judged(say("customer.alone_pressure", **values), rule.verdict)
 
     def _drawing(self) -> Block | None:
+        """Return the drawing of the valves that have reached a limit; None where none has."""
         if not self.valves:
             return None
-        named = joined(map(self._valve, self._drawn))
-        return {"file": DRAWING, "alt": self.say("customer.drawing_alt", valves=named)}
+        drawn = [each.component for each in self.valves[:_ROW]]
+        svg = controller_svg(
+            self.diagnosis.controller,
+            {land.key: land.verdict for each in self.valves for land in each.lands},
+            columns=max(len(drawn), _ABREAST),
+            only=drawn,
+            named=self.say.name,
+            letters=_LETTERS,
+        )
+        return {"svg": svg, "alt": self.say("customer.drawing_alt", valves=joined(map(self._valve, drawn)))}
 
     # --- what to do
 
@@ -524,15 +497,15 @@ class CustomerPage:
         say, words = self.say, self.names.estimate
         if words is None:
             return None
-        columns = [
-            PrintedColumn(say("customer.valve"), lambda line: self._valve(line.decision.component), width=5),
-            PrintedColumn(say("printed.work"), words.work, width=5),
-            PrintedColumn(say("printed.amount"), words.amount, words.estimate.currency, side="r"),
-            PrintedColumn(say("printed.agreed"), words.agreed, width=4),
-        ]
+        columns = (
+            Column("customer.valve", width=250, of=lambda line: self._valve(line.decision.component)),
+            Column("work", width=250, of=words.work),
+            Column("", digits=2, words=f"{say('printed.amount')}\n{words.estimate.currency}".strip(), of=words.amount),
+            Column("agreed", width=200, of=words.agreed),
+        )
         lines = sorted(filter(_shown, words.estimate.lines), key=lambda line: line.part is None and line.work is None)
         unpriced = [line for line in words.estimate.lines if not _shown(line)]
-        tables = [table(columns, lines[: each.lines]) for each in LENGTHS]
+        tables = [listed(say, lines[: each.lines], *columns) for each in LENGTHS]
         more = [max(len(lines) - each.lines, 0) for each in LENGTHS]
         due = words.estimate.total
         sums, values = "", {"amount": words.summed(due.gross, due.complete), "currency": words.estimate.currency}
@@ -554,18 +527,10 @@ class CustomerPage:
 
     def _signatures(self) -> Block:
         """Return a line for technician and customer, and between them for who approves where the job names somebody."""
-        say, job = self.say, self.job
-        people = [
-            ("technician", job.technician),
-            *([("approver", job.approved_by)] if job.approved_by else []),
-            ("customer", job.customer.name),
-        ]
-        return {
-            "kind": "signatures",
-            "line": say("texts.sign_place"),
-            "room": 9,
-            "people": [[say(f"texts.sign_{role}"), shortened(name, 40)] for role, name in people],
-        }
+        job = self.job
+        people = {"technician": job.technician, "approver": job.approved_by, "customer": job.customer.name}
+        signing = [(role, shortened(name, 40)) for role, name in people.items() if name or role != "approver"]
+        return signatures(signing, self.say)
 
 
 def _shown(line: Line) -> bool:

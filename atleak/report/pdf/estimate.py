@@ -6,8 +6,9 @@ from collections.abc import Iterable
 from operator import itemgetter
 
 from atleak.job.estimate import Line
-from atleak.report.pdf.blocks import Block, PrintedColumn, table, text
+from atleak.report.pdf.blocks import Block, listed, text
 from atleak.report.pdf.printed_names import PrintedNames
+from atleak.views.table import Column
 
 
 def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
@@ -20,27 +21,24 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
     def done(line: Line) -> str:
         return "\n".join(filter(None, (words.work(line), line.decision.part_number, line.decision.reason)))
 
-    yield table(
-        [
-            PrintedColumn(say("printed.pair"), words.pair, width=5),
-            PrintedColumn(say("printed.work"), done, width=4),
-            PrintedColumn(say("printed.price"), lambda line: words.money(line.part), side="r"),
-            PrintedColumn(say("printed.hours"), words.hours, side="r"),
-            PrintedColumn(say("printed.labour"), lambda line: words.money(line.work), side="r"),
-            PrintedColumn(say("printed.amount"), words.amount, side="r"),
-            PrintedColumn(say("printed.agreed"), words.agreed),
-        ],
+    yield listed(
+        say,
         words.estimate.lines,
+        Column("pair", width=250, of=words.pair),
+        Column("work", width=200, of=done),
+        Column("price", digits=2, of=lambda line: words.money(line.part)),
+        Column("hours", digits=1, of=words.hours),
+        Column("labour", digits=2, of=lambda line: words.money(line.work)),
+        Column("amount", digits=2, of=words.amount),
+        Column("agreed", of=words.agreed),
         told=lambda line: f"{say('printed.lacks')}: {words.lacks(line)}",
     )
-    names_of_sums = ("state", "parts", "labour", "net", "tax", "gross")
-    yield table(
-        [
-            PrintedColumn(say(f"printed.{name}"), itemgetter(place), side="r" if place else "l", width=int(not place))
-            for place, name in enumerate(names_of_sums)
-        ],
+    sums = ("parts", "labour", "net", "tax", "gross")
+    yield listed(
+        say,
         [words.sum_row(*each) for each in words.sums],
+        Column("state", width=50, of=itemgetter(0)),
+        *(Column(name, digits=2, of=itemgetter(place)) for place, name in enumerate(sums, start=1)),
     )
-    for sentence in (*words.missing(), *words.ends()):
-        yield text(sentence)
+    yield from map(text, (*words.missing(), *words.ends()))
     yield text(words.rounding(), small=True)

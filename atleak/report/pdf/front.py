@@ -2,64 +2,63 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any
 
-from atleak.engine.profile import UNKNOWN
 from atleak.engine.projection import Projection
-from atleak.report.pdf.blocks import Block, PrintedColumn, grouped_table, joined
+from atleak.report.pdf.blocks import Block, joined, listed, named_facts
 from atleak.report.pdf.conditions import Conditions
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.pdf.printed_names import Part
 from atleak.verdicts import Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.first_sentence import first_sentence
 from atleak.views.measured_words import measured_sentence
-from atleak.views.positions import position_band
 from atleak.views.pressures import lowest_first, pressures_at
 from atleak.views.pump_words import pump_sentence
 from atleak.views.sentences import (
     circuit_sentence,
     counted_in_speed,
+    position_sentence,
     pressure_sentence,
     readings_in_doubt,
     reserve_sentence,
 )
+from atleak.views.table import Column, Judged
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 _ROOM = 7  # conditions for whose totals the page has room
 
 
-class Front:
+class Front(Part):
     """What stands at the head of the annex, behind the customer's page."""
-
-    def __init__(self, names: PrintedNames) -> None:
-        self.names = names
-        self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
 
     def facts(self) -> list[list[str]]:
         """Return owner, vehicle and transmission; fields that were not filled in are left out."""
         job, say = self.job, self.say
         customer, vehicle, box = job.customer, job.vehicle, job.transmission
-        mileage = self.names.mileage
         contact = [customer.name, customer.number, *customer.address.splitlines(), customer.phone, customer.email]
-        rows = [
-            ("number", job.number),
-            ("date", say.date(job.date) if job.date else ""),
-            ("customer", joined(contact)),
-            ("vehicle", joined((vehicle.make, vehicle.model, vehicle.year), " ")),
-            ("engine", vehicle.engine),
-            ("registration", vehicle.registration),
-            ("vin", vehicle.vin),
-            ("mileage", "" if mileage is None else say("texts.mileage", value=say.value(mileage, "distance", 0))),
-            ("transmission", joined((box.maker, box.code), " ")),
-            ("serial", box.serial),
-            ("note", box.note),
-            ("technician", job.technician),
-            ("complaint", job.complaint),
-            ("fault_codes", joined(job.fault_codes)),
-            ("controller", say.name(self.diagnosis.controller.name)),
-        ]
-        return [[say(f"facts.{name}"), value] for name, value in rows if value]
+        block = named_facts(
+            "facts",
+            say,
+            number=job.number,
+            date=say.date(job.date) if job.date else "",
+            customer=joined(contact),
+            vehicle=self.names.vehicle,
+            engine=vehicle.engine,
+            registration=vehicle.registration,
+            vin=vehicle.vin,
+            mileage=self.names.mileage,
+            transmission=joined((box.maker, box.code), " "),
+            serial=box.serial,
+            note=box.note,
+            technician=job.technician,
+            complaint=job.complaint,
+            fault_codes=joined(job.fault_codes),
+            controller=say.name(self.diagnosis.controller.name),
+        )
+        rows: list[list[str]] = block["rows"]
+        return rows
 
     def verdict(self) -> dict[str, Any]:
         """Return the verdict in one sentence, and the totals below it; without a sheet what log and gauges say."""
@@ -95,33 +94,30 @@ class Front:
 
     def _more(self) -> list[str]:
         """Return what else is to be said of the lands and the totals."""
-        diagnosis, say = self.diagnosis, self.say
-        at, more = diagnosis.worst, []
-        tight = readings_in_doubt(diagnosis, say)
-        if tight is not None:
-            more.append(tight)
+        diagnosis, say, at = self.diagnosis, self.say, self.diagnosis.worst
         speed = say.number(at.minimum_speed * RPM, 0)
-        more.append(say("sentences.holds", speed=speed, counted=counted_in_speed(diagnosis, say)))
-        more += self._positions(at)
-        measured = pump_sentence(diagnosis, say)
-        if measured is not None:
-            more.append(measured)
-        more += self._pressures()
-        return more
+        said = (
+            readings_in_doubt(diagnosis, say),
+            say("sentences.holds", speed=speed, counted=counted_in_speed(diagnosis, say)),
+            position_sentence(diagnosis, at, say),
+            pump_sentence(diagnosis, say),
+            *self._pressures(),
+        )
+        return [each for each in said if each]
 
-    def _pressures(self) -> list[str]:
-        """Return what line, pump and circuits hold where one of them is past a limit the farthest."""
-        diagnosis, say, said = self.diagnosis, self.say, []
+    def _pressures(self) -> Iterator[str]:
+        """Say what line, pump and circuits hold where one of them is past a limit the farthest."""
+        diagnosis, say = self.diagnosis, self.say
         at = pressures_at(diagnosis, lowest_first(diagnosis)[0])
         if at.projection.pressure_falls or _flagged(at.line.verdict):
-            said.append(pressure_sentence(at, say))
+            yield pressure_sentence(at, say)
         if _flagged(at.reserve_verdict):
-            said.append(reserve_sentence(at, say))
-        circuits = [circuit_sentence(diagnosis, each, say) for each in at.circuits if _flagged(each.verdict)]
+            yield reserve_sentence(at, say)
+        circuits = joined(
+            (circuit_sentence(diagnosis, each, say) for each in at.circuits if _flagged(each.verdict)), "; "
+        )
         if circuits:
-            named = say("texts.circuits_at", condition=self.names.condition(at.projection.condition))
-            said.append(f"{named} {joined(circuits, '; ')}.")
-        return said
+            yield f"{say('texts.circuits_at', condition=self.names.condition(at.projection.condition))} {circuits}."
 
     @cached_property
     def shown(self) -> tuple[Projection, ...]:
@@ -133,42 +129,32 @@ class Front:
         return tuple(at for at in diagnosis.presented if any(at is other for other in most))
 
     def _totals(self) -> Block:
-        say = self.say
-        temperature = PrintedColumn(
-            say("printed.temperature"),
-            lambda at: say.plain_value(at.condition.temperature, "temperature"),
-            say.unit("temperature"),
-            side="r",
+        def end(which: int) -> Callable[[Projection], float | None]:
+            return lambda at: None if (share := self._share_interval(at)) is None else share[which]
+
+        columns = (
+            *([] if all(map(self._names_temperature, self.shown)) else [self._temperature]),
+            Column("speed", "engine_speed", of=lambda at: at.condition.engine_speed, times=RPM),
+            Column("gear", digits=0, of=lambda at: at.condition.gear),
+            Column("pressure", "pressure", of=self._pressure),
+            Column("leakage", "flow", 2, times=DM3_MIN),
+            Column("capacity", "flow", 2, of="pump_capacity", times=DM3_MIN),
+            Column("share", "percent", 1, times=PERCENT),
+            Column("share_low", "percent", 1, of=end(0), times=PERCENT),
+            Column("share_high", "percent", 1, of=end(1), times=PERCENT),
+            Column("share_new", "percent", 1, of=lambda at: self.diagnosis.new_at(at).share, times=PERCENT),
+            Column("band", width=50, of=self._band),
+            Column("reserve", digits=2),
+            Column("holds", "engine_speed", of="minimum_speed", times=RPM),
         )
-        columns = [
-            *(() if all(map(self._names_temperature, self.shown)) else (temperature,)),
-            PrintedColumn(
-                say("printed.speed"),
-                lambda at: say.number(at.condition.engine_speed * RPM, 0),
-                "1/min",
-                side="r",
-            ),
-            PrintedColumn(say("printed.gear"), lambda at: str(at.condition.gear), side="r"),
-            PrintedColumn(say("printed.pressure"), self._pressure, say.unit("pressure"), side="r"),
-            PrintedColumn(
-                say("printed.leakage"),
-                lambda at: say.value(at.leakage * DM3_MIN, "flow", 2),
-                say.unit("flow"),
-                side="r",
-            ),
-            PrintedColumn(
-                say("printed.capacity"),
-                lambda at: say.value(at.pump_capacity * DM3_MIN, "flow", 2),
-                say.unit("flow"),
-                side="r",
-            ),
-            PrintedColumn(say("printed.share"), self._share, "%", side="r"),
-            PrintedColumn(say("printed.share_new"), self._share_new, "%", side="r"),
-            PrintedColumn(say("printed.band"), self._band, width=1),
-            PrintedColumn(say("printed.reserve"), lambda at: say.number(at.reserve, 2), side="r"),
-            PrintedColumn(say("printed.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
-        ]
-        return grouped_table(columns, ((self.names.condition(at.condition), [at]) for at in self.shown))
+        return listed(self.say, self.shown, *columns, group=lambda at: self.names.condition(at.condition))
+
+    @property
+    def _temperature(self) -> Column:
+        say = self.say
+        return Column(
+            "temperature", "temperature", of=lambda at: say.plain_value(at.condition.temperature, "temperature")
+        )
 
     def _names_temperature(self, at: Projection) -> bool:
         """Tell whether the name of a condition ends in its temperature."""
@@ -176,41 +162,24 @@ class Front:
         name = self.names.condition(at.condition).replace("\u00a0", " ")
         return name.endswith(f"{temperature} {self.say.unit('temperature')}")
 
-    def _share_new(self, at: Projection) -> str:
-        return self.say.number(self.diagnosis.new_at(at).share * PERCENT, 1)
-
-    def _positions(self, at: Projection) -> list[str]:
-        """Return what the total may be as the spools lie; nothing where the profile sets their position."""
-        band, unknown = position_band(self.diagnosis, at), self.diagnosis.profile.eccentricity == UNKNOWN
-        if band is None:
-            return []
-        low, high = (self.say.percent(end) for end in band)
-        sentence = f"sentences.{'anywhere' if unknown else 'concentric'}"
-        return [self.say(sentence, condition=self.names.condition(at.condition), low=low, high=high)]
-
     def _pressure(self, at: Projection) -> str:
         required = self.say.value(at.condition.main_pressure * KPA, "pressure", 0)
         held = self.say.value(at.main_pressure_held * KPA, "pressure", 0)
         return self.say("texts.held_of", required=required, held=held) if at.pressure_falls else required
 
-    def _share(self, at: Projection) -> str:
+    def _share_interval(self, at: Projection) -> tuple[float, float] | None:
         uncertainty = self.diagnosis.uncertainty
         total = uncertainty.total(at.condition.name) if uncertainty else None
-        low, high = total.share_interval if total else (None, None)
-        return self.say.number(at.share * PERCENT, 1) + self.names.interval(_percent(low), _percent(high), 1)
+        return total.share_interval if total else None
 
-    def _band(self, at: Projection) -> dict[str, str] | str:
+    def _band(self, at: Projection) -> Judged:
         band = self.diagnosis.band(at)
         if band is None:
-            return "–"
+            return Judged(None)
         word = self.say.level(band)
         worst = at is self.diagnosis.worst and len(self.diagnosis.projections) > 1
-        return {"sign": band.verdict, "text": self.say("texts.worst", band=word) if worst else word}
+        return Judged(self.say("texts.worst", band=word) if worst else word, band)
 
 
 def _flagged(verdict: Verdict | None) -> bool:
     return verdict is not None and verdict.flagged
-
-
-def _percent(fraction: float | None) -> float | None:
-    return None if fraction is None else fraction * PERCENT

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from atleak.diagnosis import Diagnosis
-from atleak.report.pdf.blocks import Block, facts, joined, printed, text
+from atleak.report.pdf.blocks import Block, bullets, joined, named_facts, printed, text
 from atleak.views.gauge_rows import gauge_table, pattern_sentences
 from atleak.wording import Wording
 
@@ -15,8 +15,7 @@ def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
     check = diagnosis.pressures
     if check is None:
         return
-    source = joined((check.table.file, check.table.sheet or ""))
-    yield facts([[say("facts.pressures"), source]])
+    yield named_facts("facts", say, pressures=joined((check.table.file, check.table.sheet or "")))
     yield printed(gauge_table(check, say).without("lost_between", "past_limit"))
     sources = dict.fromkeys(each.permissible.source for each in check.readings if each.permissible)
     if sources:
@@ -26,4 +25,4 @@ def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
     items = pattern_sentences(check, diagnosis.controller, say)
     if items:
         yield text(say("texts.patterns"))
-        yield {"kind": "list", "items": items}
+        yield bullets(items)

@@ -2,86 +2,80 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
-from atleak.report.pdf.blocks import Block, PrintedColumn, grouped_table, joined, table, text
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.pdf.blocks import Block, joined, picture, printed, text
+from atleak.report.pdf.printed_names import Part
 from atleak.report.printed_charts import pressures_chart, pump_chart
+from atleak.uncertainty import RuleDecision
 from atleak.views.flow_diagram import FlowDiagram, flow_diagram, flow_words
 from atleak.views.flow_svg import flow_svg
+from atleak.views.gauge_rows import permissible_text
 from atleak.views.land_names import land_number
 from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
 from atleak.views.pump_speed import PumpOverSpeed, pump_over_speed
 from atleak.views.pump_words import pump_sentence
 from atleak.views.sentences import circuit_sentence
-from atleak.workshop_units import KPA, RPM
+from atleak.views.table import VERDICT, Column, Judged, Table
+from atleak.workshop_units import DM3_MIN, KPA, RPM
 
 _DRAWN = 4  # lands drawn by themselves where the flow goes
 _LANDS = 4  # named as causes of one circuit's loss
 _SHOWS = 0.5  # [kPa] that a whole number shows
 
 
-class Pressures:
+class Pressures(Part):
     """What a report says of the pressures held."""
 
-    def __init__(self, names: PrintedNames) -> None:
-        self.names, self.diagnosis, self.say = names, names.diagnosis, names.say
-
-    @cached_property
-    def conditions(self) -> list[PressuresAt]:
-        """Return reserve and pressures at every condition, also as the planned repairs leave them."""
-        plan = self.names.plan
+    def blocks(self) -> Iterable[Block]:
+        """Return the line and the pump at every condition, then the circuits of each, and their drawings."""
+        say, diagnosis, plan = self.say, self.diagnosis, self.names.plan
+        solved = diagnosis.profile.circuits == "on"
         ends = plan.ends if plan.steps else ()
-        return [pressures_at(self.diagnosis, each, ends) for each in self.diagnosis.presented]
-
-    @cached_property
-    def lowest(self) -> PressuresAt:
-        """Return those at the condition at which a pressure or the reserve is judged worst."""
-        first = lowest_first(self.diagnosis)[0]
-        return next(each for each in self.conditions if each.projection is first)
-
-    @cached_property
-    def _speeds(self) -> PumpOverSpeed:
-        return pump_over_speed(self.diagnosis, self.lowest.projection, self.say)
-
-    @cached_property
-    def _flows(self) -> FlowDiagram:
-        return flow_diagram(self.diagnosis, self.lowest.projection, leaks_only=True, lands=_DRAWN, say=self.say)
+        conditions = [pressures_at(diagnosis, each, ends) for each in diagnosis.presented]
+        first = lowest_first(diagnosis)[0]  # at which a pressure or the reserve is judged worst
+        lowest = next(each for each in conditions if each.projection is first)
+        if solved:
+            yield self._line(conditions)
+        yield self._pump(conditions)
+        measured = pump_sentence(diagnosis, say)
+        if measured is not None:
+            yield text(measured)
+        yield text(say("texts.held") if solved else say("held.not_solved"), small=True)
+        if not solved:
+            return
+        speeds = pump_over_speed(diagnosis, first, say)
+        yield self._drawing("pump", pump_chart(speeds, say), self._crossings(speeds), lowest)
+        if diagnosis.controller.circuits:
+            for at in conditions:
+                yield from self._circuits(at)
+            yield text(say("texts.circuits"), small=True)
+            held = (circuit_sentence(diagnosis, each, say) for each in lowest.applied)
+            yield self._drawing("pressures", pressures_chart(lowest, say), f"{joined(held, '. ')}.", lowest)
+            flows = flow_diagram(diagnosis, first, leaks_only=True, lands=_DRAWN, say=say)
+            words = self._flows(flows)
+            yield self._drawing("flows", flow_svg(flows, words, say), words, lowest)
 
     # --- drawings
 
-    def drawings(self) -> dict[str, str]:
-        """Return every drawing of the section as SVG, by name."""
-        say, drawn = self.say, {"pump": pump_chart(self._speeds, self.say)}
-        if self.diagnosis.controller.circuits:
-            drawn["pressures"] = pressures_chart(self.lowest, say)
-            drawn["flows"] = flow_svg(self._flows, self._flows_in_words(), say)
-        return drawn
+    def _drawing(self, name: str, svg: str, words: str, at: PressuresAt) -> Block:
+        """Return a drawing with its caption and, for a screen reader, its words."""
+        caption = self.say(f"charts.caption_{name}", condition=self._condition(at))
+        return picture(svg, f"{caption} {words}", caption)
 
-    def _drawing(self, charts: dict[str, str], name: str, words: Callable[[], str]) -> Block:
-        """Return a drawing with its caption and, for a screen reader, its words; an empty block without it."""
-        if name not in charts:
-            return {}
-        caption = self.say(f"charts.caption_{name}", condition=self._condition(self.lowest))
-        return {"kind": "image", "file": charts[name], "alt": f"{caption} {words()}", "caption": caption}
-
-    def _crossings_in_words(self) -> str:
+    def _crossings(self, speeds: PumpOverSpeed) -> str:
         say = self.say
         crossings = []
-        for each in self._speeds.demands:
+        for each in speeds.demands:
             taken = say("charts.taken_at", temperature=say.plain_value(each.temperature, "temperature"))
-            speed = say.number(each.crossing * RPM, 0)
-            crossings.append(f"{taken}: {self.names.flow_with_unit(each.flow)}, {speed} 1/min")
+            flow = f"{say.value(each.flow * DM3_MIN, 'flow', 2)} {say.unit('flow')}"
+            crossings.append(f"{taken}: {flow}, {say.number(each.crossing * RPM, 0)} 1/min")
         return f"{joined(crossings, '; ')}."
 
-    def _pressures_in_words(self) -> str:
-        held = (circuit_sentence(self.diagnosis, each, self.say) for each in self.lowest.applied)
-        return f"{joined(held, '. ')}."
-
-    def _flows_in_words(self) -> str:
-        say, places = self.say, self._flows.places
+    def _flows(self, diagram: FlowDiagram) -> str:
+        say, places = self.say, diagram.places
         flows = (
             say(
                 "flows.flow",
@@ -89,150 +83,115 @@ class Pressures:
                 target=places[each.target].name,
                 flow=flow_words(each.flow, say),
             )
-            for each in self._flows.flows
+            for each in diagram.flows
         )
         return say("flows.alt", flows=f"{joined(flows, '; ')}.")
 
-    # --- the section
-
-    def blocks(self, charts: dict[str, str]) -> Iterable[Block]:
-        """Return the line and the pump at every condition, then the circuits of each, and their drawings."""
-        say, conditions = self.say, self.conditions
-        solved = self.diagnosis.profile.circuits == "on"
-        if solved:
-            yield self._line(conditions)
-        yield self._pump(conditions)
-        measured = pump_sentence(self.diagnosis, say)
-        if measured is not None:
-            yield text(measured)
-        yield text(say("texts.held") if solved else say("held.not_solved"), small=True)
-        yield self._drawing(charts, "pump", self._crossings_in_words)
-        if solved and self.diagnosis.controller.circuits:
-            for at in conditions:
-                yield from self._circuits(at)
-            yield text(say("texts.circuits"), small=True)
-            yield self._drawing(charts, "pressures", self._pressures_in_words)
-            yield self._drawing(charts, "flows", self._flows_in_words)
+    # --- tables
 
     def _condition(self, at: PressuresAt) -> str:
         return self.names.condition(at.projection.condition)
 
-    def _kpa(self, pressure: float | None) -> str:
-        return self.say.value(None if pressure is None else pressure * KPA, "pressure", 0)
+    def _table(self, rows: Iterable[Any], columns: Iterable[Column], **more: Any) -> Block:
+        """Return a table without the columns on repairs and limits, where none is planned and none is set."""
+        whole = Table("", tuple(columns), list(rows), self.say, **more)
+        kept = {column.key for column in whole.filled.columns}
+        optional = {"held_repaired", "reserve_repaired", "band", "reserve_decision"}
+        return printed(whole.without(*(optional - kept)))
 
-    def _held(self, each: HeldPressure) -> str:
-        low, high = each.interval or (None, None)
-        low, high = (None if end is None else end * KPA for end in (low, high))
-        return self._kpa(each.now) + self.names.interval(low, high, 0, "pressure")
+    def _held(self, of: Callable[[Any], HeldPressure]) -> list[Column]:
+        """Return the columns of what is held, with its interval below it, when new and with the planned repairs."""
 
-    def _verdict(self, each: HeldPressure) -> dict[str, str] | str:
-        if each.verdict is None:
-            return "–"
-        return {"sign": each.verdict, "text": self.say.level(each.verdict)}
+        def end(which: int) -> Callable[[Any], float | None]:
+            return lambda item: None if (interval := of(item).interval) is None else interval[which]
 
-    def _repaired(self, pressure: Callable[[Any], float | None], items: Iterable[Any]) -> list[PrintedColumn]:
-        """Return the column with what is held after the planned repairs, where any are planned."""
-        if all(pressure(each) is None for each in items):
-            return []
-        name = self.names.column("held_repaired")
-        return [PrintedColumn(name, lambda each: self._kpa(pressure(each)), self.say.unit("pressure"), side="r")]
-
-    # --- the line and the pump
-
-    def _line(self, conditions: Sequence[PressuresAt]) -> Block:
-        column, unit = self.names.column, self.say.unit("pressure")
-        return grouped_table(
-            [
-                PrintedColumn(column("required"), self._required, unit, side="r"),
-                PrintedColumn(column("held"), lambda at: self._held(at.line), unit, side="r"),
-                PrintedColumn(column("held_new"), lambda at: self._kpa(at.line.new), unit, side="r"),
-                *self._repaired(lambda at: at.line.repaired, conditions),
-                PrintedColumn(column("permissible"), self._permissible, unit, side="r"),
-                PrintedColumn(column("verdict"), lambda at: self._verdict(at.line)),
-                PrintedColumn(column("decision"), lambda at: self._decision(at.line.decided), width=1),
-            ],
-            ((self._condition(at), [at]) for at in conditions),
-            told=lambda at: self._told(at.line),
-        )
-
-    def _required(self, at: PressuresAt) -> str:
-        return self._kpa(at.projection.condition.main_pressure)
-
-    def _permissible(self, at: PressuresAt) -> str:
-        permissible = at.line.permissible
-        low, high = (permissible.low, permissible.high) if permissible else (None, None)
-        if low is not None and high is not None:
-            return f"{self._kpa(low)}–{self._kpa(high)}"
-        if low is not None:
-            return self.say("texts.at_least_kpa", low=self._kpa(low))
-        return "–" if high is None else self.say("texts.at_most_kpa", high=self._kpa(high))
-
-    def _pump(self, conditions: Sequence[PressuresAt]) -> Block:
-        column, flow, say = self.names.column, self.names.flow, self.say
-
-        def reserve(at: PressuresAt) -> str:
-            low, high = at.reserve_interval or (None, None)
-            return say.number(at.projection.reserve, 2) + self.names.interval(low, high, 2)
-
-        unit = self.say.unit("flow")
-        columns = [
-            PrintedColumn(column("supply"), lambda at: flow(at.projection.pump_supply), unit, side="r"),
-            PrintedColumn(column("leakage"), lambda at: flow(at.projection.leakage), unit, side="r"),
-            PrintedColumn(column("slip"), lambda at: flow(at.projection.slip), unit, side="r"),
-            PrintedColumn(column("consumers"), lambda at: flow(at.projection.consumers), unit, side="r"),
-            PrintedColumn(column("short"), lambda at: flow(at.projection.starved), unit, side="r"),
-            PrintedColumn(column("reserve"), reserve, side="r"),
-            PrintedColumn(column("reserve_new"), lambda at: say.number(at.reserve_new, 2), side="r"),
+        return [
+            Column("held", "pressure", of=lambda item: of(item).now, times=KPA),
+            Column("held_low", "pressure", of=end(0), times=KPA),
+            Column("held_high", "pressure", of=end(1), times=KPA),
+            Column("held_new", "pressure", of=lambda item: of(item).new, times=KPA),
+            Column("held_repaired", "pressure", of=lambda item: of(item).repaired, times=KPA),
         ]
-        if any(at.reserve_repaired is not None for at in conditions):
-            name = column("reserve_repaired")
-            columns.append(PrintedColumn(name, lambda at: say.number(at.reserve_repaired, 2), side="r"))
-        if any(at.reserve_rule is not None for at in conditions):
-            columns.append(PrintedColumn(column("band"), self._reserve_band))
-            columns.append(PrintedColumn(column("decision"), lambda at: self._decision(at.reserve_decided), width=1))
-        return grouped_table(columns, ((self._condition(at), [at]) for at in conditions))
 
-    def _reserve_band(self, at: PressuresAt) -> dict[str, str] | str:
-        rule, verdict = at.reserve_rule, at.reserve_verdict
-        if rule is None or verdict is None:
-            return "–"
-        return {"sign": verdict, "text": self.say.level(rule.level if verdict == rule.verdict else verdict)}
+    def _judged(self, of: Callable[[Any], HeldPressure]) -> list[Column]:
+        return [
+            Column("verdict", VERDICT, of=lambda item: of(item).verdict),
+            Column("decision", width=100, of=lambda item: self._decision(of(item).decided)),
+        ]
 
-    # --- circuits
+    def _line(self, conditions: Iterable[PressuresAt]) -> Block:
+        def line(at: PressuresAt) -> HeldPressure:
+            return at.line
+
+        columns = [
+            Column("required", "pressure", of=lambda at: at.projection.condition.main_pressure, times=KPA),
+            *self._held(line),
+            Column("permissible", words_of="pressure", of=lambda at: permissible_text(at.line.permissible, self.say)),
+            *self._judged(line),
+        ]
+        return self._table(conditions, columns, group=self._condition, told=lambda at: self._told(at.line))
+
+    def _pump(self, conditions: Iterable[PressuresAt]) -> Block:
+        def end(which: int) -> Callable[[PressuresAt], float | None]:
+            return lambda at: None if at.reserve_interval is None else at.reserve_interval[which]
+
+        def band(at: PressuresAt) -> Judged:
+            rule, verdict = at.reserve_rule, at.reserve_verdict
+            if rule is None or verdict is None:
+                return Judged(None)
+            return Judged(self.say.level(rule.level if verdict == rule.verdict else verdict), verdict)
+
+        def flow(what: str, at: PressuresAt) -> float:
+            return float(getattr(at.projection, what))
+
+        flows = {"supply": "pump_supply", "leakage": "leakage", "slip": "slip"}
+        flows |= {"consumers": "consumers", "short": "starved"}
+        columns = [
+            *(Column(key, "flow", of=partial(flow, what), times=DM3_MIN) for key, what in flows.items()),
+            Column("reserve", digits=2, of=lambda at: at.projection.reserve),
+            Column("reserve_low", digits=2, of=end(0)),
+            Column("reserve_high", digits=2, of=end(1)),
+            Column("reserve_new", digits=2),
+            Column("reserve_repaired", digits=2),
+            Column("band", of=band),
+            Column(
+                "reserve_decision",
+                words=self.say("printed.decision"),
+                width=50,
+                of=lambda at: self._decision(at.reserve_decided),
+            ),
+        ]
+        return self._table(conditions, columns, group=self._condition)
 
     def _circuits(self, at: PressuresAt) -> Iterable[Block]:
-        say, column, unit = self.say, self.names.column, self.say.unit("pressure")
-        applied = [each for each in at.circuits if not each.vented]
+        def itself(each: HeldPressure) -> HeldPressure:
+            return each
+
+        say, section = self.say, self.names.section
+        columns = [
+            Column("circuit", width=150, of=lambda each: section(each.id)),
+            *self._held(itself),
+            Column("set_pressure", "pressure", times=KPA),
+            Column("lost", "pressure", of="loss", times=KPA),
+            *self._judged(itself),
+        ]
         yield text(say("texts.circuits_at", condition=self._condition(at)), leads=True)
-        yield table(
-            [
-                PrintedColumn(column("circuit"), lambda each: self.names.section(each.id), width=3),
-                PrintedColumn(column("held"), self._held, unit, side="r"),
-                PrintedColumn(column("held_new"), lambda each: self._kpa(each.new), unit, side="r"),
-                *self._repaired(lambda each: each.repaired, applied),
-                PrintedColumn(column("set_pressure"), lambda each: self._kpa(each.set_pressure), unit, side="r"),
-                PrintedColumn(column("lost"), lambda each: self._kpa(each.loss), unit, side="r"),
-                PrintedColumn(column("verdict"), self._verdict),
-                PrintedColumn(column("decision"), lambda each: self._decision(each.decided), width=2),
-            ],
-            applied,
-            told=self._told,
-        )
-        vented = joined(self.names.section(each.id) for each in at.circuits if each.vented)
+        yield self._table((each for each in at.circuits if not each.vented), columns, told=self._told)
+        vented = joined(section(each.id) for each in at.circuits if each.vented)
         if vented:
             yield text(say("texts.vented", circuits=vented), small=True)
 
-    def _decision(self, decided: Any) -> str:
-        return "–" if decided is None else self.names.decided(decided.decision, decided.probability_over_limit)
+    def _decision(self, decided: RuleDecision | None) -> str | None:
+        return None if decided is None else self.names.decided(decided.decision, decided.probability_over_limit)
 
     def _told(self, each: HeldPressure) -> str:
-        causes = self._causes(each)
-        return f"{self.names.column('costs')}, {self.say.unit('pressure')}: {causes}" if causes else ""
-
-    def _causes(self, each: HeldPressure) -> str:
+        """Name the lands that cost it most."""
+        say, controller = self.say, self.diagnosis.controller
         shown = [cause for cause in each.causes.items() if abs(cause[1]) * KPA >= _SHOWS]
         causes = sorted(shown, key=lambda cause: -abs(cause[1]))
-        controller = self.diagnosis.controller
-        named = [f"{land_number(controller, key, self.say)}\u00a0{self._kpa(loss)}" for key, loss in causes[:_LANDS]]
-        more = len(causes) - _LANDS
-        return joined([*named, self.say("texts.more_lands", count=more) if more > 0 else ""])
+        named = [
+            f"{land_number(controller, key, say)}\u00a0{say.value(loss * KPA, 'pressure', 0)}"
+            for key, loss in causes[:_LANDS]
+        ]
+        more = [say("texts.more_lands", count=len(causes) - _LANDS)] if len(causes) > _LANDS else []
+        return f"{say('printed.costs')}, {say.unit('pressure')}: {joined([*named, *more])}" if causes else ""

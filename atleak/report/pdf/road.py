@@ -3,120 +3,104 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, printed, table, text
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.pdf.blocks import Block, bullets, joined, named_facts, picture, printed, text
+from atleak.report.pdf.printed_names import Part, PrintedNames
+from atleak.report.printed_charts import road_chart
 from atleak.road_findings import RoadFindings
 from atleak.views.log_rows import event_table, place_table
+from atleak.views.road_instants import RoadInstant, instant_table
 from atleak.views.road_series import RoadSeries
-from atleak.views.road_words import (
-    check_sentences,
-    log_sentences,
-    pressure_sentences,
-    test_sentences,
-)
+from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
+from atleak.views.table import Column
+from atleak.workshop_units import DM3_MIN, PERCENT
 
 EVENTS = 40  # that are listed one by one; the others stand in the workbook and in the JSON
 
 
-class RoadTestSection:
+class RoadTestSection(Part):
     """The section on the road test; ``series`` is the thinned leakage over it, None where there is none."""
 
     def __init__(self, names: PrintedNames, series: RoadSeries | None) -> None:
-        self.names, self.series = names, series
-        self.diagnosis, self.say = names.diagnosis, names.say
+        super().__init__(names)
+        self.series = series
 
-    def blocks(self, charts: dict[str, str]) -> Iterable[Block]:
+    def blocks(self) -> Iterable[Block]:
         """Yield what the log says by itself, then the leakage over it."""
-        log, road = self.diagnosis.log, self.diagnosis.road
+        log, road, say = self.diagnosis.log, self.diagnosis.road, self.say
         if log is None:
             return
-        say, test = self.say, log.road_test
-        yield facts(
-            [
-                [say("facts.road_test"), test.file],
-                [say("facts.duration"), f"{say.number(test.duration, 1)} s"],
-                [say("facts.samples"), say.number(test.rows, 0)],
-            ]
-        )
-        yield from (text(each) for each in pressure_sentences(log, say))
-        yield self._places(log)
-        yield from (text(each) for each in (*test_sentences(log, say), *log_sentences(log, say)))
+        test = log.road_test
+        duration, samples = f"{say.number(test.duration, 1)} s", say.number(test.rows, 0)
+        yield named_facts("facts", say, road_test=test.file, duration=duration, samples=samples)
+        yield from map(text, pressure_sentences(log, say))
+        if log.permitted is not None:
+            yield printed(place_table(log.permitted, say).without("place_source"))
+        yield from map(text, (*test_sentences(log, say), *log_sentences(log, say)))
         checks = check_sentences(self.diagnosis, say)
         if checks:
             yield text(say("findings.check_next"))
-            yield {"kind": "list", "items": checks}
+            yield bullets(checks)
         yield from self._events(log)
         if road is not None and self.series is not None:
-            yield from self._leakage(road, self.series, charts)
-
-    def _places(self, log: RoadFindings) -> Block:
-        """Return main pressure in each gear and state beside what is permitted there."""
-        if log.permitted is None:
-            return {}
-        return printed(place_table(log.permitted, self.say).without("place_source"))
+            yield from self._leakage(road, self.series)
 
     def _events(self, log: RoadFindings) -> Iterator[Block]:
-        events = event_table(log.events[:EVENTS], self.say).without("event_lasts", "event_source")
-        yield printed(events)
+        yield printed(event_table(log.events[:EVENTS], self.say).without("event_lasts", "event_source"))
         more = len(log.events) - EVENTS
         if more > 0:
             yield text(self.say("findings.more_events", count=more), small=True)
 
     # --- leakage over the log
 
-    def _leakage(self, road: RoadLeakage, series: RoadSeries, charts: dict[str, str]) -> Iterator[Block]:
+    def _leakage(self, road: RoadLeakage, series: RoadSeries) -> Iterator[Block]:
         say, names = self.say, self.names
         shares = joined(
-            f"{self.names.section(name)} {say.percent(share, 0)}"
+            f"{names.section(name)} {say.percent(share, 0)}"
             for name, share in road.section_shares.items()
             if share is not None
         )
-        yield facts(
-            [
-                [say("facts.gears"), joined(map(str, road.gears))],
-                [say("facts.sections"), shares],
-            ]
-        )
-        marked = [row for row in series.instants if row.leads]
+        yield named_facts("facts", say, gears=joined(map(str, road.gears)), sections=shares)
+        yield self._drawing(road, series)
+        numbers = {row.label(say): number for number, row in enumerate(_marked(series), start=1)}
+        number = Column("", digits=0, words="", of=lambda row: numbers.get(row["instant"]))
+        table = instant_table(road, self.diagnosis.uncertainty, say)
+        yield printed(replace(table, columns=(number, *table.columns)))
+        notes = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
+        notes += [say("texts.lower_bound")] if road.lower_bound else []
+        yield text(" ".join(notes), small=True)
+
+    def _drawing(self, road: RoadLeakage, series: RoadSeries) -> Block:
+        """Return the leakage over the log with the instants that are read first marked by numbers."""
+        say = self.say
+        marked = _marked(series)
+        points = [
+            (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)
+            for at in (row.instant for row in marked)
+        ]
+        bands = [(band, limit * PERCENT) for band, limit in self.diagnosis.limits.fixed_bands]
         spoken = " ".join(
             say(
                 "charts.instant_alt",
                 instant=row.label(say),
-                share=say.percent(row.instant.share)
-                if row.instant.share is not None
-                else f"{names.flow(row.instant.leakage)} dm³/min",
-                time=say.number(row.instant.time, 1),
+                share=say.quantity(leakage, "flow", 2) if share is None else say.number(share, 1) + "\u00a0%",
+                time=say.number(time, 1),
             )
-            for row in marked
+            for row, (time, leakage, share) in zip(marked, points, strict=True)
         )
         thinned = ""
         if series.thinned:
             kept = say.number(len(series.columns["time_s"]), 0)
             thinned = say("charts.caption_thinned", kept=kept, samples=say.number(series.samples, 0))
         listed = joined(f"{number} {row.label(say)}" for number, row in enumerate(marked, start=1))
-        known = "charts.road_alt" if road.share is not None else "charts.road_alt_no_share"
-        yield {
-            "kind": "image",
-            "file": charts["road"],
-            "alt": say(known, instants=spoken),
-            "caption": say("charts.caption_road", instants=listed, thinned=thinned).strip(),
-        }
-        columns = [
-            PrintedColumn("", lambda row: str(1 + marked.index(row)) if row in marked else "", side="r"),
-            PrintedColumn(say("printed.instant"), lambda row: row.label(say), width=4),
-            PrintedColumn(say("printed.time"), lambda row: f"{say.number(row.instant.time, 1)} s", width=2, side="r"),
-            PrintedColumn(say("printed.leakage"), lambda row: names.instant_leakage(row.instant), width=2, side="r"),
-            PrintedColumn(
-                say("printed.capacity"),
-                lambda row: names.flow_with_unit(row.instant.pump_capacity),
-                width=2,
-                side="r",
-            ),
-            PrintedColumn(say("printed.share"), lambda row: names.instant_share(row.instant), width=2, side="r"),
-        ]
-        yield table(columns, series.instants)
-        notes = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
-        notes += [say("texts.lower_bound")] if road.lower_bound else []
-        yield text(" ".join(notes), small=True)
+        return picture(
+            road_chart(series, points, bands, say),
+            say("charts.road_alt" if road.share is not None else "charts.road_alt_no_share", instants=spoken),
+            say("charts.caption_road", instants=listed, thinned=thinned).strip(),
+        )
+
+
+def _marked(series: RoadSeries) -> list[RoadInstant]:
+    return [row for row in series.instants if row.leads]

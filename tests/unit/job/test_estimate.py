@@ -28,7 +28,6 @@ from atleak.report.estimate_words import EstimateWords, open_words
 from atleak.report.pdf.body import Body
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.xlsx import write_workbook
-from atleak.views.diagnosis_record import diagnosis_record
 from atleak.wording import wording
 
 PR, ACC = "pressure_regulator", "accumulator"
@@ -202,8 +201,8 @@ def test_the_report_prints_lines_boxes_and_sums_only_where_an_estimate_was_fille
     say = wording(language)
 
     def sections(job: Job) -> dict[str, list[dict[str, Any]]]:
-        body = Body(PrintedNames(worn, diagnosis_record(worn), job, say), None, {})
-        return {each["name"]: each["blocks"] for each in body.sections(["repair", "estimate"], {})}
+        body = Body(PrintedNames(worn, job, say), None, {})
+        return {each["name"]: each["blocks"] for each in body.sections(["repair", "estimate"])}
 
     bare = sections(Job())
     assert "estimate" not in bare

@@ -5,13 +5,12 @@ from __future__ import annotations
 from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.views.diagnosis_record import diagnosis_record
 from atleak.wording import wording
 from pages.shared import words
 
 
 def test_every_open_verdict_that_is_listed_says_how_it_can_be_decided(sample_diagnoses: dict[str, Diagnosis]) -> None:
     sample, say = sample_diagnoses["workshop"], wording("en")
-    lines = words.advice(sample, PrintedNames(sample, diagnosis_record(sample), Job(), say).advice, say)
+    lines = words.advice(sample, PrintedNames(sample, Job(), say).advice, say)
     assert any(line.startswith("- **26/2 manual selector valve**: wear 56.8") for line in lines)
     assert not [line for line in lines if line.rstrip().endswith("**:")]

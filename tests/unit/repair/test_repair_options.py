@@ -321,11 +321,7 @@ def test_every_language_prints_the_repairs_and_what_they_cost(language: str, pla
     said = " ".join(plan_ends(plan, say))
     assert "061,50 EUR" in said
     assert "1,5 h" in said
-    blocks = [
-        block
-        for block in Conditions(PrintedNames(diagnosis, diagnosis_record(diagnosis), Job(), say)).repair_order()
-        if block
-    ]
+    blocks = [block for block in Conditions(PrintedNames(diagnosis, Job(), say)).repair_order() if block]
     texts = [block["text"] for block in blocks if block["kind"] == "text"]
     assert say("texts.repair_order_by_options") in texts
     tables = [block for block in blocks if block["kind"] == "table"]

@@ -11,7 +11,6 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.job.record import Job
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import Verdict
-from atleak.views.diagnosis_record import diagnosis_record
 from atleak.wording import languages, wording
 
 
@@ -27,7 +26,7 @@ def near(worn: Diagnosis) -> Diagnosis:
 @pytest.mark.parametrize("language", languages())
 def test_lands_that_only_judgement_decides_stand_together_with_one_advice(near: Diagnosis, language: str) -> None:
     say = wording(language)
-    names = PrintedNames(near, diagnosis_record(near), Job(), say)
+    names = PrintedNames(near, Job(), say)
     judged = [land for land in near.flagged if land.decision == "conditional_fail"]
     assert judged
     twice = [*judged, *judged[:1]]

@@ -24,7 +24,6 @@ from atleak.report.pdf.customer import CustomerPage, digits_apart
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import Band, Verdict
 from atleak.views.complaint import explanations
-from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.worn_valves import End, worn_valves
 from atleak.wording import languages, wording
 
@@ -150,9 +149,7 @@ def test_a_complaint_is_named_for_a_valve_only_where_it_costs_a_pressure(all_wor
 def test_a_complaint_is_explained_by_the_pressure_that_valves_cost_where_it_shows(all_worn, language):
     found, say = all_worn("five_speed_2005"), wording(language)
     (linked, *_) = explanations(found, found.complaint)
-    said = " ".join(
-        CustomerPage(PrintedNames(found, diagnosis_record(found), Job(), say), signed=False).data()["found"]["texts"][0]
-    )
+    said = " ".join(CustomerPage(PrintedNames(found, Job(), say), signed=False).data()["found"]["texts"][0])
     held, new = (say.value(pressure / 1e3, "pressure", 0) for pressure in (linked.held.now, linked.held.new))
     assert say("held.line") in said or say.name(linked.held.circuit.name) in said
     assert held in said
@@ -187,7 +184,7 @@ def test_what_a_repair_helps_most_is_the_pressure_where_it_helps_one(all_worn, w
 @pytest.mark.parametrize("language", languages())
 def test_what_is_repaired_alone_is_explained_however_full_the_page_is(worn, language):
     say = wording(language)
-    notes = CustomerPage(PrintedNames(worn, diagnosis_record(worn), Job(), say), signed=False).data()["valves"]["notes"]
+    notes = CustomerPage(PrintedNames(worn, Job(), say), signed=False).data()["valves"]["notes"]
     assert all(say("customer.alone_means") in each for each in notes)
 
 
@@ -195,7 +192,7 @@ def test_what_is_repaired_alone_is_explained_however_full_the_page_is(worn, lang
 def test_a_band_that_is_not_sure_is_just_reached_on_the_first_page(worn, language):
     """Red of the sample at 11.7 %, where red begins at 11.5 %."""
     say, rule = wording(language), worn.worst_total
-    page = CustomerPage(PrintedNames(worn, diagnosis_record(worn), Job(), say), signed=False)
+    page = CustomerPage(PrintedNames(worn, Job(), say), signed=False)
     for decision, just in (("conditional_fail", True), ("conditional_pass", True), ("fail", False), ("pass", False)):
         decided = replace(worn.decided(rule), decision=decision)
         uncertainty = SimpleNamespace(on=lambda _, decided=decided: decided)
@@ -213,7 +210,7 @@ def test_lines_with_a_price_come_first_and_those_without_stand_in_one_line(worn)
         {"component": first[0], "land": first[1], "work": "swap", "decision": "declined", "reason": "too dear"},
         {"component": second[0], "land": second[1], "work": "ream", "price": 180.0, "decision": "proposed"},
     ]
-    names = PrintedNames(worn, diagnosis_record(worn), Job(estimate=ESTIMATE, repair_decisions=works), wording("en"))
+    names = PrintedNames(worn, Job(estimate=ESTIMATE, repair_decisions=works), wording("en"))
     cost = CustomerPage(names, signed=False).data()["cost"]
     assert [row[1] for row in cost["tables"][0]["rows"]] == ["ream", "swap"]
     assert "Not priced yet: " in cost["notes"][0]
@@ -253,13 +250,13 @@ def test_a_sound_valve_body_is_not_the_cause_of_a_complaint_and_work_on_it_is_do
     component = found.controller.lands[0].component
     work = {"component": component, "work": "ream", "price": 180.0, "hours": 2.0, "decision": "approved"}
     job, say = Job(complaint="Slips when hot", estimate=ESTIMATE, repair_decisions=[work]), wording(language)
-    names = PrintedNames(found, diagnosis_record(found), job, say)
+    names = PrintedNames(found, job, say)
     data = CustomerPage(names, signed=False).data()
     assert data["headline"] == say("customer.ok_complaint")
     assert data["urgency"][1] == say("customer.urgent_ok_complaint") != say("customer.urgent_ok")
     assert data["do"]["texts"][0] == say("customer.do_elsewhere")
     assert say("customer.needless", valves="").rstrip(".") in data["cost"]["notes"][-1]
-    silent = CustomerPage(PrintedNames(replace(found, complaint=None), names.record, Job(), say), signed=False).data()
+    silent = CustomerPage(PrintedNames(replace(found, complaint=None), Job(), say), signed=False).data()
     assert silent["headline"] == say("customer.ok")
     assert silent["do"]["texts"][0] == say("customer.do_nothing")
 
@@ -318,7 +315,7 @@ def test_a_valve_to_be_watched_does_not_hide_that_the_complaint_is_not_explained
     found, say = grown({("10", 1): 0.3}), wording("en")
     assert found.verdict is Verdict.WATCH
     for profile, said in ((WORKSHOP, True), (PAPER, False)):  # which solves no pressure
-        names = PrintedNames(replace(found, profile=profile), diagnosis_record(found), Job(), say)
+        names = PrintedNames(replace(found, profile=profile), Job(), say)
         do = CustomerPage(names, signed=False).data()["do"]["texts"][0]
         assert (say("customer.do_elsewhere") in do) == said
 
@@ -377,7 +374,7 @@ def test_shares_of_different_bands_are_printed_as_different_numbers(shares, band
 def test_a_loss_after_all_repairs_that_is_under_that_of_a_new_unit_is_explained(grown):
     found = grown({("25", 1): 2.0, ("26", 2): -0.6})
     end = next(each for each in plan_repairs(found).ends if each.condition == found.worst.condition)
-    page = CustomerPage(PrintedNames(found, diagnosis_record(found), Job(), wording("en")), signed=False)
+    page = CustomerPage(PrintedNames(found, Job(), wording("en")), signed=False)
     said = page.data()["do"]["texts"][0]
     assert end.share < found.new_at(found.worst).share
     assert f"less than the {wording('en').percent(found.new_at(found.worst).share)} of a new unit" in said
@@ -389,7 +386,7 @@ def test_more_oil_than_the_pump_delivers_is_not_said_to_be_lost(unmeasured, lang
     found = diagnose(unmeasured.controller, unmeasured.fluid, unmeasured.limits, condition=slow)
     share, say = found.new_at(found.worst).share, wording(language)
     assert 1.0 < share < float("inf")
-    names = PrintedNames(found, diagnosis_record(found), Job(), say)
+    names = PrintedNames(found, Job(), say)
     (_, texts) = CustomerPage(names, signed=False).data()["found"].values()
     values = {"condition": names.condition(found.worst.condition), "new": say.percent(share)}
     assert say("customer.lost_new_over", **values) in texts[0]
@@ -398,9 +395,7 @@ def test_more_oil_than_the_pump_delivers_is_not_said_to_be_lost(unmeasured, lang
 
 def test_who_approves_signs_between_technician_and_customer_where_somebody_is_named(worn):
     for approver, roles in (("", ["technician", "customer"]), ("K. Lis", ["technician", "approver", "customer"])):
-        names = PrintedNames(
-            worn, diagnosis_record(worn), Job(approved_by=approver, technician="B. Nowak"), wording("en")
-        )
+        names = PrintedNames(worn, Job(approved_by=approver, technician="B. Nowak"), wording("en"))
         people = CustomerPage(names, signed=True).data()["signatures"]["people"]
         assert [role for role, _ in people] == [wording("en")(f"texts.sign_{role}") for role in roles]
         assert people[0][1] == "B. Nowak"

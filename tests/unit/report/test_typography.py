@@ -12,9 +12,11 @@ import pytest
 
 from atleak.catalogue.controller_reading import load_controller
 from atleak.job.record import Job
-from atleak.report.pdf import picture_look, write_pdf
-from atleak.report.pdf.blocks import PrintedColumn, grouped_table, table, text, with_notes
+from atleak.report.pdf import write_pdf
+from atleak.report.pdf.blocks import listed, text, with_notes
+from atleak.report.pdf.body import picture_look
 from atleak.views.drawing import controller_svg
+from atleak.views.table import Column
 from atleak.wording import languages, wording
 
 LEAST = 8.9  # [pt]: 9 pt as the file rounds it
@@ -63,9 +65,11 @@ def test_names_in_the_drawing_of_a_valve_body_are_no_smaller_than_7_5_points(nam
         assert min(map(float, re.findall(r'font-size="([\d.]+)"', drawn))) * scale >= 7.5
 
 
+COLUMNS = [Column(name, words=name, of=str) for name in "ab"]
+
+
 def test_a_note_below_a_table_belongs_to_it_and_another_paragraph_does_not():
-    column = PrintedColumn("a", str)
-    rows, note, more = table([column], [1, 2]), text("said of it", small=True), text("next", small=True)
+    rows, note, more = listed(wording("en"), [1, 2], *COLUMNS), text("said of it", small=True), text("next", small=True)
     noted, after = with_notes([rows, {}, note, more])
     assert noted["note"] == "said of it"
     assert after is more
@@ -75,10 +79,10 @@ def test_a_note_below_a_table_belongs_to_it_and_another_paragraph_does_not():
 
 
 def test_rows_of_a_group_stand_below_its_title_and_hold_together():
-    made = grouped_table([PrintedColumn("a", str), PrintedColumn("b", str)], [("first", [1, 2]), ("second", [3])])
+    made = listed(wording("en"), [1, 2, 3], *COLUMNS, group=lambda item: "first" if item < 3 else "second")
     assert made["rows"] == [["first"], ["1", "1"], ["2", "2"], ["second"], ["3", "3"]]
     assert made["groups"] == [3, 2]
-    assert grouped_table([PrintedColumn("a", str)], []) == {}
+    assert listed(wording("en"), [], *COLUMNS) == {}
 
 
 @pytest.mark.parametrize("count", [2, 3, 5, *(pytest.param(each, marks=pytest.mark.slow) for each in range(6, 60, 3))])

@@ -101,12 +101,12 @@ def test_a_narrow_terminal_breaks_headings_and_words_never_a_number(
 
 def test_paper_has_the_unit_below_the_heading_and_each_value_in_its_own_colour() -> None:
     block = printed(table(group=lambda row: "a group"))
-    assert block["names"] == ["Verdict", "Pair", "Clearance\nµm", "Share\n%"]
+    assert block["names"] == ["Verdict", "Pair", "Clearance\nc_r\nµm", "Share\n%"]
     assert block["rows"][:2] == [
         ["a group"],
         [{"sign": "replace", "text": "replace"}, "8/1 <b>", "25.5", {"sign": "watch", "text": "3.2"}],
     ]
-    assert block["aligned"] == "llrr"
+    assert block["aligned"] == "lldd"
 
 
 def test_a_sheet_has_numbers_as_exact_as_they_are_in_the_readers_unit() -> None:
