@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
 from atleak.verdicts import Band, Verdict
@@ -65,6 +66,20 @@ def listed(
     return printed(Table("", columns, list(items), say, told=told, group=group), whole=whole)
 
 
+def ends(of: Callable[[Any], tuple[float, float] | None], column: Column) -> tuple[Column, Column]:
+    """Return the columns that put an interval below the values of another column."""
+
+    def end(which: int, item: Any) -> float | None:
+        interval = of(item)
+        return None if interval is None else interval[which]
+
+    low, high = (
+        replace(column, key=f"{column.key}_{name}", words="", of=partial(end, which))
+        for which, name in enumerate(("low", "high"))
+    )
+    return low, high
+
+
 def printed(content: Table, *, whole: bool = False) -> Block:
     """Return a table as a block; of verdicts sign and word, of a value the sign of its own verdict.
 
@@ -74,14 +89,14 @@ def printed(content: Table, *, whole: bool = False) -> Block:
     if not content.rows:
         return {}
     say, by_key = content.say, {column.key: column for column in content.columns}
-    ends = {key: (by_key[f"{key}_low"], by_key[f"{key}_high"]) for key in by_key if f"{key}_low" in by_key}
-    shown = [column for column in content.columns if not any(column in both for both in ends.values())]
+    intervals = {key: (by_key[f"{key}_low"], by_key[f"{key}_high"]) for key in by_key if f"{key}_low" in by_key}
+    shown = [column for column in content.columns if not any(column in both for both in intervals.values())]
     groups: list[list[list[Any]]] = []  # of rows that hold together
     for title, items in itertools.groupby(content.rows, content.group or (lambda _: "")):
         groups.append([[[title]]] if title else [])
         for item in items:
             said = "" if content.told is None else content.told(item)
-            row = [_cell(column, ends.get(column.key), item, say) for column in shown]
+            row = [_cell(column, intervals.get(column.key), item, say) for column in shown]
             groups[-1].append([row, [{"told": said}]] if said else [row])
     rows = [row for group in groups for held in group for row in held]
     block: Block = {
@@ -114,12 +129,12 @@ def _share(column: Column) -> int:
     return 0 if column.is_number or column.kind == VERDICT else (column.width or 0) // 50
 
 
-def _cell(column: Column, ends: tuple[Column, Column] | None, item: Any, say: Wording) -> Any:
+def _cell(column: Column, interval: tuple[Column, Column] | None, item: Any, say: Wording) -> Any:
     value, level = column.judged(item)
     if isinstance(value, dict):  # boxes to tick, or words in a language of their own
         return value
     text = say.level(value) if isinstance(value, Verdict | Band) else column.text(item, say)
-    low, high = (each.text(item, say) for each in ends) if ends else ("–", "–")
+    low, high = (each.text(item, say) for each in interval) if interval else ("–", "–")
     text = text if low == "–" else f"{text}\n({low}–{high})"
     return text if level is None else {"sign": level.verdict if isinstance(level, Band) else level, "text": text}
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
 from atleak.engine.projection import Projection
-from atleak.report.pdf.blocks import Block, joined, listed, named_facts
+from atleak.report.pdf.blocks import Block, ends, joined, listed, named_facts
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import Part
 from atleak.verdicts import Verdict
@@ -129,9 +129,7 @@ class Front(Part):
         return tuple(at for at in diagnosis.presented if any(at is other for other in most))
 
     def _totals(self) -> Block:
-        def end(which: int) -> Callable[[Projection], float | None]:
-            return lambda at: None if (share := self._share_interval(at)) is None else share[which]
-
+        share = Column("share", "percent", 1, times=PERCENT)
         columns = (
             *([] if all(map(self._names_temperature, self.shown)) else [self._temperature]),
             Column("speed", "engine_speed", of=lambda at: at.condition.engine_speed, times=RPM),
@@ -139,9 +137,8 @@ class Front(Part):
             Column("pressure", "pressure", of=self._pressure),
             Column("leakage", "flow", 2, times=DM3_MIN),
             Column("capacity", "flow", 2, of="pump_capacity", times=DM3_MIN),
-            Column("share", "percent", 1, times=PERCENT),
-            Column("share_low", "percent", 1, of=end(0), times=PERCENT),
-            Column("share_high", "percent", 1, of=end(1), times=PERCENT),
+            share,
+            *ends(self._share_interval, share),
             Column("share_new", "percent", 1, of=lambda at: self.diagnosis.new_at(at).share, times=PERCENT),
             Column("band", width=50, of=self._band),
             Column("reserve", digits=2),

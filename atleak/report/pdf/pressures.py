@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
-from atleak.report.pdf.blocks import Block, joined, picture, printed, text
+from atleak.report.pdf.blocks import Block, ends, joined, picture, printed, text
 from atleak.report.pdf.printed_names import Part
 from atleak.report.printed_charts import pressures_chart, pump_chart
 from atleak.uncertainty import RuleDecision
@@ -102,13 +102,10 @@ class Pressures(Part):
     def _held(self, of: Callable[[Any], HeldPressure]) -> list[Column]:
         """Return the columns of what is held, with its interval below it, when new and with the planned repairs."""
 
-        def end(which: int) -> Callable[[Any], float | None]:
-            return lambda item: None if (interval := of(item).interval) is None else interval[which]
-
+        held = Column("held", "pressure", of=lambda item: of(item).now, times=KPA)
         return [
-            Column("held", "pressure", of=lambda item: of(item).now, times=KPA),
-            Column("held_low", "pressure", of=end(0), times=KPA),
-            Column("held_high", "pressure", of=end(1), times=KPA),
+            held,
+            *ends(lambda item: of(item).interval, held),
             Column("held_new", "pressure", of=lambda item: of(item).new, times=KPA),
             Column("held_repaired", "pressure", of=lambda item: of(item).repaired, times=KPA),
         ]
@@ -132,9 +129,6 @@ class Pressures(Part):
         return self._table(conditions, columns, group=self._condition, told=lambda at: self._told(at.line))
 
     def _pump(self, conditions: Iterable[PressuresAt]) -> Block:
-        def end(which: int) -> Callable[[PressuresAt], float | None]:
-            return lambda at: None if at.reserve_interval is None else at.reserve_interval[which]
-
         def band(at: PressuresAt) -> Judged:
             rule, verdict = at.reserve_rule, at.reserve_verdict
             if rule is None or verdict is None:
@@ -146,11 +140,11 @@ class Pressures(Part):
 
         flows = {"supply": "pump_supply", "leakage": "leakage", "slip": "slip"}
         flows |= {"consumers": "consumers", "short": "starved"}
+        reserve = Column("reserve", digits=2, of=lambda at: at.projection.reserve)
         columns = [
             *(Column(key, "flow", of=partial(flow, what), times=DM3_MIN) for key, what in flows.items()),
-            Column("reserve", digits=2, of=lambda at: at.projection.reserve),
-            Column("reserve_low", digits=2, of=end(0)),
-            Column("reserve_high", digits=2, of=end(1)),
+            reserve,
+            *ends(lambda at: at.reserve_interval, reserve),
             Column("reserve_new", digits=2),
             Column("reserve_repaired", digits=2),
             Column("band", of=band),
