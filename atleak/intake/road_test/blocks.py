@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, TypeVar
 
 import numpy as np
@@ -14,9 +15,6 @@ from atleak.sentence import Sentence
 
 _BLOCK = 1 << 15
 """Numbers in a block: 256 kB."""
-
-_MANY = 200_000
-"""Rows from which on threads are worth their while."""
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -52,12 +50,17 @@ Ends = tuple[float, float]
 """The least and the greatest number of a column whose cells are all finite numbers."""
 
 
-def each(work: Callable[[Item], Result], columns: Iterable[Item], rows: int) -> list[Result]:
-    """Return what work makes of every column, on several cores where there are many rows: numpy leaves them free."""
-    if rows <= _MANY:
-        return [work(column) for column in columns]
-    with ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
-        return list(pool.map(work, columns))
+def in_turn(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+    """Yield what work makes of every item, a few of them at once: numpy and pandas leave the cores free."""
+    cores = min(4, os.cpu_count() or 1)
+    with ThreadPoolExecutor(cores) as pool:
+        waiting: deque[Future[Result]] = deque()
+        for item in items:
+            waiting.append(pool.submit(work, item))
+            if len(waiting) > cores:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
 
 
 def ends_of(values: np.ndarray) -> Ends | None:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from atleak.errors import RoadTestError, unknown
-from atleak.intake.road_test.blocks import Ends, each
+from atleak.intake.road_test.blocks import Ends
 from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.channels.assign import Assigner, Signal
 from atleak.intake.road_test.clock.timeline import Timeline
@@ -20,7 +20,6 @@ from atleak.sentence import Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import KPA
 
-_LONG = 2_000_000  # rows from which on channels are made one by one, so that not all are held twice
 _NOTHING = np.empty(0)
 
 
@@ -31,19 +30,14 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
     speeds = [assigner.signals[name] for name in beside]
     logged = {name: signal for name, signal in assigner.signals.items() if name != "time"}
 
-    def check(signal: Signal) -> _Checked:
-        speed = next((speed for speed in speeds if speed is not signal), None)
-        return _checked(signal, timeline, speed, assigner.ends.get(signal.candidate.heading.index))
-
-    long = len(timeline.time) > _LONG
-    checked = {} if long else dict(zip(logged, each(check, logged.values(), len(timeline.time)), strict=True))
     for quantity in QUANTITIES:
         if quantity in logged:
-            found = check(logged[quantity]) if long else checked[quantity]
-            built[quantity] = _channel(assigner, logged[quantity], found, timeline)
-            del found
-            if long and quantity not in beside:  # the file's numbers are let go of as soon as nothing asks for them
-                assigner.signals[quantity] = logged[quantity] = replace(logged[quantity], values=_NOTHING)
+            signal = logged[quantity]
+            speed = next((speed for speed in speeds if speed is not signal), None)
+            ends = assigner.ends.get(signal.candidate.heading.index)
+            built[quantity] = _channel(assigner, signal, _checked(signal, timeline, speed, ends), timeline)
+            if quantity not in beside:  # the file's numbers are let go of as soon as nothing asks for them
+                assigner.signals[quantity] = logged[quantity] = replace(signal, values=_NOTHING)
         elif quantity in constants and quantity != "time":  # of which the constant is the interval between rows
             built[quantity] = constant(assigner, quantity, constants[quantity], timeline.time[:1])
     refuse_unknown(constants)

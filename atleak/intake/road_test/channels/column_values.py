@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from atleak.intake.road_test.blocks import each
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.headers_between import refuse_another_header
 from atleak.intake.road_test.channels.protocol import LogTable
@@ -220,26 +219,16 @@ def columns_of_numbers(
 
     A column that cannot be read is NaN throughout.
     """
-
-    def cells(channel: Candidate) -> Cells:
-        return numbers(frame, channel.heading.index, decimal)
-
-    plain = all(dtype.kind == "f" for dtype in frame.dtypes)  # text takes much memory: one column at a time
-    read = each(cells, channels, len(frame) if plain else 0)
-    return {
-        channel.heading.index: _column_numbers(channel, found, frame.index, decimal, assigner)
-        for channel, found in zip(channels, read, strict=True)
-    }
-
-
-def _column_numbers(
-    candidate: Candidate, cells: Cells, index: pd.Index, decimal: Decimal, assigner: Assigner
-) -> np.ndarray:
-    tally = CellTally(candidate.quantity)
-    values = tally.add(cells, index)
-    if not tally.unreadable and cells.ends is not None:
-        assigner.ends[candidate.heading.index] = cells.ends
-    return values if tally.usable(candidate, values, decimal, assigner) else np.full(len(values), np.nan)
+    columns = {}
+    for channel in channels:
+        index = channel.heading.index
+        cells, tally = numbers(frame, index, decimal), CellTally(channel.quantity)
+        values = tally.add(cells, frame.index)
+        if not tally.unreadable and cells.ends is not None:
+            assigner.ends[index] = cells.ends
+        usable = tally.usable(channel, values, decimal, assigner)
+        columns[index] = values if usable else np.full(len(values), np.nan)
+    return columns
 
 
 _FEW_WORDS = 0.02  # part of a column's cells that may be no numbers

@@ -6,16 +6,12 @@ import gzip
 import hashlib
 import io
 import tempfile
-import threading
 import zlib
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Literal
-
-import numpy as np
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.files.other_files import refuse_what_is_no_log
@@ -26,8 +22,6 @@ HEAD = 1 << 16
 """Bytes that show what a file is."""
 LARGE = 1 << 18
 """Text files beyond this size are not read into memory as a whole unless they must be."""
-PIECE = 1 << 18
-"""Bytes that are looked at together where a whole file is looked through."""
 SPARE = 120 << 20
 """Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
 GROWTH = 4
@@ -37,112 +31,43 @@ TIMES = 6
 
 Form = Literal["text", "workbook", "mdf", "parquet"]
 _READ_FROM_DISK = ("text", "parquet", "mdf")  # forms of which a large file is not held
-Look = Callable[[memoryview], object]
-"""What looks at a file's bytes, a piece at a time."""
-
-
-def beside(look: Look, pieces: Iterable[memoryview]) -> Callable[[], None]:
-    """Show pieces of a text in a thread; return what waits until that is done."""
-
-    def show() -> None:
-        for piece in pieces:
-            look(piece)
-
-    pool = ThreadPoolExecutor(1)
-    done = pool.submit(show)
-    pool.shutdown(wait=False)
-    return done.result
-
-
-def pieces_of(path: Path, start: int = 0) -> Iterator[memoryview]:
-    """Yield a file's bytes from ``start`` on, a piece at a time, each in place of the one before."""
-    piece = memoryview(bytearray(PIECE))
-    with path.open("rb", buffering=0) as stream:
-        stream.seek(start)
-        while length := stream.readinto(piece):
-            yield piece[:length]
 
 
 class Digest:
-    """The SHA-256 of a file, computed in a thread while the file is read; others may look at the bytes with it."""
+    """The SHA-256 of a file, computed in a thread while the file is read."""
 
     def __init__(self, source: bytes | Path) -> None:
-        self._hash, self._source = hashlib.sha256(), source
-        self._look: Look | None = None
-        self._start = 0
-        self._nul = False
-        self._error: Exception | None = None
-        self._stopped = False
-        self.has_nul_unpacked = False
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._started = False
+        self._source, self._stopped = source, False
+        self._computed: Future[str] | None = None
 
-    def start(self, look: Look | None = None, start: int = 0) -> bool:
-        """Start computing; return False where that was done already.
-
-        ``look`` is shown the bytes of a file from ``start`` on: reading them once serves both.
-        """
-        if self._started:
-            return False
-        self._started = True
-        self._look, self._start = look, start
-        self._thread.start()
-        return True
-
-    def wait(self) -> None:
-        """Wait until all bytes were read.
-
-        Raises
-        ------
-        RoadTestError
-            where the disk does not give them.
-        """
-        self.start()
-        self._thread.join()
-        if isinstance(self._error, OSError):
-            problem = Sentence("cannot be read: {reason}", reason=reason_of(self._error))
-            raise RoadTestError(problem) from self._error
-        if self._error is not None:
-            raise self._error
+    def start(self) -> Future[str]:
+        """Start computing, where that was not done already."""
+        if self._computed is None:
+            pool = ThreadPoolExecutor(1)
+            self._computed = pool.submit(self._compute)
+            pool.shutdown(wait=False)
+        return self._computed
 
     def stop(self) -> None:
         """Compute no further, where nobody needs it: the file is open no more."""
         self._stopped = True
-        if self._started:
-            self._thread.join()
+        if self._computed is not None:
+            wait([self._computed])
 
-    def _run(self) -> None:
-        try:
-            self._read()
-        except Exception as error:  # noqa: BLE001  whatever it is: `wait` raises it where somebody sees it
-            self._error = error
-
-    def _read(self) -> None:
+    def _compute(self) -> str:
         if isinstance(self._source, bytes):
-            self._hash.update(self._source)
-            self._source = b""
-            return
-        before = self._start
-        for piece in pieces_of(self._source):
-            self._hash.update(piece)
-            self._nul = self._nul or not np.frombuffer(piece, np.uint8).min()
-            if self._look is not None and before < len(piece):
-                self._look(piece[before:])
-            before = max(before - len(piece), 0)
-            if self._stopped:
-                return
+            return hashlib.sha256(self._source).hexdigest()
+        digest = hashlib.sha256()
+        with self._source.open("rb", buffering=0) as stream:
+            while not self._stopped and (piece := stream.read(1 << 18)):
+                digest.update(piece)
+        return digest.hexdigest()
 
     def __str__(self) -> str:
-        self.wait()
-        return self._hash.hexdigest()
-
-    @property
-    def has_nul(self) -> bool:
-        """Return whether the file holds zero bytes."""
-        if isinstance(self._source, bytes):
-            return self.has_nul_unpacked
-        self.wait()
-        return self._nul
+        try:
+            return self.start().result()
+        except OSError as error:  # the disk does not give them
+            raise RoadTestError(Sentence("cannot be read: {reason}", reason=reason_of(error))) from error
 
 
 @dataclass(frozen=True)
@@ -160,7 +85,6 @@ class LogFile:
     form: Form
     size: int
     path: Path | None = None
-    packed: bool = False
     content: bytes | None = field(default=None, repr=False)
     folder: tempfile.TemporaryDirectory[str] | None = field(default=None, repr=False)
 
@@ -183,11 +107,6 @@ class LogFile:
         return self.head if self.size <= len(self.head) else self.head[: self.head.rfind(b"\n") + 1] or self.head
 
     @property
-    def in_memory(self) -> bool:
-        """Return whether the bytes have been read already."""
-        return self.content is not None
-
-    @property
     def sha256(self) -> str:
         """Return the SHA-256 of the file as it was given."""
         return str(self.digest)
@@ -196,14 +115,6 @@ class LogFile:
         """Delete what was unpacked to disk."""
         if self.folder is not None:
             self.folder.cleanup()
-
-    def look_through(self, start: int, look: Look) -> Callable[[], None]:
-        """Show all bytes of the log from ``start`` on, in a thread; return what waits until that is done."""
-        path = self.path
-        assert path is not None
-        if not self.packed and self.digest.start(look, start):
-            return self.digest.wait
-        return beside(look, pieces_of(path, start))
 
     def part(self, start: int, stop: int) -> bytes:
         """Return the log's bytes from ``start`` to ``stop``."""
@@ -246,23 +157,23 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
 
 def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) -> LogFile:
     if data[:2] != b"\x1f\x8b":
-        return LogFile(file, digest, data[:LARGE], _form_of(data), len(data), path, False, data)
+        return LogFile(file, digest, data[:LARGE], _form_of(data), len(data), path, data)
     folder = tempfile.TemporaryDirectory(prefix="atleak-")
     try:
         unpacked = Path(folder.name) / "log"
-        digest.has_nul_unpacked = _unpack(data, file, unpacked)
+        _unpack(data, file, unpacked)
         size = unpacked.stat().st_size
         with unpacked.open("rb") as stream:
             head = stream.read(LARGE)
         form = _form_of(head)
         if form in _READ_FROM_DISK and size > LARGE:
-            return LogFile(file, digest, head, form, size, unpacked, True, None, folder)
+            return LogFile(file, digest, head, form, size, unpacked, None, folder)
         content = unpacked.read_bytes()
     except BaseException:
         folder.cleanup()
         raise
     folder.cleanup()
-    return LogFile(file, digest, head, form, size, None, True, content)
+    return LogFile(file, digest, head, form, size, None, content)
 
 
 def _form_of(data: bytes) -> Form:
@@ -273,9 +184,9 @@ def _form_of(data: bytes) -> Form:
     return "parquet" if data[:4] == b"PAR1" else "text"
 
 
-def _unpack(data: bytes, file: str, target: Path) -> bool:
-    """Unpack into a file; return whether zero bytes were among what came out."""
-    limit, total, nul = GROWTH * len(data) + SPARE, 0, False
+def _unpack(data: bytes, file: str, target: Path) -> None:
+    """Unpack into a file."""
+    limit, total = GROWTH * len(data) + SPARE, 0
     place = Place(file=file)
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream, target.open("wb") as out:
@@ -285,7 +196,6 @@ def _unpack(data: bytes, file: str, target: Path) -> bool:
                     if part[:2] == b"\x1f\x8b":
                         raise RoadTestError(Sentence("is packed twice; unpack it first"), place=place)
                 total += len(part)
-                nul = nul or b"\x00" in part
                 if total > limit:
                     raise RoadTestError(
                         Sentence(
@@ -299,4 +209,3 @@ def _unpack(data: bytes, file: str, target: Path) -> bool:
         raise RoadTestError(Sentence("its gz packing is damaged: {reason}", reason=str(error)), place=place) from error
     if not total:
         raise RoadTestError(Sentence("is empty: the logger wrote nothing"), place=place)
-    return nul

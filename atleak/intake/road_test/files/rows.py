@@ -25,46 +25,22 @@ def one_line_end(data: bytes) -> bytes:
     return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
 
 
-@dataclass(frozen=True)
-class Tally:
-    """How many lines a text has, and how many delimiters and quotation marks; None where nobody needs to know."""
+def even_rows(data: bytes, delimiter: str, per_line: tuple[int, int] | None, quoted: bool, rows: int) -> bool:
+    """Return whether a text is that many rows, each with the same number of delimiters and quotation marks.
 
-    delimiters: int
-    lines: int | None = None
-    quotes: int | None = None
-
-    def even(self, rows: int, per_line: tuple[int, int] | None) -> bool:
-        """Return whether the text is that many rows, each with the same number of delimiters and quotation marks."""
-        if per_line is None or self.delimiters != rows * per_line[0]:
-            return False
-        return self.lines in (None, rows) and self.quotes in (None, rows * per_line[1])
-
-
-class Tallying:
-    """Counts the delimiters of a text that comes in pieces, small enough for the processor's cache.
-
-    Where quotation marks may reach over a line's end, ``quoted``, its lines and these marks are counted, too.
+    Lines and quotation marks are counted only where these marks may reach over a line's end, ``quoted``.
     """
+    if per_line is None:
+        return False
+    signs = np.frombuffer(data, np.uint8)
 
-    def __init__(self, delimiter: str, quoted: bool) -> None:
-        self._delimiter, self._quoted = ord(delimiter), quoted
-        self._ends = self._delimiters = self._quotes = 0
-        self._last = _LINE_FEED
+    def count(sign: int) -> int:
+        return int(np.count_nonzero(signs == sign))
 
-    def add(self, piece: memoryview) -> None:
-        """Count in the next piece of the text."""
-        numbers = np.frombuffer(piece, np.uint8)
-        self._delimiters += int(np.count_nonzero(numbers == self._delimiter))
-        if self._quoted:
-            self._ends += int(np.count_nonzero(numbers == _LINE_FEED))
-            self._quotes += int(np.count_nonzero(numbers == QUOTE[0]))
-            self._last = int(numbers[-1])
-
-    def tally(self) -> Tally:
-        """Return the counts of all pieces so far."""
-        if not self._quoted:
-            return Tally(self._delimiters)
-        return Tally(self._delimiters, self._ends + (self._last != _LINE_FEED), self._quotes)
+    if count(ord(delimiter)) != rows * per_line[0]:
+        return False
+    lines = count(_LINE_FEED) + (not data.endswith(b"\n")) if quoted else rows
+    return lines == rows and (not quoted or count(QUOTE[0]) == rows * per_line[1])
 
 
 def signs_per_line(lines: Sequence[bytes], delimiter: str) -> tuple[int, int] | None:

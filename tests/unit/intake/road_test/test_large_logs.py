@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from atleak.errors import InputError, RoadTestError
 from atleak.intake.road_test import importer, mdf, read_road_test, understand
 from atleak.intake.road_test.blocks import Filled
-from atleak.intake.road_test.channels import assign, build
+from atleak.intake.road_test.channels import assign
 from atleak.intake.road_test.channels.assign import BESIDE
 from atleak.intake.road_test.files import delimited
 from atleak.intake.road_test.outcome import Understood
@@ -35,9 +35,7 @@ SOME = [name for number, name in enumerate(CASES) if number % 6 == 0]
 
 def in_blocks(patch: pytest.MonkeyPatch, block: int = 700) -> None:
     """Let even the logs of tests have several blocks."""
-    patch.setattr(delimited, "BLOCKS", 0)
     patch.setattr(delimited, "BLOCK", block)
-    patch.setattr(build, "_LONG", 0)
     patch.setattr(mdf, "RANGE", 41)
 
 
