@@ -33,6 +33,11 @@ class Rate:
         """Return whether there are enough units for an interval."""
         return self.of >= ENOUGH_UNITS
 
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """Return the 95 % interval of the share of the units [%]; None of too few units."""
+        return None if self.low_percent is None or self.high_percent is None else (self.low_percent, self.high_percent)
+
 
 @dataclass(frozen=True)
 class Spread:
@@ -49,6 +54,11 @@ class Spread:
     def enough(self) -> bool:
         """Return whether there are enough units for quantiles."""
         return self.units >= ENOUGH_UNITS
+
+    @property
+    def most_of_all(self) -> tuple[float, float]:
+        """Return between which values nine of ten units are; of too few units, all of them."""
+        return (self.least, self.most) if self.quantiles is None else (self.quantiles[0], self.quantiles[-1])
 
 
 def rate(count: int, of: int) -> Rate:

@@ -3,7 +3,7 @@
 import streamlit as st
 
 from atleak.errors import AtleakError
-from pages.shared import fleet, fleet_body, fleet_units, panel, reader, show
+from pages.shared import fleet, fleet_units, panel, reader, show
 
 panel.shown()
 if fleet_units.opened():
@@ -23,18 +23,9 @@ try:
         if unit is not None:
             fleet_units.draw(folder, unit, words)
         st.subheader(say("fleet.one_body"), anchor="fleet-body")
-        body = fleet.choose_body(words)
-        fleet_body.draw_about(words, body)
-        st.subheader(say("fleet_summary.section_pairs"), anchor="fleet-pairs")
-        fleet_body.draw_pairs(words, body)
-        st.subheader(say("fleet_summary.section_wear"), anchor="fleet-wear")
-        fleet_body.draw_wear(words, body)
-        st.subheader(say("fleet_summary.section_temperatures"), anchor="fleet-temperatures")
-        fleet_body.draw_temperatures(words, body)
-        st.subheader(say("fleet_summary.section_comparison"), anchor="fleet-groups")
-        fleet_body.draw_groups(words, body)
+        fleet.draw_body(words, fleet.choose_body(words))
     st.subheader(say("fleet_summary.section_errors"), anchor="fleet-errors")
-    fleet.draw_errors(words)
+    show.section(fleet.sections(words).errors(), "fleet")
     st.subheader(say("take_along.title"), anchor="fleet-files")
     fleet.draw_files(words)
 except AtleakError as error:

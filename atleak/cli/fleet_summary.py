@@ -59,9 +59,12 @@ def run(options: argparse.Namespace) -> int:
     from atleak.fleet.results import Results
     from atleak.fleet.summary import summed_up
     from atleak.fleet.summary_record import summary_record
-    from atleak.fleet.summary_terminal import print_summary
+    from atleak.fleet.summary_sections import TERMINAL, FleetSections
+    from atleak.fleet.summary_words import FleetWords
     from atleak.fleet.summed import LISTED
     from atleak.job.file import load_job
+    from atleak.report.terminal import print_sections
+    from atleak.wording import wording
 
     outputs = Outputs(options, [options.job])
     printed, font = print_options(options, outputs.formats), print_font(options, outputs.formats)
@@ -90,7 +93,8 @@ def run(options: argparse.Namespace) -> int:
         if options.errors:
             _list_errors(results)
         else:
-            print_summary(summary)
+            sections = FleetSections(FleetWords(summary, wording("en")), TERMINAL)
+            print_sections([sections.head(), *sections.all()])
     outputs.say_written()
     return 0
 

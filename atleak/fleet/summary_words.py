@@ -13,7 +13,7 @@ from atleak.fleet.summed import (
     GROUP,
     ConditionSpread,
     Decider,
-    ErrorKind,
+    Difference,
     FleetSummary,
     PairTrouble,
     RateDifference,
@@ -22,7 +22,7 @@ from atleak.fleet.summed import (
     WearDifference,
 )
 from atleak.rules import LandKey
-from atleak.spreads import Rate
+from atleak.spreads import Rate, Spread
 from atleak.verdicts import FLAGGED, VERDICTS, Verdict
 from atleak.views.land_names import land_number, land_words
 from atleak.wording import Wording
@@ -62,20 +62,18 @@ class FleetWords:
         """Name a valve body."""
         known = self._known.get(controller)
         if known is None:
-            return (
-                next((body.name for body in self.summary.bodies if body.controller == controller), None) or controller
-            )
+            return self.summary.body(controller).name or controller
         return self.say.name(known.name)
 
     def land_number(self, controller: str, key: LandKey) -> str:
         """Name a land in short: ``25/1``."""
         known = self._known.get(controller)
-        return _plain(key) if known is None else land_number(known, key, self.say)
+        return "/".join(map(str, key)) if known is None else land_number(known, key, self.say)
 
     def land(self, controller: str, key: LandKey) -> str:
         """Name a land, its number first: ``25/1 main pressure valve``."""
         known = self._known.get(controller)
-        return _plain(key) if known is None else land_words(known, key, self.say)
+        return "/".join(map(str, key)) if known is None else land_words(known, key, self.say)
 
     def condition(self, at: ConditionSpread) -> str:
         """Name a stated condition."""
@@ -85,15 +83,12 @@ class FleetWords:
         """Name what decided verdicts: a land, a circuit, or the kind of rule."""
         if decider.component is not None and decider.land is not None:
             return self.land(controller, (decider.component, decider.land))
-        kind = self.say.get("fleet_deciding", decider.kind)
-        if decider.circuit is None:
+        kind, circuit = self.say.get("fleet_deciding", decider.kind), decider.circuit
+        if circuit is None:
             return kind
-        return f"{kind}: {self._circuit(controller, decider.circuit)}"
-
-    def _circuit(self, controller: str, circuit: str) -> str:
         known = self._known.get(controller)
         names = {each.id: each.name for each in known.circuits} if known else {}
-        return self.say.name(names.get(circuit, circuit))
+        return f"{kind}: {self.say.name(names.get(circuit, circuit))}"
 
     def decided_by(self, unit: SummedUnit) -> str:
         """Name what decided a unit's verdict; nothing where nothing did."""
@@ -102,10 +97,6 @@ class FleetWords:
         if isinstance(unit.decided_by, str):
             return self.say.get("fleet_deciding", unit.decided_by)
         return self.land(unit.controller, unit.decided_by)
-
-    def kind_of_error(self, kind: ErrorKind) -> str:
-        """Say why files have no result."""
-        return self.say.get("fleet_errors", kind.kind)
 
     def heading(self) -> str:
         """Return the heading by which the summary tells groups; nothing where it tells none."""
@@ -120,30 +111,50 @@ class FleetWords:
         """Say whether something differs; that there are too few units, where nothing can be said."""
         return self.say("fleet_summary.too_few" if found is None else "estimate.yes" if found else "estimate.no")
 
-    def interval(self, low: float | None, high: float | None, digits: int = 1) -> str:
+    def interval(self, low: float | None, high: float | None) -> str:
         """Write an interval; nothing where there is none."""
         if low is None or high is None:
             return ""
         to = "\u00a0…\u00a0" if min(low, high) < 0.0 else "–"
-        return f"{self.say.number(low, digits)}{to}{self.say.number(high, digits)}"
+        return f"{self.say.number(low, 1)}{to}{self.say.number(high, 1)}"
 
     def percent(self, rate: Rate) -> str:
-        """Write a rate with its interval, ``38.0 % (31.5–44.9)``; the count alone of too few units, ``3 of 6``."""
+        """Write a rate [%] with its interval, ``38.0 (31.5–44.9)``; the count alone of too few units, ``3 of 6``."""
         within = self.interval(rate.low_percent, rate.high_percent)
-        return f"{self.say.number(rate.percent, 1)}\u00a0% ({within})" if within else self.counted(rate)
+        return f"{self.say.number(rate.percent, 1)}\u00a0({within})" if within else self.counted(rate.count, rate.of)
 
-    def counted(self, rate: Rate) -> str:
+    def counted(self, count: int, of: int) -> str:
         """Write how many of how many: ``76 of 200``."""
-        count, of = (self.say.number(number, 0) for number in (rate.count, rate.of))
-        return self.say("fleet_summary.chart_rate", count=count, of=of)
+        return self.say("fleet_summary.chart_rate", count=self.say.number(count, 0), of=self.say.number(of, 0))
+
+    def spread(self, spread: Spread | None, kind: str, digits: int | None = None) -> str | None:
+        """Write the median, and in brackets where nine of ten units are; of too few units the least and the most."""
+        if spread is None:
+            return None
+        median, *ends = (self.say.value(value, kind, digits) for value in (spread.median, *spread.most_of_all))
+        return median if spread.units == 1 else f"{median}\u00a0({'–'.join(ends)})"
+
+    def difference(self, found: Difference | None) -> str | None:
+        """Write a difference with the interval that decides; that there are too few units, where there is none."""
+        if found is None:
+            return None
+        within = self.interval(found.low_of_all, found.high_of_all) or self.say("fleet_summary.too_few")
+        return f"{self.points(found.value)}\u00a0({within})"
+
+    def lands_measured(self, unit: SummedUnit) -> str | None:
+        """Write how many of a unit's lands were measured."""
+        if unit.lands_measured is None or unit.lands_total is None:
+            return None
+        return self.counted(unit.lands_measured, unit.lands_total)
 
     def rate(self, rate: Rate) -> str:
         """Say a rate in a sentence: ``76 of 200: 38.0 %, 95 % interval 31.5–44.9``; of too few units, the count."""
+        counted = self.counted(rate.count, rate.of)
         if not rate.enough:
-            return self.counted(rate)
+            return counted
         return self.say(
             "fleet_summary.rate",
-            counted=self.counted(rate),
+            counted=counted,
             percent=self.say.number(rate.percent, 1),
             interval=self.interval(rate.low_percent, rate.high_percent),
         )
@@ -156,7 +167,8 @@ class FleetWords:
         if not counts.units:
             return self.say("fleet_summary.headline_none")
         if not counts.judged:
-            return self.say("fleet_summary.headline_unmeasured", units=self.say.number(counts.units, 0))
+            key = "headline_unmeasured_one" if counts.units == 1 else "headline_unmeasured"
+            return self.say(f"fleet_summary.{key}", units=self.say.number(counts.units, 0))
         return self.say("fleet_summary.headline", rate=self.rate(counts.rates[Verdict.REPLACE]))
 
     def findings(self) -> Iterator[str]:
@@ -169,18 +181,14 @@ class FleetWords:
                     key = "of_them" if verdict.calls_for_repair else "besides"
                     count = say.number(counts.verdicts[verdict], 0)
                     yield say(f"fleet_summary.{key}", level=say.level(verdict), count=count)
-        if counts.verdicts[Verdict.NOT_MEASURED]:
-            count = say.number(counts.verdicts[Verdict.NOT_MEASURED], 0)
-            yield say("fleet_summary.unmeasured", count=count)
-        if counts.without_sheet:
-            yield say("fleet_summary.without_sheet", count=say.number(counts.without_sheet, 0))
-        if counts.ok_in_part:
-            yield say("fleet_summary.ok_in_part", count=say.number(counts.ok_in_part, 0))
-        if counts.provisional:
-            yield say("fleet_summary.provisional", count=say.number(counts.provisional, 0))
-        failed = sum(each.count for each in summary.errors)
-        if failed:
-            yield say("fleet_summary.failed", count=say.number(failed, 0))
+        others = {
+            "unmeasured": counts.verdicts[Verdict.NOT_MEASURED],
+            "without_sheet": counts.without_sheet,
+            "ok_in_part": counts.ok_in_part,
+            "provisional": counts.provisional,
+            "failed": sum(each.count for each in summary.errors),
+        }
+        yield from (say(f"fleet_summary.{key}", count=say.number(count, 0)) for key, count in others.items() if count)
 
     def leading_pair(self, body: ValveBody) -> str:
         """Say which pair is most often past *replace*, and in how many units."""
@@ -192,20 +200,43 @@ class FleetWords:
 
     def difference_of_rates(self, found: RateDifference) -> str:
         """Say by how much the rates of two groups differ."""
-        assert found.points is not None
+        level = self.or_worse(found.verdict)
+        return self._difference("fleet_summary.difference_of_rates", found, found.points, level=level)
+
+    def difference_of_wear(self, body: ValveBody, found: WearDifference) -> str:
+        """Say by how much the wear of a land differs: at the same mileage where that tells it, else in the mean."""
+        same = found.same_mileage_points
+        how, points = ("same", same) if same is not None and same.differs else ("mean", found.mean_points)
+        pair = self.land(body.controller, found.key)
+        return self._difference(f"fleet_summary.wear_{how}", found, points, pair=pair)
+
+    def _difference(
+        self, text: str, found: RateDifference | WearDifference, points: Difference | None, **more: str
+    ) -> str:
+        assert points is not None
         return self.say(
-            "fleet_summary.difference_of_rates",
+            text,
             first=within(found.first, NAME),
             second=within(self.second(found.second), NAME),
-            level=self.or_worse(found.verdict),
-            points=self.points(found.points.value),
-            interval=self.interval(found.points.low_of_all, found.points.high_of_all),
+            points=self.points(points.value),
+            interval=self.interval(points.low_of_all, points.high_of_all),
+            **more,
         )
 
-    def or_worse(self, verdict: Verdict) -> str:
-        """Name a verdict and those that are worse."""
-        level = self.say.level(verdict)
-        return level if verdict is VERDICTS[-1] else self.say("fleet_summary.or_worse", level=level)
+    def sides(self, found: WearDifference) -> str:
+        """Name both sides of a difference."""
+        first, second = (within(name, NAME) for name in (found.first, self.second(found.second)))
+        return self.say("fleet_summary.sides", first=first, second=second)
+
+    def means(self, found: WearDifference) -> str:
+        """Write the mean wear of both sides of a difference [%]."""
+        means = (found.first_percent, found.second_percent)
+        return " / ".join(self.say.number(mean.mean if mean else None, 1) for mean in means)
+
+    def or_worse(self, level: Verdict, *, signed: bool = False) -> str:
+        """Name a verdict and those that are worse, with its sign where that is asked for."""
+        said = self.say.signed(level) if signed else self.say.level(level)
+        return said if level is VERDICTS[-1] else self.say("fleet_summary.or_worse", level=said)
 
     def points(self, value: float | None) -> str:
         """Write a difference with its sign."""
@@ -245,10 +276,6 @@ def called(found: WearDifference) -> bool | None:
     """Return whether the wear of two groups differs, at the same mileage or at any; None of too few units."""
     said = [each.differs for each in (found.mean_points, found.same_mileage_points) if each is not None]
     return True if True in said else False if False in said else None
-
-
-def _plain(key: LandKey) -> str:
-    return f"{key[0]}/{key[1]}"
 
 
 def _described(controller: str) -> Controller | None:

@@ -126,6 +126,11 @@ class TemperatureClass:
     bands_percent: Mapping[Band, float] | None  # time in each band, of that with the share in any; None without
     green_in_part_percent: float = 0.0  # of the same time: in green, with lands that were not measured and count as new
 
+    @property
+    def units(self) -> int:
+        """Return of how many units a log tells share or pressure here."""
+        return max((spread.units for spread in (self.share_percent, self.pressure_kpa) if spread), default=0)
+
 
 @dataclass(frozen=True)
 class ConditionSpread:
@@ -171,11 +176,15 @@ class Difference:
     high_of_all: float | None
 
     @property
+    def span_of_all(self) -> tuple[float, float] | None:
+        """Return the interval that holds for all at once; None without one."""
+        return None if self.low_of_all is None or self.high_of_all is None else (self.low_of_all, self.high_of_all)
+
+    @property
     def differs(self) -> bool | None:
         """Return whether the interval that holds for all at once leaves out zero; None without one."""
-        if self.low_of_all is None or self.high_of_all is None:
-            return None
-        return not self.low_of_all <= 0.0 <= self.high_of_all
+        span = self.span_of_all
+        return None if span is None else not span[0] <= 0.0 <= span[1]
 
 
 @dataclass(frozen=True)

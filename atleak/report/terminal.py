@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Literal, TextIO
 
@@ -42,6 +42,8 @@ from atleak.views.repair_options import option_rows, planned
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
 from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
+from atleak.views.section import Facts, Part, Picture, Points, Section
+from atleak.views.section import Text as Paragraph
 from atleak.views.sentences import (
     because_of,
     circuit_sentence,
@@ -228,6 +230,30 @@ def print_table(content: Table) -> None:
     console.print(laid_out(content))
     for line in dict.fromkeys(filter(None, map(content.told, content.rows)) if content.told else ()):
         console.print(Text(line))
+
+
+def print_sections(sections: Iterable[Section]) -> None:
+    """Print sections, one after the other; of a chart the numbers that it shows."""
+    console = TerminalConsole()
+    for section in sections:
+        console.print()
+        console.print(Text(section.title, style="bold" if section.level > 1 else "bold underline"))
+        for part in section.parts:
+            if isinstance(part, Table):
+                print_table(replace(part, title=""))
+            elif isinstance(part, Picture) and part.numbers is not None:
+                print_table(replace(part.numbers, title=""))
+            for line in _lines(part):
+                console.print(Text(line))
+
+
+def _lines(part: Part) -> Iterator[str]:
+    if isinstance(part, Paragraph):
+        yield part.words
+    elif isinstance(part, Points):
+        yield from (f"- {item}" for item in part.items)
+    elif isinstance(part, Facts):
+        yield from (f"{name}: {value}" for name, value in part.rows)
 
 
 def print_gauge_study(study: GaugeStudy, say: Wording) -> None:

@@ -8,7 +8,7 @@ column means, where that needs saying, as ``column_help.KEY``.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -58,6 +58,11 @@ class Column:
         by what the item's value is multiplied to be in the unit of atleak's records
     whole
         whether its words are never cut or broken: a user must be able to copy a whole id
+    note
+        what the column means, where no text of the page says it
+    parts
+        columns that it becomes where every number has a cell of its own, such as in a workbook: of a rate how many, of
+        how many, and the ends of its interval
     """
 
     key: str
@@ -69,6 +74,8 @@ class Column:
     of: str | Callable[[Any], Any] = ""
     times: float | None = None
     whole: bool = False
+    note: str = ""
+    parts: tuple[Column, ...] = ()
 
     @property
     def is_number(self) -> bool:
@@ -81,7 +88,7 @@ class Column:
         return "float" if self.is_number else "object"
 
     def title(self, say: Wording) -> str:
-        """Return the words of its heading without a unit."""
+        """Return the words of its heading without a unit; paper breaks their lines where they do."""
         return self.words or say(f"columns.{self.key}")
 
     def unit(self, say: Wording) -> str:
@@ -91,12 +98,12 @@ class Column:
 
     def heading(self, say: Wording) -> str:
         """Return the words of its heading, with the unit of its cells: ``Clearance [µm]``."""
-        unit = self.unit(say)
-        return f"{self.title(say)} [{unit}]" if unit else self.title(say)
+        title, unit = self.title(say).replace("\n", " "), self.unit(say)
+        return f"{title} [{unit}]" if unit else title
 
     def help(self, say: Wording) -> str | None:
         """Return what the column means; None where its heading says enough."""
-        return say.texts["column_help"].get(self.key)
+        return self.note or say.texts["column_help"].get(self.key)
 
     def places(self, say: Wording) -> int:
         """Return how many decimal places its numbers take in the reader's unit."""
@@ -175,6 +182,20 @@ class Table:
         has = [any(column.judged(item).value not in (None, "") for item in self.rows) for column in self.columns]
         return replace(self, columns=tuple(itertools.compress(self.columns, has)))
 
+    @property
+    def parted(self) -> Table:
+        """Return it with every column in its parts."""
+        return replace(self, columns=tuple(_parted(self.columns)))
+
+    def only(self, *keys: str) -> Table:
+        """Return it with these columns alone, or parts of them, in this order; a key that none has is passed over."""
+        by_key = {each.key: each for column in self.columns for each in (column, *column.parts)}
+        return replace(self, columns=tuple(by_key[key] for key in keys if key in by_key))
+
+    def first(self, count: int) -> Table:
+        """Return it with so many rows at most."""
+        return replace(self, rows=self.rows[:count])
+
     def without(self, *keys: str) -> Table:
         """Return it without these columns."""
         return replace(self, columns=tuple(column for column in self.columns if column.key not in keys))
@@ -214,6 +235,11 @@ class Table:
         return f"{start}<thead><tr>{heads}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
 
     _repr_html_ = html
+
+
+def _parted(columns: Iterable[Column]) -> Iterator[Column]:
+    for column in columns:
+        yield from _parted(column.parts) if column.parts else (column,)
 
 
 def leveled(text: str, level: Level | None) -> str:

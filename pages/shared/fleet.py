@@ -6,21 +6,21 @@ Which results, which valve body and by what its groups are told stays in the add
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import streamlit as st
 
 from atleak.errors import AtleakError, InputError
-from atleak.figures import fleet_figures as figures
 from atleak.fleet.known import KnownFolder, forget, known_folders, set_aside
 from atleak.fleet.results import Results
 from atleak.fleet.summary import summed_up
 from atleak.fleet.summary_pdf import write_summary_pdf
+from atleak.fleet.summary_sections import Depth, FleetSections
+from atleak.fleet.summary_tables import by_trouble
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summary_workbook import write_summary_workbook
-from atleak.fleet.summed import GROUP, FleetSummary, ValveBody, VerdictCounts
-from atleak.verdicts import FLAGGED
-from atleak.views.table import Column
+from atleak.fleet.summed import GROUP, FleetSummary, ValveBody
 from atleak.wording import Wording
 from pages.shared import address, files, font_form, reader, show
 from pages.shared.state import job
@@ -149,38 +149,51 @@ def draw_whole(words: FleetWords) -> None:
     """Show how many units have which verdict, over all valve bodies and of each."""
     say, summary = words.say, words.summary
     st.markdown(f"**{show.plain(words.headline())}** {show.plain(' '.join(words.findings()))}")
-    rows = [(say("fleet_summary.all_units"), summary.counts)]
-    if len(summary.bodies) > 1:
-        rows += [(words.body(body.controller), body.counts) for body in summary.bodies]
-    if summary.counts.units:
-        show.chart(figures.verdicts(rows, say), "fleet-verdicts")
-        with st.expander(say("fleet.rates")):
-            counts_table(say("columns.controller"), rows, words)
+    show.section(sections(words).verdicts(), "fleet")
     show.messages(summary.messages, say("about.fleet"), opened=True)
     made_by = "fleet.made_by_one" if summary.visits == 1 else "fleet.made_by"
     st.caption(show.plain(say(made_by, visits=say.number(summary.visits, 0), version=summary.atleak)))
 
 
-def counts_table(heading: str, rows: Sequence[tuple[str, VerdictCounts]], words: FleetWords) -> None:
-    """Show how many units there are in each row, and their rates of verdicts with intervals."""
-    say = words.say
-    columns = [
-        Column("name", words=heading, width=150),
-        Column("units", digits=0),
-        Column("judged", digits=0, words=say("fleet.judged")),
-        *(Column(level, words=figures.or_worse(level, say)) for level in FLAGGED),
-    ]
-    shown = [
-        {
-            "name": name,
-            "units": counts.units,
-            "judged": counts.judged,
-            **{level: words.percent(counts.rates[level]) for level in FLAGGED},
-        }
-        for name, counts in rows
-    ]
-    show.rows_table(shown, columns)
-    st.caption(say("fleet_summary.note_rates"))
+def sections(words: FleetWords) -> FleetSections:
+    """Return the sections of a summary, as much of each as the screen has room for."""
+    return FleetSections(words, Depth())
+
+
+def draw_body(words: FleetWords, body: ValveBody) -> None:
+    """Show what leads among the units of one valve body, then its sections."""
+    say, of = words.say, sections(words)
+    show.section(of.intro(body), "fleet")
+    _heading("fleet-pairs")
+    show.section(of.pairs(body), "fleet")
+    show.section(of.deciders(body), "fleet")
+    _heading("fleet-wear")
+    show.section(of.wear(_with_land(words, body)), "fleet")
+    _heading("fleet-temperatures")
+    show.section(of.temperatures(body), "fleet")
+    show.section(of.conditions(body), "fleet")
+    _heading("fleet-groups")
+    if words.summary.by is None:
+        st.write(say("fleet.choose_by" if words.summary.headings else "fleet.no_headings"))
+    show.section(of.comparison(body), "fleet")
+
+
+def _heading(anchor: str) -> None:
+    st.subheader(reader.say()(SECTIONS[anchor]), anchor=anchor)
+
+
+def _with_land(words: FleetWords, body: ValveBody) -> ValveBody:
+    """Let one of the lands be chosen whose wear over mileage is known; return the valve body with that alone."""
+    lands = {land.key: land for land in by_trouble(body) if land.classes}
+    if not lands:
+        return body
+    key = st.selectbox(
+        words.say("columns.land"),
+        list(lands),
+        format_func=lambda each: words.land(body.controller, each),
+        key=f"fleet-land-{body.controller}-{words.say.language}",
+    )
+    return replace(body, wear=(lands[key],))
 
 
 def choose_body(words: FleetWords) -> ValveBody:
@@ -209,20 +222,7 @@ def heading_words(heading: str, say: Wording) -> str:
     return say("fleet.by_nothing") if not heading else say("fleet.group") if heading == GROUP else heading
 
 
-# --- errors and files
-
-
-def draw_errors(words: FleetWords) -> None:
-    """Show of which files there is no result, by kind of error, with the first messages."""
-    say, kinds = words.say, words.summary.errors
-    if not kinds:
-        st.write(say("fleet_summary.no_errors"))
-        return
-    for kind in kinds:
-        head = f"**{show.plain(words.kind_of_error(kind))}: {say.number(kind.count, 0)}**"
-        st.markdown("\n".join([head, "", *(f"- {show.plain(each)}" for each in kind.told)]))
-        if kind.count > len(kind.first):
-            st.caption(say("fleet.more_errors"))
+# --- files
 
 
 def draw_files(words: FleetWords) -> None:

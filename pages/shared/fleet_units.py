@@ -10,16 +10,16 @@ from typing import Any
 import streamlit as st
 
 from atleak.errors import AtleakError
-from atleak.figures.fleet_figures import or_worse
 from atleak.fleet.kept_unit import KeptUnit, kept_unit
 from atleak.fleet.known import KnownFolder
 from atleak.fleet.results import Results
+from atleak.fleet.summary_tables import FleetTables
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summed import GROUP, SummedUnit
 from atleak.fleet.units import BOOK
 from atleak.uncertainty import DECISIONS
 from atleak.verdicts import BANDS, Verdict, level_named
-from atleak.views.table import Column
+from atleak.views.table import Column, Table
 from atleak.wording import Wording
 from pages.shared import fields, reader, show
 from pages.shared.book import open_from_book
@@ -31,6 +31,11 @@ PAGE = 50  # rows
 _OPENED = "fleet-opened"  # set where the last click opened a job
 _NONE = "\0"  # stands among groups for the units that state none
 _FAULT = "fleet-unit-fault"  # reference of the unit that could not be opened, and why
+_UNIT_COLUMNS = (
+    *("verdict", "name", "group", "mileage", "decided_by", "lands_past", "lands_measured", "share_max"),
+    *("number", "serial", "vin", "date", "body", "visits"),
+)
+_IF_STATED = ("group", "number", "serial", "vin", "date")
 _LANDS = (
     Column("verdict", "verdict", width=92),
     Column("pair", width=150),
@@ -91,9 +96,9 @@ def choose(words: FleetWords) -> SummedUnit | None:
     if pages > 1:
         page = st.selectbox(say("job_book.page", pages=pages), range(1, pages + 1), key=f"fleet-page-{pages}-{asked}")
     shown = found[PAGE * (page - 1) : PAGE * page]
-    event = show.rows_table(
-        [_row(unit, label(unit), words, len(folder)) for unit in shown],
-        _columns(words),
+    event = show.table(
+        replace(_listed(words, label), rows=[replace(unit, name=unit.name[len(folder) :]) for unit in shown], title=""),
+        empty=True,
         key=f"fleet-units-{words.summary.folder}-{words.summary.by}-{asked}-{page}",
         on_select="rerun",
         selection_mode="single-row",
@@ -168,62 +173,20 @@ def _narrowed(label: str, options: Sequence[str], name: Hashable, words: Callabl
     )
 
 
-def _columns(words: FleetWords) -> list[Column]:
+def _listed(words: FleetWords, label: Callable[[SummedUnit], str | None]) -> Table:
+    """Return the table of all units, without the columns of what none of them states."""
     say, units = words.say, words.summary.worst
-    columns = [
-        Column("verdict", "verdict", width=92),
-        Column("name", words=say("fleet.unit"), width=150),
-        Column("group", words=heading_words(words.summary.by or GROUP, say)),
-        Column("mileage", "distance"),
-        Column("decided_by", width=190),
-        Column("lands_past", digits=0, words=say("fleet.lands_past", level=or_worse(Verdict.REPLACE, say))),
-        Column("measured"),
-        Column("max_share", "percent", words=say("fleet.max_share")),
-        Column("number"),
-        Column("serial"),
-        Column("vin"),
-        Column("date"),
-        Column("controller"),
-        Column("visits", digits=0),
-    ]
-    several = any(unit.visits > 1 for unit in units)
-    told = {name: any(getattr(unit, name) for unit in units) for name in ("number", "serial", "vin", "date")}
-    told |= {"visits": several, "controller": len(words.summary.bodies) > 1}
-    told["group"] = any(unit.label or unit.group for unit in units)
-    shown = [column for column in columns if told.get(column.key, True)]
-    headings = [column.heading(say) for column in shown]
-    return [  # a table of units may have any heading
-        replace(column, words=f"{say('fleet.group')}: {heading}")
-        if headings.count(heading) > 1 and column.key == "group"
-        else column
-        for column, heading in zip(shown, headings, strict=True)
-    ]
-
-
-def _row(unit: SummedUnit, label: str | None, words: FleetWords, cut: int) -> dict[str, Any]:
-    return {
-        "verdict": unit.verdict,
-        "name": unit.name[cut:],
-        "number": unit.number,
-        "serial": unit.serial,
-        "vin": unit.vin,
-        "group": label,
-        "controller": words.body(unit.controller),
-        "mileage": unit.mileage_km,
-        "date": unit.date.isoformat() if unit.date else None,
-        "decided_by": words.decided_by(unit) or None,
-        "lands_past": unit.lands_past,
-        "max_share": unit.max_share_percent,
-        "measured": _measured(unit, words.say),
-        "visits": unit.visits,
-    }
-
-
-def _measured(unit: SummedUnit, say: Wording) -> str | None:
-    if unit.lands_measured is None or unit.lands_total is None:
-        return None
-    counts = (say.number(count, 0) for count in (unit.lands_measured, unit.lands_total))
-    return say("fleet_summary.chart_rate", count=next(counts), of=next(counts))
+    table = FleetTables(words).units(label).parted
+    renamed = {"name": say("fleet.unit"), "group": heading_words(words.summary.by or GROUP, say)}
+    taken = {column.heading(say) for column in table.columns if column.key != "group"} | {renamed["name"]}
+    if renamed["group"] in taken:  # a table of units may have any heading
+        renamed["group"] = f"{say('fleet.group')}: {renamed['group']}"
+    columns = [replace(column, words=renamed.get(column.key, column.words)) for column in table.columns]
+    shown = [key for key in _UNIT_COLUMNS if key != "body" or len(words.summary.bodies) > 1]
+    shown = [key for key in shown if key != "visits" or any(unit.visits > 1 for unit in units)]
+    table = replace(table, columns=tuple(columns)).only(*shown)
+    filled = {column.key for column in table.filled.columns}
+    return table.without(*(key for key in _IF_STATED if key not in filled))
 
 
 # --- one unit

@@ -9,6 +9,7 @@ import re
 import traceback
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
@@ -23,6 +24,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.doors import unexpected
 from atleak.driven import NO_LEAKAGE
 from atleak.errors import AtleakError, Message
+from atleak.figures.charts import drawn
 from atleak.figures.figure import Figure
 from atleak.gauges.check import PressureCheck
 from atleak.job.judged_anew import JudgedOtherwise
@@ -33,9 +35,10 @@ from atleak.views.drawing import on_dark
 from atleak.views.first_sentence import first_sentence as first_sentence_of
 from atleak.views.first_sentence import shown_verdict
 from atleak.views.gauge_rows import gauge_table
+from atleak.views.section import Facts, Picture, Points, Section, Text
 from atleak.views.sentences import fluid_in_state, rule_name
 from atleak.views.table import VERDICT, Column, Table
-from atleak.wording import Wording
+from atleak.wording import Wording, begun
 from pages.shared import reader
 from pages.shared.state import Refusal
 
@@ -152,6 +155,8 @@ def table(content: Table, *, empty: bool = False, **options: Any) -> Any:
     of `st.dataframe`; returned is what it returns, such as the rows that are selected.
     """
     content, say = content if empty else content.filled, content.say
+    titled = (replace(column, words=begun(column.title(say))) for column in content.columns)
+    content = replace(content, columns=tuple(titled))
     frame = content.frame(rounded=True)
     style, config = frame.style, {}
     written: dict[Any, str | Callable[[object], str] | None] = {}
@@ -169,6 +174,28 @@ def table(content: Table, *, empty: bool = False, **options: Any) -> Any:
     if written:
         style = style.format(written, subset=list(written))
     return st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–", **options)
+
+
+def section(content: Section, name: str) -> None:
+    """Show what stands below the title of a section; its tables are folded in where they have a title.
+
+    The charts of a page are told by ``name`` and their own.
+    """
+    for part in content.parts:
+        if isinstance(part, Text):
+            (st.caption if part.small else st.write)(plain(part.words))
+        elif isinstance(part, Points):
+            st.markdown("\n".join(f"- {plain(item)}" for item in part.items))
+        elif isinstance(part, Facts):
+            st.markdown(" · ".join(f"{plain(fact)}: **{plain(value)}**" for fact, value in part.rows))
+        elif isinstance(part, Picture):
+            chart(drawn(part.chart, reader.say()), f"{name}-{part.name}")
+            st.caption(plain(part.caption))
+        elif part.title:
+            with st.expander(part.title):
+                table(part)
+        else:
+            table(part)
 
 
 def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **options: Any) -> Any:

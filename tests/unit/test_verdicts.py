@@ -33,7 +33,10 @@ from streamlit.testing.v1 import AppTest
 
 import atleak
 from atleak.cli import main as atleak_command
-from atleak.figures import diagnosis_figures as figures, fleet_figures
+from atleak.figures import diagnosis_figures as figures
+from atleak.figures.charts import drawn
+from atleak.fleet.summary_charts import FleetCharts
+from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summary import summed_up
 from atleak.job.issued import issued_record
 from atleak.readings import Reading
@@ -114,13 +117,14 @@ units = [
 results = results_of(own.parent / "fleet", units)
 summary = summed_up(results, by="group")
 say, body = wording("en"), summary.bodies[0]
-assert "◆ repair soon" in {trace.name for trace in fleet_figures.verdicts([("all", body.counts)], say).data}
-rates = fleet_figures.rates_of_groups(body.comparison.groups, say).data
+charts = FleetCharts(FleetWords(summary, say))
+assert "◆ repair soon" in {trace.name for trace in drawn(charts.verdicts([("all", body.counts)]), say).data}
+rates = drawn(charts.groups(body.comparison.groups), say).data
 assert [trace.name for trace in rates][:4] == [
     "▲ watch or worse", "◆ repair soon or worse", "■ replace or worse", "✖ critical"
 ]
 assert len({tuple(trace.y) for trace in rates[:4]}) == 4, "each level at a height of its own"
-assert list(fleet_figures.pairs(body.pairs, ["25/1", "8/1"], say).data)
+assert list(drawn(charts.pairs(body.pairs, ["25/1", "8/1"]), say).data)
 for language in ("en", "de", "pl"):
     files = {name: own.parent / f"{language}.{name}" for name in ("pdf", "xlsx", "json")}
     asked = [str(word) for name, file in files.items() for word in (f"--{name}", file)]

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any, Literal
 
 from atleak.verdicts import Band, Verdict
+from atleak.views.section import Facts, Part, Picture, Points, Section, Text
 from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording, begun, isolated
 
@@ -202,24 +203,24 @@ def _held(sizes: list[int]) -> list[int]:
     return [sum(sizes)] if len(sizes) < 4 else [sum(sizes[:2]), *sizes[2:-2], sum(sizes[-2:])]
 
 
-def grouped_table(
-    columns: Sequence[PrintedColumn],
-    groups: Iterable[tuple[str, Sequence[Any]]],
-    *,
-    told: Callable[[Any], str] | None = None,
-) -> Block:
-    """Return a table in which every group of rows has a heading of its own across all columns and stays on one page."""
-    titled = [(title, list(items)) for title, items in groups]
-    if not titled:
-        return {}
-    made = table(columns, [item for _, items in titled for item in items], told=told)
-    rows = iter(made["rows"])
-    held = []
-    for title, items in titled:
-        count = sum(2 if told is not None and told(item) else 1 for item in items)
-        held.append([[title], *itertools.islice(rows, count)])
-    made |= {"rows": [row for group in held for row in group], "groups": [*map(len, held)]}
-    return made
+def section_blocks(section: Section, draw: Callable[[Picture], str], say: Wording) -> dict[str, Any]:
+    """Return a section as the template places it; ``draw`` draws a chart and returns the name of its file."""
+    made = (_block(part, draw, say) for part in section.parts)
+    return {"title": section.title, "level": section.level, "blocks": [*with_notes(made)]}
+
+
+def _block(part: Part, draw: Callable[[Picture], str], say: Wording) -> Block:
+    if isinstance(part, Table):
+        return printed(part)
+    if isinstance(part, Text):
+        return text(part.words, small=part.small, leads=part.leads)
+    if isinstance(part, Points):
+        return {"kind": "list", "items": list(part.items)}
+    if isinstance(part, Facts):
+        return facts(part.rows)
+    image: Block = {"kind": "image", "file": draw(part), "alt": part.alt, "caption": part.caption}
+    levels = [[level.verdict if isinstance(level, Band) else level, say.level(level)] for level in part.legend]
+    return {**image, "legend": levels} if levels else image
 
 
 def with_notes(blocks: Iterable[Block]) -> Iterator[Block]:

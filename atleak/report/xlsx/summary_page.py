@@ -10,6 +10,8 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.report.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.xlsx.book import Book, formula
+from atleak.views.section import Facts, Points, Section, Text
+from atleak.views.table import Table
 
 _LABELS = 25, 42  # [characters] least and most width of the first column
 _NAMES, _VERDICTS, _OTHERS = 22, 15, 12  # width of the second, the third and any other
@@ -62,6 +64,33 @@ class SummaryPage:
             self._merged(row, column, last, self.book.heading)
             self.book.put(self.sheet, row, column, name, self.book.heading)
             self._grow(row, [(self.book.words(name), self._width(column, last))], bold=True)
+
+    def section(self, row: int, section: Section) -> int:
+        """Write a title with the sentences, lists and tables below it; return the next free row."""
+        row = self.across(row, section.title, bold=True)
+        for part in section.parts:
+            if isinstance(part, Table):
+                row = self._table(row, part) + 1
+            elif isinstance(part, Facts):
+                row = self.pairs(row, part.rows)
+            for words in (part.words,) if isinstance(part, Text) else part.items if isinstance(part, Points) else ():
+                row = self.across(row, words)
+        return row + 1
+
+    def _table(self, row: int, content: Table) -> int:
+        self.headings(row, content.headings)
+        for item in content.rows:
+            row += 1
+            for number, column in enumerate(content.columns):
+                value = column.cell(item, content.say)
+                if isinstance(value, float):
+                    places = column.places(content.say)
+                    form = self.book.form("#,##0" + ("." + "0" * places if places else ""), align="left")
+                    self.book.put(self.sheet, row, number, value, form)
+                else:
+                    last = self.last if number == len(content.columns) - 1 else None
+                    self.text(row, number, column.text(item, content.say), last)
+        return row + 1
 
     def pairs(self, row: int, pairs: Iterable[tuple[str, Any]]) -> int:
         """Write names and values below one another, without unknown and empty values; return the next free row."""

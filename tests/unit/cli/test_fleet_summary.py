@@ -11,6 +11,7 @@ import pytest
 from PIL import Image
 from python_calamine import CalamineWorkbook
 
+from atleak.catalogue.controller_reading import load_controller
 from atleak.fleet.known import known_folders
 from atleak.fleet.results import Results
 from atleak.verdicts import Verdict
@@ -70,10 +71,10 @@ def test_one_unit_is_said_in_the_singular_and_one_without_a_sheet_as_in_no_rate(
     status, printed, _ = run("fleet", "summary", tmp_path)
     out = " ".join(printed.split())
     assert status == 0
-    assert "1 unit, 1 result of atleak" in out
-    assert "body_a: 1 unit, 1 result" in out
-    assert "1 unit without a measured land is judged by logs and gauges alone, and in no rate." in out
-    assert "Of 1 unit the verdict rests on representative values." in out
+    assert "units: 1 with a verdict: 0 results: 1 valve body: body_a" in out
+    assert "Nothing was measured of the one unit: it has no verdict of its lands." in out
+    assert "Judged by log or gauges alone, no land being measured, and in no rate: 1." in out
+    assert "Verdicts that rest on representative values: 1." in out
     assert not [word for word in ("1 units", "1 results") if word in out]
 
 
@@ -81,17 +82,17 @@ def test_it_is_printed_for_people(run: Run, folder: Path) -> None:
     status, out, _ = run("fleet", "summary", folder, "--by", "group")
     assert status == 0
     for text in (
-        "60 units, 60 results of atleak",
-        "Units by group",
-        *CONTROLLERS,
-        "Lands that give the most trouble",
+        "results: 60",
+        "groups by: group",
+        *(load_controller(each).name for each in CONTROLLERS),
+        "Pairs that are most often to be replaced",
         "Wear over mileage",
-        "Over the fluid temperature of the logs",
+        "Share and pressure over temperature",
         "At the stated conditions",
-        "Differences of mean wear",
+        "Groups side by side",
         "at the same",
-        "fewer than 10 units",
-        "1 without a result (refused):",
+        "fewer than ten units",
+        "Refused: the files are at fault: 1",
         "Units, the worst first",
     ):
         assert text in out
@@ -101,8 +102,8 @@ def test_units_without_any_measurement_are_not_said_to_be_within_limits(run: Run
     results_of(tmp_path, [Unit("log alone", {("8", 1): Measured(None, Verdict.NOT_MEASURED, "not_measured")})])
     status, out, _ = run("fleet", "summary", tmp_path)
     assert status == 0
-    assert "No land of any unit was measured." in out
-    assert "reached a limit" not in out
+    assert "Nothing was measured of the one unit" in out
+    assert "No pair is flagged" not in out
 
 
 def test_names_from_files_are_printed_as_they_are(run: Run, tmp_path: Path) -> None:

@@ -15,20 +15,13 @@ import pypdfium2
 import pytest
 from matplotlib.figure import Figure
 
-from atleak.fleet.summary_pdf import UNITS, write_summary_pdf
-from atleak.fleet.summary_printed import DETAILED
+from atleak.fleet.summary_charts import FleetCharts
+from atleak.fleet.summary_pdf import DEPTHS, DETAILED, write_summary_pdf
 from atleak.fleet.summary_words import TERMS, FleetWords, within
 from atleak.fleet.summary_workbook import write_summary_workbook
 from atleak.fleet.summed import FleetSummary, VerdictCounts
 from atleak.look import OK_IN_PART
-from atleak.report.printed_charts.fleet import (
-    STACKED,
-    VerdictRow,
-    WearField,
-    temperatures_chart,
-    verdicts_chart,
-    wear_chart,
-)
+from atleak.report.printed_charts.charts import drawn
 from atleak.report.printed_charts.plotting import WIDTH
 from atleak.verdicts import FLAGGED, Verdict
 from atleak.wording import Wording, languages, wording
@@ -84,12 +77,12 @@ def assert_rates_stand_there(made: FleetSummary, text: str, say: Wording) -> Non
     leading = body.pairs[0]
     for of_pair in (leading.flagged, leading.replace, leading.deciding):
         assert plain(words.percent(of_pair)) in text
-    assert plain(words.counted(leading.replace)) in text
+    assert plain(words.counted(leading.replace.count, leading.replace.of)) in text
     counts = made.counts
     bar = (
-        counts.verdicts[Verdict.OK] - counts.ok_in_part,
-        counts.ok_in_part,
-        *(counts.verdicts[verdict] for verdict in (*FLAGGED, Verdict.NOT_MEASURED)),
+        *(counts.verdicts[verdict] for verdict in reversed(FLAGGED)),
+        counts.ok_throughout,
+        *(counts.ok_in_part, counts.verdicts[Verdict.NOT_MEASURED]),
     )
     assert all(bar)
     assert " ".join(map(str, bar)) in text
@@ -101,9 +94,9 @@ def test_every_rate_stands_there_with_its_interval_and_its_units() -> None:
     assert_rates_stand_there(made, text, say)
     for pair in made.bodies[0].pairs[:3]:
         assert FleetWords(made, say).land("five_speed_2005", pair.key) in text
-    for unit in made.worst[: UNITS[1]]:
+    for unit in made.worst[: DEPTHS[1].units]:
         assert unit.name in text
-    assert made.worst[UNITS[1]].name not in text
+    assert made.worst[DEPTHS[1].units].name not in text
     for kind in made.errors:
         assert f"{say('fleet_errors.' + kind.kind)}: {kind.count}" in text
         assert all(name in text for name, _ in kind.first)
@@ -243,16 +236,18 @@ def test_one_unit_is_not_counted_as_several(language: str) -> None:
 
 @pytest.mark.parametrize("units", ["metric", "us"])
 def test_numbers_of_mileage_do_not_run_into_one_another(units: str) -> None:
-    of_each = summary(units=40, lands=1).bodies[0].wear[0].classes[:4]  # whose ends stand at the ends of the axis
+    made = summary(units=40, lands=1)
+    of_each = made.bodies[0].wear[0].classes[:4]  # whose ends stand at the ends of the axis
     mile = 1.0 if units == "metric" else 1.609344
     limits = [(low * mile, (low + 5e3) * mile) for low in (100e3, 105e3, 110e3, 115e3)]
     classes = [replace(each, low_km=low, high_km=high) for each, (low, high) in zip(of_each, limits, strict=True)]
-    fields = [WearField(name, classes) for name in ("one", "two")]
+    charts = FleetCharts(FleetWords(made, wording("en", units)))
+    small = [charts.wear(made.bodies[0], replace(made.bodies[0].wear[0], classes=classes))] * 2
     reaches = []
     with patch(
         "atleak.report.printed_charts.plotting.svg", side_effect=lambda figure: reaches.extend(_reaches(figure))
     ):
-        wear_chart(fields, wording("en", units))
+        drawn(small, wording("en", units))
     assert len(reaches) > 6
     assert all(left_end + 2.0 < right for (_, left_end), (right, _) in pairwise(sorted(reaches)))
     assert max(end for _, end in reaches) < WIDTH
@@ -284,9 +279,11 @@ def test_names_keep_their_ends_where_they_are_shortened() -> None:
 
 
 def test_units_that_are_ok_in_part_are_not_green_on_paper() -> None:
-    counts = dict.fromkeys(STACKED, 0) | {Verdict.OK: 10}
+    made, say = summary(), wording("en")
+    counted = replace(unjudged(made.counts, 10), verdicts=dict.fromkeys(Verdict, 0) | {Verdict.OK: 10})
+    charts = FleetCharts(FleetWords(made, say))
     whole, part = (
-        verdicts_chart([VerdictRow("all units", counts, in_part)], "Verdicts", wording("en")) for in_part in (0, 4)
+        drawn(charts.verdicts([("all units", replace(counted, ok_in_part=in_part))]), say) for in_part in (0, 4)
     )
     assert OK_IN_PART.fill.lower() not in whole.lower()
     assert OK_IN_PART.fill.lower() in part.lower()
@@ -295,8 +292,10 @@ def test_units_that_are_ok_in_part_are_not_green_on_paper() -> None:
 
 
 def test_time_in_green_of_units_measured_in_part_is_not_green_on_paper() -> None:
-    classes = summary().bodies[0].temperatures
+    made, say = summary(), wording("en")
+    classes = made.bodies[0].temperatures
     partly = [replace(each, green_in_part_percent=10.0) for each in classes]
-    whole, part = (temperatures_chart(given, wording("en")) for given in (classes, partly))
+    charts = FleetCharts(FleetWords(made, say))
+    whole, part = (drawn(charts.temperatures(given), say) for given in (classes, partly))
     assert OK_IN_PART.fill.lower() not in whole.lower()
     assert part.lower().count(OK_IN_PART.fill.lower()) == len(classes)

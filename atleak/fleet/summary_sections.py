@@ -1,0 +1,376 @@
+"""A fleet's summary as sections, each said once for terminal, page, PDF and workbook."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from atleak.fleet.summary_charts import FleetCharts
+from atleak.fleet.summary_tables import Counted, FleetTables, by_trouble, counted_groups
+from atleak.fleet.summary_words import TERMS, FleetWords, called, within
+from atleak.fleet.summed import GroupComparison, ValveBody, WearDifference
+from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.views.drawing import shortened
+from atleak.views.section import Facts, Part, Picture, Points, Section, Text
+
+ROWS = 12  # most rows of valve bodies in a table
+_RATES = tuple(f"past_{level}" for level in FLAGGED)
+_UNIT_NAME = 48  # letters
+_ALL = 1_000_000
+_OVER_TEMPERATURE = ("temperature", "hours", "share", "share_max", "pressure", "pressure_min")
+
+
+@dataclass(frozen=True)
+class Depth:
+    """How much is said."""
+
+    pairs: int = _ALL  # that are listed
+    drawn: int = 15  # pairs and groups in a chart
+    wear: int = 1  # lands whose wear over mileage is shown
+    deciders: int = _ALL
+    groups: int = _ALL  # that are listed
+    differences: int = _ALL  # of rates, and of wear
+    units: int = 0  # that are listed
+    message: int = _ALL  # letters of an error's message
+    bodies: int = _ALL  # valve bodies with sections of their own
+    compared: bool = True  # whether differences of wear are drawn
+    terms: bool = True  # whether it is said what the words mean
+
+
+TERMINAL = Depth(10, 0, 3, 5, differences=12, units=15, compared=False, terms=False)
+
+
+class FleetSections:
+    """The sections of a summary, in its reader's words."""
+
+    def __init__(self, words: FleetWords, depth: Depth) -> None:
+        self.words, self.say, self.summary, self.depth = words, words.say, words.summary, depth
+        self.tables, self.charts = FleetTables(words), FleetCharts(words)
+
+    def all(self) -> list[Section]:
+        """Return all of them, without those that have nothing to say."""
+        several, bodies = len(self.summary.bodies) > 1, self.summary.bodies[: self.depth.bodies]
+        sections = [self.verdicts(), self.know()]
+        for body in bodies:
+            if several:
+                sections.append(self.intro(body))
+            sections += self.of_body(body)
+        if several:
+            sections.append(self._section("units_and_files", (), level=1))
+        sections += [self.worst(), self.errors()]
+        if self.depth.terms:
+            sections.append(self.rests_on(level=1 if several else 2))
+        return [section for section in sections if section.parts or section.level == 1]
+
+    def of_body(self, body: ValveBody) -> list[Section]:
+        """Return the sections on one valve body."""
+        return [
+            *(self.pairs(body), self.deciders(body), self.wear(body)),
+            *(self.temperatures(body), self.conditions(body), self.comparison(body)),
+        ]
+
+    def _section(self, name: str, parts: Iterator[Part] | Sequence[Part], level: int = 2) -> Section:
+        return Section(name, self.say(f"fleet_summary.section_{name}"), tuple(parts), level)
+
+    def _name(self, body: ValveBody) -> str:
+        return self.words.body(body.controller)
+
+    # --- the whole
+
+    def facts(self) -> list[tuple[str, str]]:
+        """Return what the summary is of."""
+        say, summary = self.say, self.summary
+        bodies = summary.bodies
+        known = {
+            "folder": summary.folder,
+            "units": say.number(summary.counts.units, 0),
+            "judged": say.number(summary.counts.judged, 0),
+            "visits": say.number(summary.visits, 0),
+            **({"body": self._name(bodies[0])} if len(bodies) == 1 else {"bodies": say.number(len(bodies), 0)}),
+            "failed": say.number(sum(each.count for each in summary.errors), 0),
+            "by": self.words.heading() or say("fleet_summary.by_nothing"),
+            "atleak": summary.atleak,
+        }
+        return [(say(f"fleet_summary.fact_{name}"), value) for name, value in known.items()]
+
+    def head(self) -> Section:
+        """Say what the summary is of, and what leads."""
+        findings = " ".join(self.words.findings())
+        texts = [Text(each) for each in (self.words.headline(), findings) if each]
+        return Section("head", self.say("fleet_summary.title"), (*texts, Facts(self.facts())))
+
+    def verdicts(self) -> Section:
+        """Say how many units have which verdict, of all valve bodies and of each."""
+        return self._section("verdicts", self._verdicts())
+
+    def _verdicts(self) -> Iterator[Part]:
+        say, summary = self.say, self.summary
+        if not summary.counts.units:
+            yield Text(say("fleet_summary.no_units"))
+            return
+        rows = [Counted(None, None, summary.counts)]
+        if len(summary.bodies) > 1:
+            rows += [Counted(body, None, body.counts) for body in summary.bodies[:ROWS]]
+        named = [
+            (say("fleet_summary.all_units") if row.body is None else self._name(row.body), row.counts) for row in rows
+        ]
+        counts, table = summary.counts.verdicts, self.tables.verdicts(rows)
+        by_level = (*VERDICTS[1:], VERDICTS[0])
+        said = ", ".join(f"{say.level(level)} {say.number(counts[level], 0)}" for level in by_level)
+        yield Picture(
+            "verdicts",
+            self.charts.verdicts(named),
+            say("fleet_summary.alt_verdicts", counted=said),
+            say("fleet_summary.caption_verdicts"),
+            by_level,
+            table.only("body", "units", *(f"verdict_{level}" for level in by_level)),
+        )
+        yield table.only("body", "units", "judged", *_RATES)
+        yield from self._notes(self.say("fleet_summary.note_rates"), more_bodies=len(summary.bodies) - ROWS)
+
+    def _notes(self, *notes: str, **more: int) -> Iterator[Text]:
+        """Yield what is to be known of a table, and what is not in it."""
+        said = list(notes)
+        said += [self.say(f"fleet_summary.{key}", count=count) for key, count in more.items() if count > 0]
+        if said:
+            yield Text(" ".join(said), small=True)
+
+    def know(self) -> Section:
+        """Say what to know about the results."""
+        summary, depth = self.summary, self.depth
+        items = self.words.messages(summary.messages)
+        if len(summary.bodies) == 1:
+            items += self.words.messages(summary.bodies[0].messages)
+        beyond = len(summary.bodies) - depth.bodies
+        if beyond > 0:
+            items.append(self.say("fleet_summary.beyond", count=beyond, detailed=depth.bodies))
+        return self._section("know", _listed(items))
+
+    # --- one valve body
+
+    def intro(self, body: ValveBody) -> Section:
+        """Say how many units there are, what leads, and what to know about them."""
+        say, counts = self.say, body.counts
+        key = "body_units"
+        if counts.units == 1:
+            key = "body_unit" if counts.judged else "body_unit_unmeasured"
+        numbers = {"units": counts.units, "judged": counts.judged, "visits": body.visits}
+        said = [say(f"fleet_summary.{key}", **{name: say.number(number, 0) for name, number in numbers.items()})]
+        if counts.judged:
+            said.append(say("fleet_summary.headline", rate=self.words.rate(counts.rates[Verdict.REPLACE])))
+            said.append(self.words.leading_pair(body))
+        parts = Text(" ".join(said)), *_listed(self.words.messages(body.messages))
+        return Section("body", self._name(body), parts, level=1)
+
+    def pairs(self, body: ValveBody) -> Section:
+        """Say which pairs are flagged and to be replaced most often."""
+        return self._section("pairs", self._pairs(body) if body.counts.judged else ())
+
+    def _pairs(self, body: ValveBody) -> Iterator[Part]:
+        say, depth = self.say, self.depth
+        flagged = [pair for pair in body.pairs if pair.flagged.count or pair.deciding.count]
+        if not flagged:
+            yield Text(say("fleet_summary.no_pair_flagged"))
+            return
+        drawn = flagged[: depth.drawn]
+        names = [self.words.land(body.controller, pair.key) for pair in drawn]
+        judged = say.number(body.counts.judged, 0)
+        if drawn:
+            first = drawn[0].replace
+            alt = {"body": self._name(body), "pair": names[0], "rate": self.words.counted(first.count, first.of)}
+            yield Picture(
+                "pairs",
+                self.charts.pairs(drawn, names),
+                say("fleet_summary.alt_pairs", **alt),
+                say("fleet_summary.caption_pairs", judged=judged),
+                (FLAGGED[0], Verdict.REPLACE),
+            )
+        shown = self.tables.pairs([body])
+        shown = shown.only("pair", "measured", "pair_flagged", "pair_replace", "pair_deciding", "pair_not_measured")
+        yield shown.first(min(depth.pairs, len(flagged)) if depth.pairs < _ALL else _ALL)
+        note = say("fleet_summary.note_pairs", judged=judged)
+        yield from self._notes(note, more_pairs=len(flagged) - depth.pairs)
+
+    def deciders(self, body: ValveBody) -> Section:
+        """Say what decided the verdicts of flagged units."""
+        return self._section("deciders", self._deciders(body) if self.depth.deciders else ())
+
+    def _deciders(self, body: ValveBody) -> Iterator[Part]:
+        if body.deciders:
+            yield self.tables.deciders([body]).only("decided_by", "decided").first(self.depth.deciders)
+            yield from self._notes(self.say("fleet_summary.note_deciders"))
+
+    def wear(self, body: ValveBody) -> Section:
+        """Say how the wear of the leading lands grows with mileage."""
+        known = any(land.latest_percent for land in body.wear)
+        return self._section("wear", self._wear(body) if known else ())
+
+    def _wear(self, body: ValveBody) -> Iterator[Part]:
+        say, lands = self.say, [land for land in by_trouble(body) if land.classes][: self.depth.wear]
+        if not lands:
+            yield Text(say("fleet_summary.no_mileage"))
+            return
+        charts = [self.charts.wear(body, land) for land in lands]
+        names = "; ".join(chart.name for chart in charts)
+        shown = self.tables.wear([replace(body, wear=tuple(lands))]).only("pair", "mileage", "wear.units", "wear")
+        yield Picture(
+            "wear",
+            charts,
+            say("fleet_summary.alt_wear", body=self._name(body), pairs=names),
+            f"{say('fleet_summary.caption_boxes')} {say('fleet_summary.caption_wear')}",
+            numbers=shown,
+        )
+        left_out = {name: max(getattr(land, name) for land in body.wear) for name in ("without_mileage", "repaired")}
+        without, repaired = left_out.values()
+        if without or repaired:
+            yield Text(say("fleet_summary.note_wear", without=without, repaired=repaired), small=True)
+
+    def temperatures(self, body: ValveBody) -> Section:
+        """Say what the logs tell over temperature."""
+        return self._section("temperatures", self._temperatures(body))
+
+    def _temperatures(self, body: ValveBody) -> Iterator[Part]:
+        say, classes = self.say, body.temperatures
+        if not any(each.units for each in classes):
+            yield Text(say("fleet_summary.no_logs"))
+            return
+        hours = say.number(sum(each.seconds for each in classes) / 3600.0, 1)
+        span = say.span([classes[0].low_c, classes[-1].high_c], "temperature", 0)
+        said = [] if any(land.classes for land in body.wear) else [say("fleet_summary.caption_boxes")]
+        said.append(say("fleet_summary.caption_temperatures", hours=hours))
+        yield Picture(
+            "temperatures",
+            self.charts.temperatures(classes),
+            say("fleet_summary.alt_temperatures", body=self._name(body), span=span),
+            " ".join(said),
+            BANDS if any(each.bands_percent for each in classes) else (),
+            self.tables.temperatures([body]).only(*_OVER_TEMPERATURE).filled,
+        )
+
+    def conditions(self, body: ValveBody) -> Section:
+        """Say what is at the stated conditions."""
+        return self._section("conditions", self._conditions(body) if body.conditions else ())
+
+    def _conditions(self, body: ValveBody) -> Iterator[Part]:
+        yield self.tables.conditions([body]).only("condition", "share", "held", "required", "red")
+        yield from self._notes(
+            self.say("fleet_summary.note_conditions"), note_partly=max(at.partly for at in body.conditions)
+        )
+
+    # --- groups
+
+    def comparison(self, body: ValveBody) -> Section:
+        """Say what differs between the groups, and what cannot be told."""
+        return self._section("comparison", self._comparison(body) if self.summary.by is not None else ())
+
+    def _comparison(self, body: ValveBody) -> Iterator[Part]:
+        comparison, say, by = body.comparison, self.say, self.words.heading()
+        if comparison is None:
+            yield Text(say("fleet_summary.one_group", by=by))
+            return
+        how = "in_pairs" if comparison.in_pairs else "with_others"
+        yield Text(say(f"fleet_summary.{how}", by=by, count=len(comparison.groups)))
+        largest = sorted(counted_groups(body), key=lambda group: -group.counts.units)[: self.depth.groups]
+        judged = {group.group for group in largest[: self.depth.drawn] if group.counts.judged}
+        drawn = [group for group in comparison.groups if group.name in judged]
+        if drawn:
+            yield Picture(
+                "groups",
+                self.charts.groups(drawn),
+                say("fleet_summary.alt_groups", body=self._name(body), groups=", ".join(group.name for group in drawn)),
+                say("fleet_summary.caption_groups"),
+                FLAGGED,
+            )
+        yield self.tables.verdicts(largest).only("group", "units", "judged", "mileage.median", *_RATES)
+        left = len(comparison.groups) - len(largest)
+        yield from self._notes(more_groups=left, not_stated=comparison.not_stated)
+        yield from self._rates_compared(comparison)
+        yield from self._wear_compared(body, comparison)
+        yield from _listed(self.words.messages(comparison.messages))
+
+    def _rates_compared(self, comparison: GroupComparison) -> Iterator[Part]:
+        told = [each for each in comparison.verdicts if each.points and each.points.differs is not None]
+        found = [each for each in told if each.points and each.points.differs]
+        yield Text(self._differ("rates", len(found), len(told)), leads=bool(found))
+        found.sort(key=lambda each: -abs(each.points.value if each.points else 0.0))
+        yield from _listed([self.words.difference_of_rates(each) for each in found[: self.depth.differences]])
+
+    def _differ(self, what: str, found: int, told: int) -> str:
+        how = "differ" if found else "alike" if told else "too_few"
+        how = "differs" if found and what == "wear" else how
+        return self.say(f"fleet_summary.{what}_{how}", found=found, count=told)
+
+    def _wear_compared(self, body: ValveBody, comparison: GroupComparison) -> Iterator[Part]:
+        told = [each for each in comparison.lands if called(each) is not None]
+        found = [each for each in told if called(each)]
+        yield Text(self._differ("wear", len(found), len(told)), leads=bool(told))
+        if not told:
+            return
+        if self.depth.compared:
+            yield from self._drawn_differences(body, found, told)
+        shown = found if self.depth.differences < _ALL else told
+        if shown:
+            compared = replace(body, comparison=replace(comparison, lands=tuple(shown)))
+            table = self.tables.wear_compared([compared])
+            columns = ["pair", "compared", "means", "mean_points", "same_mileage"]
+            columns += ["differs"] if len(shown) > len(found) else []
+            yield table.only(*columns).first(self.depth.differences)
+            more, not_told = len(shown) - self.depth.differences, len(comparison.lands) - len(told)
+            yield from self._notes(
+                self.say("fleet_summary.note_wear_compared"), more_differences=more, not_told=not_told
+            )
+
+    def _drawn_differences(
+        self, body: ValveBody, found: Sequence[WearDifference], told: Sequence[WearDifference]
+    ) -> Iterator[Part]:
+        yield from _listed([self.words.difference_of_wear(body, each) for each in found[:3]])
+        drawn = (found or told)[: self.depth.drawn]
+        yield Picture(
+            "differences",
+            self.charts.differences(body, drawn),
+            self.say("fleet_summary.section_comparison"),
+            self.say("fleet_summary.caption_differences"),
+        )
+
+    # --- units and files
+
+    def worst(self) -> Section:
+        """List the flagged units, the worst first."""
+        return self._section("worst", self._worst())
+
+    def _worst(self) -> Iterator[Part]:
+        say, summary = self.say, self.summary
+        listed = [unit for unit in summary.worst if unit.verdict.flagged][: self.depth.units]
+        if not listed:
+            yield Text(say("fleet_summary.none_flagged"))
+            return
+        table = self.tables.units().only(
+            *("name", "told_by", "group", "mileage", "verdict", "decided_by", "lands_past")
+        )
+        yield replace(table, rows=[replace(unit, name=within(unit.name, _UNIT_NAME)) for unit in listed]).filled
+        flagged = sum(summary.counts.verdicts[verdict] for verdict in FLAGGED)
+        yield from self._notes(self.say("fleet_summary.note_worst"), more_units=flagged - len(listed))
+
+    def errors(self) -> Section:
+        """Say which files have no result, and why."""
+        return self._section("errors", self._errors())
+
+    def _errors(self) -> Iterator[Part]:
+        say, errors = self.say, self.summary.errors
+        if not errors:
+            yield Text(say("fleet_summary.no_errors"))
+            return
+        for kind in errors:
+            yield Text(f"{say.get('fleet_errors', kind.kind)}: {say.number(kind.count, 0)}", leads=True)
+            yield Points([shortened(told, self.depth.message) for told in kind.told])
+        yield from self._notes(self.say("fleet_summary.note_errors"))
+
+    def rests_on(self, level: int = 2) -> Section:
+        """Say what the words mean."""
+        rows = [(self.say(f"fleet_terms.{name}"), self.say(f"fleet_meaning.{name}")) for name in TERMS]
+        return self._section("rests_on", (Facts(rows),), level)
+
+
+def _listed(items: Sequence[str]) -> Iterator[Part]:
+    if items:
+        yield Points(items)
