@@ -73,12 +73,10 @@ def write_summary_pdf(
     words = FleetWords(summary, say)
     several = max(min(len(summary.bodies), DETAILED), 1)
     sections = FleetSections(words, DEPTHS[several])
-    charts: dict[str, str] = {}
+    scale = 1.0 if DEPTHS[several].drawn else _LOW
 
     def draw(picture: Picture) -> str:
-        name = f"{picture.name}-{len(charts)}"
-        charts[name] = drawn(picture.chart, say, scale=1.0 if DEPTHS[several].drawn else _LOW)
-        return name
+        return drawn(picture.chart, say, scale=scale)
 
     head = Job() if letterhead is None else letterhead.letterhead
     title, name = say("fleet_summary.title"), Path(summary.folder).name
@@ -94,6 +92,5 @@ def write_summary_pdf(
             "facts": sections.facts()[1:],  # the folder stands in the subtitle
             "ground": HEADING,
             "sections": [section_blocks(section, draw, say) for section in sections.all()],
-            "charts": charts,
         }
         return compile_pdf("fleet", Path(folder), data, None, say, font)

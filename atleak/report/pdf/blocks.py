@@ -204,7 +204,7 @@ def _held(sizes: list[int]) -> list[int]:
 
 
 def section_blocks(section: Section, draw: Callable[[Picture], str], say: Wording) -> dict[str, Any]:
-    """Return a section as the template places it; ``draw`` draws a chart and returns the name of its file."""
+    """Return a section as the template places it; ``draw`` draws a chart as SVG."""
     made = (_block(part, draw, say) for part in section.parts)
     return {"title": section.title, "level": section.level, "blocks": [*with_notes(made)]}
 
@@ -215,10 +215,10 @@ def _block(part: Part, draw: Callable[[Picture], str], say: Wording) -> Block:
     if isinstance(part, Text):
         return text(part.words, small=part.small, leads=part.leads)
     if isinstance(part, Points):
-        return {"kind": "list", "items": list(part.items)}
+        return bullets(part.items)
     if isinstance(part, Facts):
         return facts(part.rows)
-    image: Block = {"kind": "image", "file": draw(part), "alt": part.alt, "caption": part.caption}
+    image = picture(draw(part), part.alt, part.caption)
     levels = [[level.verdict if isinstance(level, Band) else level, say.level(level)] for level in part.legend]
     return {**image, "legend": levels} if levels else image
 
