@@ -1,8 +1,7 @@
 """Find the repairs that cost least and keep every limit, by linear programming in whole numbers.
 
-What must hold of every choice goes into the programme as sums; what it then proposes is computed by the engine. A
-proposal that leaves a limit unkept is cut off, together with every other one that lacks the same, and the next is asked
-for.
+What the programme proposes is computed by the engine. A proposal that leaves a limit unkept is cut off, together with
+every other one that lacks the same, and the next is asked for.
 """
 
 from __future__ import annotations
@@ -14,15 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from atleak.repair.bounds import LandState, Sum, Target
+from atleak.repair.bounds import LandState, Target
 from atleak.repair.moves import Move, Moves, together
 from atleak.repair.totals import LandChoice, RepairableUnit
 from atleak.rules import LandKey
 
 ROUNDS = 100  # of proposals at the most; then repairs are named that suffice, and may not be the best
-_COUPLED = (
-    0.05  # of what a repair saves, by which it may differ where circuits feed one another: choice of this project
-)
+_COUPLED = 0.05  # of a saving, by which it may differ as circuits feed one another: choice of this project
 _SLACK = 1e-7  # of a sum, in which the programme may be off: the engine has the last word
 
 
@@ -73,8 +70,6 @@ class Search:
             return Best(tuple(forced), proven=True, rounds=1)
         self._state_rows()
         for target in self.targets:
-            if target.sum is not None:
-                self._add_sum(target.sum)
             self._add_draw(target, ())
         chosen: list[Move] | None = None
         objectives = self.objectives()
@@ -217,25 +212,6 @@ class Search:
                 states[key, 0][1][variable] = -1.0
         return states
 
-    def _add_sum(self, total: Sum) -> None:
-        expressions, most = self._expressions, total.most
-        factors: dict[int, float] = {}
-        for (key, number), value in total.terms.items():
-            if (key, number) not in expressions:
-                most -= value if number == 0 else 0.0  # a land that nothing repairs
-                continue
-            constant, variables = expressions[key, number]
-            most -= constant * value
-            for variable, factor in variables.items():
-                factors[variable] = factors.get(variable, 0.0) - factor * value
-        scale = max((abs(factor) for factor in factors.values()), default=0.0)
-        if scale > 0.0:
-            size = max(abs(most), scale)
-            least = (-most - _SLACK * size) / scale
-            self._rows.append(({place: factor / scale for place, factor in factors.items()}, least))
-        elif most < 0.0:
-            self._rows.append(({0: 0.0}, 1.0))  # nothing that is offered changes it
-
     def _add_needed(self, states: Iterable[LandState]) -> None:
         """Add that one land at least is in one of some states."""
         expressions, least = self._expressions, 1.0
@@ -272,7 +248,7 @@ class Search:
             drawn = target.at.repaired(choices).leakage
             alone, last = drawn[0] - drawn[1::3], drawn[3::3] - drawn[2::3]
             both = np.minimum(alone, last), np.maximum(alone, last)
-            spare = 0.0 if target.adds_up else _COUPLED * np.maximum(abs(alone), abs(last))
+            spare = _COUPLED * np.maximum(abs(alone), abs(last))
             self._saved[id(target.at)] = both[0] - spare, both[1] + spare
         return self._saved[id(target.at)]
 

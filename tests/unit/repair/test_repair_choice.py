@@ -13,7 +13,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from atleak.catalogue.circuits import Consumer, PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
@@ -26,7 +25,6 @@ from atleak.job.estimate import Estimate
 from atleak.job.record import EstimateTerms
 from atleak.readings import Readings
 from atleak.repair import Basis, Choice, Goal, Move, Prices, Stated, choose
-from atleak.repair.bounds import Target
 from atleak.report.estimate_words import EstimateWords
 from atleak.rules import LandKey, unit_rules
 from atleak.verdicts import Band
@@ -112,31 +110,6 @@ def test_the_fewest_repairs_of_twelve_flagged_lands_are_those_of_all_4096_sets(
     assert len(choice.chosen) == min(map(len, green_sets(choice)))
     everything = choose(diagnosis)
     assert {move.key for move in everything.chosen} == {land.key for land in diagnosis.flagged}
-
-
-@pytest.mark.parametrize("flow", [25.0, 26.0, 30.0])
-def test_no_choice_that_keeps_the_line_up_breaks_the_sum_that_every_such_choice_keeps(
-    flow: float, worn_unit: Callable[..., Diagnosis], minimal: Controller
-) -> None:
-    """With a consumer that takes the less the more the line sags."""
-    cooler = Consumer("cooler", "cooler", flow / 60e3, False, "test")
-    permitted = PermissiblePressure(frozenset(minimal.gears), "driving", 780e3, None, "test")
-    controller = replace(minimal, consumers=(cooler,), permissible=(permitted,))
-    diagnosis = worn_unit(controller, {land.key: 1.0 for land in controller.lands[:4]})
-    unit = choose(diagnosis, Goal.GREEN).unit
-    keys = sorted({land.key for land in diagnosis.flagged})
-    choices = [dict.fromkeys(some, 1) for count in range(len(keys) + 1) for some in itertools.combinations(keys, count)]
-    judged = next(each for each in unit.judged[0] if each.rule.kind is RuleKind.PERMISSIBLE_PRESSURE)
-    at = unit.conditions[0]
-    done = at.repaired(choices)
-    shares = judged.value(done.leakage, done.pressures)
-    for limit in np.unique(shares) + 1e-6:  # so that each choice but just keeps one of them
-        target = Target(judged, float(limit), at)
-        assert target.sum is not None
-        for choice, kept in zip(choices, target.kept(done.leakage, done.pressures), strict=True):
-            terms = sum(number for (key, state), number in target.sum.terms.items() if choice.get(key, 0) == state)
-            assert terms <= target.sum.most * (1.0 + 1e-6) or not kept
-    assert np.ptp(shares) > 0.0
 
 
 def option(number: int, component: str, lands: tuple[int, ...], price: float | None, hours: float | None) -> Repair:
