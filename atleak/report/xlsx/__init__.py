@@ -96,7 +96,7 @@ def write_workbook(
 
 def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     record = {"format": FORMAT, "atleak": __version__, **head_record(diagnosis)}
-    live = LiveSheets(book, diagnosis)
+    live = LiveSheets(diagnosis, book.say)
     rest = Sheets(book, diagnosis, record, job, live)
     summary = book.sheet(Sentence("Summary"))
     rest.write_summary(summary)
@@ -109,9 +109,9 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
         road.write(book.sheet(ROAD_TEST))
         road.write_events(book.sheet(ROAD_EVENTS, frozen=(1, 0)))
     if not diagnosis.without_sheet:
-        live.write_conditions(book.sheet(CONDITIONS, frozen=(1, 2)))
-        live.write_limits(book.sheet(LIMITS, frozen=(1, 1)))
-        live.write_constants(book.sheet(CONSTANTS, frozen=(1, 1)))
+        live.totals.write(book, book.sheet(CONDITIONS, frozen=(1, 2)))
+        live.limits.write(book, book.sheet(LIMITS, frozen=(1, 1)))
+        live.constants.write(book, book.sheet(CONSTANTS, frozen=(1, 1)))
     if job.estimated and not diagnosis.without_sheet:
         write_estimate(book, book.sheet(ESTIMATE, frozen=(1, 1)), diagnosis, job)
     if not job.empty:
@@ -123,17 +123,17 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
 
 def _write_unit(book: Book, diagnosis: Diagnosis, live: LiveSheets, rest: Sheets) -> None:
     """Write the sheets on the lands: a road test alone has none."""
-    live.write_lands(book.sheet(LANDS, frozen=(1, 3)))
+    live.write_lands(book, book.sheet(LANDS, frozen=(1, 3)))
     rest.write_matrix(book.sheet(Sentence("Land by condition"), frozen=(1, 3)))
     for at in live.conditions:
-        live.write_gaps(book.sheet(at.sheet, frozen=(1, 2)), at)
-    if live.circuits.lines:
-        live.write_circuits(book.sheet(CIRCUITS, frozen=(1, 3)))
-    live.write_rules(book.sheet(RULES, frozen=(1, 3)))
+        live.gaps.at[at.prefix].write(book, book.sheet(at.sheet, frozen=(1, 2)), lines=4)
+    if live.circuits.sheet.items:
+        live.circuits.write(book, book.sheet(CIRCUITS, frozen=(1, 3)))
+    live.rules.write(book, book.sheet(RULES, frozen=(1, 3)))
     if diagnosis.readings:
-        live.write_readings(book.sheet(READINGS, frozen=(1, 2)))
-    if live.directions.lines:
-        live.write_directions(book.sheet(DIRECTIONS, frozen=(1, 2)))
+        live.readings.write(book, book.sheet(READINGS, frozen=(1, 2)))
+    if live.directions.sheet.items:
+        live.directions.sheet.write(book, book.sheet(DIRECTIONS, frozen=(1, 2)), lines=3)
     if live.instruments is not None and live.budget is not None:
         live.instruments.write(book, book.sheet(INSTRUMENTS, frozen=(1, 1)))
-        live.budget.write(book, book.sheet(BUDGET), live.of_land)
+        live.budget.write(book, book.sheet(BUDGET))

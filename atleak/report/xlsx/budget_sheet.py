@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 
 from xlsxwriter.worksheet import Worksheet
 
@@ -16,20 +17,11 @@ from atleak.catalogue.instruments import Part
 from atleak.diagnosis import Diagnosis
 from atleak.equations.uncertainty import normal_quantile
 from atleak.land_diagnosis import LandDiagnosis
+from atleak.report.xlsx import names
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.instruments_sheet import INFINITE
 from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, EXPANSIONS, Cell, ColumnKey, address, quote, write_cell
-from atleak.report.xlsx.names import (
-    COVERAGE,
-    FORM_RESIDUAL,
-    NOMINAL_DIAMETER,
-    OWN_MOUNTING,
-    ROOM_TEMPERATURE,
-    TOLERANCE_COVERAGE,
-    UNSEEN_OVALITY,
-    VISIBLE_STEP,
-    of_part,
-)
+from atleak.report.xlsx.names import of_part
 from atleak.report.xlsx.readings_sheet import PART_NAMES, ReadingCells
 from atleak.rules import LandKey
 from atleak.sentence import Name, Sentence
@@ -70,12 +62,18 @@ class _Beside:
 class BudgetCells:
     """The budgets of one unit."""
 
-    def __init__(self, diagnosis: Diagnosis, readings: ReadingCells, say: Wording) -> None:
-        self.diagnosis, self.readings, self.say = diagnosis, readings, say
+    def __init__(
+        self,
+        diagnosis: Diagnosis,
+        readings: ReadingCells,
+        of_land: Callable[[LandKey, ColumnKey], str],
+        say: Wording,
+    ) -> None:
+        self.diagnosis, self.readings, self.of_land, self.say = diagnosis, readings, of_land, say
         self.flagged = [land for land in diagnosis.flagged if land.uncertainty and land.uncertainty.u_clearance]
 
-    def write(self, book: Book, sheet: Worksheet, of_land: Callable[[LandKey, ColumnKey], str]) -> None:
-        """Write a budget for every flagged land, the worst first; ``of_land`` gives a cell of the sheet of lands."""
+    def write(self, book: Book, sheet: Worksheet) -> None:
+        """Write a budget for every flagged land, the worst first."""
         for column, width in enumerate(_WIDTHS):
             sheet.set_column(column, column, width)
         notes = [self.say("annex.model"), self.say("annex.about_budgets"), *_NOTES]
@@ -94,7 +92,7 @@ class BudgetCells:
         row = len(notes) + 1
         for land in shown:
             assert land.uncertainty is not None
-            row = _Budget(book, sheet, self, land, land.uncertainty.sources, of_land).write(row) + 2
+            row = _Budget(book, sheet, self, land, land.uncertainty.sources).write(row) + 2
 
 
 class _Budget:
@@ -107,11 +105,10 @@ class _Budget:
         cells: BudgetCells,
         land: LandDiagnosis,
         sources: LandSources,
-        of_land: Callable[[LandKey, ColumnKey], str],
     ) -> None:
         self.book, self.sheet, self.cells, self.land, self.sources = book, sheet, cells, land, sources
         self.readings, self.say = cells.readings, cells.say
-        self._of_land = lambda column: of_land(land.key, column)
+        self._of_land = partial(cells.of_land, land.key)
         self._beside: dict[tuple[Part, str], str] = {}  # the cells of what the readings give
 
     def write(self, row: int) -> int:
@@ -185,9 +182,9 @@ class _Budget:
             case "form":
                 return self._form(part)
             case "measuring temperature":
-                return f"{ROOM_TEMPERATURE}/SQRT(3)"
+                return f"{names.ROOM_TEMPERATURE}/SQRT(3)"
             case "nominal diameter":
-                return NOMINAL_DIAMETER
+                return names.NOMINAL_DIAMETER
             case "mounting clearance":
                 return self._mounting()
 
@@ -195,15 +192,15 @@ class _Budget:
         """Return the formula of what the form leaves uncertain of a diameter; see `atleak.uncertainty.sources`."""
         ovality, taper, lobes, rest = (self._beside[part, key] for key in ("ovality", "taper", "lobes", "residual"))
         seen = f"{ovality}^2+" if self._seen(part) is not None else ""  # only what was seen leaves a rest
-        return f"SQRT(({ovality}*{lobes}/2)^2/2+({rest}*{FORM_RESIDUAL})^2*({seen}{taper}^2))"
+        return f"SQRT(({ovality}*{lobes}/2)^2/2+({rest}*{names.FORM_RESIDUAL})^2*({seen}{taper}^2))"
 
     def _mounting(self) -> str:
         land = self.land.state.land
         if len(land.mounting_ends) > 1:
             return f"({self._of_land('c_m')}-{self._of_land('c_m_low')})/2/SQRT(3)"
         if land.mounting_tolerance is not None:
-            return f"{self._of_land('tolerance')}/NORMSINV((1+{TOLERANCE_COVERAGE})/2)"
-        return OWN_MOUNTING
+            return f"{self._of_land('tolerance')}/NORMSINV((1+{names.TOLERANCE_COVERAGE})/2)"
+        return names.OWN_MOUNTING
 
     def _of_temperature(self) -> str:
         """Return the formula of the change of c_r with the temperature of measuring [µm/K]."""
@@ -221,8 +218,8 @@ class _Budget:
         """Write it beside the sources, a column for each part; return the last row."""
         book, sheet = self.book, self.sheet
         measured = [part for part in PARTS if part in self.sources.plans]
-        names = [Sentence("what its readings give"), *(PART_NAMES[part] for part in measured)]
-        for column, name in enumerate(names, start=_BESIDE):
+        headings = [Sentence("what its readings give"), *(PART_NAMES[part] for part in measured)]
+        for column, name in enumerate(headings, start=_BESIDE):
             book.put(sheet, row, column, name, book.heading)
         below = row
         for column, part in enumerate(measured, start=_BESIDE + 1):
@@ -237,12 +234,12 @@ class _Budget:
         plan, places = sources.plans[part], readings.places_of(key, part)
         weight, means = readings.span("weight", places), readings.span("mean", places)
         of_one = readings.span("repeat_weight", places)
-        apart = f"(MAX({means})-MIN({means}))*1000>={of_part(part, 'q')}-{VISIBLE_STEP}"
+        apart = f"(MAX({means})-MIN({means}))*1000>={of_part(part, 'q')}-{names.VISIBLE_STEP}"
         seen, state = self._seen(part), self.land.state
         taper = (state.spool_taper if part == "spool" else state.sleeve_taper) or 0.0
         shown = sources.spreads[part].ovality
         ovality = seen if seen is not None else shown if shown is not None else sources.assumptions.unseen_ovality
-        text = of_part(part, "ovality") if shown is not None else UNSEEN_OVALITY
+        text = of_part(part, "ovality") if shown is not None else names.UNSEEN_OVALITY
         if seen is not None:
             text = readings.span(f"ovality_{part}", places[:1]).partition(":")[0]
         return {
@@ -290,7 +287,7 @@ class _Budget:
                 (
                     Cell("nu", u * UM, f"SQRT(SUMSQ({contributions}))", bold),
                     Cell("degrees", known, degrees, {"align": "right"}),
-                    Cell("nu", k, f"NORMSINV((1+{COVERAGE})/2)"),
+                    Cell("nu", k, f"NORMSINV((1+{names.COVERAGE})/2)"),
                     Cell("nu", k * u * UM, f"{cells[2]}*{cells[0]}", bold),
                 ),
                 strict=True,

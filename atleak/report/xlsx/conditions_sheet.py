@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
@@ -12,27 +12,20 @@ from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.pump import Pump
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import LeakFlow, Projection
+from atleak.report.xlsx import names
 from atleak.report.xlsx.book import Book, cell
 from atleak.report.xlsx.constants import ORDERED_BELOW, fluid_formulas
-from atleak.report.xlsx.gaps_sheet import GapCells
+from atleak.report.xlsx.gaps_sheet import GapSheets
 from atleak.report.xlsx.live_cells import (
-    CHANGEABLE,
     RANKED,
-    Cell,
+    Quantity,
     SheetCondition,
     band_of_rank,
     drop_between,
     quote,
     share_of,
-    write_cell,
 )
-from atleak.report.xlsx.names import (
-    LARGEST_SHARE,
-    NOTHING_DELIVERED,
-    of_leak,
-    of_relation,
-    of_tips,
-)
+from atleak.report.xlsx.names import of_leak, of_relation, of_tips
 from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.sentence import Name, Sentence
 from atleak.uncertainty import TotalUncertainty
@@ -75,28 +68,34 @@ _POSITIONS = {
 }
 
 
-class Quantity(NamedTuple):
-    """A row of the sheet: one quantity at one condition."""
+def _pressure(
+    name: str, label: Sentence, value: float | None, formula: str | None = None, *, fixed: bool = False
+) -> Quantity:
+    return Quantity(name, label, "kPa", "kpa", None if value is None else value * KPA, formula, fixed)
 
-    label: Sentence
-    unit: str
-    name: str  # of the cell, without the condition's prefix
-    formula: str | None  # None for an input
-    value: Any
-    kind: str  # of number
-    fixed: bool = False  # a result that no formula gives, or what the rows of other sheets rest on; not an input
 
-    @property
-    def heading(self) -> Sentence:
-        """Return the label with its unit."""
-        return Sentence("{label} [{unit}]", label=self.label, unit=self.unit) if self.unit else self.label
+def _flow(name: str, label: Sentence, value: float, formula: str | None = None, *, fixed: bool = False) -> Quantity:
+    return Quantity(name, label, "dm³/min", "flow", value * DM3_MIN, formula, fixed)
+
+
+def _share(name: str, label: Sentence, value: float, formula: str) -> Quantity:
+    return Quantity(name, label, "%", "share", value * PERCENT, formula)
+
+
+def _plain(name: str, label: Sentence, value: Any, formula: str | None, kind: str = "plain") -> Quantity:
+    return Quantity(name, label, "", kind, value, formula)
 
 
 class ConditionsSheet:
     """The sheet of conditions of one diagnosis."""
 
     def __init__(
-        self, diagnosis: Diagnosis, conditions: Sequence[SheetCondition], gaps: GapCells, rules: RuleCells, say: Wording
+        self,
+        diagnosis: Diagnosis,
+        conditions: Sequence[SheetCondition],
+        gaps: GapSheets,
+        rules: RuleCells,
+        say: Wording,
     ) -> None:
         self.diagnosis, self.conditions, self.gaps, self.rules, self.say = diagnosis, conditions, gaps, rules, say
         self.sheet = say.sentence(CONDITIONS)
@@ -113,9 +112,7 @@ class ConditionsSheet:
             for row, each in enumerate(quantities, start=1):
                 book.put(sheet, row, 0, each.label, book.bold)
                 book.put(sheet, row, 1, each.unit)
-                look = {"align": "right", **(CHANGEABLE if each.formula is None and not each.fixed else {})}
-                write_cell(book, sheet, row, column, Cell(each.kind, each.value, each.formula, look))
-                book.workbook.define_name(at(each.name), f"={cell(row, column, self.sheet)}")
+                each.write(book, sheet, row, column, at(each.name))
             end = len(quantities)
         for row, each in enumerate(quantities, start=1):
             if each.name in BAND_ROWS:
@@ -175,22 +172,18 @@ class ConditionsSheet:
 
     def _condition(self, at: SheetCondition) -> Iterable[Quantity]:
         """Return the quantities of one condition, in their order."""
-        projection, condition = at.projection, at.projection.condition
-        yield Quantity(Sentence("gear"), "", "gear", None, condition.gear, "count", fixed=True)
-        yield Quantity(Sentence("temperature"), "°C", "T", None, condition.temperature, "temperature")
-        yield Quantity(Sentence("engine speed"), "1/min", "n", None, condition.engine_speed * RPM, "rpm")
-        yield Quantity(
-            Sentence("main pressure p_g, required"), "kPa", "p_g", None, condition.main_pressure * KPA, "kpa"
-        )
+        point = at.projection.condition
+        yield Quantity("gear", Sentence("gear"), "", "count", point.gear, fixed=True)
+        yield Quantity("T", Sentence("temperature"), "°C", "temperature", point.temperature)
+        yield Quantity("n", Sentence("engine speed"), "1/min", "rpm", point.engine_speed * RPM)
+        yield _pressure("p_g", Sentence("main pressure p_g, required"), point.main_pressure)
         for section, label in _SET_BY_RELATIONS:
             relation = self.diagnosis.controller.relations[section]
             text = f"{at('p_g')}*{of_relation(section, 'ratio')}+{of_relation(section, 'offset')}"
             if relation.limit is not None:
                 text = f"MIN({text},{of_relation(section, 'limit')})"
-            yield Quantity(label, "kPa", section, text, projection.pressures[section] * KPA, "kpa")
-        yield Quantity(
-            Sentence("converter pressure p_k"), "kPa", "p_k", None, condition.converter_pressure * KPA, "kpa"
-        )
+            yield _pressure(section, label, at.projection.pressures[section], text)
+        yield _pressure("p_k", Sentence("converter pressure p_k"), point.converter_pressure)
         yield from self._held(at)
         yield from self._fluid(at)
         yield from self._pump(at)
@@ -200,23 +193,15 @@ class ConditionsSheet:
 
     def _held(self, at: SheetCondition) -> Iterable[Quantity]:
         """Return the main pressure that holds, which no formula gives, and between which it is permissible."""
-        projection, permissible = at.projection, at.projection.permissible
+        permissible, held = at.projection.permissible, at.projection.main_pressure_held
         low, high = self._interval(at, lambda total: total.main_pressure_interval)
-        for name, label, value in (
-            ("p_g_held", Sentence("main pressure held, as issued"), projection.main_pressure_held),
-            ("p_g_held_low", Sentence("low, as issued"), low),
-            ("p_g_held_high", Sentence("high, as issued"), high),
-            (
-                "p_g_held_new",
-                Sentence("main pressure that the same unit new holds, as issued"),
-                at.new.main_pressure_held,
-            ),
-        ):
-            yield Quantity(label, "kPa", name, None, None if value is None else value * KPA, "kpa", fixed=True)
+        new = Sentence("main pressure that the same unit new holds, as issued")
+        yield _pressure("p_g_held", Sentence("main pressure held, as issued"), held, fixed=True)
+        yield _pressure("p_g_held_low", Sentence("low, as issued"), low, fixed=True)
+        yield _pressure("p_g_held_high", Sentence("high, as issued"), high, fixed=True)
+        yield _pressure("p_g_held_new", new, at.new.main_pressure_held, fixed=True)
         for end, label in _PERMISSIBLE:
-            value = None if permissible is None else getattr(permissible, end)
-            scaled = None if value is None else value * KPA
-            yield Quantity(label, "kPa", f"permissible_{end}", None, scaled, "kpa")
+            yield _pressure(f"permissible_{end}", label, None if permissible is None else getattr(permissible, end))
 
     def _interval(
         self, at: SheetCondition, interval: Callable[[TotalUncertainty], tuple[float, float]]
@@ -231,37 +216,35 @@ class ConditionsSheet:
         viscosity = fluid.kinematic_viscosity(temperature, model) * MM2_S
         density = fluid.density(temperature, model) * G_CM3
         of_viscosity, of_density = fluid_formulas(model, at("T"))
-        yield Quantity(Sentence("kinematic viscosity ν"), "mm²/s", "nu", of_viscosity, viscosity, "nu")
-        yield Quantity(Sentence("density ρ"), "g/cm³", "rho", of_density, density, "rho")
+        yield Quantity("nu", Sentence("kinematic viscosity ν"), "mm²/s", "nu", viscosity, of_viscosity)
+        yield Quantity("rho", Sentence("density ρ"), "g/cm³", "rho", density, of_density)
 
     def _pump(self, at: SheetCondition) -> Iterable[Quantity]:
         engine, projection = self.diagnosis.model, at.projection
         pump = engine.controller.pump
-        yield Quantity(Sentence("pump displacement"), "mm³/rev", "q_p", None, pump.displacement * MM3_S, "mm3")
+        yield Quantity("q_p", Sentence("pump displacement"), "mm³/rev", "mm3", pump.displacement * MM3_S)
         if engine.uses_slip:
             yield from self._slip(at, "", pump, projection.slip)
             if pump.as_new is not None:
                 yield from self._slip(at, "_new", pump.as_new, at.new.slip)
         else:
-            yield Quantity(Sentence("volumetric efficiency"), "", "eta_v", None, pump.volumetric_efficiency, "plain")
+            yield _plain("eta_v", Sentence("volumetric efficiency"), pump.volumetric_efficiency, None)
         supply = f"{self._per_revolution(at)}*{at('n')}"
-        yield Quantity(Sentence("pump supply"), "dm³/min", "supply", supply, projection.pump_supply * DM3_MIN, "flow")
+        yield _flow("supply", Sentence("pump supply"), projection.pump_supply, supply)
         capacity = f"MAX({at('supply')}-{at('slip')},0)" if engine.uses_slip else at("supply")
-        yield Quantity(
-            Sentence("pump capacity"), "dm³/min", "capacity", capacity, projection.pump_capacity * DM3_MIN, "flow"
-        )
+        yield _flow("capacity", Sentence("pump capacity"), projection.pump_capacity, capacity)
 
     def _slip(self, at: SheetCondition, end: str, pump: Pump, slip: float) -> Iterable[Quantity]:
         """Return a slip coefficient and the slip that follows from it and from the tips that it leaves out."""
         coefficient, label = _SLIP_NEW if end else _SLIP
-        yield Quantity(coefficient, "", f"C_s{end}", None, pump.slip_coefficient, "scientific")
+        yield _plain(f"C_s{end}", coefficient, pump.slip_coefficient, None, "scientific")
         text = f"{at('q_p')}*{at(f'C_s{end}')}*{at('p_g')}*60/(2*PI()*{at('nu')}*{at('rho')})"
         if pump.gaps.tips is not None and pump.tips:
             over_tips = "".join(
                 f"{sign:+g}*{_over_tips(end, number, at)}" for number, (sign, _) in enumerate(pump.tips, start=1)
             )
             text = f"MAX({text}{over_tips},0)"
-        yield Quantity(label, "dm³/min", f"slip{end}", text, slip * DM3_MIN, "flow")
+        yield _flow(f"slip{end}", label, slip, text)
 
     def _per_revolution(self, at: SheetCondition) -> str:
         """Return the formula of what the pump delivers in one revolution before slip [dm³]."""
@@ -275,14 +258,13 @@ class ConditionsSheet:
             label = Sentence("consumer: {name}", name=Name(each.name))
             if each.after_line:
                 label = Sentence("{consumer}, behind the line's regulator", consumer=label)
-            yield Quantity(label, "dm³/min", f"consumer_{number}", None, each.at(condition) * DM3_MIN, "flow")
+            yield _flow(f"consumer_{number}", label, each.at(condition))
             if (stated_at := self._stated_at(each)) is not None:
                 label = Sentence("{consumer}: main pressure at which it takes that", consumer=label)
-                yield Quantity(label, "kPa", f"consumer_{number}_at", None, stated_at * KPA, "kpa")
+                yield _pressure(f"consumer_{number}_at", label, stated_at)
         consumed = self._consumers(at)
-        consumers = at.projection.consumers * DM3_MIN
         label = Sentence("consumers") if consumed else Sentence("consumers (the valve body's file states none)")
-        yield Quantity(label, "dm³/min", "consumers", consumed or "0", consumers, "flow")
+        yield _flow("consumers", label, at.projection.consumers, consumed or "0")
         for number, leak in enumerate(controller.leaks, start=1):
             named = Sentence("leak: {name}", name=Name(leak.name))
             for prefix, label, name_of, of in (
@@ -291,15 +273,12 @@ class ConditionsSheet:
             ):
                 flow = next((each for each in of.leaks if each.leak is leak), None)
                 text = "0" if flow is None else _leak_formula(number, flow, at, name_of)
-                leaked = 0.0 if flow is None else flow.flow * DM3_MIN
-                yield Quantity(label, "dm³/min", f"{prefix}leak_{number}", text, leaked, "flow")
+                yield _flow(f"{prefix}leak_{number}", label, 0.0 if flow is None else flow.flow, text)
         if controller.circuits:
-            for prefix, label, of in (
-                ("", Sentence("relieved to the sump by circuits, as issued"), at.projection),
-                ("new_", Sentence("relieved to the sump by circuits of the same unit new, as issued"), at.new),
-            ):
-                value = of.relieved * DM3_MIN
-                yield Quantity(label, "dm³/min", f"{prefix}relieved", None, value, "flow", fixed=True)
+            relieved = Sentence("relieved to the sump by circuits, as issued")
+            yield _flow("relieved", relieved, at.projection.relieved, fixed=True)
+            relieved = Sentence("relieved to the sump by circuits of the same unit new, as issued")
+            yield _flow("new_relieved", relieved, at.new.relieved, fixed=True)
 
     def _consumers(self, at: SheetCondition, *, after_line: bool | None = None) -> str:
         """Return the formula of the sum of the consumers, or of those behind the line or before it; "" of none."""
@@ -327,65 +306,43 @@ class ConditionsSheet:
     def _totals(self, at: SheetCondition) -> Iterable[Quantity]:
         now, new, rule = at.projection, at.new, self.diagnosis.total_rule(at.projection)
         spools = spools_taken(self.diagnosis.profile)
-        for name, label, prefix, each in (
-            ("leakage", Sentence("leakage drawn from the pump, {spools}", spools=spools), "", now),
-            (
-                "leakage_new",
-                Sentence(
-                    "leakage of the same unit new, its pairs as wide as they may have been, {spools}",
-                    spools=spools,
-                ),
-                "new_",
-                new,
-            ),
-        ):
-            flow = self._with_others(at, self.gaps.sum_of(f"{prefix}q", at), each, prefix)
-            yield Quantity(label, "dm³/min", name, flow, each.leakage * DM3_MIN, "flow")
+        leakage = Sentence("leakage drawn from the pump, {spools}", spools=spools)
+        yield _flow("leakage", leakage, now.leakage, self._with_others(at, self.gaps.sum_of("q", at), now))
+        leakage = Sentence(
+            "leakage of the same unit new, its pairs as wide as they may have been, {spools}", spools=spools
+        )
+        drawn_new = self._with_others(at, self.gaps.sum_of("new_q", at), new, "new_")
+        yield _flow("leakage_new", leakage, new.leakage, drawn_new)
         growth = f"({at('leakage')}/{at('leakage_new')}-1)*100"
         growth = f'IF({at("capacity")}*{at("leakage_new")}>0,{growth},"{NO_GROWTH}")'
         grown = NO_GROWTH if rule.growth is None else rule.growth * PERCENT
-        yield Quantity(
-            Sentence("growth over that new unit"),
-            "%",
-            "growth",
-            growth,
-            grown,
-            "percent",
-        )
-        for name, label, flow, each in (
-            ("share", Sentence("share of pump capacity"), "leakage", now),
-            (
-                "share_new",
-                Sentence("share of that new unit"),
-                "leakage_new",
-                new,
-            ),
-        ):
-            yield Quantity(label, "%", name, share_of(at(flow), at("capacity")), each.share * PERCENT, "share")
+        yield Quantity("growth", Sentence("growth over that new unit"), "%", "percent", grown, growth)
+        share, share_new = (share_of(at(name), at("capacity")) for name in ("leakage", "leakage_new"))
+        yield _share("share", Sentence("share of pump capacity"), now.share, share)
+        yield _share("share_new", Sentence("share of that new unit"), new.share, share_new)
         yield from self._positions(at)
-        yield Quantity(SPEED, "1/min", "n_min", self._covers(at), now.minimum_speed * RPM, "rpm")
+        yield Quantity("n_min", SPEED, "1/min", "rpm", now.minimum_speed * RPM, self._covers(at))
         limits, rank = self.rules.limits_and_rank(rule)
         for level, limit in rule.steps.levels:
             label = Sentence("{level} from a share of", level=self.say.level(level))
-            yield Quantity(label, "%", f"from_{level}", limits[level], limit * PERCENT, "share")
+            yield _share(f"from_{level}", label, limit, limits[level])
         reached = self.diagnosis.band(now)
         not_measured = self.say.sentence(NOT_MEASURED)
         band = quote(not_measured) if reached is None else band_of_rank(rank, self.say)
         said = not_measured if reached is None else self.say.level(reached)
-        yield Quantity(Sentence("band of the total share"), "", "band", band, said, "plain")
-        order = f"{rank}+MIN({at('share')},{LARGEST_SHARE})*1E-6"
+        yield _plain("band", Sentence("band of the total share"), said, band)
+        order = f"{rank}+MIN({at('share')},{names.LARGEST_SHARE})*1E-6"
         worst = RANKED.index(rule.verdict) + 1 + min(now.share * PERCENT, ORDERED_BELOW) * 1e-6
         label = Sentence("order of the totals, the worst largest: rank of the band, then the share")
-        yield Quantity(label, "", "order", order, worst, "plain")
+        yield _plain("order", label, worst, order)
 
     def _positions(self, at: SheetCondition) -> Iterable[Quantity]:
         """Return the leakages and shares between which the total may lie as the spools do."""
         now = at.projection
         for (key, labels), flow in zip(_POSITIONS.items(), (now.concentric_leakage, now.touching_leakage), strict=True):
             name, leakage = f"leakage_{key}", self._with_others(at, self.gaps.sum_of(f"q_{key}", at), now)
-            share = share_of(at(name), at("capacity"))
-            yield Quantity(labels[0], "dm³/min", name, leakage, flow * DM3_MIN, "flow")
-            yield Quantity(labels[1], "%", f"share_{key}", share, now.share_of(flow) * PERCENT, "share")
+            yield _flow(name, labels[0], flow, leakage)
+            yield _share(f"share_{key}", labels[1], now.share_of(flow), share_of(at(name), at("capacity")))
 
     def _covers(self, at: SheetCondition) -> str:
         return f"({self._demand(at, 'leakage')})/({self._per_revolution(at)})"
@@ -402,40 +359,27 @@ class ConditionsSheet:
         left = f"{at('capacity')}-{at('leakage')}" + (f"-({first})" if first else "")
         starved = f"MAX({behind}-MAX({left},0),0)" if behind else "0"
         label = Sentence("by which consumers behind the line's regulator go short")
-        yield Quantity(label, "dm³/min", "starved", starved, now.starved * DM3_MIN, "flow")
+        yield _flow("starved", label, now.starved, starved)
         new_slip = "slip" if self.diagnosis.controller.pump.as_new is None else "slip_new"
-        for name, label, leakage, slip, each in (
-            (
-                "reserve",
-                Sentence("reserve of the pump: supply / (leakage + slip + consumers)"),
-                "leakage",
-                "slip",
-                now,
-            ),
-            ("reserve_new", Sentence("reserve of the same unit new"), "leakage_new", new_slip, at.new),
-        ):
-            demand = self._demand(at, leakage, slip)
-            text = f"IF({demand}>0,{at('supply')}/({demand}),{NOTHING_DELIVERED})"
-            yield Quantity(label, "", name, text, each.reserve, "reserve")
+        label = Sentence("reserve of the pump: supply / (leakage + slip + consumers)")
+        yield _plain("reserve", label, now.reserve, self._supplied(at, "leakage", "slip"), "reserve")
+        text = self._supplied(at, "leakage_new", new_slip)
+        yield _plain("reserve_new", Sentence("reserve of the same unit new"), at.new.reserve, text, "reserve")
         low, high = self._interval(at, lambda total: total.reserve_interval)
-        for end, label, value in (
-            ("low", Sentence("reserve, low as issued"), low),
-            ("high", Sentence("reserve, high as issued"), high),
-        ):
-            yield Quantity(label, "", f"reserve_{end}", None, value, "reserve", fixed=True)
+        yield Quantity("reserve_low", Sentence("reserve, low as issued"), "", "reserve", low, fixed=True)
+        yield Quantity("reserve_high", Sentence("reserve, high as issued"), "", "reserve", high, fixed=True)
         if rule is not None:
             limits, rank = self.rules.limits_and_rank(rule)
             for level, limit in rule.steps.levels:
                 label = Sentence("{level} under a reserve of", level=self.say.level(level))
-                yield Quantity(label, "", f"reserve_{level}", limits[level], limit, "reserve")
-            yield Quantity(
-                Sentence("band of the reserve"),
-                "",
-                "reserve_band",
-                band_of_rank(rank, self.say),
-                self.say.level(rule.level),
-                "plain",
-            )
+                yield _plain(f"reserve_{level}", label, limit, limits[level], "reserve")
+            band = band_of_rank(rank, self.say)
+            yield _plain("reserve_band", Sentence("band of the reserve"), self.say.level(rule.level), band)
+
+    def _supplied(self, at: SheetCondition, leakage: str, slip: str) -> str:
+        """Return the formula of how many times the pump supplies what leaves it."""
+        demand = self._demand(at, leakage, slip)
+        return f"IF({demand}>0,{at('supply')}/({demand}),{names.NOTHING_DELIVERED})"
 
 
 def covers(diagnosis: Diagnosis, say: Wording) -> Sentence:

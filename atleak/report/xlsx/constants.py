@@ -6,13 +6,12 @@ What a formula may hold itself is what its equation is made of: small integers, 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.circuits import Leak
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Gap
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import ROUNDING
 from atleak.catalogue.pump import TIP_DENSITY, Pump, TipGaps
@@ -23,48 +22,13 @@ from atleak.engine.profile import UNKNOWN
 from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
 from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, FULLY_ECCENTRIC, MEAN_ECCENTRIC
 from atleak.readings import REPEAT_TOLERANCE
-from atleak.report.xlsx.book import NO_DELIVERY, Book, cell
-from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, CHANGEABLE, Cell, Ends, write_cell
-from atleak.report.xlsx.names import (
-    ABSOLUTE,
-    AVERAGED,
-    COVERAGE,
-    D341_A,
-    D341_B,
-    D341_SHIFT,
-    DENSITY,
-    DENSITY_AT,
-    DENSITY_SLOPE,
-    ECCENTRICITY,
-    ENTRY_LOSS,
-    FORM_RESIDUAL,
-    FULLY,
-    GAIN,
-    LARGEST_SHARE,
-    MEAN_OF_POSITIONS,
-    MEASURED_AT,
-    NOMINAL_DIAMETER,
-    NOTHING_DELIVERED,
-    OWN_MOUNTING,
-    REFERENCE,
-    REPEATS_APART,
-    ROOM_TEMPERATURE,
-    ROUNDED,
-    STUDY_NAMES,
-    TOLERANCE_COVERAGE,
-    TRUSTED_DEGREES,
-    UNSEEN_OVALITY,
-    VISIBLE_STEP,
-    constant_pressure,
-    of_leak,
-    of_relation,
-    of_tips,
-    share_of_pressure,
-)
+from atleak.report.xlsx import names
+from atleak.report.xlsx.book import NO_DELIVERY, Book
+from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, Quantity
+from atleak.report.xlsx.names import constant_pressure, of_leak, of_relation, of_tips, share_of_pressure
 from atleak.sentence import Name, Sentence
 from atleak.uncertainty import Assumptions, UnitUncertainty
 from atleak.uncertainty.sources import AVERAGED_FROM, ENOUGH_DEGREES, STEP_TOLERANCE, TOLERANCE_HOLDS
-from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MPA_S, UM
 
 CONSTANTS = Sentence("Constants")
@@ -75,25 +39,14 @@ _WHITE = "White F. M., Fluid Mechanics, 7th ed., McGraw-Hill 2011, section 6.9"
 _PROGRAM = Sentence("a mark of this workbook, not a quantity")
 
 
-@dataclass(frozen=True)
-class Constant:
-    """A number of the formulas."""
-
-    name: str
-    label: Sentence
-    unit: str
-    value: float
-    source: str
-    formula: str | None = None  # of one that follows from others
-    kind: str = "plain"
-    changeable: bool = True
+def _constant(name: str, label: Sentence, unit: str, value: float, source: str, formula: str | None = None) -> Quantity:
+    return Quantity(name, label, unit, "plain", value, formula, source=source)
 
 
 class ConstantCells:
     """The constants of one diagnosis, and the sheet on which they stand."""
 
-    def __init__(self, diagnosis: Diagnosis, say: Wording) -> None:
-        self.sheet = say.sentence(CONSTANTS)
+    def __init__(self, diagnosis: Diagnosis) -> None:
         self.lines = list({each.name: each for each in _constants(diagnosis)}.values())
 
     def write(self, book: Book, sheet: Worksheet) -> None:
@@ -101,23 +54,19 @@ class ConstantCells:
         headings = (Sentence("name"), Sentence("constant"), Sentence("value"), Sentence("unit"), Sentence("source"))
         book.headings(sheet, 0, headings, lines=1)
         for row, each in enumerate(self.lines, start=1):
-            look: dict[str, Any] = {"align": "right"}
-            if each.changeable and each.formula is None:
-                look |= CHANGEABLE
             book.put(sheet, row, 0, each.name)
             book.put(sheet, row, 1, each.label)
-            write_cell(book, sheet, row, 2, Cell(each.kind, each.value, each.formula, look))
+            each.write(book, sheet, row, 2, each.name)
             book.put(sheet, row, 3, each.unit, book.form(**AFTER_A_NUMBER))
             book.put(sheet, row, 4, each.source)
-            book.workbook.define_name(each.name, f"={cell(row, 2, self.sheet)}")
         for column, width in enumerate((32, 74, 16, 12, 90)):
             sheet.set_column(column, column, width)
 
 
-def _constants(diagnosis: Diagnosis) -> Iterable[Constant]:
+def _constants(diagnosis: Diagnosis) -> Iterable[Quantity]:
     controller, law = diagnosis.controller, diagnosis.model.law
     reference = Sentence("reference temperature of diameters and clearances")
-    yield Constant(REFERENCE, reference, "°C", REFERENCE_TEMPERATURE, "ISO 1:2022")
+    yield _constant(names.REFERENCE, reference, "°C", REFERENCE_TEMPERATURE, "ISO 1:2022")
     yield from _of_gaps(diagnosis, law)
     yield from _of_fluid(diagnosis.fluid, diagnosis.profile.viscosity)
     yield from _of_pressures(controller)
@@ -130,55 +79,51 @@ def _constants(diagnosis: Diagnosis) -> Iterable[Constant]:
     if diagnosis.measured_at is not None and diagnosis.uncertainty is not None:
         at, stated = diagnosis.measured_at, Sentence("as stated for the job")
         origin = Sentence("nobody stated it") if at.assumed else stated
-        yield Constant(MEASURED_AT, Sentence("temperature of gauge and parts when measured"), "°C", at.value, origin)
+        measured = Sentence("temperature of gauge and parts when measured")
+        yield _constant(names.MEASURED_AT, measured, "°C", at.value, origin)
         yield from _of_uncertainty(diagnosis.uncertainty)
-    yield Constant(
-        ROUNDED,
-        Sentence("relative: a value that equals its limit but for floating point has reached it"),
-        "",
-        ROUNDING,
-        _CHOICE,
-        kind="scientific",
-        changeable=False,
-    )
+    rounded = Sentence("relative: a value that equals its limit but for floating point has reached it")
+    yield Quantity(names.ROUNDED, rounded, "", "scientific", ROUNDING, fixed=True, source=_CHOICE)
     never = Sentence("stands for an infinite share, of a pump that delivers nothing")
-    yield Constant(NOTHING_DELIVERED, never, "%", NO_DELIVERY, _PROGRAM, kind="scientific", changeable=False)
+    yield Quantity(names.NOTHING_DELIVERED, never, "%", "scientific", NO_DELIVERY, fixed=True, source=_PROGRAM)
     largest = Sentence("largest share that still tells two totals of a band apart")
-    yield Constant(LARGEST_SHARE, largest, "%", ORDERED_BELOW, _PROGRAM, changeable=False)
+    yield Quantity(names.LARGEST_SHARE, largest, "%", "plain", ORDERED_BELOW, fixed=True, source=_PROGRAM)
 
 
-def _of_gaps(diagnosis: Diagnosis, law: GapLaw) -> Iterable[Constant]:
+def _of_gaps(diagnosis: Diagnosis, law: GapLaw) -> Iterable[Quantity]:
     gain = Sentence("what the square of the relative eccentricity e/c adds to the flow")
-    yield Constant(GAIN, gain, "", ECCENTRIC_GAIN, _PAPER)
+    yield _constant(names.GAIN, gain, "", ECCENTRIC_GAIN, _PAPER)
     eccentricity = diagnosis.profile.eccentricity
     if eccentricity == UNKNOWN:
         mean = Sentence("factor of the flow, mean over all positions of the spool")
-        yield Constant(MEAN_OF_POSITIONS, mean, "", MEAN_ECCENTRIC, _PAPER, f"1+{GAIN}/3")
+        yield _constant(names.MEAN_OF_POSITIONS, mean, "", MEAN_ECCENTRIC, _PAPER, f"1+{names.GAIN}/3")
     elif eccentricity:
         taken = Sentence("relative eccentricity e/c that every spool is taken to have")
-        yield Constant(ECCENTRICITY, taken, "", eccentricity, Sentence("option of the profile"))
+        yield _constant(names.ECCENTRICITY, taken, "", eccentricity, Sentence("option of the profile"))
     fully = Sentence("factor of the flow of a spool that touches its bore")
-    yield Constant(FULLY, fully, "", FULLY_ECCENTRIC, _PAPER, f"1+{GAIN}")
+    yield _constant(names.FULLY, fully, "", FULLY_ECCENTRIC, _PAPER, f"1+{names.GAIN}")
     if not law.linear:
         loss = Sentence("loss at entry and exit of a gap, in velocity heads")
-        yield Constant(ENTRY_LOSS, loss, "", ENTRY_AND_EXIT_LOSS, _WHITE)
+        yield _constant(names.ENTRY_LOSS, loss, "", ENTRY_AND_EXIT_LOSS, _WHITE)
 
 
-def _of_fluid(fluid: Fluid, model: str) -> Iterable[Constant]:
+def _of_fluid(fluid: Fluid, model: str) -> Iterable[Quantity]:
     if model == "d341":
         a, b = fluid.d341
         points = Sentence("through two points of {source}", source=fluid.source)
-        yield Constant(D341_A, Sentence("A of the line log log (ν + 0.7) = A − B log T"), "", a, points)
-        yield Constant(D341_B, Sentence("B of the same line"), "", b, points)
+        yield _constant(names.D341_A, Sentence("A of the line log log (ν + 0.7) = A − B log T"), "", a, points)
+        yield _constant(names.D341_B, Sentence("B of the same line"), "", b, points)
         shift = Sentence("what is added to ν [mm²/s] before taking logarithms")
-        yield Constant(D341_SHIFT, shift, "mm²/s", ASTM_D341_SHIFT, "ASTM D341")
+        yield _constant(names.D341_SHIFT, shift, "mm²/s", ASTM_D341_SHIFT, "ASTM D341")
         zero = Sentence("temperature of 0 °C above absolute zero")
-        yield Constant(ABSOLUTE, zero, "K", -ABSOLUTE_ZERO, "ISO 80000-5")
+        yield _constant(names.ABSOLUTE, zero, "K", -ABSOLUTE_ZERO, "ISO 80000-5")
         at, density = fluid.density_at
-        yield Constant(DENSITY_AT, Sentence("temperature at which the density is stated"), "°C", at, fluid.source)
-        yield Constant(DENSITY, Sentence("density at that temperature"), "g/cm³", density * G_CM3, fluid.source)
+        yield _constant(
+            names.DENSITY_AT, Sentence("temperature at which the density is stated"), "°C", at, fluid.source
+        )
+        yield _constant(names.DENSITY, Sentence("density at that temperature"), "g/cm³", density * G_CM3, fluid.source)
         slope = Sentence("change of the density with temperature")
-        yield Constant(DENSITY_SLOPE, slope, "g/(cm³·K)", fluid.density_slope * G_CM3, fluid.source)
+        yield _constant(names.DENSITY_SLOPE, slope, "g/(cm³·K)", fluid.density_slope * G_CM3, fluid.source)
     elif model == "regression":
         labels = (
             (Sentence("kinematic viscosity of the study's regression at 0 °C"), "mm²/s", STUDY_VISCOSITY[0]),
@@ -186,74 +131,74 @@ def _of_fluid(fluid: Fluid, model: str) -> Iterable[Constant]:
             (Sentence("density of the study's regression at 0 °C"), "g/cm³", STUDY_DENSITY[0] * G_CM3),
             (Sentence("its change with temperature"), "g/(cm³·K)", STUDY_DENSITY[1] * G_CM3),
         )
-        for name, (label, unit, value) in zip(STUDY_NAMES, labels, strict=True):
+        for name, (label, unit, value) in zip(names.STUDY_NAMES, labels, strict=True):
             source = Sentence("the source study's regressions, eqs. (29) and (30)")
-            yield Constant(name, label, unit, value, source)
+            yield _constant(name, label, unit, value, source)
 
 
 def fluid_formulas(model: str, temperature: str) -> tuple[str | None, str | None]:
     """Return the formulas of kinematic viscosity and density by the constants of their model; none of a table."""
     if model == "d341":
-        viscosity = f"10^(10^({D341_A}-{D341_B}*LOG10({temperature}+{ABSOLUTE})))-{D341_SHIFT}"
-        return viscosity, f"{DENSITY}+{DENSITY_SLOPE}*({temperature}-{DENSITY_AT})"
+        viscosity = f"10^(10^({names.D341_A}-{names.D341_B}*LOG10({temperature}+{names.ABSOLUTE})))-{names.D341_SHIFT}"
+        return viscosity, f"{names.DENSITY}+{names.DENSITY_SLOPE}*({temperature}-{names.DENSITY_AT})"
     if model == "regression":
-        nu, exponent, rho, per_kelvin = STUDY_NAMES
+        nu, exponent, rho, per_kelvin = names.STUDY_NAMES
         return f"{nu}*EXP({exponent}*{temperature})", f"{per_kelvin}*{temperature}+{rho}"
     return None, None
 
 
-def _of_pressures(controller: Controller) -> Iterable[Constant]:
+def _of_pressures(controller: Controller) -> Iterable[Quantity]:
     """Return what pressures follow from others by, and the shares of them and steady pressures that gaps see."""
     file = Sentence("the valve body's file: {source}", source=controller.source)
     for section in ("p_s", "p_m"):
         relation = controller.relations[section]
         of = {"section": section}
         ratio = Sentence("{section} per p_g", **of)
-        yield Constant(of_relation(section, "ratio"), ratio, "", relation.ratio, file)
+        yield _constant(of_relation(section, "ratio"), ratio, "", relation.ratio, file)
         offset = Sentence("{section} where p_g is nothing", **of)
-        yield Constant(of_relation(section, "offset"), offset, "kPa", relation.offset * KPA, file)
+        yield _constant(of_relation(section, "offset"), offset, "kPa", relation.offset * KPA, file)
         if relation.limit is not None:
             most = Sentence("{section} at most", **of)
-            yield Constant(of_relation(section, "limit"), most, "kPa", relation.limit * KPA, file)
-    leaking: list[Ends] = [*controller.gaps, *controller.leaks]
+            yield _constant(of_relation(section, "limit"), most, "kPa", relation.limit * KPA, file)
+    leaking: list[Gap | Leak] = [*controller.gaps, *controller.leaks]
     ends = [end for each in leaking for end in (each.high, each.low)]
     for pressure in sorted(set(ends), key=str):
         yield from _of_pressure(pressure, file)
 
 
-def _of_pressure(pressure: Pressure, file: str) -> Iterable[Constant]:
+def _of_pressure(pressure: Pressure, file: str) -> Iterable[Quantity]:
     if pressure.section is None:
         if pressure.constant:
             steady = Sentence("pressure that stays the same")
-            yield Constant(constant_pressure(pressure), steady, "kPa", pressure.constant * KPA, file)
+            yield _constant(constant_pressure(pressure), steady, "kPa", pressure.constant * KPA, file)
     elif pressure.coefficient != 1.0:
         share = Sentence("share of a section's pressure that a gap or leak sees")
-        yield Constant(share_of_pressure(pressure), share, "", pressure.coefficient, file)
+        yield _constant(share_of_pressure(pressure), share, "", pressure.coefficient, file)
 
 
-def _of_leak(number: int, leak: Leak) -> Iterable[Constant]:
+def _of_leak(number: int, leak: Leak) -> Iterable[Quantity]:
     of: dict[str, Any] = {"name": Name(leak.name)}
     flow, at = Sentence("leak {name}: flow", **of), Sentence("leak {name}: pressure drop at that flow", **of)
-    yield Constant(of_leak(number, "flow"), flow, "dm³/min", leak.flow * DM3_MIN, leak.source)
-    yield Constant(of_leak(number, "drop"), at, "kPa", leak.pressure_drop * KPA, leak.source)
+    yield _constant(of_leak(number, "flow"), flow, "dm³/min", leak.flow * DM3_MIN, leak.source)
+    yield _constant(of_leak(number, "drop"), at, "kPa", leak.pressure_drop * KPA, leak.source)
     if leak.viscosity is not None:
         viscosity = Sentence("leak {name}: dynamic viscosity at that flow", **of)
-        yield Constant(of_leak(number, "viscosity"), viscosity, "mPa·s", leak.viscosity * MPA_S, leak.source)
+        yield _constant(of_leak(number, "viscosity"), viscosity, "mPa·s", leak.viscosity * MPA_S, leak.source)
     else:
         density = Sentence("leak {name}: density at that flow", **of)
-        yield Constant(of_leak(number, "density"), density, "g/cm³", leak.density * G_CM3, leak.source)
+        yield _constant(of_leak(number, "density"), density, "g/cm³", leak.density * G_CM3, leak.source)
 
 
-def _of_tips(pump: Pump, end: str, controller: Controller) -> Iterable[Constant]:
+def _of_tips(pump: Pump, end: str, controller: Controller) -> Iterable[Quantity]:
     file = Sentence("the valve body's file: {source}", source=controller.source)
     for number, (_, size) in enumerate(pump.tips if pump.gaps.tips is not None else (), start=1):
         assert pump.gaps.tips is not None
         conductance, bend = tip_slip(pump.gaps.tips, size)
         of = {"size": size * UM}
         slips = Sentence("slip over the pump's tips at {size:g} µm, for each kPa at 1 mPa·s", **of)
-        yield Constant(of_tips(end, number, "conductance"), slips, "dm³/min/kPa", conductance, file)
+        yield _constant(of_tips(end, number, "conductance"), slips, "dm³/min/kPa", conductance, file)
         bends = Sentence("how the loss at entry and exit bends that slip", **of)
-        yield Constant(of_tips(end, number, "bend"), bends, "mPa²·s²/kPa", bend, _WHITE)
+        yield _constant(of_tips(end, number, "bend"), bends, "mPa²·s²/kPa", bend, _WHITE)
 
 
 def tip_slip(tips: TipGaps, clearance: float) -> tuple[float, float]:
@@ -263,27 +208,32 @@ def tip_slip(tips: TipGaps, clearance: float) -> tuple[float, float]:
     return conductance, 2.0 * ENTRY_AND_EXIT_LOSS * TIP_DENSITY * per_viscous**2 / tips.in_a_row * 1e3
 
 
-def _of_uncertainty(uncertainty: UnitUncertainty) -> Iterable[Constant]:
+def _of_uncertainty(uncertainty: UnitUncertainty) -> Iterable[Quantity]:
     """Return what the budgets rest on besides instruments and readings."""
     assumed: Assumptions = uncertainty.assumptions
     settable = Sentence("default of this project, or set by the workshop")
-    yield Constant(COVERAGE, Sentence("coverage of the expanded uncertainty U"), "", uncertainty.coverage, settable)
-    labels: tuple[tuple[str, Sentence, str, float], ...] = (
-        (ROOM_TEMPERATURE, Sentence("half width of the temperature of measuring"), "K", assumed.room_temperature),
-        (FORM_RESIDUAL, Sentence("part of ovality and taper that is kept as uncertain"), "", assumed.form_residual),
-        (UNSEEN_OVALITY, Sentence("ovality of a part where no land shows it"), "µm", assumed.unseen_ovality * UM),
-        (NOMINAL_DIAMETER, Sentence("u of a diameter not measured"), "µm", assumed.nominal_diameter * UM),
-        (OWN_MOUNTING, Sentence("u of a mounting clearance of this one pair"), "µm", assumed.mounting_clearance * UM),
+    # fmt: off
+    rows: tuple[tuple[str, Sentence, str, float, str], ...] = (
+        (names.COVERAGE, Sentence("coverage of the expanded uncertainty U"), "", uncertainty.coverage, settable),
+        (names.ROOM_TEMPERATURE, Sentence("half width of the temperature of measuring"), "K",
+         assumed.room_temperature, settable),
+        (names.FORM_RESIDUAL, Sentence("part of ovality and taper that is kept as uncertain"), "",
+         assumed.form_residual, settable),
+        (names.UNSEEN_OVALITY, Sentence("ovality of a part where no land shows it"), "µm",
+         assumed.unseen_ovality * UM, settable),
+        (names.NOMINAL_DIAMETER, Sentence("u of a diameter not measured"), "µm",
+         assumed.nominal_diameter * UM, settable),
+        (names.OWN_MOUNTING, Sentence("u of a mounting clearance of this one pair"), "µm",
+         assumed.mounting_clearance * UM, settable),
+        (names.TOLERANCE_COVERAGE, Sentence("part of the pairs that a tolerance of c_m holds"), "", TOLERANCE_HOLDS,
+         _CHOICE),
+        (names.REPEATS_APART, Sentence("repeats further apart count as if they were so far apart"), "µm",
+         REPEAT_TOLERANCE * UM, _CHOICE),
+        (names.VISIBLE_STEP, Sentence("spread or step that is taken as nothing"), "µm", STEP_TOLERANCE * UM, _CHOICE),
+        (names.AVERAGED, Sentence("spread per step from which on repeats average rounding out"), "", AVERAGED_FROM,
+         _CHOICE),
+        (names.TRUSTED_DEGREES, Sentence("degrees of freedom from which on repeats are trusted alone"), "",
+         ENOUGH_DEGREES, _CHOICE),
     )
-    for name, label, unit, value in labels:
-        yield Constant(name, label, unit, value, settable)
-    holds = Sentence("part of the pairs that a tolerance of c_m holds")
-    yield Constant(TOLERANCE_COVERAGE, holds, "", TOLERANCE_HOLDS, _CHOICE)
-    apart = Sentence("repeats further apart count as if they were so far apart")
-    yield Constant(REPEATS_APART, apart, "µm", REPEAT_TOLERANCE * UM, _CHOICE)
-    seen = Sentence("spread or step that is taken as nothing")
-    yield Constant(VISIBLE_STEP, seen, "µm", STEP_TOLERANCE * UM, _CHOICE)
-    averaged = Sentence("spread per step from which on repeats average rounding out")
-    yield Constant(AVERAGED, averaged, "", AVERAGED_FROM, _CHOICE)
-    trusted = Sentence("degrees of freedom from which on repeats are trusted alone")
-    yield Constant(TRUSTED_DEGREES, trusted, "", ENOUGH_DEGREES, _CHOICE)
+    # fmt: on
+    return [_constant(*row) for row in rows]

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from atleak.diagnosis import Diagnosis
-from atleak.report.xlsx.book import Book, cell, formula, span
+from atleak.land_diagnosis import LandDiagnosis
+from atleak.report.xlsx.book import Book, formula, span
 from atleak.report.xlsx.headline import Headline
 from atleak.report.xlsx.live import LiveSheets
-from atleak.report.xlsx.live_cells import ColumnKey
+from atleak.report.xlsx.live_cells import Cell, ColumnKey
 from atleak.report.xlsx.summary_page import SummaryPage
-from atleak.rules import Rule
 from atleak.sentence import Name, Sentence
 from atleak.verdicts import VERDICTS
 
 OF_A_LAND = (Sentence("component"), Sentence("name"), Sentence("verdict"), Sentence("land"))
 _COLUMNS: tuple[ColumnKey, ...] = ("component", "name", "verdict", "land")  # the same on the sheet of lands
+_BOLD = {"bold": True}
 ALSO = 8  # rows for lands that are flagged since
 
 
@@ -35,11 +38,12 @@ class FlaggedLands:
         flagged = self.diagnosis.flagged
         row = page.across(row, Sentence("Flagged lands as issued, the worst first"), bold=True)
         row = self._counts(page, row)
-        headings = [self.live.columns[self.live.column_of[key]].heading for key in self._values]
+        columns = self.live.sheet.columns
+        headings = [columns[self.live.sheet.place[key]].heading for key in self._values]
         if flagged:
-            page.headings(row, [*OF_A_LAND, *headings, Sentence("because, as issued")])
-            self._issued(page, row + 1)
-            row += len(flagged) + 1
+            first, names = row + 1, [*OF_A_LAND, *headings, Sentence("because, as issued")]
+            row = page.table(row, names, map(self._issued, flagged))
+            self.book.colour_words(page.sheet, (first, 2), (row - 1, 2), VERDICTS)
         else:
             row = page.across(row, Sentence("none"))
         rows = min(ALSO, len(self.live.lands) - len(flagged))
@@ -75,31 +79,23 @@ class FlaggedLands:
             book.put(page.sheet, at, 3, known, book.form("count", **left))
         return row + len(pairs)
 
-    def _issued(self, page: SummaryPage, first: int) -> None:
-        book, live, say, sheet = self.book, self.live, self.book.say, page.sheet
-        for row, flag in enumerate(self.diagnosis.flagged, start=first):
-            (component, number), at = flag.key, live.row_of[flag.key]
-            page.text(row, 0, component, bold=True)
-            page.text(row, 1, Name(self.diagnosis.controller.components[component]))
-            verdict = cell(at, live.column_of["verdict"], live.sheet)
-            page.formula(row, 2, verdict, say.signed(flag.verdict), bold=True)
-            book.put(sheet, row, 3, number, book.form(align="left"))
-            for column, key in enumerate(self._values, start=4):
-                content = live.land_cell(flag, key)
-                if content.value is not None:
-                    address = cell(at, live.column_of[key], live.sheet)
-                    formula(sheet, row, column, address, content.value, page.number(content.kind))
-            if flag.deciding is not None:
-                page.text(row, 4 + len(self._values), self._because(flag.deciding), page.last)
-        book.colour_words(sheet, (first, 2), (first + len(self.diagnosis.flagged) - 1, 2), VERDICTS)
-
-    def _because(self, rule: Rule) -> Sentence:
-        return Sentence("{rule} ({origin})", rule=rule.label, origin=self.book.say.get("origins", rule.origin))
+    def _issued(self, flag: LandDiagnosis) -> list[Any]:
+        live, rule, (component, number), at = self.live, flag.deciding, flag.key, self.live.row_of[flag.key]
+        values = {key: live.land_cell(flag, key) for key in self._values}
+        origin = None if rule is None else self.book.say.get("origins", rule.origin)
+        return [
+            Cell("plain", component, look=_BOLD),
+            Name(self.diagnosis.controller.components[component]),
+            Cell("plain", self.book.say.signed(flag.verdict), live.sheet.cell(at, "verdict"), _BOLD),
+            number,
+            *(Cell(each.kind, each.value, live.sheet.cell(at, key)) for key, each in values.items()),
+            None if rule is None else Sentence("{rule} ({origin})", rule=rule.label, origin=origin),
+        ]
 
     def _since(self, page: SummaryPage, row: int, number: int) -> None:
         """Write the land at this place among those flagged since; cells stay empty where there are not so many."""
         live = self.live
-        first, here = (cell(at, live.column_of["also"], live.sheet) for at in (1, number))
+        first, here = (live.sheet.cell(at, "also") for at in (1, number))
         largest = f"LARGE({self._column('also')},ROWS({first}:{here.rpartition('!')[2]}))"
         place = f"MATCH({largest},{self._column('also')},0)"
         for column, key in enumerate((*_COLUMNS, *self._values)):
@@ -119,4 +115,4 @@ class FlaggedLands:
         formula(page.sheet, row, 1, f"MAX({count}-ROWS({listed}),0)", 0, left)
 
     def _column(self, key: ColumnKey) -> str:
-        return span(1, len(self.live.lands), self.live.column_of[key], self.live.sheet)
+        return self.live.sheet.whole(key)

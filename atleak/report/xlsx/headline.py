@@ -10,7 +10,6 @@ import re
 from collections.abc import Iterable, Mapping
 
 from atleak.diagnosis import Diagnosis
-from atleak.report.xlsx.book import span
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.live_cells import RANKED, quote
 from atleak.report.xlsx.names import NOTHING_DELIVERED
@@ -32,7 +31,7 @@ class Headline:
 
     def __init__(self, diagnosis: Diagnosis, live: LiveSheets, rank: str, say: Wording) -> None:
         self.diagnosis, self.live, self.rank, self.say = diagnosis, live, rank, say
-        verdicts = span(1, len(live.lands), live.column_of["verdict"], live.sheet)
+        verdicts = live.sheet.whole("verdict")
         self.counts = {level: f"COUNTIF({verdicts},{quote(say.signed(level))})" for level in reversed(FLAGGED)}
         self.flagged = "+".join(self.counts.values())
         self.nothing_open = not diagnosis.unmeasured and not diagnosis.in_doubt  # else the unit is never called good

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.instruments import Instrument, Part
 from atleak.equations.uncertainty import persistent_rounding_variance
 from atleak.report.xlsx.book import Book, cell
-from atleak.report.xlsx.live_cells import CHANGEABLE, PER_KELVIN, Cell, address, quote, write_cell
+from atleak.report.xlsx.live_cells import PER_KELVIN, Cell, Quantity, address, quote, write_cell
 from atleak.report.xlsx.names import AVERAGED, TRUSTED_DEGREES, VISIBLE_STEP, of_part
 from atleak.report.xlsx.readings_sheet import PART_NAMES, ReadingCells
 from atleak.sentence import Name, Sentence
@@ -28,6 +28,7 @@ INSTRUMENTS = Sentence("Instruments")
 INFINITE = "∞"  # degrees of freedom of what is no sample of readings
 _FIRST = 2  # column of the first part
 _STEPS = 10  # of Newton to the spread before rounding, and terms of the series
+_TERMS = "const_terms_of_series"  # name of their numbers
 _UM2 = UM**2
 _NOTES = (
     Sentence(
@@ -41,19 +42,6 @@ _NOTES = (
 
 
 @dataclass(frozen=True)
-class _Row:
-    """A quantity of the instrument of one part, or of what its repeats show."""
-
-    name: str
-    label: Sentence
-    unit: str
-    kind: str
-    value: float | str | None
-    formula: str | None = None
-    changeable: bool = False
-
-
-@dataclass(frozen=True)
 class _Step:
     """One of Newton's steps to the spread before rounding, in µm and µm²."""
 
@@ -62,17 +50,11 @@ class _Step:
     slope: float
 
 
-@dataclass
 class InstrumentCells:
     """The instruments of one unit and what its repeats show."""
 
-    uncertainty: UnitUncertainty
-    readings: ReadingCells
-    say: Wording
-    sheet: str = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.sheet = self.say.sentence(INSTRUMENTS)
+    def __init__(self, uncertainty: UnitUncertainty, readings: ReadingCells, say: Wording) -> None:
+        self.uncertainty, self.readings, self.say = uncertainty, readings, say
 
     def write(self, book: Book, sheet: Worksheet) -> None:
         """Write a column for each part, every cell a name that budgets ask for."""
@@ -87,9 +69,7 @@ class InstrumentCells:
             book.put(sheet, row, 0, rows[0].label, book.bold)
             book.put(sheet, row, 1, rows[0].unit)
             for column, (part, each) in enumerate(zip(PARTS, rows, strict=True), start=_FIRST):
-                look = {"align": "right", **(CHANGEABLE if each.changeable and each.formula is None else {})}
-                write_cell(book, sheet, row, column, Cell(each.kind, each.value, each.formula, look))
-                book.workbook.define_name(of_part(part, each.name), f"={cell(row, column, self.sheet)}")
+                each.write(book, sheet, row, column, of_part(part, each.name))
         last = 2 + len(columns[0])
         for row, note in enumerate((*(Name(each.source) for each in self._known()), *_NOTES), start=last + 1):
             book.put(sheet, row, 0, note)
@@ -102,92 +82,58 @@ class InstrumentCells:
         both = (self.uncertainty.instruments.of(part) for part in PARTS)
         return list({each.id: each for each in both}.values())
 
-    def _rows(self, part: Part) -> Iterable[_Row]:
-        instrument, of = self.uncertainty.instruments.of(part), self.uncertainty.instruments
-        same = part == PARTS[1] and of.spool == of.sleeve  # then its numbers stand once
-
-        def given(name: str, label: Sentence, unit: str, value: float | None, kind: str = "nu") -> _Row:
-            return _Row(name, label, unit, kind, value, of_part(PARTS[0], name) if same else None, changeable=True)
-
-        yield given(
-            "calibration", Sentence("standard uncertainty of its calibration"), "µm", instrument.calibration * UM
+    def _rows(self, part: Part) -> Iterable[Quantity]:
+        """Return what stands in a part's column: its instrument, then what its repeats show, each step a formula."""
+        instruments, named = self.uncertainty.instruments, _Names(part)
+        same = part == PARTS[1] and instruments.spool == instruments.sleeve  # then its numbers stand once
+        known = instruments.of(part)
+        for each in _of_instrument(known):
+            yield replace(each, formula=of_part(PARTS[0], each.name)) if same else each
+        common, own = Sentence("u of the error that all its readings share"), Sentence("u of the calibration's rest")
+        follow = (
+            _row("common", common, known.common * UM, "{calibration}*SQRT({common_part})"),
+            _row("own", own, known.own * UM, "{calibration}*SQRT(1-{common_part})"),
         )
-        common = Sentence("part of that variance that all its readings share")
-        yield given("common_part", common, "", instrument.common_part, "plain")
-        yield given("resolution", Sentence("resolution"), "µm", instrument.resolution * UM)
-        stated = instrument.repeatability
-        spread = Sentence("repeatability as stated, one standard deviation")
-        yield given("repeatability", spread, "µm", None if stated is None else stated * UM)
-        expansion = Sentence("expansion of its scale or masters")
-        yield given("expansion", expansion, "1e-6/K", instrument.expansion * PER_KELVIN, "plain")
-        common = Sentence("u of the error that all its readings share")
-        yield self._follows(part, "common", common, instrument.common * UM, "{calibration}*SQRT({common_part})")
-        own = Sentence("u of the calibration's rest")
-        yield self._follows(part, "own", own, instrument.own * UM, "{calibration}*SQRT(1-{common_part})")
-        yield from self._of_repeats(part, self.uncertainty.repeats[part])
+        for each in (*follow, *self._of_repeats(part, self.uncertainty.repeats[part])):
+            yield each if each.formula is None else replace(each, formula=each.formula.format_map(named))
 
-    def _of_repeats(self, part: Part, spread: RepeatSpread) -> Iterable[_Row]:
-        """Return the steps from the repeats to the spread of one reading."""
-        found, follows = _pooled(spread), self._follows
-        step = Sentence("step in which the sheet is written, as issued")
-        yield _Row("step", step, "µm", "nu", found.step * UM, changeable=True)
-        coarser = Sentence("step q that counts, the coarser of both")
-        yield follows(part, "q", coarser, spread.resolution * UM, "MAX({resolution},{step})")
-        yield _Row("roundings", Sentence("roundings in one diameter"), "", "count", spread.roundings)
+    def _of_repeats(self, part: Part, spread: RepeatSpread) -> Iterable[Quantity]:
+        """Return the steps from the repeats to the spread of one reading; formulas ask for others by ``{name}``."""
+        found = _pooled(spread)
         squares, degrees = (self._summed(part, column) for column in ("squares", "degrees"))
-        yield _Row("squares", Sentence("sum of squares of the repeats"), "µm²", "nu", found.squares * _UM2, squares)
-        count = Sentence("degrees of freedom of the repeats")
-        yield _Row("degrees", count, "", "count", found.degrees_of_freedom, degrees)
-        pooled = Sentence("spread of the repeats, pooled over the unit")
-        text = "IF({degrees}>0,SQRT({squares}/MAX({degrees},1)),0)"
-        yield follows(part, "pooled", pooled, found.standard_deviation * UM, text)
-        seen = Sentence("degrees of freedom that count, none of identical repeats")
-        text = f"IF({{pooled}}<{VISIBLE_STEP},0,{{degrees}})"
-        yield follows(part, "counted", seen, spread.degrees_of_freedom, text, "count", "")
-        widened = Sentence("spread, widened for few degrees of freedom")
-        text = "IF({counted}>2,{pooled}*SQRT({counted}/MAX({counted}-2,1)),IF({counted}>0,{pooled}*SQRT(3),0))"
-        yield follows(part, "widened", widened, found.widened * UM, text)
-        before = Sentence("spread before rounding, from the steps below")
         rounded = "{widened}^2-{roundings}*{q}^2/12"
         averaged = f"IF({rounded}>{{roundings}}*({AVERAGED}*{{q}})^2,SQRT(MAX({rounded},0)),{{newton}})"
-        text = f"IF({{counted}}>0,{averaged},0)"
-        yield follows(part, "unrounded", before, found.before_rounding * UM, text)
-        yield from self._of_reading(part, spread)
-
-    def _of_reading(self, part: Part, spread: RepeatSpread) -> Iterable[_Row]:
-        follows = self._follows
-        reading = Sentence("spread s of one reading: of the repeats, or as stated")
         trusted = f"IF({{counted}}<{TRUSTED_DEGREES},MAX({{repeatability}},{{unrounded}}),{{unrounded}})"
-        text = f"IF({{counted}}=0,MAX({{repeatability}},0),{trusted})"
-        yield follows(part, "s", reading, spread.standard_deviation * UM, text)
-        freedom = Sentence("degrees of freedom ν of that spread")
-        known = spread.degrees_of_freedom if spread.origin == "repeats" else INFINITE
-        infinite = quote(INFINITE)
-        text = f"IF({{counted}}>0,IF({{s}}>{{unrounded}},{infinite},{{counted}}),{infinite})"
-        yield follows(part, "nu", freedom, known, text, "count", "")
-        stays = Sentence("variance P of rounding that repeats do not average out")
-        text = _persistent("{s}", "{q}", "{roundings}", self._terms)
-        yield follows(part, "persistent", stays, spread.persistent_variance * _UM2, text, unit="µm²")
-        goes = Sentence("variance that repeats average out")
-        text = "IF({s}>0,{s}^2+{roundings}*{q}^2/12-{persistent},0)"
-        yield follows(part, "averaged", goes, spread.averaged_variance * _UM2, text, unit="µm²")
-        ovality = Sentence("ovality, root mean square over the lands that show it")
+        infinite, freedom = quote(INFINITE), spread.degrees_of_freedom if spread.origin == "repeats" else INFINITE
         cells = self.readings.whole(f"ovality_{part}")
-        text = "0" if cells is None else f"SQRT(SUMSQ({cells})/MAX(COUNT({cells}),1))"
-        yield _Row("ovality", ovality, "µm", "nu", (spread.ovality or 0.0) * UM, text)
-
-    def _follows(
-        self,
-        part: Part,
-        name: str,
-        label: Sentence,
-        value: float | str,
-        text: str,
-        kind: str = "nu",
-        unit: str = "µm",
-    ) -> _Row:
-        """Return a row whose formula asks for others of the same part by ``{name}``."""
-        return _Row(name, label, unit, kind, value, text.format_map(_Names(part)))
+        ovality = "0" if cells is None else f"SQRT(SUMSQ({cells})/MAX(COUNT({cells}),1))"
+        # fmt: off
+        yield _row("step", Sentence("step in which the sheet is written, as issued"), found.step * UM)
+        yield _row("q", Sentence("step q that counts, the coarser of both"), spread.resolution * UM,
+                   "MAX({resolution},{step})")
+        yield Quantity("roundings", Sentence("roundings in one diameter"), "", "count", spread.roundings, fixed=True)
+        yield _row("squares", Sentence("sum of squares of the repeats"), found.squares * _UM2, squares, "µm²")
+        yield _row("degrees", Sentence("degrees of freedom of the repeats"), found.degrees_of_freedom, degrees,
+                   "", "count")
+        yield _row("pooled", Sentence("spread of the repeats, pooled over the unit"), found.standard_deviation * UM,
+                   "IF({degrees}>0,SQRT({squares}/MAX({degrees},1)),0)")
+        yield _row("counted", Sentence("degrees of freedom that count, none of identical repeats"),
+                   spread.degrees_of_freedom, f"IF({{pooled}}<{VISIBLE_STEP},0,{{degrees}})", "", "count")
+        yield _row("widened", Sentence("spread, widened for few degrees of freedom"), found.widened * UM,
+                   "IF({counted}>2,{pooled}*SQRT({counted}/MAX({counted}-2,1)),IF({counted}>0,{pooled}*SQRT(3),0))")
+        yield _row("unrounded", Sentence("spread before rounding, from the steps below"), found.before_rounding * UM,
+                   f"IF({{counted}}>0,{averaged},0)")
+        yield _row("s", Sentence("spread s of one reading: of the repeats, or as stated"),
+                   spread.standard_deviation * UM, f"IF({{counted}}=0,MAX({{repeatability}},0),{trusted})")
+        yield _row("nu", Sentence("degrees of freedom ν of that spread"), freedom,
+                   f"IF({{counted}}>0,IF({{s}}>{{unrounded}},{infinite},{{counted}}),{infinite})", "", "count")
+        yield _row("persistent", Sentence("variance P of rounding that repeats do not average out"),
+                   spread.persistent_variance * _UM2, _persistent("{s}", "{q}", "{roundings}"), "µm²")
+        yield _row("averaged", Sentence("variance that repeats average out"), spread.averaged_variance * _UM2,
+                   "IF({s}>0,{s}^2+{roundings}*{q}^2/12-{persistent},0)", "µm²")
+        yield _row("ovality", Sentence("ovality, root mean square over the lands that show it"),
+                   (spread.ovality or 0.0) * UM, ovality)
+        # fmt: on
 
     def _summed(self, part: Part, column: str) -> str:
         """Return the formula of the sum of a column of the readings over one part."""
@@ -196,18 +142,15 @@ class InstrumentCells:
 
     # --- Newton's steps
 
-    @property
-    def _terms(self) -> str:
-        return "const_terms_of_series"
-
     def _newton(self, book: Book, sheet: Worksheet, row: int) -> None:
         """Write Newton's steps to the spread s₀ that gives the widened spread after rounding, for both parts."""
         book.put(sheet, row, 0, Sentence("Newton's steps to the spread before rounding"), book.bold)
         titles = [Sentence("s [µm]"), Sentence("excess of the variance [µm²]"), Sentence("slope [µm]")]
         book.headings(sheet, row + 1, ["", Sentence("step, and term of the series"), *titles, *titles], lines=3)
         first = row + 2
-        ends = cell(first, 1, self.sheet), cell(first + _STEPS - 1, 1)
-        book.workbook.define_name(self._terms, f"={':'.join(ends)}")
+        name = sheet.get_name()
+        ends = cell(first, 1, name), cell(first + _STEPS - 1, 1)
+        book.workbook.define_name(_TERMS, f"={':'.join(ends)}")
         for number in range(_STEPS):
             book.put(sheet, first + number, 1, number + 1)
         for column, part in zip((_FIRST, _FIRST + 3), PARTS, strict=True):
@@ -216,19 +159,41 @@ class InstrumentCells:
             for at, step in enumerate(_newton(spread), start=first):
                 for offset, content in enumerate(self._step(part, step, at, column, first)):
                     write_cell(book, sheet, at, column + offset, content)
-            book.workbook.define_name(of_part(part, "newton"), f"={cell(first + _STEPS - 1, column, self.sheet)}")
+            book.workbook.define_name(of_part(part, "newton"), f"={cell(first + _STEPS - 1, column, name)}")
 
     def _step(self, part: Part, step: _Step, row: int, column: int, first: int) -> Iterable[Cell]:
         here, names = [address(row, column + offset) for offset in range(3)], _Names(part)
         before = [address(row - 1, column + offset) for offset in range(3)]
         spread = names["widened"] if row == first else f"MAX({before[0]}-{before[1]}/{before[2]},0)"
         q, r, widened = names["q"], names["roundings"], names["widened"]
-        persistent = _persistent(here[0], q, r, self._terms)
+        persistent = _persistent(here[0], q, r)
         a = _a(here[0], q, r)
-        slope = f"IF({a}<1/2,SQRT({r}/PI())*{q},2*{here[0]}*(1+2*SUMPRODUCT(EXP(-{a}*{self._terms}^2))))"
+        slope = f"IF({a}<1/2,SQRT({r}/PI())*{q},2*{here[0]}*(1+2*SUMPRODUCT(EXP(-{a}*{_TERMS}^2))))"
         yield Cell("nu", step.spread, spread)
         yield Cell("scientific", step.excess, f"{here[0]}^2+{r}*{q}^2/12-{persistent}-{widened}^2")
         yield Cell("nu", step.slope, slope)
+
+
+def _row(
+    name: str, label: Sentence, value: float | str | None, text: str | None = None, unit: str = "µm", kind: str = "nu"
+) -> Quantity:
+    return Quantity(name, label, unit, kind, value, text)
+
+
+def _of_instrument(known: Instrument) -> tuple[Quantity, ...]:
+    """Return what is known of an instrument, and what follows from it."""
+    stated = None if known.repeatability is None else known.repeatability * UM
+    # fmt: off
+    return (
+        _row("calibration", Sentence("standard uncertainty of its calibration"), known.calibration * UM),
+        _row("common_part", Sentence("part of that variance that all its readings share"), known.common_part, unit="",
+             kind="plain"),
+        _row("resolution", Sentence("resolution"), known.resolution * UM),
+        _row("repeatability", Sentence("repeatability as stated, one standard deviation"), stated),
+        _row("expansion", Sentence("expansion of its scale or masters"), known.expansion * PER_KELVIN, unit="1e-6/K",
+             kind="plain"),
+    )
+    # fmt: on
 
 
 class _Names(dict[str, str]):
@@ -246,11 +211,11 @@ def _a(s: str, q: str, roundings: str) -> str:
     return f"((2*PI()*{s}/{q})^2/{roundings})"
 
 
-def _persistent(s: str, q: str, roundings: str, terms: str) -> str:
+def _persistent(s: str, q: str, roundings: str) -> str:
     """Return the formula of `RepeatSpread.persistent_variance`; of a small a the sum is that after Poisson."""
     a = _a(s, q, roundings)
     few = f"PI()^2/(2*3)-SQRT(PI()*{a})+{a}/2"
-    return f"{roundings}*{q}^2/(2*PI()^2)*IF({a}<1/2,{few},SUMPRODUCT(EXP(-{a}*{terms}^2)/{terms}^2))"
+    return f"{roundings}*{q}^2/(2*PI()^2)*IF({a}<1/2,{few},SUMPRODUCT(EXP(-{a}*{_TERMS}^2)/{_TERMS}^2))"
 
 
 def _pooled(spread: RepeatSpread) -> PooledRepeats:

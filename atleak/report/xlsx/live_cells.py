@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.circuits import Leak
+from atleak.catalogue.controller import Gap
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import SECTIONS, Pressure
@@ -16,7 +18,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import INPUT
-from atleak.report.xlsx.book import Book, cell, formula
+from atleak.report.xlsx.book import Book, cell, formula, span
 from atleak.report.xlsx.names import NOTHING_DELIVERED, REFERENCE, RESERVED, constant_pressure, share_of_pressure
 from atleak.sentence import Sentence
 from atleak.verdicts import BANDS, VERDICTS, Verdict
@@ -51,6 +53,118 @@ def write_cell(book: Book, sheet: Worksheet, row: int, column: int, content: Cel
     elif content.value is not None:
         value = book.words(content.value) if isinstance(content.value, str) else content.value
         formula(sheet, row, column, content.formula, value, form)
+
+
+Cells = Mapping[Any, str]  # the addresses of a row's cells by the keys of their columns
+
+
+@dataclass(frozen=True)
+class LiveColumn:
+    """A column of a sheet that computes.
+
+    Parameters
+    ----------
+    value
+        what stands in an item's cell, in the column's unit when multiplied by ``times``; None where the sheet gives
+        its cells itself
+    formula
+        what it follows from: a formula with ``{key}`` for the cell of another column in the same row, or a function of
+        the item and those cells that gives one; None for what follows from nothing
+    """
+
+    key: ColumnKey
+    heading: str
+    kind: str = "plain"  # of number, one of the workbook's formats
+    value: Callable[[Any], Any] | None = None
+    formula: str | Callable[[Any, Cells], str | None] | None = None
+    times: float | None = None
+    width: int = 12
+    look: Mapping[str, Any] = field(default_factory=dict)
+    blue: bool = False  # to be changed where no formula gives it
+
+    def cell(self, item: Any, here: Cells) -> Cell:
+        """Return the content of an item's cell."""
+        value = None if self.value is None else self.value(item)
+        if value is not None and self.times is not None:
+            value *= self.times
+        text = self.formula
+        if isinstance(text, str):
+            text = text.format_map(here)
+        elif text is not None:
+            text = text(item, here)
+        return Cell(self.kind, value, text, CHANGEABLE if self.blue and text is None else self.look)
+
+
+class LiveSheet:
+    """A sheet with a row for each item: where its cells stand, for all formulas, and how it is written."""
+
+    def __init__(self, name: str, columns: Iterable[LiveColumn], items: Iterable[Any]) -> None:
+        self.name, self.columns, self.items = name, list(columns), list(items)
+        self.place: dict[Any, int] = {column.key: number for number, column in enumerate(self.columns)}
+
+    def row(self, number: int) -> Cells:
+        """Return the addresses of the cells of one row, for formulas of that row."""
+        return {key: address(number, column) for key, column in self.place.items()}
+
+    def cell(self, row: int, key: ColumnKey) -> str:
+        """Return the address of a cell, for formulas of any sheet."""
+        return cell(row, self.place[key], self.name)
+
+    def span(self, first: int, last: int, key: ColumnKey) -> str:
+        """Return the address of a stretch of a column, for formulas of any sheet."""
+        return span(first, last, self.place[key], self.name)
+
+    def whole(self, key: ColumnKey) -> str:
+        """Return the address of all cells of a column."""
+        return self.span(1, len(self.items), key)
+
+    def write(
+        self,
+        book: Book,
+        sheet: Worksheet,
+        lines: int,
+        cells: Callable[[int, Any], Mapping[Any, Cell]] | None = None,
+    ) -> None:
+        """Write headings of so many lines and a row per item, verdicts in their colours.
+
+        ``cells`` gives those of a row, by its number and item; their columns do unless it is given.
+        """
+        book.headings(sheet, 0, [column.heading for column in self.columns], lines=lines)
+        for row, item in enumerate(self.items, start=1):
+            here = self.row(row)
+            of_row = cells(row, item) if cells else {each.key: each.cell(item, here) for each in self.columns}
+            for key, content in of_row.items():
+                write_cell(book, sheet, row, self.place[key], content)
+        for number, column in enumerate(self.columns):
+            sheet.set_column(number, number, column.width)
+        sheet.autofilter(0, 0, max(len(self.items), 1), len(self.columns) - 1)
+        if "verdict" in self.place:
+            book.colour_words(sheet, (1, self.place["verdict"]), (len(self.items), self.place["verdict"]), VERDICTS)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of a sheet that stands in a cell with a name, by which formulas ask for it."""
+
+    name: str  # of the cell; of one among several of its kind, without their prefix
+    label: Sentence
+    unit: str
+    kind: str  # of number, one of the workbook's formats
+    value: Any
+    formula: str | None = None  # None for an input
+    fixed: bool = False  # a result that no formula gives, or what the rows of other sheets rest on; not an input
+    source: str = ""
+
+    @property
+    def heading(self) -> Sentence:
+        """Return the label with its unit."""
+        return Sentence("{label} [{unit}]", label=self.label, unit=self.unit) if self.unit else self.label
+
+    def write(self, book: Book, sheet: Worksheet, row: int, column: int, name: str) -> None:
+        """Write its cell, blue where it may be changed, and give it its name."""
+        look = {"align": "right", **(CHANGEABLE if self.formula is None and not self.fixed else {})}
+        write_cell(book, sheet, row, column, Cell(self.kind, self.value, self.formula, look))
+        book.workbook.define_name(name, f"={cell(row, column, sheet.get_name())}")
 
 
 @dataclass(frozen=True)
@@ -143,17 +257,7 @@ def band_of_rank(rank: str, say: Wording) -> str:
     return f"CHOOSE({rank},{words})"
 
 
-class Ends(Protocol):
-    """What leaks from one pressure to another."""
-
-    @property
-    def high(self) -> Pressure: ...
-
-    @property
-    def low(self) -> Pressure: ...
-
-
-def drop_between(ends: Ends, name_of: Callable[[str], str]) -> str:
+def drop_between(ends: Gap | Leak, name_of: Callable[[str], str]) -> str:
     """Return the formula of a pressure drop [kPa]; ``name_of`` gives the name of the pressure of a section."""
 
     def term(pressure: Pressure) -> str:
@@ -189,8 +293,3 @@ def largest_of(terms: Sequence[str]) -> str:
 def address(row: int, column: int) -> str:
     """Return the address of a cell of the same sheet, free to move with its row."""
     return cell(row, column).replace("$", "")
-
-
-def cells_of_row(row: int, columns: Mapping[Any, int]) -> Callable[[Any], str]:
-    """Return what gives the address of a cell of one row by the key of its column."""
-    return lambda key: address(row, columns[key])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from statistics import fmean
 from typing import Any
@@ -20,8 +20,8 @@ from atleak.catalogue.instruments import Part
 from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import REPEAT_TOLERANCE, Reading, Station, independent_repeats, repeats_that_count
-from atleak.report.xlsx.book import Book, formula, span
-from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, address, quote, write_cell
+from atleak.report.xlsx.book import Book, span
+from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, LiveColumn, LiveSheet, address, quote
 from atleak.report.xlsx.names import MEASURED_AT, REFERENCE, REPEATS_APART, of_part
 from atleak.rules import LandKey
 from atleak.sentence import Sentence
@@ -104,8 +104,8 @@ class _Place:
 class ReadingCells:
     """Where every reading stands on its sheet, sorted by land, and what follows from the readings as formulas."""
 
-    def __init__(self, diagnosis: Diagnosis, say: Wording) -> None:
-        self.sheet, self.say = say.sentence(READINGS), say
+    def __init__(self, diagnosis: Diagnosis, width: int, say: Wording) -> None:
+        self.say = say
         self._yes, self._no = quote(say("estimate.yes")), quote(say("estimate.no"))
         lands = {land.key: number for number, land in enumerate(diagnosis.lands)}
         found = diagnosis.readings.readings if diagnosis.readings else ()
@@ -127,17 +127,14 @@ class ReadingCells:
                     self._places[place.land.key, place.part].append(place)
                 place.last = row
             self.lines.append((reading, place))
-        states = {land.key: land for land in diagnosis.lands}
-        self._column = {key: number for number, key in enumerate(self._headings(states))}
-        self._states = states
+        self._states = {land.key: land for land in diagnosis.lands}
+        columns = [LiveColumn(key, heading, width=13) for key, heading in self._headings().items()]
+        columns[0] = replace(columns[0], width=width)
+        self.sheet = LiveSheet(say.sentence(READINGS), columns, self.lines)
+        self._column = self.sheet.place
 
-    def _headings(self, states: dict[LandKey, LandDiagnosis]) -> dict[str, Sentence]:
+    def _headings(self) -> dict[str, Sentence]:
         """Return the columns that have a value for these readings."""
-        ovalities = {
-            part: heading
-            for part, heading in _OF_OVALITY.items()
-            if any(_ovality(land, part) is not None for land in states.values())
-        }
         with_coordinates = any(reading.coordinates is not None for reading, _ in self.lines)
         repeated = any(place is not None and place.several for _, place in self.lines)
         return {
@@ -145,7 +142,11 @@ class ReadingCells:
             **(_OF_COORDINATES if with_coordinates else {}),
             **(_OF_REPEATS if repeated else {}),
             **_OF_PLACES,
-            **{f"ovality_{part}": heading for part, heading in ovalities.items()},
+            **{
+                f"ovality_{part}": heading
+                for part, heading in _OF_OVALITY.items()
+                if any(_ovality(land, part) is not None for land in self._states.values())
+            },
             **_ORIGIN,
         }
 
@@ -169,11 +170,11 @@ class ReadingCells:
 
     def span(self, column: str, places: Sequence[_Place]) -> str:
         """Return the stretch of a column's cells over neighbouring places."""
-        return span(places[0].first, places[-1].last, self._column[column], self.sheet)
+        return self.sheet.span(places[0].first, places[-1].last, column)
 
     def whole(self, column: str) -> str | None:
         """Return the stretch of all cells of a column; None where the sheet has no such column."""
-        return span(1, len(self.lines), self._column[column], self.sheet) if column in self._column else None
+        return self.sheet.whole(column) if column in self._column else None
 
     def places_of(self, key: LandKey, part: Part) -> list[_Place]:
         """Return the places at which a part of a land was read, in the order of their rows."""
@@ -199,27 +200,22 @@ class ReadingCells:
 
     def write(self, book: Book, sheet: Worksheet) -> None:
         """Write every reading as entered, sorted by land, and at the first of each place what its repeats give."""
-        headings = self._headings(self._states)
-        book.headings(sheet, 0, headings.values(), lines=6)
+        self.sheet.write(book, sheet, 6, self._cells)
         sheet.repeat_columns(0, self._column["repeat"])
         sheet.fit_to_pages(2, 0)
-        for row, (reading, place) in enumerate(self.lines, start=1):
-            self._entered(book, sheet, row, reading, place)
-            if place is None:
-                continue
-            for key, content in self._of_repeat(row, reading, place):
-                write_cell(book, sheet, row, self._column[key], content)
-            if row == place.first:
-                for key, content in self._of_place(place):
-                    write_cell(book, sheet, row, self._column[key], content)
         last, counts = max(len(self.lines), 1), self._column["counts"]
-        sheet.set_column(0, len(headings), 13)
-        sheet.autofilter(0, 0, last, len(headings) - 1)
         choice = {"validate": "list", "source": [self.say("estimate.yes"), self.say("estimate.no")]}
         sheet.data_validation(1, counts, last, counts, choice)
 
-    def _entered(self, book: Book, sheet: Worksheet, row: int, reading: Reading, place: _Place | None) -> None:
-        form, mm, column = book.form(align="left"), book.form("mm", **CHANGEABLE), self._column
+    def _cells(self, row: int, line: tuple[Reading, _Place | None]) -> dict[str, Cell]:
+        reading, place = line
+        cells = dict(self._entered(row, reading, place))
+        if place is not None:
+            cells |= self._of_repeat(row, reading, place)
+            cells |= self._of_place(place) if row == place.first else ()
+        return cells
+
+    def _entered(self, row: int, reading: Reading, place: _Place | None) -> Iterable[tuple[str, Cell]]:
         at = reading.place
         values = {
             "component": reading.component,
@@ -232,15 +228,15 @@ class ReadingCells:
             "row": at.row,
             "column": at.column,
         }
-        for key, value in values.items():
-            book.put(sheet, row, column[key], value, form)
+        yield from ((key, Cell("plain", value, look={"align": "left"})) for key, value in values.items())
         if reading.coordinates is None:
-            book.put(sheet, row, column["diameter"], reading.diameter * MM, mm)
+            yield "diameter", Cell("mm", reading.diameter * MM, look=CHANGEABLE)
             return
         for number, coordinate in enumerate(reading.coordinates, start=1):
-            book.put(sheet, row, column[f"coordinate_{number}"], coordinate * MM, mm)
-        ends = (address(row, column[f"coordinate_{number}"]) for number in (1, 2))
-        formula(sheet, row, column["diameter"], f"ABS({'-'.join(ends)})", reading.diameter * MM, book.form("mm"))
+            yield f"coordinate_{number}", Cell("mm", coordinate * MM, look=CHANGEABLE)
+        here = self._here(row)
+        apart = f"ABS({here('coordinate_1')}-{here('coordinate_2')})"
+        yield "diameter", Cell("mm", reading.diameter * MM, apart)
 
     def _of_repeat(self, row: int, reading: Reading, place: _Place) -> Iterable[tuple[str, Cell]]:
         """Return what a reading is among the repeats of its place."""
@@ -302,7 +298,8 @@ class ReadingCells:
         if place is places[0][0]:
             ovality = _ovality(self._states[place.land.key], place.part)
             if ovality is not None:
-                terms = [self._local("mean", each) for each in places if len(each) > 1]
+                mean_cells = self._column["mean"]
+                terms = [span(each[0].first, each[-1].last, mean_cells) for each in places if len(each) > 1]
                 apart = _of("MAX", [f"MAX({each})-MIN({each})" for each in terms])
                 yield f"ovality_{place.part}", Cell("um", ovality * UM, f"({apart})*1000")
 
@@ -322,9 +319,6 @@ class ReadingCells:
 
     def _rows(self, place: _Place) -> Callable[[str], str]:
         return lambda key: span(place.first, place.last, self._column[key])
-
-    def _local(self, column: str, places: Sequence[_Place]) -> str:
-        return span(places[0].first, places[-1].last, self._column[column])
 
 
 def _ovality(land: LandDiagnosis, part: Part) -> float | None:

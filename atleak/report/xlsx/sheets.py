@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
@@ -11,14 +12,18 @@ from atleak.errors import MessageLevel
 from atleak.job.record import Job, Record
 from atleak.repair import RepairPlan, RepairStep, plan_repairs
 from atleak.report.estimate_words import open_words
-from atleak.report.xlsx.book import Book, cell, formula
-from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, Quantity, covers
+from atleak.report.xlsx.book import Book, cell
+from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
 from atleak.report.xlsx.flagged_lands import OF_A_LAND, FlaggedLands
 from atleak.report.xlsx.headline import Headline
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
     RANKED,
+    Cell,
+    Cells,
+    LiveColumn,
+    LiveSheet,
     SheetCondition,
     component_width,
     verdict_of_rank,
@@ -29,7 +34,7 @@ from atleak.sentence import Name, Sentence
 from atleak.verdicts import BANDS, VERDICTS, Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.complaint import finding, measure_first, reason
-from atleak.views.condition_matrix import condition_matrix
+from atleak.views.condition_matrix import MatrixRow, condition_matrix
 from atleak.views.first_sentence import first_sentence
 from atleak.views.positions import spools_taken
 from atleak.views.repair_options import option_rows
@@ -194,11 +199,9 @@ class Sheets:
                 if column == 1:
                     page.text(line, 0, _ISSUED.get(name) or quantities[name].heading)
                 if name not in _ISSUED:
-                    self._total(page, line, column, at(name), quantities[name])
-                elif name == "decision":
-                    page.text(line, column, issued.get(name))
+                    page.put(line, column, Cell(quantities[name].kind, quantities[name].value, at(name)))
                 else:
-                    self.book.put(page.sheet, line, column, issued.get(name), page.number("flow"))
+                    page.put(line, column, Cell("flow", issued.get(name)))
         band = first + _TOTALS.index("band")
         self.book.colour_words(page.sheet, (band, 1), (band, len(live.conditions)), BANDS)
         flows = Sentence(
@@ -209,13 +212,6 @@ class Sheets:
         )
         row = page.across(first + len(_TOTALS), flows)
         return page.across(row, covers(self.diagnosis, self.say))
-
-    def _total(self, page: SummaryPage, row: int, column: int, name: str, now: Quantity) -> None:
-        """Write what a quantity of the sheet of conditions is there."""
-        if isinstance(now.value, str):
-            page.formula(row, column, name, self.book.words(now.value))
-        else:
-            formula(page.sheet, row, column, name, now.value, page.number(now.kind))
 
     def _issued(self, at: SheetCondition) -> dict[str, Any]:
         """Return how sure the band of a total is and the interval of its leakage; nothing of a unit not measured."""
@@ -235,13 +231,11 @@ class Sheets:
         row = page.across(row, order, bold=True)
         if plan.steps:
             ends = [Sentence("total after [%], {condition}", condition=total.condition) for total in plan.ends]
-            page.headings(row, [*_OF_A_STEP, *ends, Sentence("helps most at")])
             first = row + 1
-            for row, step in enumerate(plan.steps, start=first):
-                self._step(page, row, step)
-            self.book.colour_words(page.sheet, (first, 2), (row, 2), VERDICTS)
-            self.book.colour_words(page.sheet, (first, 6), (row, 6), BANDS)
-            row = self._options(page, row + 1, plan)
+            row = page.table(row, [*_OF_A_STEP, *ends, Sentence("helps most at")], map(self._step, plan.steps))
+            self.book.colour_words(page.sheet, (first, 2), (row - 1, 2), VERDICTS)
+            self.book.colour_words(page.sheet, (first, 6), (row - 1, 6), BANDS)
+            row = self._options(page, row, plan)
         for sentence in (
             *plan_ends(plan, self.say),
             *open_words(self.diagnosis, self.job, self.say, closing=True),
@@ -255,70 +249,65 @@ class Sheets:
         if not rows:
             return row
         leaves = Sentence("leaves [{unit}]", unit=say.unit("clearance"))
-        page.headings(row, [*_OF_AN_OPTION[:4], leaves, *_OF_AN_OPTION[4:]])
-        for at, each in enumerate(rows, start=row + 1):
+        cells = []
+        for each in rows:
             repair = each.option.repair
-            values: list[Any] = [each.number, each.name(say), each.use(say), repair.id, each.leaves(say), repair.price]
-            values += [repair.currency, repair.hours, repair.tool, each.lands, repair.source]
-            for column, value in enumerate(values):
-                if isinstance(value, str):
-                    page.text(at, column, value, page.last if column == len(_OF_AN_OPTION) else None)
-                elif value is not None:
-                    self.book.put(page.sheet, at, column, value, page.number("plain"))
-        return row + len(rows) + 1
+            said = each.number, each.name(say), each.use(say), repair.id, each.leaves(say), repair.price
+            cells.append((*said, repair.currency, repair.hours, repair.tool, each.lands, repair.source))
+        return page.table(row, [*_OF_AN_OPTION[:4], leaves, *_OF_AN_OPTION[4:]], cells)
 
-    def _step(self, page: SummaryPage, row: int, step: RepairStep) -> None:
-        (component, land), sheet = step.land.key, page.sheet
-        name, verdict = Name(self.diagnosis.controller.components[component]), self.say.signed(step.land.verdict)
-        for column, text in enumerate((component, name, verdict)):
-            page.text(row, column, text)
-        self.book.put(sheet, row, 3, land, self.book.form(align="left"))
-        share = page.number("share")
-        if step.helps:
-            for column, total in enumerate((step.at.before, step.at.after), start=4):
-                self.book.put(sheet, row, column, total.share * PERCENT, share)
-            page.text(row, 6, self.say.level(step.at.after.band))
-        for column, each in enumerate(step.conditions, start=7):
-            self.book.put(sheet, row, column, each.after.share * PERCENT, share)
-        helps = self.say.condition(step.at.condition) if step.helps else no_help(step, self.say)
-        page.text(row, 7 + len(step.conditions), helps, page.last)
+    def _step(self, step: RepairStep) -> list[Any]:
+        (component, land), at = step.land.key, step.at
+        name = Name(self.diagnosis.controller.components[component])
+        return [
+            component,
+            name,
+            self.say.signed(step.land.verdict),
+            land,
+            *(Cell("share", total.share * PERCENT if step.helps else None) for total in (at.before, at.after)),
+            self.say.level(at.after.band) if step.helps else None,
+            *(Cell("share", each.after.share * PERCENT) for each in step.conditions),
+            self.say.condition(at.condition) if step.helps else no_help(step, self.say),
+        ]
 
     # --- matrix
 
     def write_matrix(self, sheet: Worksheet) -> None:
         """Write every land at every condition: its share of the pump's flow and the verdict of that share."""
-        book, live = self.book, self.live
-        names = [Sentence("component"), Sentence("name"), Sentence("land")]
-        for at in live.conditions:
-            names.append(Sentence("share of pump capacity [%], {condition}", condition=at.label))
-            names.append(Sentence("verdict of the share, {condition}", condition=at.label))
-        book.headings(sheet, 0, [*names, Sentence("elsewhere, as issued")], lines=4)
+        live, say, names = self.live, self.say, self.diagnosis.controller.components
+        left = {"align": "left"}
+
+        def share(at: SheetCondition, row: MatrixRow, _: Cells) -> str:
+            return live.sheet.cell(live.row_of[row.land.key], ("share", at.prefix))
+
+        def verdict(number: int, row: MatrixRow) -> str | None:
+            judged = row.cells[number]
+            return None if judged.rule is None or judged.verdict is None else say.signed(judged.verdict)
+
+        def verdict_formula(number: int, row: MatrixRow, _: Cells) -> str | None:
+            rule = row.cells[number].rule
+            return None if rule is None else live.rules.verdict(row.land, rule)
+
+        width = component_width(names)
+        # fmt: off
+        columns = [
+            LiveColumn("component", Sentence("component"), value=lambda row: row.land.key[0], width=width, look=left),
+            LiveColumn("name", Sentence("name"), value=lambda row: Name(names[row.land.key[0]]), width=28, look=left),
+            LiveColumn("land", Sentence("land"), value=lambda row: row.land.key[1], width=7, look=left),
+        ]
+        for number, at in enumerate(live.conditions):
+            heading = Sentence("share of pump capacity [%], {condition}", condition=at.label)
+            columns.append(LiveColumn(("share", at.prefix), heading, "share", partial(_share_at, number),
+                                      partial(share, at), PERCENT, 16))
+            heading = Sentence("verdict of the share, {condition}", condition=at.label)
+            columns.append(LiveColumn(("verdict", at.prefix), heading, "plain", partial(verdict, number),
+                                      partial(verdict_formula, number), width=16, look=AFTER_A_NUMBER))
+        columns.append(LiveColumn("elsewhere", Sentence("elsewhere, as issued"), width=44,
+                                  value=lambda row: row.elsewhere or None))
+        # fmt: on
         rows = condition_matrix(self.diagnosis, [at.projection for at in live.conditions])
-        for row, each in enumerate(rows, start=1):
-            (component, number), place = each.land.key, live.row_of[each.land.key]
-            for column, value in enumerate((component, Name(self.diagnosis.controller.components[component]), number)):
-                self.book.put(sheet, row, column, value, book.form(align="left"))
-            for column, (at, judged) in enumerate(zip(live.conditions, each.cells, strict=True)):
-                share = cell(place, live.column_of["share", at.prefix], live.sheet)
-                formula(sheet, row, 3 + 2 * column, share, judged.share * PERCENT, book.form("share"))
-                if judged.rule is not None and judged.verdict is not None:
-                    verdict = live.rules.verdict(each.land, judged.rule)
-                    formula(
-                        sheet,
-                        row,
-                        4 + 2 * column,
-                        verdict,
-                        self.say.signed(judged.verdict),
-                        book.form(**AFTER_A_NUMBER),
-                    )
-            self.book.put(sheet, row, len(names), each.elsewhere or None)
-        book.colour_words(sheet, (1, 4), (len(rows), len(names) - 1), VERDICTS)
-        sheet.set_column(0, 0, component_width(self.diagnosis.controller.components))
-        sheet.set_column(1, 1, 28)
-        sheet.set_column(2, 2, 7)
-        sheet.set_column(3, len(names) - 1, 16)
-        sheet.set_column(len(names), len(names), 44)
-        sheet.autofilter(0, 0, len(rows), len(names))
+        LiveSheet(sheet.get_name(), columns, rows).write(self.book, sheet, lines=4)
+        self.book.colour_words(sheet, (1, 4), (len(rows), len(columns) - 2), VERDICTS)
 
     # --- job, messages, provenance
 
@@ -326,25 +315,17 @@ class Sheets:
         """Write the job record: only what was filled in."""
         sheet.set_column(0, 0, 24)
         sheet.set_column(1, 1, 90)
-        row = 0
+        row, book = 0, self.book
         for name in type(self.job).model_fields:
             value = getattr(self.job, name)
             if value in (None, "", ()) or (isinstance(value, Record) and value.empty):
                 continue
-            if isinstance(value, Record):
-                self.book.put(sheet, row, 0, self._field(name), self.book.heading)
-                row = self.book.pairs(sheet, row + 1, self._pairs(value), 84) + 1
-            elif isinstance(value, tuple):
-                for item in value:
-                    self.book.put(sheet, row, 0, self._field(name), self.book.heading)
-                    if isinstance(item, Record):
-                        row = self.book.pairs(sheet, row + 1, self._pairs(item), 84) + 1
-                    else:
-                        self.book.put(sheet, row, 1, item, self.book.wrapped)
-                        row += 1
-            else:
-                self.book.put(sheet, row, 0, self._field(name), self.book.heading)
-                row = self.book.put_text(sheet, row, 1, str(value), self.book.wrapped, 84) + 2
+            for item in value if isinstance(value, tuple) else (value,):
+                book.put(sheet, row, 0, self._field(name), book.heading)
+                if isinstance(item, Record):
+                    row = book.pairs(sheet, row + 1, self._pairs(item), 84) + 1
+                else:
+                    row = book.put_text(sheet, row, 1, str(item), book.wrapped, 84) + 2 - isinstance(value, tuple)
 
     def write_messages(self, sheet: Worksheet) -> None:
         """Write what is to be known about the result, warnings among it."""
@@ -400,3 +381,7 @@ class Sheets:
         if name in ("grade", "decision") and isinstance(value, str):
             return self.say.get("grades" if name == "grade" else "job_decisions", value)
         return value if value is None or isinstance(value, bool | int | float | str) else str(value)
+
+
+def _share_at(number: int, row: MatrixRow) -> float:
+    return row.cells[number].share

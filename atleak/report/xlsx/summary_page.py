@@ -10,8 +10,9 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.report.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.xlsx.book import Book, formula
+from atleak.report.xlsx.live_cells import Cell, write_cell
 from atleak.views.section import Facts, Points, Section, Text
-from atleak.views.table import Table
+from atleak.views.table import Column, Table
 
 _LABELS = 25, 42  # [characters] least and most width of the first column
 _NAMES, _VERDICTS, _OTHERS = 22, 15, 12  # width of the second, the third and any other
@@ -43,6 +44,26 @@ class SummaryPage:
         """Write a text that wraps, from a column to the last one that is given."""
         form = self._room(row, column, self.book.words(text), last, **look)
         self.book.put(self.sheet, row, column, text, form)
+
+    def put(self, row: int, column: int, content: Any, last: int | None = None) -> None:
+        """Write what a cell holds: words wrap, numbers grow smaller where words beside them need the room."""
+        known = content if isinstance(content, Cell) else Cell("plain", content)
+        if not isinstance(known.value, str):
+            look = {"align": "left", "shrink": True}
+            write_cell(self.book, self.sheet, row, column, Cell(known.kind, known.value, known.formula, look))
+        elif known.formula is None:
+            self.text(row, column, known.value, last, **known.look)
+        else:
+            self.formula(row, column, known.formula, self.book.words(known.value), last, **known.look)
+
+    def table(self, row: int, headings: Sequence[Any], rows: Iterable[Sequence[Any]]) -> int:
+        """Write headings and rows of what cells hold, the last column as far as the page goes; return the next row."""
+        self.headings(row, headings)
+        for cells in rows:
+            row += 1
+            for column, content in enumerate(cells):
+                self.put(row, column, content, self.last if column == len(headings) - 1 else None)
+        return row + 1
 
     def across(self, row: int, text: Any, **look: Any) -> int:
         """Write a text that stands alone, over all columns; return the next row."""
@@ -78,19 +99,15 @@ class SummaryPage:
         return row + 1
 
     def _table(self, row: int, content: Table) -> int:
-        self.headings(row, content.headings)
-        for item in content.rows:
-            row += 1
-            for number, column in enumerate(content.columns):
-                value = column.cell(item, content.say)
-                if isinstance(value, float):
-                    places = column.places(content.say)
-                    form = self.book.form("#,##0" + ("." + "0" * places if places else ""), align="left")
-                    self.book.put(self.sheet, row, number, value, form)
-                else:
-                    last = self.last if number == len(content.columns) - 1 else None
-                    self.text(row, number, column.text(item, content.say), last)
-        return row + 1
+        def cell(column: Column, item: Any) -> Any:
+            value = column.cell(item, content.say)
+            if not isinstance(value, float):
+                return column.text(item, content.say)
+            places = column.places(content.say)
+            return Cell("#,##0" + ("." + "0" * places if places else ""), value)
+
+        rows = ([cell(column, item) for column in content.columns] for item in content.rows)
+        return self.table(row, content.headings, rows)
 
     def pairs(self, row: int, pairs: Iterable[tuple[str, Any]]) -> int:
         """Write names and values below one another, without unknown and empty values; return the next free row."""
