@@ -46,6 +46,23 @@ class Sentence(str):
         said.template, said.values = str(template), values
         return said
 
+    def of(self, **values: Any) -> Sentence:
+        """Return the same wording filled in with values: one of a table of sentences.
+
+        >>> Sentence("{count} rows of {what}").of(count=2, what="means")
+        '2 rows of means'
+        """
+        return type(self)(self.template, **values)
+
+
+def counted(count: int, one: Sentence, several: Sentence, **values: Any) -> Sentence:
+    """Write one wording or the other, by how many there are; ``{count}`` says it.
+
+    >>> counted(2, Sentence("{count} row of {what}"), Sentence("{count} rows of {what}"), what="means")
+    '2 rows of means'
+    """
+    return (several if count > 1 else one).of(count=count, **values)
+
 
 def in_a_row(parts: Iterable[Any]) -> Sentence:
     """Write parts with semicolons between: sentences, names, operating points; at least one.

@@ -58,7 +58,7 @@ def table_kind(data: bytes, controller: Controller) -> Table:
     names, likeness = ControllerNames(controller), gauge_table.likeness_of(controller)
 
     def diameters(sheet: Sheet) -> float:
-        return max((table.header.score for table in find_tables(sheet, names) if table.header.complete), default=0.0)
+        return max((table.score for table in find_tables(sheet, names) if table.complete), default=0.0)
 
     try:
         sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)), is_word, only_look=True)

@@ -1,23 +1,24 @@
 """Converts units as people and loggers write them to SI, by kind of quantity.
 
-Each kind is its own table: a temperature is no temperature difference, a pressure no percentage. A name that a
-table does not hold is refused, never guessed.
+Each kind is its own table in ``units.toml``: a temperature is no temperature difference, a pressure no percentage. A
+name that a table does not hold is refused, never guessed.
 """
 
 from __future__ import annotations
 
 import math
 import re
+import tomllib
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import resources
 from typing import Any
 
 from atleak.errors import unknown
 from atleak.sentence import Sentence
-from atleak.workshop_units import INCH, PSI
 
-HHMMSS = "HHMMSS"
+HHMMSS = "HHMMSS"  # a clock's digits: 100059.5 is 10:00:59.5. No factor makes seconds of them: a log's clock is read so
 
 
 @dataclass(frozen=True)
@@ -42,146 +43,14 @@ class Unit:
         return (value - self.offset) / self.factor if self.offset else value / self.factor
 
 
-_KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
-    "length": {
-        Unit("mm", 1e-3): ("mm", "millimetre", "millimeter", "мм"),
-        Unit("µm", 1e-6): ("µm", "um", "micron", "microns", "micrometre", "micrometer", "mkm", "мкм"),
-        Unit("inch", INCH): ("inch", "in", "inches", '"', "zoll", "cal"),
-        Unit("mil", INCH / 1000): ("mil", "thou"),
-        Unit("0.0001 in", INCH / 10000): ("0.0001 in", "0,0001 in"),
-        Unit("cm", 1e-2): ("cm",),
-        Unit("m", 1.0): ("m",),
-    },
-    "pressure": {
-        Unit("kPa", 1e3): ("kpa", "kpag", "кпа", "kilopascal"),
-        Unit("bar", 1e5): ("bar", "barg", "bars", "бар"),
-        Unit("mbar", 1e2): ("mbar", "hpa", "millibar"),
-        Unit("MPa", 1e6): ("mpa", "мпа"),
-        Unit("psi", PSI): ("psi", "psig", "lbf/in2", "lb/in2", "psi(g)", "pounds per square inch"),
-        Unit("Pa", 1.0): ("pa",),
-        Unit("0.1 kPa", 1e2): ("0.1 kpa",),
-        Unit("kgf/cm²", 98066.5): ("kgf/cm2", "kg/cm2", "кгс/см2"),
-    },
-    "temperature": {
-        Unit("°C", 1.0): (
-            "°c",
-            "c",
-            "degc",
-            "deg c",
-            "*c",
-            "celsius",
-            "grad c",
-            "º c",
-            "ºc",
-            "° c",
-            "°с",
-            "grad",
-            "degrees c",
-            "celcius",
-            "deg. c",
-            "c°",
-            "â°c",
-            "�c",
-            "��c",
-            "¡æ",
-            "gr c",
-            ".c",
-        ),
-        Unit("°F", 5.0 / 9.0, -160.0 / 9.0): (
-            "°f",
-            "f",
-            "degf",
-            "deg f",
-            "*f",
-            "fahrenheit",
-            "ºf",
-            "° f",
-            "degrees f",
-            "deg. f",
-            "f°",
-            ".f",
-            "â°f",
-            "�f",
-        ),
-        Unit("K", 1.0, -273.15): ("k", "kelvin"),
-        Unit("0.1 K", 0.1, -273.15): ("0.1 k",),
-    },
-    "rotational_speed": {
-        Unit("rpm", 1.0 / 60.0): (
-            "rpm",
-            "1/min",
-            "/min",
-            "u/min",
-            "min-1",
-            "min^-1",
-            "r/min",
-            "rev/min",
-            "revs/min",
-            "obr/min",
-            "obr./min",
-            "ob/min",
-            "об/мин",
-            "tr/min",
-            "t/min",
-            "rpms",
-            "1/minute",
-            "upm",
-        ),
-        Unit("1000 rpm", 1000.0 / 60.0): (
-            "1000 rpm",
-            "rpm x1000",
-            "x1000 rpm",
-            "rpm*1000",
-            "krpm",
-            "1000/min",
-        ),
-        Unit("1/s", 1.0): ("1/s", "rps", "hz"),
-        Unit("rad/s", 0.15915494309189535): ("rad/s",),
-    },
-    "speed": {
-        Unit("km/h", 1.0 / 3.6): (
-            "km/h",
-            "kph",
-            "kmh",
-            "kmph",
-            "km/hr",
-            "км/ч",
-            "kilometers/hour",
-            "kilometres/hour",
-        ),
-        Unit("mph", 0.44704): ("mph", "mi/h", "miles/h", "miles/hour", "mile/h"),
-        Unit("0.1 km/h", 1.0 / 36.0): ("0.1 km/h",),
-        Unit("m/s", 1.0): ("m/s", "mps", "meters/second", "metres/second", "meter/s", "м/с"),
-    },
-    "time": {
-        Unit("s", 1.0): (
-            "s",
-            "sec",
-            "secs",
-            "sec.",
-            "second",
-            "seconds",
-            "sek",
-            "sek.",
-            "sekunden",
-            "с",
-            "сек",
-            "сек.",
-            "seg",
-        ),
-        Unit("ms", 1e-3): ("ms", "msec", "msecs", "millisecond", "milliseconds", "millis", "мс"),
-        Unit("µs", 1e-6): ("µs", "us", "usec", "microsecond", "microseconds"),
-        Unit("min", 60.0): ("min", "minute", "minutes"),
-        Unit("h", 3600.0): ("h", "hour", "hours"),
-        Unit("ns", 1e-9): ("ns", "nsec", "nanosecond", "nanoseconds"),
-        Unit("d", 86400.0): ("d", "day", "days"),
-        # a clock's digits: 100059.5 is 10:00:59.5. No factor makes seconds of them: the clock of a log is read so
-        Unit(HHMMSS, 1.0): ("hhmmss", "hhmmss.s", "hhmmss.ss", "hhmmss.sss"),
-    },
-    "ratio": {
-        Unit("1", 1.0): ("1", "-", "ratio", ""),
-        Unit("%", 1e-2): ("%", "percent"),
-    },
+KINDS: Mapping[str, Sentence] = {  # as sentences name them
+    "length": Sentence("length"),
+    "pressure": Sentence("pressure"),
+    "temperature": Sentence("temperature"),
+    "rotational_speed": Sentence("rotational speed"),
+    "speed": Sentence("speed"),
+    "time": Sentence("time"),
+    "ratio": Sentence("ratio"),
 }
 _UNKNOWN = {
     "length": Sentence("unknown unit of length"),
@@ -200,8 +69,13 @@ def _spelling(name: str) -> str:
     return re.sub(r"\s+", " ", text)
 
 
+_LISTED = tomllib.loads(resources.files(__package__).joinpath("units.toml").read_text(encoding="utf-8"))
+_KINDS = {
+    kind: [Unit(name, each["factor"], each.get("offset", 0.0)) for name, each in units.items()]
+    for kind, units in _LISTED.items()
+}
 _TABLE: dict[str, dict[str, Unit]] = {
-    kind: {_spelling(alias): unit for unit, aliases in units.items() for alias in aliases}
+    kind: {_spelling(alias): unit for unit in units for alias in _LISTED[kind][unit.name]["spellings"]}
     for kind, units in _KINDS.items()
 }
 
@@ -256,14 +130,3 @@ def unit_names(kind: str) -> list[str]:
 def kinds_of(name: str) -> list[str]:
     """Return every kind that has a unit of that name: ``"m"`` is a length only, ``"min"`` a time."""
     return [kind for kind in _TABLE if find_unit(name, kind)]
-
-
-KINDS: Mapping[str, Sentence] = {  # as sentences name them
-    "length": Sentence("length"),
-    "pressure": Sentence("pressure"),
-    "temperature": Sentence("temperature"),
-    "rotational_speed": Sentence("rotational speed"),
-    "speed": Sentence("speed"),
-    "time": Sentence("time"),
-    "ratio": Sentence("ratio"),
-}

@@ -11,13 +11,13 @@ import hashlib
 from pathlib import Path
 
 from atleak.doors import own_errors_only
-from atleak.errors import Place, ReadingsError, one_of
+from atleak.errors import Place, one_of
 from atleak.faults import together
 from atleak.gauge_study.readings import GaugeStudyError, StudyReadings
 from atleak.intake.gauge_study.table import StudyTable, find_table, likeness
 from atleak.intake.gauge_study.values import crossed
 from atleak.intake.sheets.sheet import Sheet
-from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
+from atleak.intake.sheets.sheet_file import open_sheets
 from atleak.intake.units import unit
 from atleak.sentence import Sentence
 
@@ -62,11 +62,7 @@ def read_study(
         a unit that is none of length.
     """
     stated = None if length_unit is None else unit(length_unit, "length")
-    try:
-        data, file = read_bytes(source, name)
-        sheets = read_sheets(data, file, likeness)
-    except ReadingsError as error:
-        raise GaugeStudyError(error.problem, place=error.place, value=error.value, expected=WANTED) from error
+    data, file, sheets = open_sheets(source, name, likeness, GaugeStudyError, WANTED)
     table = _the_table(sheets, file, sheet)
     readings, problems = crossed(table, stated, hashlib.sha256(data).hexdigest())
     if problems or readings is None:

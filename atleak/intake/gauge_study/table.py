@@ -10,7 +10,8 @@ from functools import cache
 from importlib import resources
 
 from atleak.intake.plain_words import words
-from atleak.intake.sheets.sheet import Cell, Sheet
+from atleak.intake.readings.words import text_of
+from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
 
 KEYS = ("part", "operator", "trial")
@@ -37,11 +38,6 @@ class StudyTable:
 def _vocabulary() -> dict[str, str]:
     text = resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8")
     return {phrase: name for name, phrases in tomllib.loads(text)["column"].items() for phrase in phrases}
-
-
-def text_of(cell: Cell) -> str:
-    """Return a cell as a name: 3.0 is "3"."""
-    return str(int(cell)) if isinstance(cell, float) and cell.is_integer() else str(cell).strip()
 
 
 def likeness(sheet: Sheet) -> float:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import datetime as dt
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import islice, product
 from statistics import median
 
 import numpy as np
 
 from atleak.errors import Message, Place
 from atleak.gauge_study.readings import FEWEST, GaugeStudyError, StudyReadings
-from atleak.intake.gauge_study.table import StudyTable, text_of
+from atleak.intake.gauge_study.table import StudyTable
+from atleak.intake.readings.words import text_of
 from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.units import Unit, unit
 from atleak.sentence import Sentence
@@ -74,13 +75,11 @@ def _read_row(table: StudyTable, row: int, stated: Unit | None, cells: _Cells) -
     for column in table.keys.values():
         cells.above[column] = text_of(sheet.filled(row, column)) or cells.above.get(column, "")
     filled = [column for column in table.values if _is_filled(table, row, column)]
-    if not filled:
-        return
     named: dict[str, str] = {}
-    for key, column in table.keys.items():
+    for key, column in table.keys.items() if filled else ():
         name = text_of(sheet.filled(row, column))
-        if not name and key != "trial":
-            name = cells.above.get(column, "")  # a form names an operator once, on the first of the rows that are his
+        if key != "trial":
+            name = name or cells.above[column]  # a form names an operator once, on the first of the rows that are his
         if name.casefold() in _ENDS:
             return  # the averages at the foot of a form are no readings
         if not name and key != "trial":
@@ -89,36 +88,32 @@ def _read_row(table: StudyTable, row: int, stated: Unit | None, cells: _Cells) -
             return
         named[key] = name
     for column in filled:
-        value = _value(table, row, column, stated, cells)
+        value, place = _value(table, row, column, stated, cells), _place(table, row, column)
         if value is not None:
             said: Mapping[str, str] = {**named, **table.values[column]}
             pair = said["part"], said["operator"]
-            cells.by_pair.setdefault(pair, []).append((said.get("trial") or None, value, _place(table, row, column)))
+            cells.by_pair.setdefault(pair, []).append((said.get("trial") or None, value, place))
 
 
 def _is_filled(table: StudyTable, row: int, column: int) -> bool:
-    cell = table.sheet.cell(row, column)
-    if table.sheet.is_struck(row, column):
-        return False
-    return (row, column) in table.sheet.faults or (cell is not None and text_of(cell) != "")
+    filled = (row, column) in table.sheet.faults or text_of(table.sheet.cell(row, column)) != ""
+    return filled and not table.sheet.is_struck(row, column)
 
 
 def _value(table: StudyTable, row: int, column: int, stated: Unit | None, cells: _Cells) -> float | None:
     """Return a reading [m]; None where it is a problem."""
-    cell, place = table.sheet.cell(row, column), _place(table, row, column)
-    fault = table.sheet.faults.get((row, column))
-    expected = Sentence("a number such as 12.345 or 12,345; an empty cell where nothing was read is a gap in the study")
+    cell, fault = table.sheet.cell(row, column), table.sheet.faults.get((row, column))
+    problem, number = Sentence("not a number"), None
     if fault is not None:
         problem = Sentence("a formula without a usable result")
-        cells.problems.append(GaugeStudyError(problem, place=place, value=fault, expected=expected))
-        return None
-    no_number = isinstance(cell, bool | dt.date | dt.time | dt.timedelta)
-    number = None if no_number else decimal_number(cell) if isinstance(cell, str) else float(cell)
-    if number is None or not np.isfinite(number):
-        problem = Sentence("not a number")
-        cells.problems.append(GaugeStudyError(problem, place=place, value=str(cell), expected=expected))
-        return None
-    return float((stated or table.units.get(column) or unit("mm", "length")).to_si(number))
+    elif not isinstance(cell, bool | dt.date | dt.time | dt.timedelta):
+        number = decimal_number(cell) if isinstance(cell, str) else float(cell)
+    if number is not None and np.isfinite(number):
+        return float((stated or table.units.get(column) or unit("mm", "length")).to_si(number))
+    place, found = _place(table, row, column), str(cell) if fault is None else fault
+    expected = Sentence("a number such as 12.345 or 12,345; an empty cell where nothing was read is a gap in the study")
+    cells.problems.append(GaugeStudyError(problem, place=place, value=found, expected=expected))
+    return None
 
 
 def _place(table: StudyTable, row: int, column: int) -> Place:
@@ -145,40 +140,27 @@ def _gaps(cells: _Cells, table: StudyTable) -> Iterator[GaugeStudyError]:
         seen: dict[str, Place] = {}
         for trial, _, place in given:
             if trial is not None and trial in seen:
-                part, operator = pair
-                problem = Sentence(
-                    "part {part}, operator {operator}, trial {trial} stands in {place} already",
-                    part=part,
-                    operator=operator,
-                    trial=trial,
-                    place=seen[trial].sentence,
-                )
+                problem = Sentence("part {part}, operator {operator}, trial {trial} stands in {place} already")
+                problem = problem.of(part=pair[0], operator=pair[1], trial=trial, place=seen[trial].sentence)
                 yield GaugeStudyError(problem, place=place, expected=Sentence("each trial once"))
             elif trial is not None:
                 seen[trial] = place
-    counts = [len(given) for given in cells.by_pair.values()]
-    most = max(counts)
+    most = max(map(len, cells.by_pair.values()))
     if most < FEWEST:
         expected = Sentence("at least {count} readings of each", count=FEWEST)
         yield GaugeStudyError(Sentence("every operator read every part once"), place=file, expected=expected)
         return
-    for part in parts:
-        for operator in operators:
-            given = cells.by_pair.get((part, operator), [])
-            if len(given) != most:
-                place = given[-1][2] if given else file
-                expected = Sentence(
-                    "{count} readings, as of the others: every operator reads every part equally often", count=most
-                )
-                yield GaugeStudyError(_too_seldom(operator, part, len(given)), place=place, expected=expected)
-
-
-def _too_seldom(operator: str, part: str, times: int) -> Sentence:
-    if not times:
-        return Sentence("operator {operator} read part {part} not at all", operator=operator, part=part)
-    if times == 1:
-        return Sentence("operator {operator} read part {part} 1 time", operator=operator, part=part)
-    return Sentence("operator {operator} read part {part} {count} times", operator=operator, part=part, count=times)
+    expected = Sentence("{count} readings, as of the others: every operator reads every part equally often", count=most)
+    for part, operator in product(parts, operators):
+        given = cells.by_pair.get((part, operator), [])
+        if len(given) != most:
+            problem = Sentence("operator {operator} read part {part} not at all")
+            if given:
+                problem = Sentence("operator {operator} read part {part} {count} times")
+                if len(given) == 1:
+                    problem = Sentence("operator {operator} read part {part} 1 time")
+            problem = problem.of(operator=operator, part=part, count=len(given))
+            yield GaugeStudyError(problem, place=given[-1][2] if given else file, expected=expected)
 
 
 def _messages(table: StudyTable, stated: Unit | None, values: np.ndarray) -> Iterator[Message]:

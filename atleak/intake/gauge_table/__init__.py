@@ -14,12 +14,13 @@ from pathlib import Path
 
 from atleak.catalogue.controller import Controller
 from atleak.doors import own_errors_only
-from atleak.errors import InputError, Message, Place, PressureTableError, ReadingsError
-from atleak.intake.gauge_table.rows import Rows, read_rows
+from atleak.errors import Message, Place, PressureTableError
+from atleak.faults import together
+from atleak.intake.gauge_table.rows import read_rows
 from atleak.intake.gauge_table.tables import GaugeTable, find_gauge_tables, likeness
 from atleak.intake.gauge_table.words import Words
 from atleak.intake.sheets.sheet import Sheet
-from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
+from atleak.intake.sheets.sheet_file import open_sheets
 from atleak.pressure_table import PressureTable, ranges_of
 from atleak.sentence import Sentence
 
@@ -59,11 +60,7 @@ def read_pressure_table(
         with all problems found: an unknown range, state of the engine, tap or unit, a cell that is no pressure, a
         cell given twice; or where the file as a whole holds no such table, or none filled in.
     """
-    try:
-        data, file = read_bytes(source, name)
-        sheets = read_sheets(data, file, likeness_of(controller))
-    except ReadingsError as error:
-        raise _as_table(error) from error
+    data, file, sheets = open_sheets(source, name, likeness_of(controller), PressureTableError, WANTED)
     found = find_tabs(sheets, controller)
     if not found.tables:
         raise PressureTableError(Sentence("holds no table of gauge readings"), place=Place(file), expected=_HEADINGS)
@@ -95,7 +92,7 @@ class PressureTabs:
         """
         rows = read_rows(self.tables, Words.of(self.controller), ranges_of(self.controller))
         if rows.problems:
-            raise _all(rows)
+            raise together(sorted(rows.problems, key=lambda each: (each.place.sheet or "", each.place.row or 0)))
         if not rows.readings:
             return None
         names = dict.fromkeys(table.sheet.name for table in self.tables if table.sheet.name is not None)
@@ -120,15 +117,3 @@ def find_tabs(sheets: Sequence[Sheet], controller: Controller) -> PressureTabs:
     words = Words.of(controller)
     shown = [sheet for sheet in sheets if not sheet.hidden]
     return PressureTabs([table for sheet in shown for table in find_gauge_tables(sheet, words)], controller)
-
-
-def _as_table(error: ReadingsError) -> PressureTableError:
-    """Return what is wrong with a file as a whole, in words of pressure tables."""
-    return PressureTableError(error.problem, place=error.place, value=error.value, expected=WANTED)
-
-
-def _all(rows: Rows) -> InputError:
-    first, *others = sorted(rows.problems, key=lambda problem: (problem.place.sheet or "", problem.place.row or 0))
-    first.others = tuple(others)
-    first.args = (str(first),)
-    return first

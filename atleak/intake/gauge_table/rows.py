@@ -10,8 +10,9 @@ from typing import Any
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.errors import Message, Place, PressureTableError, nearest_name, one_of
-from atleak.intake.gauge_table.tables import GaugeTable, table_rows
-from atleak.intake.gauge_table.words import Said, Words, engine_words, is_blank, text_of
+from atleak.intake.gauge_table.tables import GaugeTable
+from atleak.intake.gauge_table.words import Said, Words, engine_words, is_blank
+from atleak.intake.readings.words import text_of
 from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Cell as SheetCell
 from atleak.intake.sheets.sheet import column_letter
@@ -60,10 +61,6 @@ class Rows:
         wanted = expected or one_of(known)
         self.problems.append(PressureTableError(problem, place=place, value=value, expected=wanted, nearest=nearest))
 
-    def take(self, reading: GaugeReading, order: float | None) -> None:
-        """Take a reading; ``order`` is the number or time that tells it from others of the same cell."""
-        self.taken.append((reading, order))
-
     def count_repeats(self) -> None:
         """Number the readings of each cell; one that is given twice, and that nothing counts, is a problem."""
         by_cell: dict[Cell, list[tuple[GaugeReading, float | None]]] = {}
@@ -76,14 +73,10 @@ class Rows:
             for reading, order in given:
                 first = seen.get(order) or (seen and order is None and given[0][0])
                 if first:
+                    problem = Sentence("{range}, {engine}, {tap} stands in {place} already")
+                    before = replace(first.place, file=None).sentence
                     self.refuse(
-                        Sentence(
-                            "{range}, {engine}, {tap} stands in {place} already",
-                            range=cell.range,
-                            engine=cell.engine.label,
-                            tap=cell.tap,
-                            place=replace(first.place, file=None).sentence,
-                        ),
+                        problem.of(range=cell.range, engine=cell.engine.label, tap=cell.tap, place=before),
                         reading.place,
                         expected=Sentence("each once, or a column 'repeat' or 'time' that counts its readings"),
                     )
@@ -121,7 +114,7 @@ class _Reader:
     def read(self) -> None:
         """Read every row that holds a reading."""
         before = len(self.rows.taken)
-        for row in table_rows(self.table):
+        for row in self.table.rows:
             filled = [column for column in self.table.values if self._is_reading(row, column)]
             if len(self.rows.problems) > FAULTS:
                 return
@@ -145,50 +138,56 @@ class _Reader:
         named = self._named(row)
         if named is None:
             return
-        temperature = (
-            self._number(row, "temperature", TEMPERATURE)
-            if self.columns["temperature"] is not None
-            else self._head_temperature()
-        )
+        head = self.table.head.temperature
+        if self.columns["temperature"] is None and head is not None:
+            temperature = self._in_si(head[0], TEMPERATURE, None, self._place(*head[1:]))
+        else:
+            temperature = self._number(row, "temperature", TEMPERATURE)
         speed = self._number(row, "engine_speed", ENGINE_SPEED)
         time, order = self._time(row), self._order(row, "repeat")
         order = time if order is None else order
-        gauge = "" if self.columns["gauge"] is None else self.sheet.filled(row, self.columns["gauge"])
+        gauge = self._cell(row, "gauge")
         for column in filled:
-            said = named.over(self.table.said(column))
+            said, place = named.over(self.table.said(column)), self._place(row, column)
             if said.range is None or said.range not in self.ranges or said.engine is None:
                 heading = self.table.headings[column].text
-                no_such_range = _NOT_UNDERSTOOD["range"][1]
-                self._once(no_such_range, self._place(self.table.row, column), heading, self.ranges)
+                self._once(_NOT_UNDERSTOOD["range"][1], self._place(self.table.row, column), heading, self.ranges)
                 continue
             cell = Cell(said.range, said.engine, said.tap or LINE)
             pressure = self._pressure(row, column, cell)
             if pressure is None:
                 continue
-            stated = speed if speed is not None else said.engine_speed
-            place = self._place(row, column)
-            repeat = order if order is not None else (None if said.repeat is None else float(said.repeat))
-            reading = GaugeReading(cell, pressure, temperature=temperature, engine_speed=stated, place=place)
-            self.rows.take(replace(reading, time=time, gauge="" if is_blank(gauge) else text_of(gauge)), repeat)
+            reading = GaugeReading(
+                cell,
+                pressure,
+                time=time,
+                gauge="" if gauge is None else text_of(gauge),
+                temperature=temperature,
+                engine_speed=speed if speed is not None else said.engine_speed,
+                place=place,
+            )
+            counted = order if order is not None else (None if said.repeat is None else float(said.repeat))
+            self.rows.taken.append((reading, counted))
+
+    def _cell(self, row: int, kind: str) -> SheetCell | None:
+        """Return what a row says in the column of a kind; None where there is no such column, or nothing in it."""
+        column = self.columns[kind]
+        cell = None if column is None else self.sheet.filled(row, column)
+        return None if is_blank(cell) else cell
 
     def _named(self, row: int) -> Said | None:
         """Return what the cells of a row say of its readings; None where one of them is not understood."""
         named, understood = Said(), True
-        known: tuple[tuple[str, Sequence[str]], ...] = (
-            ("range", self.ranges),
-            ("engine", engine_words()),
-            ("tap", self.words.tap_ids),
-        )
-        for kind, names in known:
+        known = {"range": self.ranges, "engine": engine_words(), "tap": self.words.tap_ids}
+        for kind, names in known.items():
             column = self.columns[kind]
             if column is None:
                 continue
-            cell = self.sheet.filled(row, column)
-            said = self.words.said_by(cell, kind)
+            cell = self._cell(row, kind)
+            said = None if cell is None else self.words.said_by(cell, kind)
             if said is None or (said.range is not None and said.range not in self.ranges):
-                empty, unknown = _NOT_UNDERSTOOD[kind]
-                what, value = (empty, None) if is_blank(cell) else (unknown, text_of(cell))
-                self.rows.refuse(what, self._place(row, column), value, names)
+                problem = _NOT_UNDERSTOOD[kind][cell is not None]
+                self.rows.refuse(problem, self._place(row, column), None if cell is None else text_of(cell), names)
                 understood = False
             else:
                 named = said.over(named)
@@ -196,38 +195,38 @@ class _Reader:
 
     def _pressure(self, row: int, column: int, of: Cell) -> float | None:
         """Return a cell's pressure [Pa]; None where it is a problem."""
-        place, cell, of_cell = self._place(row, column), self.sheet.cell(row, column), (of.range, of.engine.label)
+        place, cell = self._place(row, column), self.sheet.cell(row, column)
         fault = self.sheet.faults.get((row, column))
+        template, value, expected = Sentence("{cell}: not a pressure"), str(cell), None
+        known = None
         if fault is not None:
-            problem = Sentence("{cell}: a formula without a usable result", cell=of_cell)
-            self.rows.refuse(problem, place, fault, expected=Sentence("a pressure"))
-            return None
-        if isinstance(cell, bool | dt.date | dt.time | dt.timedelta):
+            template, value = Sentence("{cell}: a formula without a usable result"), fault
+            expected = Sentence("a pressure")
+        elif isinstance(cell, bool | dt.date | dt.time | dt.timedelta):
+            template = Sentence("{cell}: not a number")
             expected = Sentence("a pressure: format the cell as number or text and type it again")
-            self.rows.refuse(Sentence("{cell}: not a number", cell=of_cell), place, str(cell), expected=expected)
-            return None
-        text, written = _split(cell)
-        no_pressure = Sentence("{cell}: not a pressure", cell=of_cell)
-        if written and find_unit(written, "pressure") is None:
-            expected = Sentence("a number, and behind it nothing or {units}", units=one_of(unit_names("pressure")))
-            self.rows.refuse(no_pressure, place, str(cell), expected=expected)
-            return None
-        known = find_unit(written, "pressure") if written else self._unit(row, column)
-        if known is None:
-            return None
-        number = _written(cell, text, asked_pressure(known))
-        if number.value is None:
-            self.rows.refuse(no_pressure, place, str(cell), expected=number.reason)
-            return None
-        self.rows.units[known.name] = None
-        return float(known.to_si(number.value))
+        else:
+            text, written = _split(cell)
+            known = find_unit(written, "pressure") if written else self._unit(row, column)
+            if known is not None:
+                number = _written(cell, text, asked_pressure(known))
+                expected = number.reason
+                if number.value is not None:
+                    self.rows.units[known.name] = None
+                    return float(known.to_si(number.value))
+            elif written:
+                units = one_of(unit_names("pressure"))
+                expected = Sentence("a number, and behind it nothing or {units}", units=units)
+        if expected is not None:
+            self.rows.refuse(template.of(cell=(of.range, of.engine.label)), place, value, expected=expected)
+        return None
 
     def _unit(self, row: int, column: int) -> Unit | None:
         """Return the unit of a reading: in its row, in its heading, or above the table; None where it is a problem."""
-        heading, of_row, head = self.table.headings[column], self.columns["unit"], self.table.head.unit
-        stated = "" if of_row is None else str(self.sheet.filled(row, of_row))
-        if of_row is not None and not is_blank(stated):
-            name, place = stated, self._place(row, of_row)
+        heading, head = self.table.headings[column], self.table.head.unit
+        stated = self._cell(row, "unit")
+        if stated is not None:
+            name, place = str(stated), self._place(row, self.columns["unit"])
         elif heading.unit is not None:
             return heading.unit
         elif head is not None and heading.wrong_unit is None:
@@ -236,11 +235,8 @@ class _Reader:
             name, place = heading.wrong_unit or "", self._place(self.table.row, column)
         known = find_unit(name, "pressure") if name else None
         if known is None:
-            problem = Sentence("no unit of the pressures")
-            if name:
-                problem = Sentence("unknown unit of pressure")
-            units = one_of(unit_names("pressure"))
-            expected = Sentence("{units}, in the heading as in 'slow idle [kPa]'", units=units)
+            problem = Sentence("unknown unit of pressure") if name else Sentence("no unit of the pressures")
+            expected = Sentence("{units}, in the heading as in 'slow idle [kPa]'", units=one_of(unit_names("pressure")))
             self._once(problem, place, name or heading.text or None, expected=expected)
         return known
 
@@ -258,16 +254,10 @@ class _Reader:
 
     def _number(self, row: int, kind: str, asked: AskedNumber) -> float | None:
         """Return the number of a row in SI, °C for a temperature; None where there is none or it is a problem."""
-        column = self.columns[kind]
-        if column is None or is_blank(self.sheet.filled(row, column)):
+        column, cell = self.columns[kind], self._cell(row, kind)
+        if column is None or cell is None:
             return None
-        return self._in_si(
-            self.sheet.filled(row, column), asked, self.table.headings[column].unit, self._place(row, column)
-        )
-
-    def _head_temperature(self) -> float | None:
-        head = self.table.head.temperature
-        return None if head is None else self._in_si(head[0], TEMPERATURE, None, self._place(*head[1:]))
+        return self._in_si(cell, asked, self.table.headings[column].unit, self._place(row, column))
 
     def _in_si(self, cell: SheetCell, asked: AskedNumber, stated: Unit | None, place: Place) -> float | None:
         """Return a temperature [°C] or speed [1/s]; its unit stands behind it, in the heading, or is the usual one."""
@@ -288,29 +278,27 @@ class _Reader:
 
     def _time(self, row: int) -> float | None:
         """Return the time of a row [s]: a clock's, or a number of what its heading names, seconds unless that does."""
-        column = self.columns["time"]
-        time = self._order(row, "time")
+        column, cell, time = self.columns["time"], self._cell(row, "time"), self._order(row, "time")
         if column is None or time is None:
             return None
-        clock = isinstance(self.sheet.filled(row, column), dt.time) or ":" in str(self.sheet.filled(row, column))
+        clock = isinstance(cell, dt.time) or ":" in str(cell)
         minutes = re.search(r"\b(min|minut\w*)\b", self.table.headings[column].text.lower())
         return time * 60.0 if minutes and not clock else time
 
     def _order(self, row: int, kind: str) -> float | None:
-        column = self.columns[kind]
-        cell = None if column is None else self.sheet.filled(row, column)
-        if column is None or is_blank(cell):
+        cell = self._cell(row, kind)
+        if cell is None:
             return None
         if isinstance(cell, dt.time):
             return cell.hour * 3600.0 + cell.minute * 60.0 + cell.second
-        number = read_number(str(cell), AskedNumber(Sentence("repeat"), "", 2.0))
         clock = re.fullmatch(r"(\d{1,2}):(\d{2})(?::(\d{2}))?", str(cell).strip())
         if clock:
             return int(clock[1]) * 3600.0 + int(clock[2]) * 60.0 + int(clock[3] or 0)
-        if number.value is None:
-            expected = Sentence("1, 2, 3 … or a time")
-            self.rows.refuse(Sentence("not a repeat"), self._place(row, column), str(cell), expected=expected)
-        return number.value
+        number = read_number(str(cell), AskedNumber(Sentence("repeat"), "", 2.0)).value
+        if number is None:
+            place, expected = self._place(row, self.columns[kind]), Sentence("1, 2, 3 … or a time")
+            self.rows.refuse(Sentence("not a repeat"), place, str(cell), expected=expected)
+        return number
 
     def _unknown_columns(self) -> None:
         """Refuse a column of numbers whose heading says nothing known; name what is left aside."""
@@ -320,7 +308,7 @@ class _Reader:
             heading = self.table.headings.get(column)
             if heading is not None and heading.kind not in (None, "aside"):
                 continue
-            if not any(_is_number(self.sheet.cell(row, column)) for row in table_rows(self.table)):
+            if not any(_is_number(self.sheet.cell(row, column)) for row in self.table.rows):
                 continue
             if heading is None or heading.kind == "aside":
                 aside.append(column_letter(column) if heading is None else heading.text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -37,6 +37,11 @@ class GaugeTable:
     def column(self, kind: str) -> int | None:
         """Return the column of that kind; None where there is none."""
         return next((column for column, heading in self.headings.items() if heading.kind == kind), None)
+
+    @property
+    def rows(self) -> range:
+        """Return the rows below the headings."""
+        return range(self.row + 1, self.last + 1)
 
     @property
     def values(self) -> list[int]:
@@ -183,8 +188,3 @@ def _beside(sheet: Sheet, row: int, column: int, told: str | None) -> tuple[Any,
         return None
     places = ((sheet.cell(row, at), row, at) for at in (column + 1, column + 2))
     return next((place for place in places if not is_blank(place[0])), None)
-
-
-def table_rows(table: GaugeTable) -> Iterator[int]:
-    """Yield the rows below the headings."""
-    yield from range(table.row + 1, table.last + 1)

@@ -13,6 +13,7 @@ from typing import Any, Literal, cast
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.controller import Controller
 from atleak.intake.plain_words import words
+from atleak.intake.readings.words import text_of
 from atleak.intake.sheets.sheet import Cell as SheetCell
 from atleak.intake.units import Unit, find_unit
 from atleak.pressure_table import LINE, Engine
@@ -41,11 +42,6 @@ def _vocabulary() -> Mapping[str, Mapping[str, list[str]]]:
 def _phrases(table: str) -> Mapping[Tokens, str]:
     """Return the phrases of a table of the vocabulary, each with the name under which it stands."""
     return {tuple(phrase.split()): name for name, listed in _vocabulary()[table].items() for phrase in listed}
-
-
-def text_of(cell: SheetCell) -> str:
-    """Return a cell as the label it is: 3.0 is "3"."""
-    return str(int(cell)) if isinstance(cell, float) and cell.is_integer() else str(cell).strip()
 
 
 def is_blank(cell: SheetCell) -> bool:

@@ -38,15 +38,14 @@ from atleak.intake.readings import agreement
 from atleak.intake.readings.asides import LEFT_ASIDE
 from atleak.intake.readings.checks import check
 from atleak.intake.readings.choice import Choice, choose, require_one_measurement
-from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.head import is_typed, read_head
 from atleak.intake.readings.headings import best_header
 from atleak.intake.readings.land_values import LandValues, read_land_values
 from atleak.intake.readings.one_unit import units_apart
 from atleak.intake.readings.rows import Rows, read_rows
-from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.states import require_known
+from atleak.intake.readings.table import Table
 from atleak.intake.readings.unread import Account
 from atleak.intake.readings.values import Converted, convert
 from atleak.intake.readings.words import is_word
@@ -58,7 +57,7 @@ from atleak.intake.units import unit as unit_named
 from atleak.phrases import PART_WORDS
 from atleak.pressure_table import PressureTable
 from atleak.readings import Reading, Readings
-from atleak.sentence import Sentence, all_of, in_a_row
+from atleak.sentence import Sentence, all_of, counted, in_a_row
 
 SHOWN = 10
 
@@ -166,12 +165,13 @@ def read_readings(
     controller = of_lands.own.with_fitted(controller)
     names = ControllerNames(controller)
     read = _read_all(chosen.tables, names, given_unit, where)
-    read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
+    read = [rows for rows in read if not rows.columns.problems or rows.table.count_values()]
     problems = [problem for rows in read for problem in rows.problems]
     problems += require_one_measurement(read, file)
     problems += [] if problems else units_apart(read)
     first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
-    converted = convert([entry for rows in read for entry in rows.entries], controller, first.headings)
+    of_unit = first.heading_place(first.values[0].index)
+    converted = convert([entry for rows in read for entry in rows.entries], controller, of_unit)
     head = read_head([rows.table.as_it_stands for rows in read if rows.entries], sheets)
     account = _account(chosen, of_lands, read, names, converted, given_unit)
     around = {each.name for each in chosen.sheets if each.turned}
@@ -195,8 +195,7 @@ def read_readings(
             *_about_sheet(read, first.sheet),
             *account.messages,
             *of_lands.messages,
-            *_contradictions(read, converted),
-            *(_temperatures(read) if head.temperature is None else ()),
+            *_contradictions(read, converted, with_temperatures=head.temperature is None),
             *_at_unworn_ends(converted.unworn),
         ),
         temperature=head.temperature,
@@ -210,13 +209,12 @@ def read_readings(
     problems += of_lands.problems
     problems += [*head.problems, *converted.problems, *account.problems, *check(result, controller)]
     for table in chosen.tables:
-        other = agreement.other_controller(table.sheet, table.header, controller, made_for)
-        if other is not None:
-            problems = [other]
+        other = agreement.other_controller(table, controller, made_for)
+        problems = problems if other is None else [other]
     if problems:
         raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
     if not (result.readings or result.unworn or any(map(is_typed, sheets))) and pressures is None:
-        raise _none_left(result) or _not_filled_in(first)
+        raise _none_left(result, first)
     return result
 
 
@@ -242,59 +240,37 @@ def _of_gauges_alone(pressures: PressureTable) -> Readings:
     return Readings(file, digest, sheet, "mm", False, "tidy", readings=(), pressures=pressures)
 
 
-def _contradictions(read: Sequence[Rows], converted: Converted) -> list[Message]:
-    repeated = [
-        message
-        for rows in read
-        for message in agreement.messages(rows.table, rows.columns, rows.entries, converted.readings)
-    ]
-    return list(dict.fromkeys(repeated))  # a message about what stands above several tables is given once
-
-
-def _temperatures(read: Sequence[Rows]) -> list[Message]:
-    told = (agreement.temperatures(rows.table, rows.columns, list(rows.of_row)) for rows in read)
-    return list(dict.fromkeys(message for messages in told for message in messages))
+def _contradictions(read: Sequence[Rows], converted: Converted, *, with_temperatures: bool) -> list[Message]:
+    told: list[Message] = []
+    for rows in read:
+        told += agreement.messages(rows.table, rows.columns, rows.entries, converted.readings)
+    for rows in read if with_temperatures else ():
+        told += agreement.temperatures(rows.table, rows.columns, list(rows.of_row))
+    return list(dict.fromkeys(told))  # a message about what stands above several tables is given once
 
 
 def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
     if not unworn:
         return []
-    places = in_a_row(
-        dict.fromkeys(
-            Sentence("{component}, plane {plane}", component=each.component, plane=each.plane) for each in unworn
-        )
-    )
-    text = Sentence(
-        "{count} reading at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
-        "controller learn` makes mounting clearances of them",
-        count=len(unworn),
-        places=places,
-    )
-    if len(unworn) > 1:
-        text = Sentence(
+    place = Sentence("{component}, plane {plane}")
+    text = counted(
+        len(unworn),
+        Sentence(
+            "{count} reading at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
+            "controller learn` makes mounting clearances of them"
+        ),
+        Sentence(
             "{count} readings at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
-            "controller learn` makes mounting clearances of them",
-            count=len(unworn),
-            places=places,
-        )
-    return [Message("info", "unworn_ends", text, unworn[0].place)]
-
-
-def _none_left(result: Readings) -> ReadingsError | None:
-    """Return the error where every reading was left aside, else None."""
-    reasons = [message.text for message in result.messages if message.code in LEFT_ASIDE]
-    if not reasons:
-        return None
-    return ReadingsError(
-        Sentence("no reading is left: {reasons}", reasons=in_a_row(reasons)),
-        place=Place(result.file, result.sheet),
-        expected=Sentence("at least one diameter, or two coordinates"),
+            "controller learn` makes mounting clearances of them"
+        ),
+        places=in_a_row(dict.fromkeys(place.of(component=each.component, plane=each.plane) for each in unworn)),
     )
+    return [Message("info", "unworn_ends", text, unworn[0].place)]
 
 
 def _score(sheet: Sheet) -> float:
     header = best_header(sheet)
-    return -1.0 if header is None else header.score + 0.01 * min(count_values(sheet, header), 10)
+    return -1.0 if header is None else header.score + 0.01 * min(header.count_values(), 10)
 
 
 def _account(
@@ -321,19 +297,20 @@ def _account(
     return account
 
 
-def _not_filled_in(table: Table) -> ReadingsError:
-    sheet, header = table.sheet, table.header
-    return ReadingsError(
-        Sentence("no readings are filled in: every diameter is empty"),
-        place=Place(sheet.file, sheet.name, sheet.row_number(header.last)),
-        expected=Sentence("at least one diameter, or two coordinates"),
-    )
+def _none_left(result: Readings, table: Table) -> ReadingsError:
+    """Return the error where every reading was left aside, or none is filled in."""
+    reasons = [message.text for message in result.messages if message.code in LEFT_ASIDE]
+    problem, place = Sentence("no readings are filled in: every diameter is empty"), table.sheet.place(table.last)
+    if reasons:
+        problem = Sentence("no reading is left: {reasons}", reasons=in_a_row(reasons))
+        place = Place(result.file, result.sheet)
+    return ReadingsError(problem, place=place, expected=Sentence("at least one diameter, or two coordinates"))
 
 
 def _layout(converted: Converted, read: Sequence[Rows]) -> Literal["table", "tidy", "columns"]:
     if any(reading.coordinates is not None for reading in converted.readings):
         return "table"
-    return "columns" if any(len({each.group for each in rows.table.header.values}) > 1 for rows in read) else "tidy"
+    return "columns" if any(len({each.group for each in rows.table.values}) > 1 for rows in read) else "tidy"
 
 
 def _about_sheet(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
@@ -349,8 +326,7 @@ def _about_sheet(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
             messages.append(Message("info", "taken_from_title", text, table.sheet.place(table.rows[0])))
     unread = sum(rows.rows_without_reading for rows in read)
     if unread:
-        text = Sentence("{count} row without a reading: not measured", count=unread)
-        if unread > 1:
-            text = Sentence("{count} rows without a reading: not measured", count=unread)
+        one = Sentence("{count} row without a reading: not measured")
+        text = counted(unread, one, Sentence("{count} rows without a reading: not measured"))
         messages.append(Message("info", "rows_not_measured", text, Place(sheet.file, sheet.name)))
     return messages

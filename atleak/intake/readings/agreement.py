@@ -5,45 +5,27 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 from statistics import fmean
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.errors import Message, OtherControllerError, ReadingsError
 from atleak.intake.readings.columns import Columns
-from atleak.intake.readings.headings import Header
-from atleak.intake.readings.sheet_tables import Table
+from atleak.intake.readings.table import Table
 from atleak.intake.readings.values import DiameterCell
-from atleak.intake.readings.words import (
-    BESIDE_ZERO,
-    CLEARANCES,
-    CORRECTED,
-    CORRECTIONS,
-    ERRORS,
-    NOT_MEASURED,
-    RADIAL,
-    WEAR,
-    ZERO,
-    is_blank,
-    letters,
-    number,
-    part_of,
-    plain,
-    text_of,
-    vocabulary,
-)
-from atleak.intake.sheets.sheet import Sheet, rows_named
+from atleak.intake.readings.words import Words, is_blank, letters, number, part_of, plain, text_of
+from atleak.intake.sheets.sheet import rows_named
 from atleak.intake.units import Unit, find_unit
+from atleak.intake.units import unit as unit_named
 from atleak.readings import Reading
-from atleak.sentence import Sentence
+from atleak.sentence import Sentence, counted
 
 _ROUNDED = 1.5e-6  # [m] by which a clearance or mean of rounded diameters may differ from theirs
 _SHOWN = 5  # rows that are named one by one
 _PAIRS = 400  # at most so many pairs of diameters are compared with a clearance
 _TEMPERATURES = 3  # of a column that are named
-_TEMPERATURE = vocabulary("temperature")
-_BESIDE_TEMPERATURE = vocabulary("temperature", "beside_head", "degree")
-_UNITS = ("mm", "µm", "inch")  # that a clearance without a unit may be in
+_UNITS = [unit_named(name, "length") for name in ("mm", "µm", "inch")]  # that a clearance without a unit may be in
 _CONTROLLER = re.compile(
     r"\b(?:controller|schieberkasten|sterownik)\b[\s:=]*([A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+)?", re.IGNORECASE
 )
@@ -58,70 +40,136 @@ def messages(
     table: Table, columns: Columns, entries: Sequence[DiameterCell], readings: Sequence[Reading]
 ) -> Iterator[Message]:
     """Yield a message for each clearance or mean that contradicts its diameters, and each correction not applied."""
-    sheet, header = table.sheet, table.header
     by_place = {reading.place: reading for reading in readings}
-    rows: dict[int, list[Reading]] = defaultdict(list)
-    lands: dict[tuple[str, str], list[Reading]] = defaultdict(list)
+    beside = _Beside(table, defaultdict(list), defaultdict(list))
     for entry in entries:
         reading = by_place.get(entry.raw.place)
         if reading is not None:
-            rows[entry.row].append(reading)
-            lands[reading.component, reading.plane].append(reading)
-    for index in range(sheet.width):
-        heading = header.text(index)
-        words = letters(heading)
+            beside.rows[entry.row].append(reading)
+            beside.lands[reading.component, reading.plane].append(reading)
+    for index in range(table.sheet.width):
+        words = letters(table.heading(index))
         if index in columns.read or not words:
             continue
-        unit = _unit(heading)
-        is_clearance = any(word in CLEARANCES for word in words) and not any(word in NOT_MEASURED for word in words)
-        if is_clearance or any(word in WEAR for word in words):
-            yield from _of_one_part(sheet, index, heading, rows, readings)
+        is_clearance = words.any("clearance") and not words.any("not_of_these", "of_specification")
+        if is_clearance or words.any("wear"):
+            yield from beside.of_one_part(index, readings)
         if is_clearance:
-            radial = any(word in RADIAL for word in words)
-            contradictions = list(_clearances(sheet, index, rows, lands, unit, radial))
-            yield from _warnings(sheet, index, heading, contradictions, "clearance")
+            yield from beside.warnings(index, "clearance", beside.clearances(index, words.any("radial")))
         elif _is_correction(words):
-            yield from _correction(sheet, header, index, rows, columns)
-        elif any(column.index == index and column.role == "mean" for column in header.columns):
-            contradictions = list(_means(sheet, index, heading, rows, lands, unit))
-            yield from _warnings(sheet, index, heading, contradictions, "mean")
-    yield from _correction_above(sheet, header)
+            yield from _correction(table, index, beside.rows, columns)
+        elif any(column.index == index for column in table.of("mean")):
+            yield from beside.warnings(index, "mean", beside.means(index))
+    yield from _correction_above(table)
 
 
 Contradiction = tuple[int, Sentence, Sentence]  # row, what is stated, what follows from the diameters
 
 
-def _warnings(
-    sheet: Sheet, index: int, heading: str, contradictions: Sequence[Contradiction], what: str
-) -> Iterator[Message]:
-    for row, stated, computed in contradictions[:_SHOWN]:
-        yield Message(
-            "warning",
-            f"{what}_disagrees",
-            Sentence(
+@dataclass(frozen=True)
+class _Beside:
+    """What stands beside the readings of a table, which are given by row, and by component and plane."""
+
+    table: Table
+    rows: dict[int, list[Reading]]
+    lands: dict[tuple[str, str], list[Reading]]
+
+    def stated(self, index: int) -> Iterator[tuple[int, list[Reading], float, Unit | None]]:
+        """Yield each number of a column that stands beside readings: its row, the readings, itself and its unit."""
+        unit = _unit(self.table.heading(index))
+        for row, readings in self.rows.items():
+            stated = _stated(self.table, row, index)
+            if stated is not None:
+                yield row, readings, stated[0], stated[1] or unit
+
+    def warnings(self, index: int, what: str, found: Iterator[Contradiction]) -> Iterator[Message]:
+        contradictions, heading = list(found), self.table.heading(index)
+        for row, stated, computed in contradictions[:_SHOWN]:
+            text = Sentence(
                 "row {row}: column {heading!r} says {stated}, and the diameters make {computed}: a slip in one of them",
-                row=sheet.row_number(row),
+                row=self.table.sheet.row_number(row),
                 heading=heading,
                 stated=stated,
                 computed=computed,
-            ),
-            sheet.place(row, index, heading),
-        )
-    if len(contradictions) > _SHOWN:
-        more = len(contradictions) - _SHOWN
-        text = Sentence(
-            "{count} more row where column {heading!r} contradicts the diameters", count=more, heading=heading
-        )
-        if more > 1:
-            text = Sentence(
-                "{count} more rows where column {heading!r} contradicts the diameters", count=more, heading=heading
             )
-        yield Message(
-            "warning",
-            f"{what}_disagrees",
-            text,
-            sheet.place(contradictions[_SHOWN][0], index, heading),
+            yield Message("warning", f"{what}_disagrees", text, self.table.sheet.place(row, index, heading))
+        if (more := len(contradictions) - _SHOWN) > 0:
+            text = counted(
+                more,
+                Sentence("{count} more row where column {heading!r} contradicts the diameters"),
+                Sentence("{count} more rows where column {heading!r} contradicts the diameters"),
+                heading=heading,
+            )
+            place = self.table.sheet.place(contradictions[_SHOWN][0], index, heading)
+            yield Message("warning", f"{what}_disagrees", text, place)
+
+    def clearances(self, index: int, radial: bool) -> Iterator[Contradiction]:
+        """Yield the clearances that are not those of the diameters: radial, or where nothing says so diametral too."""
+        for row, readings, value, unit in self.stated(index):
+            beside = readings
+            if len({reading.part for reading in readings}) < 2:
+                beside = self.lands[readings[0].component, readings[0].plane]
+            known = _differences(beside)
+            units = [unit] if unit else _UNITS
+            sizes = [difference * share for difference in known for share in ((0.5,) if radial else (1.0, 0.5))]
+            if not known or any(
+                abs(value * each.factor - size) <= _rounded(value, each) for each in units for size in sizes
+            ):
+                continue
+            difference, said = units[0].from_si(known[0] * (0.5 if radial else 1.0)), units[0].said
+            computed = Sentence("{size:.6g} {unit}", size=difference, unit=said)
+            yield row, Sentence("{size:g} {unit}", size=value, unit=said), computed
+
+    def means(self, index: int) -> Iterator[Contradiction]:
+        """Yield the means that are not those of the diameters of their row, direction or plane."""
+        parts = {part_of(word) for word in letters(self.table.heading(index)) if len(word) > 2} - {None}
+        for row, readings, value, stated in self.stated(index):
+            unit = stated or _UNITS[0]
+            wanted = [reading for reading in readings if len(parts) != 1 or reading.part in parts]
+            means = [fmean(each) for reading in wanted for each in self._sets(reading, wanted)]
+            if means and not any(abs(value * unit.factor - mean) <= _rounded(value, unit) for mean in means):
+                sizes = (value, unit.from_si(means[0]))
+                said, expected = (Sentence("{size:.7g} {unit}", size=size, unit=unit.said) for size in sizes)
+                yield row, said, expected
+
+    def _sets(self, reading: Reading, beside: Sequence[Reading]) -> Iterator[list[float]]:
+        """Yield the diameters that this mean may be of: of its row, direction, plane; the closest first."""
+        same = [each for each in self.lands[reading.component, reading.plane] if each.part == reading.part]
+        in_row = [each.diameter for each in beside if each.part == reading.part]
+        if len(in_row) > 1:
+            yield in_row
+        yield [each.diameter for each in same if each.direction == reading.direction]
+        yield [each.diameter for each in same]
+        yield in_row
+        yield [each.diameter for each in beside]
+
+    def of_one_part(self, index: int, readings: Sequence[Reading]) -> Iterator[Message]:
+        """Tell of a clearance or wear that is all a sheet says of a part without a diameter: it is not used."""
+        parts: dict[tuple[str, str], set[str]] = defaultdict(set)
+        for reading in readings:
+            parts[reading.component, reading.plane].add(reading.part)
+        stated = [
+            (row, value, unit)
+            for row, beside, value, unit in self.stated(index)
+            if all(len(parts[each.component, each.plane]) == 1 for each in beside)
+        ]
+        if not stated:
+            return
+        unit = next((written for *_, written in stated if written), None)
+        sizes = sorted(size for _, size, _ in stated)
+        said = Sentence("{size:g}", size=sizes[0])
+        if sizes[-1] > sizes[0]:
+            said = Sentence("{low:g} to {high:g}", low=sizes[0], high=sizes[-1])
+        heading, rows = self.table.heading(index), [row for row, *_ in stated]
+        text = Sentence(
+            "column {heading!r} says {said}{unit} in {rows}, where only one part was measured: it is not used, and the "
+            "other part counts with its nominal diameter",
+            heading=heading,
+            said=said,
+            unit=Sentence(" {unit}", unit=unit.said) if unit else "",
+            rows=rows_named(self.table.sheet, rows),
         )
+        yield Message("warning", "clearance_not_used", text, self.table.sheet.place(rows[0], index, heading))
 
 
 def _unit(heading: str) -> Unit | None:
@@ -133,95 +181,30 @@ def _unit(heading: str) -> Unit | None:
     return find_unit(words[-1], "length") if words and words[-1] in {"mm", "um", "µm", "μm", "inch"} else None
 
 
-def _stated(sheet: Sheet, row: int, index: int) -> tuple[float, Unit | None] | None:
-    cell = sheet.cell(row, index)
-    if is_blank(cell):
-        return None
+def _stated(table: Table, row: int, index: int) -> tuple[float, Unit | None] | None:
+    cell = table.sheet.cell(row, index)
     try:
-        return number(cell)
+        return None if is_blank(cell) else number(cell)
     except ReadingsError:
         return None
 
 
-def _clearances(
-    sheet: Sheet,
-    index: int,
-    rows: dict[int, list[Reading]],
-    lands: dict[tuple[str, str], list[Reading]],
-    unit: Unit | None,
-    radial: bool,
-) -> Iterator[Contradiction]:
-    for row, readings in rows.items():
-        stated = _stated(sheet, row, index)
-        if stated is None:
-            continue
-        beside = readings
-        if len({reading.part for reading in readings}) < 2:
-            beside = lands[readings[0].component, readings[0].plane]
-        known = _differences(beside)
-        if not known:
-            continue
-        value, written = stated
-        units = [each for each in (written or unit, *(() if written or unit else map(_length, _UNITS))) if each]
-        sizes = [difference * share for difference in known for share in ((0.5,) if radial else (1.0, 0.5))]
-        if any(abs(value * each.factor - size) <= _rounded(value, each) for each in units for size in sizes):
-            continue
-        shown = units[0]
-        difference = known[0] * (0.5 if radial else 1.0)
-        computed = Sentence("{size:.6g} {unit}", size=shown.from_si(difference), unit=shown.said)
-        yield row, Sentence("{size:g} {unit}", size=value, unit=shown.said), computed
-
-
-def _of_one_part(
-    sheet: Sheet, index: int, heading: str, rows: dict[int, list[Reading]], readings: Sequence[Reading]
-) -> Iterator[Message]:
-    """Tell of a clearance or wear that is all a sheet says of a part without a diameter: it is not used."""
-    parts: dict[tuple[str, str], set[str]] = defaultdict(set)
-    for reading in readings:
-        parts[reading.component, reading.plane].add(reading.part)
-    stated = {
-        row: value
-        for row, beside in rows.items()
-        if all(len(parts[each.component, each.plane]) == 1 for each in beside)
-        and (value := _stated(sheet, row, index)) is not None
-    }
-    if not stated:
-        return
-    unit = next((written for _, written in stated.values() if written), None) or _unit(heading)
-    sizes = sorted(size for size, _ in stated.values())
-    said = Sentence("{size:g}", size=sizes[0])
-    if sizes[-1] > sizes[0]:
-        said = Sentence("{low:g} to {high:g}", low=sizes[0], high=sizes[-1])
-    text = Sentence(
-        "column {heading!r} says {said}{unit} in {rows}, where only one part was measured: it is not used, and the "
-        "other part counts with its nominal diameter",
-        heading=heading,
-        said=said,
-        unit=Sentence(" {unit}", unit=unit.said) if unit else "",
-        rows=rows_named(sheet, list(stated)),
-    )
-    yield Message("warning", "clearance_not_used", text, sheet.place(next(iter(stated)), index, heading))
-
-
 def temperatures(table: Table, columns: Columns, rows: Collection[int]) -> Iterator[Message]:
     """Tell of a column of temperatures of measuring: only the head's is taken, so 20 °C would be assumed."""
-    sheet, header = table.sheet, table.header
-    for index in range(sheet.width):
-        heading = header.text(index)
-        words = letters(heading)
-        named = any(word in _TEMPERATURE for word in words) and all(word in _BESIDE_TEMPERATURE for word in words)
-        cells = [cell for row in rows if named and not is_blank(cell := sheet.cell(row, index))]
-        if index in columns.read or not cells:
-            continue
-        values = tuple(dict.fromkeys(text_of(cell) for cell in cells))
-        text = Sentence(
-            "column {heading!r} says {values}{more} and is not read: 20 °C counts unless the head of the sheet or the "
-            "job states the temperature of measuring, as in 'Temperature: 21.5 °C' or --measuring-temperature",
-            heading=heading,
-            values=values[:_TEMPERATURES],
-            more=" …" if len(values) > _TEMPERATURES else "",
-        )
-        yield Message("warning", "temperature_not_read", text, sheet.place(max(header.last, 0), index, heading))
+    for index in range(table.sheet.width):
+        words = letters(table.heading(index))
+        named = words.any("temperature") and words.only("temperature", "beside_head", "degree")
+        cells = table.cells(index) if named and index not in columns.read else {}
+        values = tuple(dict.fromkeys(text_of(cell) for row, cell in cells.items() if row in rows))
+        if values:
+            text = Sentence(
+                "column {heading!r} says {values}{more} and is not read: 20 °C counts unless the head of the sheet or "
+                "the job states the temperature of measuring, as in 'Temperature: 21.5 °C' or --measuring-temperature",
+                heading=table.heading(index),
+                values=values[:_TEMPERATURES],
+                more=" …" if len(values) > _TEMPERATURES else "",
+            )
+            yield Message("warning", "temperature_not_read", text, table.heading_place(index))
 
 
 def _differences(readings: Sequence[Reading]) -> list[float]:
@@ -237,128 +220,77 @@ def _differences(readings: Sequence[Reading]) -> list[float]:
     return differences
 
 
-def _length(name: str) -> Unit | None:
-    return find_unit(name, "length")
-
-
 def _rounded(value: float, unit: Unit) -> float:
     """Return how far rounding may move a stated number away from that of the diameters [m]."""
     decimals = len(f"{value:.6f}".rstrip("0").partition(".")[2])
     return max(0.5 * 10.0**-decimals * unit.factor if decimals else 0.0, _ROUNDED) + 1e-9
 
 
-def _means(
-    sheet: Sheet,
-    index: int,
-    heading: str,
-    rows: dict[int, list[Reading]],
-    lands: dict[tuple[str, str], list[Reading]],
-    unit: Unit | None,
-) -> Iterator[Contradiction]:
-    parts = {part_of(word) for word in letters(heading) if len(word) > 2} - {None}
-    for row, readings in rows.items():
-        stated = _stated(sheet, row, index)
-        if stated is None:
-            continue
-        value, written = stated
-        stated_unit = written or unit or _length("mm")
-        wanted = [reading for reading in readings if len(parts) != 1 or reading.part in parts]
-        if not wanted or stated_unit is None:
-            continue
-        sets = [means for reading in wanted for means in _sets(reading, wanted, lands)]
-        if any(abs(value * stated_unit.factor - fmean(each)) <= _rounded(value, stated_unit) for each in sets):
-            continue
-        sizes = (value, stated_unit.from_si(fmean(sets[0])))
-        said, expected = (Sentence("{size:.7g} {unit}", size=size, unit=stated_unit.said) for size in sizes)
-        yield row, said, expected
-
-
-def _sets(
-    reading: Reading, beside: Sequence[Reading], lands: dict[tuple[str, str], list[Reading]]
-) -> Iterator[list[float]]:
-    """Yield the diameters that this mean may be of: of its row, direction, plane; the closest first."""
-    same = [each for each in lands[reading.component, reading.plane] if each.part == reading.part]
-    in_row = [each.diameter for each in beside if each.part == reading.part]
-    direction = [each.diameter for each in same if each.direction == reading.direction]
-    if len(in_row) > 1:
-        yield in_row
-    yield direction
-    yield [each.diameter for each in same]
-    yield in_row
-    yield [each.diameter for each in beside]
-
-
 # --- corrections ------------------------------------------------------------------------------------------------------
 
 
-def _is_correction(words: Sequence[str]) -> bool:
-    of_gauge = {"gauge", "ring"} & set(words) and any(word in ERRORS for word in words)
-    is_error = any(word in ERRORS for word in words) or all(word in BESIDE_ZERO for word in words)
-    of_zero = any(word in ZERO for word in words) and is_error
-    correction = bool(of_gauge) or of_zero or any(word in CORRECTIONS for word in words)
-    return correction and not any(word in CORRECTED for word in words)
+def _is_correction(words: Words) -> bool:
+    of_gauge = not {"gauge", "ring"}.isdisjoint(words) and words.any("error")
+    is_error = words.any("error") or words.only("zero", "beside_zero", "error", "correction")
+    correction = of_gauge or (words.any("zero") and is_error) or words.any("correction")
+    return correction and not words.any("corrected")
 
 
-def _correction(sheet: Sheet, header: Header, index: int, rows: Collection[int], columns: Columns) -> Iterator[Message]:
+def _correction(table: Table, index: int, rows: Collection[int], columns: Columns) -> Iterator[Message]:
     read = [column.heading for group in columns.groups for column in group.values()]
-    if any(word in CORRECTED for heading in read for word in letters(heading)):
+    stated = {row: said[0] for row in rows if (said := _stated(table, row, index)) is not None and said[0]}
+    if not stated or any(letters(heading).any("corrected") for heading in read):
         return
-    nonzero = [(row, stated[0]) for row in rows if (stated := _stated(sheet, row, index)) is not None and stated[0]]
-    if nonzero:
-        row, largest = max(nonzero, key=lambda each: abs(each[1]))
-        heading = header.text(index)
-        said = {"heading": heading, "count": len(nonzero), "largest": largest, "row": sheet.row_number(row)}
-        text = Sentence(
+    row = max(stated, key=lambda each: abs(stated[each]))
+    heading = table.heading(index)
+    text = counted(
+        len(stated),
+        Sentence(
             "column {heading!r} is not zero in {count} row (up to {largest:g}, row {row}): it was not applied to the "
-            "diameters",
-            **said,
-        )
-        if len(nonzero) > 1:
-            text = Sentence(
-                "column {heading!r} is not zero in {count} rows (up to {largest:g}, row {row}): it was not applied to "
-                "the diameters",
-                **said,
-            )
-        yield Message("warning", "correction_not_applied", text, sheet.place(row, index, heading))
+            "diameters"
+        ),
+        Sentence(
+            "column {heading!r} is not zero in {count} rows (up to {largest:g}, row {row}): it was not applied to the "
+            "diameters"
+        ),
+        heading=heading,
+        largest=stated[row],
+        row=table.sheet.row_number(row),
+    )
+    yield Message("warning", "correction_not_applied", text, table.sheet.place(row, index, heading))
 
 
-def _correction_above(sheet: Sheet, header: Header) -> Iterator[Message]:
-    for row in range(max(header.first, 0)):
-        for index, cell in enumerate(sheet.rows[row]):
+def _correction_above(table: Table) -> Iterator[Message]:
+    for row in range(max(table.first, 0)):
+        for index, cell in enumerate(table.sheet.rows[row]):
             if not isinstance(cell, str) or not _is_correction(letters(re.sub(r"[\d.,+\-−]+", " ", cell))):
                 continue
             amount = re.search(r"[+\-−]?\d+(?:[.,]\d+)?\s*(?:µm|um|μm|mm)\b", cell)
-            beside = sheet.cell(row, index + 1)
+            beside = table.sheet.cell(row, index + 1)
             value = amount[0] if amount else "" if is_blank(beside) else text_of(beside)
             if re.search(r"[1-9]", value):
-                yield Message(
-                    "warning",
-                    "correction_not_applied",
-                    Sentence(
-                        "above the table stands {said!r}{value}: it was not applied to the diameters",
-                        said=" ".join(cell.split())[:80],
-                        value="" if amount else f" {value[:20]}",
-                    ),
-                    sheet.place(row, index),
+                text = Sentence(
+                    "above the table stands {said!r}{value}: it was not applied to the diameters",
+                    said=" ".join(cell.split())[:80],
+                    value="" if amount else f" {value[:20]}",
                 )
+                yield Message("warning", "correction_not_applied", text, table.sheet.place(row, index))
 
 
 # --- the head of the sheet --------------------------------------------------------------------------------------------
 
 
-def other_controller(
-    sheet: Sheet, header: Header, controller: Controller, made_for: str | None = None
-) -> OtherControllerError | None:
+def other_controller(table: Table, controller: Controller, made_for: str | None = None) -> OtherControllerError | None:
     """Return an error where the head of the sheet names another controller than the one it is read for.
 
     ``made_for`` is the id of one from which this one was copied, and which the head may name as well.
     """
-    known = {plain(name) for name in catalogue_files("controllers")}
+    sheet, known = table.sheet, {plain(name) for name in catalogue_files("controllers")}
     mine = {plain(name) for name in (controller.id, controller.name, made_for) if name is not None}
-    for row in range(max(header.first, 0)):
+    for row in range(max(table.first, 0)):
         for index, cell in enumerate(sheet.rows[row]):
             match = _CONTROLLER.search(cell) if isinstance(cell, str) else None
-            if not isinstance(cell, str) or match is None:
+            if match is None:
                 continue
             form = _OF_A_FORM.match(cell)
             sure = form is not None and (form.end() < len(cell) or (row, index) == (0, 0))
@@ -366,9 +298,7 @@ def other_controller(
             if named is None and not cell[match.end() :].strip(" .:"):
                 beside = text_of(sheet.cell(row, index + 1))
                 named = beside if _ID.fullmatch(beside) else None
-            if named is None or plain(named) in mine:
-                continue
-            if not sure and plain(named) not in known and "_" not in named:
+            if named is None or plain(named) in mine or not (sure or plain(named) in known or "_" in named):
                 continue
             error = OtherControllerError(
                 Sentence(

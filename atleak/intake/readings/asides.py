@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from statistics import fmean, median
+from typing import Any
 
-from atleak.errors import Message, ReadingsError, nearest_name
+from atleak.errors import Message, MessageLevel, ReadingsError, nearest_name
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.sheet_tables import Table
+from atleak.intake.readings.one_heading import Column
+from atleak.intake.readings.table import Table
 from atleak.intake.readings.values import DiameterCell
 from atleak.intake.readings.words import (
-    CHARACTERISTIC,
-    COUNTS,
-    COUNTS_NOT,
     Summary,
-    Vocabulary,
     direction_of,
     is_blank,
     is_rejected,
     letters,
-    number,
     number_of,
     part_said,
     plain,
@@ -33,25 +28,54 @@ from atleak.intake.readings.words import (
     says_yes,
     summary_of,
     text_of,
-    vocabulary,
 )
 from atleak.intake.sheets.sheet import Cell, rows_named
-from atleak.intake.workbook_marks import Hiding
-from atleak.sentence import Sentence, some
+from atleak.sentence import Sentence, counted, some
 
-LEFT_ASIDE = (
-    "summaries_left_aside",
-    "rejected_left_aside",
-    "struck_left_aside",
-    "hidden_rows",
-    "specifications_left_aside",
-    "characteristics_left_aside",
-    "notes_left_aside",
-)  # codes of messages
+# why rows are left aside, in the order in which it is told: how, and in which words
+_TOLD: Mapping[str, tuple[MessageLevel, str, Sentence]] = {
+    "summary": ("info", "summaries_left_aside", Sentence("{rows} of {what} left aside ({named})")),
+    "specification": (
+        "info",
+        "specifications_left_aside",
+        Sentence("{rows} of {what!r} left aside, what should be ({named})"),
+    ),
+    "characteristic": (
+        "info",
+        "characteristics_left_aside",
+        Sentence("{rows} of other characteristics left aside ({what}): {named}"),
+    ),
+    "note": (
+        "warning",
+        "notes_left_aside",
+        Sentence("{rows} left aside, whose label is no component and which say nothing else ({what}): {named}"),
+    ),
+    "rejected": ("warning", "rejected_left_aside", Sentence("{rows} left aside, because {what} ({named})")),
+    "struck": (
+        "warning",
+        "struck_left_aside",
+        Sentence("{rows} with a crossed-out reading: it was left aside ({named})"),
+    ),
+    "by hand": (
+        "warning",
+        "hidden_rows",
+        Sentence("{rows} with readings, hidden by hand: left aside: show them, and they are read ({named})"),
+    ),
+    "by a filter": (
+        "info",
+        "hidden_rows",
+        Sentence("{rows} with readings, hidden by a filter: read all the same ({named})"),
+    ),
+    "in a folded outline": (
+        "info",
+        "hidden_rows",
+        Sentence("{rows} with readings, hidden in a folded outline: read all the same ({named})"),
+    ),
+}
+LEFT_ASIDE = tuple(dict.fromkeys(code for _, code, _ in _TOLD.values()))  # codes of messages
+_READ_ALL_THE_SAME = ("by a filter", "in a folded outline")
 _HALF_A_MICROMETRE = 0.5e-3  # in the numbers of a sheet in mm: how far a mean may be rounded
 _SHOWN = 4
-_OF_GAUGE = vocabulary("gauge", "calibration")
-_DIAMETER = vocabulary("diameter")
 _MARKS = {"x", "✓", "✔", "1"}
 _NAMES: dict[Summary, tuple[Sentence, Sentence]] = {  # of one, and of several
     "mean": (Sentence("mean"), Sentence("means")),
@@ -69,156 +93,80 @@ _COMPUTED: dict[Summary, Callable[[Sequence[float]], float]] = {
 }
 
 
-@dataclass(frozen=True)
-class SummaryRow:
-    """A row that gives the mean, sum, largest, smallest, spread or count of other rows."""
-
-    row: int
-    kind: Summary
-
-    @property
-    def name(self) -> Sentence:
-        """Return what one such number is called."""
-        return _NAMES[self.kind][0]
-
-
 class Asides:
     """Decides which rows under the headings are left aside, and why."""
 
     def __init__(self, table: Table, columns: Columns, names: ControllerNames) -> None:
-        self.sheet, self.header, self.columns, self.names = table.sheet, table.header, columns, names
-        self.summaries: list[SummaryRow] = []
+        self.table, self.sheet, self.columns, self.names = table, table.sheet, columns, names
         self.struck: list[int] = []
-        self._rejected: dict[Sentence, list[int]] = defaultdict(list)
-        self._specified: dict[str, list[int]] = defaultdict(list)
-        self._characteristics: dict[str, list[int]] = defaultdict(list)
-        self._notes: dict[str, list[int]] = defaultdict(list)
-        self._hidden: dict[Hiding, list[int]] = defaultdict(list)
-        values = {column.index for group in columns.groups for column in group.values()}
-        keys = columns.keys
-        self._keys = [column.index for column in keys]
-        self._others = [index for index in range(self.sheet.width) if index not in values and index not in self._keys]
+        self._summaries: dict[int, Summary] = {}  # by row
+        self._left: dict[str, dict[Any, list[int]]] = {why: {} for why in _TOLD}  # rows by why, and what says so
+        self._keys = [column.index for column in columns.keys]
+        others = [index for index in range(self.sheet.width) if index not in columns.read]
+        self._cells = {index: table.cells(index) for index in (*self._keys, *others)}
+        self._others = others
         self._counts, self._counts_not = (
-            [index for index in self._others if _asks(self.header.text(index), words)] for words in (COUNTS, COUNTS_NOT)
+            [index for index in others if len(words := letters(table.heading(index))) <= 4 and words.any(asked)]
+            for asked in ("counts", "counts_not")
         )
-
-        component = columns.component
-        self._beside_component = [
-            index for index in self._keys if component is not None and index != component.index and self._cells(index)
-        ]
-        self._machine = [index for index in self._others if self._says_characteristics(index)]
-
+        of = -1 if columns.component is None else columns.component.index
+        self._beside_component = [index for index in self._keys if of not in (-1, index) and self._cells[index]]
+        self._machine = [index for index in others if self._says_characteristics(index)]
         # marks in some rows and nothing in others, and nowhere a "no": what is not marked does not count
         self._marked = [
             index
             for index in self._counts
-            if all(says_yes(cell) and text_of(cell).lower() in _MARKS for cell in self._cells(index))
-            and self._cells(index)
+            if self._cells[index]
+            and all(says_yes(cell) and text_of(cell).lower() in _MARKS for cell in self._cells[index].values())
         ]
 
-    def _cells(self, index: int) -> list[Cell]:
-        rows = range(self.header.last + 1, len(self.sheet.rows))
-        return [cell for row in rows if not is_blank(cell := self.sheet.filled(row, index))]
-
     def _says_characteristics(self, index: int) -> bool:
-        words = letters(self.header.text(index))
-        named = any(word in CHARACTERISTIC for word in words) and len(words) < 4
-        return named and any(_says_diameter(text_of(cell)) for cell in self._cells(index))
+        words = letters(self.table.heading(index))
+        named = words.any("characteristic") and len(words) < 4
+        return named and any(_says_diameter(text_of(cell)) for cell in self._cells[index].values())
 
     def takes(self, row: int) -> bool:
         """Return whether a row that holds numbers is no reading, and note why."""
         hidden = self.sheet.marks.hidden_rows.get(row)
-        if hidden is not None:
-            self._hidden[hidden].append(row)
-            if hidden == "by hand":
-                return True
-        rejected = self._rejection(row)
-        if rejected is not None:
-            self._rejected[rejected].append(row)
-            return True
-        if any(self._is_struck(row, index) for index in self._keys):
-            self.struck.append(row)
-            return True
-        kind = self._summary(row)
-        if kind is not None:
-            self.summaries.append(SummaryRow(row, kind))
-            return True
-        other = self._other_characteristic(row)
-        if other is not None:
-            self._characteristics[other].append(row)
-            return True
-        note = self._note(row)
-        if note is not None:
-            self._notes[note].append(row)
-            return True
-        specified = self._specification(row)
-        if specified is not None:
-            self._specified[specified].append(row)
-        return specified is not None
-
-    def _other_characteristic(self, row: int) -> str | None:
-        """Return what a measuring machine's row is of, None where it is of a diameter or no column says."""
-        cells = [text_of(cell) for index in self._machine if not is_blank(cell := self.sheet.filled(row, index))]
-        return cells[0] if cells and not any(map(_says_diameter, cells)) else None
-
-    def _note(self, row: int) -> str | None:
-        """Return the label of a row that says nothing of what a diameter is of, and whose label is no component.
-
-        A label that is nearly a component's name is a slip in a reading, and is refused as one.
-        """
-        component = self.columns.component
-        if component is None or any(not is_blank(self.sheet.filled(row, index)) for index in self._beside_component):
-            return None
-        label = self.sheet.filled(row, component.index)
-        if not self._beside_component and not any(word in _OF_GAUGE for word in letters(label)):
-            return None
-        if not isinstance(label, str) or is_blank(label) or self.names.component(label) is not None:
-            return None
-        near = nearest_name(plain(label), [name for name, _ in self.names.by_length])
-        return text_of(label) if near is None and number_of(label) is None and letters(label) else None
-
-    def _specification(self, row: int) -> str | None:
-        """Return the word that calls the row's number a nominal or specified one, None where no word does."""
-        for index, cell in enumerate(self.sheet.rows[row]):
-            if isinstance(cell, str) and says_specification(cell) and self._is_label(index, cell):
-                return cell
-        return None
-
-    def _is_label(self, index: int, cell: str) -> bool:
-        """Return whether a cell names its row: in a key's column, or in one that holds no numbers."""
-        if index in self._keys:
-            return self.names.component(cell) is None
-        return index in self._others and not any(
-            isinstance(each, int | float) or number_of(str(each)) is not None for each in self._cells(index)
+        if hidden in _READ_ALL_THE_SAME:
+            self._left[hidden].setdefault(None, []).append(row)
+        reasons: tuple[tuple[str, Callable[[int], Any]], ...] = (
+            ("by hand", lambda _: hidden if hidden == "by hand" else None),
+            ("rejected", self._rejection),
+            ("struck", self._strike),
+            ("summary", self._summary),
+            ("characteristic", self._other_characteristic),
+            ("note", self._note),
+            ("specification", self._specification),
         )
-
-    def _is_struck(self, row: int, index: int) -> bool:
-        return bool(self.sheet.marks.struck) and self.sheet.is_struck(row, index)
+        for why, find in reasons:
+            what = find(row)
+            if what is not None:
+                self._left[why].setdefault(what, []).append(row)
+                return True
+        return False
 
     def _rejection(self, row: int) -> Sentence | None:
-        for index in self._counts:
-            cell = self.sheet.filled(row, index)
-            if not is_blank(cell) and says_no(cell):
-                return self._says(index, cell)
-            if index in self._marked and is_blank(cell):
-                return Sentence("column {heading!r} has no mark", heading=self.header.text(index))
-        for index in self._counts_not:
-            cell = self.sheet.filled(row, index)
-            if not is_blank(cell) and says_yes(cell):
-                return self._says(index, cell)
-        for index in self._others:
-            cell = self.sheet.cell(row, index)
-            if is_rejected(cell):
-                return Sentence("a remark says {said!r}", said=text_of(cell))
+        asked = [(index, says_no) for index in self._counts] + [(index, says_yes) for index in self._counts_not]
+        for index, rejects in asked:
+            heading, cell = self.table.heading(index), self._cells[index].get(row)
+            if cell is not None and rejects(cell):
+                return Sentence("column {heading!r} says {said!r}", heading=heading, said=text_of(cell))
+            if cell is None and index in self._marked:
+                return Sentence("column {heading!r} has no mark", heading=heading)
+        remark = next((cell for index in self._others if is_rejected(cell := self.sheet.cell(row, index))), None)
+        return None if remark is None else Sentence("a remark says {said!r}", said=text_of(remark))
+
+    def _strike(self, row: int) -> str | None:
+        if self.sheet.marks.struck and any(self.sheet.is_struck(row, index) for index in self._keys):
+            self.struck.append(row)
+            return "struck"
         return None
 
-    def _says(self, index: int, cell: Cell) -> Sentence:
-        return Sentence("column {heading!r} says {said!r}", heading=self.header.text(index), said=text_of(cell))
-
     def _summary(self, row: int) -> Summary | None:
-        columns, cell = self.columns, self.sheet.filled
+        columns = self.columns
         for column in columns.keys:
-            label = cell(row, column.index)
+            label = self.sheet.filled(row, column.index)
             if not isinstance(label, str) or is_blank(label):
                 continue
             understood = (
@@ -232,145 +180,137 @@ class Asides:
             )
             kind = None if understood else summary_of(label, key=True)
             if kind is not None:
-                return kind
-        return next((kind for index in self._others if (kind := summary_of(self.sheet.cell(row, index)))), None)
+                break
+        else:
+            cells = (self.sheet.cell(row, index) for index in self._others)
+            kind = next((kind for cell in cells if (kind := summary_of(cell))), None)
+        if kind is not None:
+            self._summaries[row] = kind
+        return kind
+
+    def _other_characteristic(self, row: int) -> str | None:
+        """Return what a measuring machine's row is of, None where it is of a diameter or no column says."""
+        cells = [text_of(self._cells[index][row]) for index in self._machine if row in self._cells[index]]
+        return cells[0] if cells and not any(map(_says_diameter, cells)) else None
+
+    def _note(self, row: int) -> str | None:
+        """Return the label of a row that says nothing of what a diameter is of, and whose label is no component.
+
+        A label that is nearly a component's name is a slip in a reading, and is refused as one.
+        """
+        component = self.columns.component
+        if component is None or any(row in self._cells[index] for index in self._beside_component):
+            return None
+        label = self._cells[component.index].get(row, "")
+        if not isinstance(label, str) or not label or self.names.component(label) is not None:
+            return None
+        if not self._beside_component and not letters(label).any("gauge", "calibration"):
+            return None
+        near = nearest_name(plain(label), [name for name, _ in self.names.by_length])
+        return repr(text_of(label)) if near is None and number_of(label) is None and letters(label) else None
+
+    def _specification(self, row: int) -> str | None:
+        """Return the word that calls the row's number a nominal or specified one, None where no word does."""
+        for index, cell in enumerate(self.sheet.rows[row]):
+            if isinstance(cell, str) and says_specification(cell) and self._is_label(index, cell):
+                return cell
+        return None
+
+    def _is_label(self, index: int, cell: str) -> bool:
+        """Return whether a cell names its row: in a key's column, or in one that holds no numbers."""
+        if index in self._keys:
+            return self.names.component(cell) is None
+        return index in self._others and not any(
+            isinstance(each, int | float) or number_of(str(each)) is not None for each in self._cells[index].values()
+        )
 
     # --- what is said of them -----------------------------------------------------------------------------------------
 
     def messages(self, entries: Sequence[DiameterCell]) -> Iterator[Message]:
         """Yield what was left aside, and which means or sums disagree with the readings above them."""
-        place = self.sheet.place()
-        by_kind: dict[Summary, list[int]] = defaultdict(list)
-        for summary in self.summaries:
-            by_kind[summary.kind].append(summary.row)
-        for kind, rows in by_kind.items():
-            what, named = _NAMES[kind][1], rows_named(self.sheet, rows)
-            text = Sentence("{rows} of {what} left aside ({named})", rows=_count(rows), what=what, named=named)
-            yield Message("info", "summaries_left_aside", text, place)
-        for word, rows in self._specified.items():
-            text = Sentence(
-                "{rows} of {word!r} left aside, what should be ({named})",
-                rows=_count(rows),
-                word=word,
-                named=rows_named(self.sheet, rows),
-            )
-            yield Message("info", "specifications_left_aside", text, place)
-        if self._characteristics:
-            rows = [row for each in self._characteristics.values() for row in each]
-            text = Sentence(
-                "{rows} of other characteristics left aside ({characteristics}): {named}",
-                rows=_count(rows),
-                characteristics=some(tuple(self._characteristics), _SHOWN),
-                named=rows_named(self.sheet, rows),
-            )
-            yield Message("info", "characteristics_left_aside", text, place)
-        if self._notes:
-            rows = [row for each in self._notes.values() for row in each]
-            text = Sentence(
-                "{rows} left aside, whose label is no component and which say nothing else ({labels}): {named}",
-                rows=_count(rows),
-                labels=some(tuple(map(repr, self._notes)), _SHOWN),
-                named=rows_named(self.sheet, rows),
-            )
-            yield Message("warning", "notes_left_aside", text, place)
-        for reason, rows in self._rejected.items():
-            text = Sentence(
-                "{rows} left aside, because {reason} ({named})",
-                rows=_count(rows),
-                reason=reason,
-                named=rows_named(self.sheet, rows),
-            )
-            yield Message("warning", "rejected_left_aside", text, place)
         if self.struck:
-            rows = sorted(set(self.struck))
-            text = Sentence(
-                "{rows} with a crossed-out reading: it was left aside ({named})",
-                rows=_count(rows),
-                named=rows_named(self.sheet, rows),
-            )
-            yield Message("warning", "struck_left_aside", text, place)
-        for way, rows in self._hidden.items():
-            counted, named = _count(rows), rows_named(self.sheet, rows)
-            yield Message("warning" if way == "by hand" else "info", "hidden_rows", _hidden(way, counted, named), place)
-        for summary in self.summaries:
-            yield from self._disagreement(summary, entries)
+            self._left["struck"] = {"struck": sorted(set(self.struck))}
+        for why, (level, code, text) in _TOLD.items():
+            groups = [(_NAMES[what][1] if why == "summary" else what, rows) for what, rows in self._left[why].items()]
+            if why in ("characteristic", "note") and groups:  # together, whatever they are
+                whats = some(tuple(what for what, _ in groups), _SHOWN)
+                groups = [(whats, [row for _, rows in groups for row in rows])]
+            for what, rows in groups:
+                count = counted(len(rows), Sentence("{count} row"), Sentence("{count} rows"))
+                said = text.of(rows=count, what=what, named=rows_named(self.sheet, rows))
+                yield Message(level, code, said, self.sheet.place())
+        for row, kind in self._summaries.items():
+            if kind in _COMPUTED:
+                yield from self._disagreement(row, kind, entries)
 
-    def stands_alone(self, summary: SummaryRow, entries: Sequence[DiameterCell]) -> bool:
-        """Return whether a row of means says what it is of, and the sheet holds no single readings of that."""
-        labels = self._labels(summary.row)
-        return (
-            summary.kind in ("mean", "largest", "smallest")
-            and "component" in labels
+    def take_back_means(self, entries: Sequence[DiameterCell]) -> list[tuple[int, Sentence]]:
+        """Return the rows of means that say what they are of, and of which the sheet holds no single readings."""
+        alone = [
+            (row, kind)
+            for row, kind in self._summaries.items()
+            if kind in ("mean", "largest", "smallest")
+            and "component" in (labels := self._labels(row))
             and not any(_matches(entry, labels) for entry in entries)
-        )
+        ]
+        for row, kind in alone:
+            del self._summaries[row]
+            self._left["summary"][kind].remove(row)
+            if not self._left["summary"][kind]:
+                del self._left["summary"][kind]
+        return [(row, _NAMES[kind][0]) for row, kind in alone]
 
     def _labels(self, row: int) -> Mapping[str, object]:
         """Return what the row's labels say, as far as they are understood."""
-        columns, cell = self.columns, self.sheet.filled
-        labels: dict[str, object] = {}
-        component = self.names.component(cell(row, columns.component.index)) if columns.component else None
-        if component is not None:
-            labels["component"] = component
-            try:
-                if columns.plane is not None and not is_blank(cell(row, columns.plane.index)):
-                    labels["plane"] = self.names.plane(component, cell(row, columns.plane.index))
-                elif columns.land is not None and not is_blank(cell(row, columns.land.index)):
-                    labels["plane"] = self.names.land(component, cell(row, columns.land.index)).planes[0]
-            except ReadingsError:
-                pass
-        if columns.part is not None:
-            labels["part"] = part_said(text_of(cell(row, columns.part.index)))
-        if columns.direction is not None:
-            labels["direction"] = direction_of(cell(row, columns.direction.index))
+        columns, names = self.columns, self.names
+
+        def cell(column: Column | None) -> Cell:
+            return "" if column is None else self._cells[column.index].get(row, "")
+
+        component = names.component(cell(columns.component))
+        labels: dict[str, object] = {"component": component}
+        try:
+            if component is not None and cell(columns.plane) != "":
+                labels["plane"] = names.plane(component, cell(columns.plane))
+            elif component is not None and cell(columns.land) != "":
+                labels["plane"] = names.land(component, cell(columns.land)).planes[0]
+        except ReadingsError:
+            pass
+        labels["part"] = part_said(text_of(cell(columns.part)))
+        labels["direction"] = direction_of(cell(columns.direction))
         return {name: value for name, value in labels.items() if value is not None}
 
-    def _disagreement(self, summary: SummaryRow, entries: Sequence[DiameterCell]) -> Iterator[Message]:
-        compute = _COMPUTED.get(summary.kind)
-        if compute is None:
-            return
-        before = max((other.row for other in self.summaries if other.row < summary.row), default=-1)
-        labels = self._labels(summary.row)
-        for group in self.columns.groups:
-            column = group.get("diameter")
-            if column is None or is_blank(self.sheet.cell(summary.row, column.index)):
+    def _disagreement(self, row: int, kind: Summary, entries: Sequence[DiameterCell]) -> Iterator[Message]:
+        compute = _COMPUTED[kind]
+        before = max((other for other in self._summaries if other < row), default=-1)
+        labels = self._labels(row)
+        for column in (group["diameter"] for group in self.columns.groups if "diameter" in group):
+            cell = self.sheet.cell(row, column.index)
+            stated = number_of(cell) if isinstance(cell, str) else cell
+            if isinstance(stated, bool) or not isinstance(stated, int | float):
                 continue
-            try:
-                stated, _ = number(self.sheet.cell(summary.row, column.index))
-            except ReadingsError:
-                continue
-            above = [entry for entry in entries if entry.row < summary.row and entry.column == column.index]
+            above = [entry for entry in entries if entry.row < row and entry.column == column.index]
             same = [entry for entry in above if labels and _matches(entry, labels)]
-            sets = [same, [entry for entry in above if entry.row > before], above]
-            sizes = [[entry.raw.size for entry in each] for each in sets if each]
+            sets = [each for each in (same, [entry for entry in above if entry.row > before], above) if each]
+            sizes = [[entry.raw.size for entry in each] for each in sets]
             if not sizes or any(_agree(stated, compute(each)) for each in sizes):
                 continue
-            if summary.kind == "mean" and any(_agree(stated, median(each)) for each in sizes):
+            if kind == "mean" and any(_agree(stated, median(each)) for each in sizes):
                 continue
-            rows = [entry.row for entry in next(each for each in sets if each)]
-            yield Message(
-                "warning",
-                "summary_disagrees",
-                Sentence(
-                    "the {what} {stated:.7g} stands in row {row}, but that of {rows} is {computed:.7g}: a slip in one "
-                    "of them",
-                    what=summary.name,
-                    stated=stated,
-                    row=self.sheet.row_number(summary.row),
-                    rows=rows_named(self.sheet, rows),
-                    computed=compute(sizes[0]),
-                ),
-                self.sheet.place(summary.row, column.index, self.header.text(column.index)),
+            text = Sentence(
+                "the {what} {stated:.7g} stands in row {row}, but that of {rows} is {computed:.7g}: a slip in one of "
+                "them",
+                what=_NAMES[kind][0],
+                stated=stated,
+                row=self.sheet.row_number(row),
+                rows=rows_named(self.sheet, [entry.row for entry in sets[0]]),
+                computed=compute(sizes[0]),
             )
+            place = self.sheet.place(row, column.index, self.table.heading(column.index))
+            yield Message("warning", "summary_disagrees", text, place)
 
 
 def _says_diameter(text: str) -> bool:
-    return any(word in _DIAMETER for word in re.findall(r"[ø⌀φ∅]|[^\W\d_]+", plain(text))) or text in {"D", "DM", "DIA"}
-
-
-def _asks(heading: str, words: Vocabulary) -> bool:
-    """Return whether a heading asks if the row counts: it holds such a word, and little else."""
-    words_of_heading = letters(heading)
-    return len(words_of_heading) <= 4 and any(word in words for word in words_of_heading)
+    return letters(re.sub("[ø⌀φ]", " ø ", plain(text))).any("diameter") or text in {"D", "DM", "DIA"}
 
 
 def _matches(entry: DiameterCell, labels: Mapping[str, object]) -> bool:
@@ -381,23 +321,3 @@ def _agree(stated: float, computed: float) -> bool:
     """Return whether two numbers are equal after rounding to the decimals of the stated one."""
     decimals = len(f"{stated:.6f}".rstrip("0").partition(".")[2])
     return abs(stated - computed) <= max(0.5 * 10.0**-decimals if decimals <= 3 else 0.0, _HALF_A_MICROMETRE) + 1e-9
-
-
-def _hidden(way: Hiding, rows: Sentence, named: Sentence) -> Sentence:
-    if way == "by hand":
-        return Sentence(
-            "{rows} with readings, hidden by hand: left aside: show them, and they are read ({named})",
-            rows=rows,
-            named=named,
-        )
-    if way == "by a filter":
-        return Sentence("{rows} with readings, hidden by a filter: read all the same ({named})", rows=rows, named=named)
-    return Sentence(
-        "{rows} with readings, hidden in a folded outline: read all the same ({named})", rows=rows, named=named
-    )
-
-
-def _count(rows: Sequence[int]) -> Sentence:
-    if len(rows) > 1:
-        return Sentence("{count} rows", count=len(rows))
-    return Sentence("{count} row", count=len(rows))

@@ -11,8 +11,8 @@ from collections.abc import Collection, Iterator, Sequence
 
 from atleak.errors import Message
 from atleak.intake.readings.columns import Columns
-from atleak.intake.readings.sheet_tables import Table
-from atleak.intake.readings.words import is_blank, is_marked, letters, plain, text_of, vocabulary
+from atleak.intake.readings.table import Table
+from atleak.intake.readings.words import is_blank, is_marked, letters, plain, text_of
 from atleak.intake.sheets.sheet import column_letter, rows_named
 from atleak.sentence import Sentence
 
@@ -22,8 +22,6 @@ _FEW = (
     0.01,
     0.1,
 )  # part of the readings: so many that are coloured otherwise are marked, whether a legend says so or not
-_REJECTED = vocabulary("counts_not")
-_COLOUR = vocabulary("colour")
 
 Cell = tuple[int, int]  # row, column
 
@@ -67,7 +65,7 @@ def _comments(table: Table, rows: Collection[int]) -> Iterator[Message]:
             "comments on readings, which count all the same: {comments}. Cross out what is not to count",
             comments=_listed(quoted),
         )
-        rejected = any(word in _REJECTED for words in comments.values() for word in letters(words))
+        rejected = any(letters(words).any("counts_not") for words in comments.values())
         yield Message("warning" if rejected else "info", "readings_commented", text, sheet.place(*next(iter(comments))))
 
 
@@ -84,19 +82,17 @@ def _colours(table: Table, read: Sequence[Sequence[Cell]]) -> Iterator[Message]:
     part = len(others) / len(read)
     if not others or part > 0.5 or (legend is None and not _FEW[0] <= part <= _FEW[1]):
         return
-    said = {"count": len(others), "all": len(read), "cells": _listed([_named(table, at) for at in others])}
-    text = Sentence(
+    template = Sentence(
         "coloured otherwise than the rest of their column, {count} of {all} readings: {cells}. They count all the "
-        "same: cross out what is not to count",
-        **said,
+        "same: cross out what is not to count"
     )
     if legend is not None:
-        text = Sentence(
+        template = Sentence(
             "coloured otherwise than the rest of their column, {count} of {all} readings: {cells}; the sheet says "
-            "{legend!r}. They count all the same: cross out what is not to count",
-            **said,
-            legend=legend[:_LONGEST],
+            "{legend!r}. They count all the same: cross out what is not to count"
         )
+    cells, quoted = _listed([_named(table, at) for at in others]), (legend or "")[:_LONGEST]
+    text = template.of(count=len(others), all=len(read), cells=cells, legend=quoted)
     yield Message("warning", "readings_coloured", text, sheet.place(*others[0]))
 
 
@@ -107,8 +103,8 @@ def _legend(table: Table, colours: Collection[str]) -> str | None:
             if not isinstance(cell, str):
                 continue
             words = letters(cell)
-            rejected = any(word in _REJECTED for word in words)
-            named = next((word for word in words if word in _COLOUR), None)
+            rejected = words.any("counts_not")
+            named = next((word for word in words if word in words.of("colour")), None)
             explained = named and re.search(rf"{re.escape(named)}(?: \w+)?\s*[=:–—-]", plain(cell))
             if (
                 (named and rejected)

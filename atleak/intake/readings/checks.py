@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import Controller, Land
@@ -40,28 +41,26 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
     both_measured = [gap for gap in gaps if gap.status == "measured"]
     swapped = [gap for gap in both_measured if _looks_swapped(gap)]
     if len(swapped) > 1 and len(swapped) >= _WHOLE_SHEET * len(both_measured):
-        first = min((by_land[gap.land.key][0].place for gap in swapped), key=lambda place: place.row or 0)
-        problems.append(
-            ReadingsError(
-                Sentence(
-                    "in {swapped} of {measured} lands the sleeve measures smaller than the spool, and the other way "
-                    "round they would fit: spool and sleeve swapped in the whole sheet?",
-                    swapped=len(swapped),
-                    measured=len(both_measured),
-                ),
-                place=Place(first.file, first.sheet, first.row),
-                expected=Sentence(
-                    "in the column of parts 'spool' or 'piston' for the smaller diameter, 'sleeve' for the larger"
-                ),
-            )
+        first = min((by_land[gap.land.key][0].place for gap in swapped), key=_row)
+        problem = Sentence(
+            "in {swapped} of {measured} lands the sleeve measures smaller than the spool, and the other way round they "
+            "would fit: spool and sleeve swapped in the whole sheet?",
+            swapped=len(swapped),
+            measured=len(both_measured),
         )
+        expected = Sentence(
+            "in the column of parts 'spool' or 'piston' for the smaller diameter, 'sleeve' for the larger"
+        )
+        problems.append(ReadingsError(problem, place=replace(first, column=None), expected=expected))
     problems += [problem for _, problem in _contradictions(readings, controller, by_land, gaps, doubtful)]
     if readings.unworn:
         places = {problem.place for problem in problems}
-        of_new = check(readings.when_new, controller)
-        problems += [problem for problem in of_new if problem.place not in places]
-    problems.sort(key=lambda problem: problem.place.row or 0)
-    return problems
+        problems += [each for each in check(readings.when_new, controller) if each.place not in places]
+    return sorted(problems, key=lambda problem: _row(problem.place))
+
+
+def _row(place: Place) -> int:
+    return place.row or 0
 
 
 def off_by_factor(readings: Readings, controller: Controller) -> list[tuple[Reading, ReadingsError]]:
@@ -145,37 +144,24 @@ def _factors(readings: Readings, controller: Controller) -> tuple[list[ReadingsE
         first, land, *_ = next(entry for entry in off if entry[3] == common)
         problems.append(_wrong_unit(readings, first, land, common, count, known))
         off = [entry for entry in off if entry[3] != common]
-    problems += [_off_problem(readings, *entry) for entry in off]
-    return problems, doubtful
+    return [*problems, *(_off_problem(readings, *entry) for entry in off)], doubtful
 
 
 def _off_problem(readings: Readings, reading: Reading, land: Land, ratio: float, factor: float | None) -> ReadingsError:
+    what = Sentence("the diameter is {ratio:.3g} times the nominal one", ratio=ratio)
     if factor is not None:
         what = Sentence("the diameter is {times} the nominal one: {slip}", times=_times(factor), slip=_slip(factor))
     elif abs(ratio - 0.5) < 0.05:
         what = Sentence("the diameter is {ratio:.3g} times the nominal one: a radius?", ratio=ratio)
-    else:
-        what = Sentence("the diameter is {ratio:.3g} times the nominal one", ratio=ratio)
-    return ReadingsError(
-        what,
-        place=reading.place,
-        value=_written(readings, reading.diameter),
-        expected=_about(readings, land, reading),
-    )
+    value = _written(readings, reading.diameter)
+    return ReadingsError(what, place=reading.place, value=value, expected=_about(readings, land, reading))
 
 
 def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, count: int, known: int) -> ReadingsError:
     stated = find_unit(readings.unit, "length")
-    fits = None
-    if stated is not None:
-        fits = next(
-            (
-                each.said
-                for each in (unit(name, "length") for name in unit_names("length"))
-                if abs(stated.factor / each.factor - factor) < 1e-6 * factor
-            ),
-            None,
-        )
+    units = () if stated is None else (unit(name, "length") for name in unit_names("length"))
+    close = (each for each in units if stated and abs(stated.factor / each.factor - factor) < 1e-6 * factor)
+    fits = next((each.said for each in close), None)
     mend = Sentence("check the unit in the heading")
     if fits:
         mend = Sentence("if the numbers are in {unit}, state that unit", unit=fits)
@@ -229,33 +215,23 @@ def _repeats(
         land = controller.land_of_plane(high.component, high.plane)
         if spread <= REPEAT_LIMIT or land is None or land.key in doubtful:  # what is off by a factor is refused already
             continue
-        rows = (
-            Sentence(" (rows {first} and {second})", first=low.place.row, second=high.place.row)
-            if high.place.row
-            else ""
+        rows = Sentence(" (rows {first} and {second})", first=low.place.row, second=high.place.row)
+        problem = Sentence(
+            "repeats of component {component}, {part}, plane {plane} are {spread} apart{rows}",
+            component=high.component,
+            part=PART_WORDS[high.part],
+            plane=high.plane,
+            spread=_written(readings, spread),
+            rows=rows if high.place.row else "",
         )
-        yield (
-            land,
-            ReadingsError(
-                Sentence(
-                    "repeats of component {component}, {part}, plane {plane} are {spread} apart{rows}",
-                    component=high.component,
-                    part=PART_WORDS[high.part],
-                    plane=high.plane,
-                    spread=_written(readings, spread),
-                    rows=rows,
-                ),
-                place=high.place,
-                value=_written(readings, high.diameter),
-                expected=Sentence(
-                    "about {other}, as the other repeat; a difference over {flagged} is flagged, over {refused} "
-                    "refused",
-                    other=_written(readings, low.diameter),
-                    flagged=_written(readings, REPEAT_TOLERANCE),
-                    refused=_written(readings, REPEAT_LIMIT),
-                ),
-            ),
+        expected = Sentence(
+            "about {other}, as the other repeat; a difference over {flagged} is flagged, over {refused} refused",
+            other=_written(readings, low.diameter),
+            flagged=_written(readings, REPEAT_TOLERANCE),
+            refused=_written(readings, REPEAT_LIMIT),
         )
+        value = _written(readings, high.diameter)
+        yield land, ReadingsError(problem, place=high.place, value=value, expected=expected)
 
 
 def _exchanged(
@@ -318,39 +294,34 @@ def _diameter(reading: Reading) -> float:
     return reading.diameter
 
 
-def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> list[ReadingsError]:
+def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> Iterator[ReadingsError]:
     land = gap.land
-    name = named(land)
     spool, sleeve = (_written(all_readings, size) for size in (gap.spool_diameter, gap.sleeve_diameter))
     place = _place(readings, "sleeve") or _place(readings, "spool")
     swapped = _swapped_rows(gap, readings, all_readings)
     if swapped is not None:
-        return [swapped]
-    if gap.radial_clearance < 0.0:
-        return [_smaller(gap, name, spool, sleeve, place)]
-    if gap.radial_clearance > CLEARANCE_LIMIT:
-        return [
-            ReadingsError(
-                Sentence(
-                    "{land}: radial clearance {clearance} {clearance.unit} between {part} {spool} and sleeve "
-                    "{sleeve}{unmeasured}",
-                    land=name,
-                    clearance=Quantity(gap.radial_clearance * TO_MM, "length", 3),
-                    part=land.part_name,
-                    spool=spool,
-                    sleeve=sleeve,
-                    unmeasured=_unmeasured(gap),
-                ),
-                place=place,
-                value=sleeve if gap.status != "spool_only" else spool,
-                expected=Sentence(
-                    "at most {most:g} {most.unit}; the mounting clearance is {new:.4g} {new.unit}",
-                    most=Quantity(CLEARANCE_LIMIT * TO_MM, "length"),
-                    new=Quantity(land.mounting_high * TO_MM, "length"),
-                ),
-            )
-        ]
-    return []
+        yield swapped
+    elif gap.radial_clearance < 0.0:
+        yield _smaller(gap, spool, sleeve, place)
+    elif gap.radial_clearance > CLEARANCE_LIMIT:
+        missing = {"spool_only": PART_WORDS["sleeve"], "sleeve_only": land.part_name}.get(gap.status)
+        problem = Sentence(
+            "{land}: radial clearance {clearance} {clearance.unit} between {part} {spool} and sleeve {sleeve}"
+            "{unmeasured}",
+            land=named(land),
+            clearance=Quantity(gap.radial_clearance * TO_MM, "length", 3),
+            part=land.part_name,
+            spool=spool,
+            sleeve=sleeve,
+            unmeasured=Sentence(" (nominal: the {part} was not measured)", part=missing) if missing else "",
+        )
+        expected = Sentence(
+            "at most {most:g} {most.unit}; the mounting clearance is {new:.4g} {new.unit}",
+            most=Quantity(CLEARANCE_LIMIT * TO_MM, "length"),
+            new=Quantity(land.mounting_high * TO_MM, "length"),
+        )
+        value = sleeve if gap.status != "spool_only" else spool
+        yield ReadingsError(problem, place=place, value=value, expected=expected)
 
 
 def _swapped_rows(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> ReadingsError | None:
@@ -364,77 +335,57 @@ def _swapped_rows(gap: LandClearance, readings: list[Reading], all_readings: Rea
         else:
             sleeves[station] = min(sleeves.get(station, reading), reading, key=_diameter)
     pairs = [(spools[station], sleeve) for station, sleeve in sleeves.items() if station in spools]
-    spool, sleeve = max(pairs, key=lambda pair: pair[0].diameter - pair[1].diameter, default=(None, None))
-    if spool is None or sleeve is None or gap.max_clearance <= 0.0:
+    if not pairs or gap.max_clearance <= 0.0:
         return None
+    spool, sleeve = max(pairs, key=lambda pair: pair[0].diameter - pair[1].diameter)
     if spool.diameter - sleeve.diameter <= REPEAT_TOLERANCE:
         return None
-    return ReadingsError(
-        Sentence(
-            "{land}, plane {plane}{direction}: the sleeve measures smaller than the {part}{row} ({spool}): spool and "
-            "sleeve swapped there?",
-            land=named(gap.land),
-            plane=sleeve.plane,
-            direction=angle(sleeve.direction),
-            part=gap.land.part_name,
-            row=Sentence(" in row {row}", row=spool.place.row) if spool.place.row else "",
-            spool=_written(all_readings, spool.diameter),
-        ),
-        place=sleeve.place,
-        value=_written(all_readings, sleeve.diameter),
-        expected=Sentence("a sleeve larger than the spool in every plane and direction"),
+    problem = Sentence(
+        "{land}, plane {plane}{direction}: the sleeve measures smaller than the {part}{row} ({spool}): spool and "
+        "sleeve swapped there?",
+        land=named(gap.land),
+        plane=sleeve.plane,
+        direction=angle(sleeve.direction),
+        part=gap.land.part_name,
+        row=Sentence(" in row {row}", row=spool.place.row) if spool.place.row else "",
+        spool=_written(all_readings, spool.diameter),
     )
+    expected = Sentence("a sleeve larger than the spool in every plane and direction")
+    value = _written(all_readings, sleeve.diameter)
+    return ReadingsError(problem, place=sleeve.place, value=value, expected=expected)
 
 
-def _smaller(
-    gap: LandClearance, name: Sentence, spool: Sentence, sleeve: Sentence, place: Place | None
-) -> ReadingsError:
-    said = {"land": name, "part": gap.land.part_name, "spool": spool, "sleeve": sleeve}
+def _smaller(gap: LandClearance, spool: Sentence, sleeve: Sentence, place: Place | None) -> ReadingsError:
+    template, value = Sentence("{land}: the sleeve ({sleeve}) measures smaller than the {part} ({spool})"), sleeve
+    expected = Sentence("a sleeve larger than {spool}")
     if gap.status == "spool_only":
-        return ReadingsError(
-            Sentence(
-                "{land}: the {part} ({spool}) measures larger than the nominal sleeve ({sleeve}), and the sleeve was "
-                "not measured",
-                **said,
-            ),
-            place=place,
-            value=spool,
-            expected=Sentence("the sleeve's readings too, or the right nominal diameter in the valve body's file"),
+        value = spool
+        template = Sentence(
+            "{land}: the {part} ({spool}) measures larger than the nominal sleeve ({sleeve}), and the sleeve was not "
+            "measured"
         )
-    if gap.status == "sleeve_only":
-        return ReadingsError(
-            Sentence(
-                "{land}: the sleeve ({sleeve}) measures smaller than the nominal {part} ({spool}), and the {part} was "
-                "not measured",
-                **said,
-            ),
-            place=place,
-            value=sleeve,
-            expected=Sentence(
-                "readings of the {part} too, or the right nominal diameter in the valve body's file", **said
-            ),
+        expected = Sentence("the sleeve's readings too, or the right nominal diameter in the valve body's file")
+    elif gap.status == "sleeve_only":
+        template = Sentence(
+            "{land}: the sleeve ({sleeve}) measures smaller than the nominal {part} ({spool}), and the {part} was not "
+            "measured"
         )
-    problem = Sentence("{land}: the sleeve ({sleeve}) measures smaller than the {part} ({spool})", **said)
-    if _looks_swapped(gap):
+        expected = Sentence("readings of the {part} too, or the right nominal diameter in the valve body's file")
+    said = {"land": named(gap.land), "part": gap.land.part_name, "spool": spool, "sleeve": sleeve}
+    problem = template.of(**said)
+    if gap.status == "measured" and _looks_swapped(gap):
         problem = Sentence(
             "{problem}: spool and sleeve swapped? The other way round the radial clearance would be {swapped} "
             "{swapped.unit}",
             problem=problem,
             swapped=Quantity(-gap.radial_clearance * UM, "clearance", 1),
         )
-    return ReadingsError(
-        problem, place=place, value=sleeve, expected=Sentence("a sleeve larger than {spool}", spool=spool)
-    )
+    return ReadingsError(problem, place=place, value=value, expected=expected.of(**said))
 
 
 def _looks_swapped(gap: LandClearance) -> bool:
     """Return whether, with spool and sleeve exchanged, the clearance would be that of a valve, new or worn."""
     return 0.0 < -gap.radial_clearance <= max(5.0 * gap.land.mounting_high, 0.1e-3)
-
-
-def _unmeasured(gap: LandClearance) -> Sentence | str:
-    missing = {"spool_only": PART_WORDS["sleeve"], "sleeve_only": gap.land.part_name}.get(gap.status)
-    return Sentence(" (nominal: the {part} was not measured)", part=missing) if missing else ""
 
 
 def _place(readings: list[Reading], part: str) -> Place | None:

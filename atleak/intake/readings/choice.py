@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError, unknown
-from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.filled_down import filled_down
-from atleak.intake.readings.headings import EXPECTED, Header, best_header
+from atleak.intake.readings.headings import EXPECTED, best_header
 from atleak.intake.readings.rows import Rows
-from atleak.intake.readings.sheet_tables import Table, continued, find_tables
-from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
+from atleak.intake.readings.sheet_tables import continued, find_tables
+from atleak.intake.readings.sizes import Sizes
+from atleak.intake.readings.table import Table
 from atleak.intake.readings.turned import turned
 from atleak.intake.readings.values import Key
-from atleak.intake.readings.words import is_blank, is_repeat_title, letters, vocabulary
+from atleak.intake.readings.words import is_blank, is_repeat_title, letters
 from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Sheet
 from atleak.phrases import PART_WORDS
 from atleak.sentence import Sentence
-
-_DEVIATION = vocabulary("deviation")
 
 
 @dataclass(frozen=True)
@@ -70,43 +68,34 @@ def choose(
         # hidden sheets are read only where no visible sheet is filled in
         shown = [sheet for sheet in filled if not sheet.hidden] or filled
         looked_at = [sheet for sheet in sheets if sheet in shown or not sheet.hidden]
-    readable = [table for sheet in looked_at for table in tables[sheet.name] if table.readable]
+    every = [table for sheet in looked_at for table in tables[sheet.name]]
+    readable = [table for table in every if table.readable]
     if not readable:
         raise _no_readings(sheets, tables, file, names)
-    beside = [
-        sheet
-        for sheet in sheets
-        if sheet not in looked_at and not sheet.hidden and not any(table.header.values for table in tables[sheet.name])
-    ]
-    of_lands = [table for sheet in (*looked_at, *beside) for table in tables[sheet.name] if table.is_of_lands]
+    others = [sheet for sheet in sheets if sheet not in looked_at and not sheet.hidden]
+    beside = [sheet for sheet in others if not any(table.values for table in tables[sheet.name])]
+    of_lands = [table for table in every if table.is_of_lands]
+    of_lands += [table for sheet in beside for table in tables[sheet.name] if table.is_of_lands]
     with_lands = {table.sheet.name for table in of_lands}
-    rest = [
-        table for sheet in looked_at for table in tables[sheet.name] if not table.readable and not table.is_of_lands
-    ]
-    read = {table.sheet.name for table in readable if _is_filled(table)}
-    others = [
-        sheet.name for sheet in sheets if sheet.name not in read and any(table.readable for table in tables[sheet.name])
-    ]
+    rest = [table for table in every if not table.readable and not table.is_of_lands]
+    read_names = {table.sheet.name for table in readable if _is_filled(table)}
+    read = [sheet for sheet in sheets if sheet.name in read_names]
+    unread = [sheet for sheet in sheets if sheet not in read and any(table.readable for table in tables[sheet.name])]
     return Choice(
         sheets=tuple(sheets),
         tables=tuple(filled_down(table, fill_down) for table in readable),
         of_lands=tuple(of_lands),
         doubtful=tuple(table for table in rest if not table.aside),
         aside=tuple(table for table in rest if table.aside),
-        sheets_aside=tuple(
-            sheet for sheet in sheets if sheet not in looked_at and not sheet.hidden and sheet.name not in with_lands
-        ),
-        messages=(
-            *_about_sheets(file, [sheet.name for sheet in sheets if sheet.name in read], others, wanted),
-            *_about_layouts(file, [sheet for sheet in sheets if sheet.name in read]),
-        ),
+        sheets_aside=tuple(sheet for sheet in others if sheet.name not in with_lands),
+        messages=tuple(_about_sheets(file, read, unread, wanted)),
     )
 
 
 def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, list[Table]]:
     """Return a sheet with its tables, turned where its headings run down the first column."""
     tables = find_tables(sheet, names)
-    if any(table.header.of("component") and any(each.holds_size for each in table.header.columns) for table in tables):
+    if any(table.of("component") and any(each.holds_size for each in table.columns) for table in tables):
         return sheet, tables
     around = turned(sheet, names)
     tables_around = [] if around is None else find_tables(around, names)
@@ -116,24 +105,20 @@ def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, l
 
 
 def _is_filled(table: Table) -> bool:
-    return table.readable and count_values(table.sheet, table.header) > 0
+    return table.readable and table.count_values() > 0
 
 
-def _about_sheets(
-    file: str, read: Sequence[str | None], others: Sequence[str | None], wanted: str | None
-) -> Iterable[Message]:
+def _about_sheets(file: str, read: Sequence[Sheet], unread: Sequence[Sheet], wanted: str | None) -> Iterator[Message]:
+    names, others = (_quoted(sheet.name for sheet in sheets) for sheets in (read, unread))
     if len(read) > 1:
         text = Sentence(
-            "read as one measurement from sheets {sheets}, which hold different planes or parts", sheets=_quoted(read)
+            "read as one measurement from sheets {sheets}, which hold different planes or parts", sheets=names
         )
         yield Message("info", "sheets_read", text, Place(file))
-    if others and read and wanted is None:
-        text = Sentence("read from sheet {sheets}; left aside: {others}", sheets=_quoted(read), others=_quoted(others))
-        yield Message("info", "sheet_chosen", text, Place(file, read[0]))
-
-
-def _about_layouts(file: str, sheets: Iterable[Sheet]) -> Iterable[Message]:
-    for sheet in sheets:
+    if unread and read and wanted is None:
+        text = Sentence("read from sheet {sheets}; left aside: {others}", sheets=names, others=others)
+        yield Message("info", "sheet_chosen", text, Place(file, read[0].name))
+    for sheet in read:
         if sheet.turned:
             text = Sentence(
                 "the headings run down the first column: read with rows and columns exchanged, so where a message says "
@@ -165,7 +150,7 @@ def _unless_none(tables: list[Table]) -> list[Table]:
     """Return the tables of a sheet that was asked for; its name alone does not leave them aside."""
     if any(table.readable for table in tables):
         return tables
-    return [replace(table, aside=None) if table.header.values else table for table in tables]
+    return [replace(table, aside=None) if table.values else table for table in tables]
 
 
 def _no_readings(
@@ -176,89 +161,73 @@ def _no_readings(
             Sentence("the workbook is empty"), place=Place(file), expected=Sentence("a measuring sheet filled in")
         )
     all_tables = [table for listed in tables.values() for table in listed]
-    put_aside = [table for table in all_tables if table.aside and table.header.values and table.header.of("component")]
+    put_aside = [table for table in all_tables if table.aside and table.values and table.of("component")]
     if put_aside:
         table = put_aside[0]
-        return ReadingsError(
-            Sentence(
-                "the table in {where} is left aside ({why}), and there is no other", where=table.where, why=table.aside
-            ),
-            place=Place(file, table.sheet.name, table.sheet.row_number(max(table.header.first, 0))),
-            expected=Sentence("a title that says 'measured' where these are the readings"),
+        problem = Sentence(
+            "the table in {where} is left aside ({why}), and there is no other", where=table.where, why=table.aside
         )
-    headers = [(table.sheet, table.header) for table in all_tables]
-    headers += [(sheet, header) for sheet in sheets if (header := best_header(sheet)) is not None]
-    if not headers:
-        names = [sheet.name for sheet in sheets if sheet.name is not None]
-        problem = Sentence("no row of headings found: not a measuring sheet?")
-        if len(names) > 1:
-            problem = Sentence(
-                "no row of headings found in any of the sheets {sheets}: not a measuring sheet?", sheets=_quoted(names)
-            )
-        return ReadingsError(
-            problem,
-            place=Place(file, sheets[0].name if len(sheets) == 1 else None),
-            expected=EXPECTED,
+        place = Place(file, table.sheet.name, table.sheet.row_number(max(table.first, 0)))
+        expected = Sentence("a title that says 'measured' where these are the readings")
+        return ReadingsError(problem, place=place, expected=expected)
+    headers = [*all_tables, *filter(None, map(best_header, sheets))]
+    if headers:
+        return _incomplete(max(headers, key=lambda table: table.score), Sizes(known.controller))
+    names = [sheet.name for sheet in sheets if sheet.name is not None]
+    problem = Sentence("no row of headings found: not a measuring sheet?")
+    if len(names) > 1:
+        problem = Sentence(
+            "no row of headings found in any of the sheets {sheets}: not a measuring sheet?", sheets=_quoted(names)
         )
-    return _incomplete(*max(headers, key=lambda pair: pair[1].score), known)
+    place = Place(file, sheets[0].name if len(sheets) == 1 else None)
+    return ReadingsError(problem, place=place, expected=EXPECTED)
 
 
-def _incomplete(sheet: Sheet, header: Header, names: ControllerNames) -> ReadingsError:
-    missing = []
-    if not header.of("component"):
-        missing.append(Sentence("component"))
-    if not header.values:
-        missing.append(Sentence("diameter, or coordinate x1 and coordinate x2"))
+def _incomplete(table: Table, sizes: Sizes) -> ReadingsError:
+    """Return why a table cannot be read whose headings are the best of the file, and what may be meant by them."""
+    missing = [] if table.of("component") else [Sentence("component")]
+    missing += [] if table.values else [Sentence("diameter, or coordinate x1 and coordinate x2")]
     problem = Sentence("this row holds headings and readings as well")
     if missing:
         what = missing[0]
         if len(missing) > 1:
             what = Sentence("{first} nor for {second}", first=missing[0], second=missing[1])
         problem = Sentence("no heading for {what}", what=what)
-    others = [column.name for column in header.of("specification")] if not header.values else []
-    if others:
-        problem = Sentence(
-            "{problem}: what a diameter should be, or was, is no measurement ({headings})",
-            problem=problem,
-            headings=_quoted(others),
-        )
-    deviations = [text for text in map(header.text, range(sheet.width)) if set(letters(text)) & _DEVIATION]
-    if others and (beside := [text for text in deviations if text not in others]):
-        problem = Sentence(
-            "{problem}. No deviations of diameters were understood under {headings}: beside a nominal one those are "
-            "that say no more than part, direction or repeat",
-            problem=problem,
-            headings=_quoted(beside),
-        )
-    means = [column.name for column in header.of("mean")] if not header.values else []
-    if means:
-        problem = Sentence("{problem}. Means are no readings ({headings})", problem=problem, headings=_quoted(means))
-    sized = _of_size(sheet, header, names) if not header.values else []
-    if sized:
-        problem = Sentence(
-            "{problem}. Numbers of that size stand under {headings}: more words there than a part, land, direction or "
-            "repeat",
-            problem=problem,
-            headings=_quoted(sized),
-        )
-    return ReadingsError(
-        problem,
-        place=sheet.place(header.last),
-        value=", ".join(repr(column.name) for column in header.columns),
-        expected=EXPECTED,
-    )
+    others = [column.name for column in table.of("specification")]
+    headings = [table.heading(index) for index in range(table.sheet.width)]
+    beside = [text for text in headings if letters(text).any("deviation") and text not in others]
+    means = [column.name for column in table.of("mean")]
+    for said, template in (
+        (others, Sentence("{problem}: what a diameter should be, or was, is no measurement ({headings})")),
+        (
+            beside if others else [],
+            Sentence(
+                "{problem}. No deviations of diameters were understood under {headings}: beside a nominal one those "
+                "are that say no more than part, direction or repeat"
+            ),
+        ),
+        (means, Sentence("{problem}. Means are no readings ({headings})")),
+        (
+            _of_size(table, sizes),
+            Sentence(
+                "{problem}. Numbers of that size stand under {headings}: more words there than a part, land, "
+                "direction or repeat"
+            ),
+        ),
+    ):
+        if said and not table.values:
+            problem = template.of(problem=problem, headings=_quoted(said))
+    value = ", ".join(repr(column.name) for column in table.columns)
+    return ReadingsError(problem, place=table.sheet.place(table.last), value=value, expected=EXPECTED)
 
 
-def _of_size(sheet: Sheet, header: Header, names: ControllerNames) -> list[str]:
+def _of_size(table: Table, sizes: Sizes) -> list[str]:
     """Return the headings that say nothing known, and under which most numbers are of the size of a diameter."""
-    sizes, known = Sizes(names.controller), {column.index for column in header.columns if column.role != "quantity"}
     found = []
-    for index in range(sheet.width):
-        rows = range(header.last + 1, len(sheet.rows))
-        cells = [cell for row in rows if not is_blank(cell := sheet.cell(row, index))]
-        sized = [cell for cell in cells if any(sizes.near(value, (MM, UM, INCH)) for value in numbers_of(cell))]
-        if index not in known and header.text(index) and 2 * len(sized) > len(cells):
-            found.append(header.text(index))
+    for index in range(table.sheet.width):
+        cells = [cell for row in table.rows if not is_blank(cell := table.sheet.cell(row, index))]
+        if table.role(index) in (None, "quantity") and table.heading(index) and sizes.fill(cells):
+            found.append(table.heading(index))
     return found
 
 

@@ -3,69 +3,56 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 
 from atleak.errors import Message, ReadingsError
-from atleak.intake.readings.headings import Header
 from atleak.intake.readings.one_heading import Column, read_heading, split_unit
 from atleak.intake.readings.sizes import MM as MILLIMETRE
-from atleak.intake.readings.words import is_blank, letters, number, part_in, part_of, vocabulary
-from atleak.intake.sheets.sheet import Cell, Sheet
+from atleak.intake.readings.table import Table
+from atleak.intake.readings.words import is_blank, letters, number, part_in, part_of
+from atleak.intake.sheets.sheet import Cell
 from atleak.sentence import Sentence
 
-_DEVIATION = vocabulary("deviation")
-_BESIDE = vocabulary("beside_deviation", "diameter", "actual", "reading")  # no standard and no permitted deviation
-_PERMITTED = vocabulary("permitted")
-_STATION = vocabulary("direction", "repeat")
 _IN_BRACKETS = re.compile(r"\[[^\[\]]*\]|\([^()]*\)")
 _WORD = re.compile(r"[^\W\d_]+")
 _DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
 
 
-def with_deviations(sheet: Sheet, header: Header) -> tuple[Sheet, Header, frozenset[int], tuple[Message, ...]]:
+def with_deviations(table: Table) -> Table:
     """Return a table with diameters behind its last column, if it has none but nominal ones and deviations from them.
 
-    Also returned are the columns whose numbers went into them, and what is to be said about it.
+    The columns whose numbers went into them are ``used``, and ``told`` says so.
     """
-    if header.values:
-        return sheet, header, frozenset(), ()
-    pairs = [
-        (nominal, deviation)
-        for deviation in header.columns
-        if deviation.role == "quantity" and _is_deviation(deviation)
-        for nominal in _nominal_of(deviation, header)
-    ]
+    pairs = [] if table.values else list(_pairs(table))
     if not pairs:
-        return sheet, header, frozenset(), ()
-    first = max(sheet.width, len(header.texts))
-    columns = [
-        replace(_as_diameter(deviation, nominal), index=first + at, unsure=_says_no_unit(sheet, header, deviation))
-        for at, (nominal, deviation) in enumerate(pairs)
-    ]
-    rows = [
-        [
-            *cells,
-            *[""] * (first - len(cells)),
-            *(_sum(sheet, row, nominal, deviation) if row > header.last else "" for nominal, deviation in pairs),
-        ]
-        for row, cells in enumerate(sheet.rows)
-    ]
+        return table
+    columns = [(_as_diameter(table, deviation, nominal), deviation.index) for nominal, deviation in pairs]
+
+    def sums(row: int) -> Iterator[Cell]:
+        for nominal, deviation in pairs:
+            yield _sum(table, row, nominal, deviation) if row > table.last else ""
+
     used = frozenset(column.index for pair in pairs for column in pair)
-    texts = (*header.texts, *[""] * (first - len(header.texts)), *(deviation.heading for _, deviation in pairs))
-    kept = tuple(column for column in header.columns if column.index not in used)
-    derived = {column.index: deviation.index for column, (_, deviation) in zip(columns, pairs, strict=True)}
-    return (
-        replace(sheet, rows=rows, derived={**sheet.derived, **derived}),
-        replace(header, columns=(*kept, *columns), texts=texts),
-        used,
-        tuple(_told(sheet, header, *pair) for pair in pairs),
-    )
+    told = tuple(_told(table, *pair) for pair in pairs)
+    return replace(table.with_columns(columns, sums, used), used=used, told=told)
+
+
+def _pairs(table: Table) -> Iterator[tuple[Column, Column]]:
+    """Yield each deviation behind a nominal diameter that it may be from: of its part, where headings say one."""
+    sizes = [column for column in table.of("specification") if not _is_permitted(column)]
+    for deviation in filter(_is_deviation, table.of("quantity")):
+        part = part_in(deviation.heading)
+        for nominal in sizes:
+            of = part_in(nominal.heading)
+            if (part is not None and of == part) or (len(sizes) < 2 and None in (part, of)):
+                yield nominal, deviation
 
 
 def _is_deviation(column: Column) -> bool:
     words = letters(_said(column))
-    beside = [word for word in words if word not in _DEVIATION]
-    return len(beside) < len(words) and all(word in _BESIDE or word in _STATION or part_of(word) for word in beside)
+    beside = words.but("deviation", "beside_deviation", "diameter", "of_reading", "direction", "repeat")
+    return words.any("deviation") and all(map(part_of, beside))  # no standard and no permitted deviation
 
 
 def _said(column: Column) -> str:
@@ -76,32 +63,30 @@ def _said(column: Column) -> str:
     return _IN_BRACKETS.sub(lambda held: held[0] if any(map(part_of, letters(held[0]))) else " ", said)
 
 
-def _as_diameter(deviation: Column, nominal: Column) -> Column:
+def _as_diameter(table: Table, deviation: Column, nominal: Column) -> Column:
     """Return the column of the diameters that deviations make: what their heading says besides is theirs."""
-    said = _WORD.sub(lambda word: "diameter" if letters(word[0])[0] in _DEVIATION else word[0], _said(deviation))
+    said = _WORD.sub(lambda word: "diameter" if letters(word[0]).any("deviation") else word[0], _said(deviation))
     read = read_heading(said)
     if read is None or read.role != "diameter":
         read = Column(0, "", "diameter")
-    part = read.part or part_in(nominal.heading)
-    return replace(read, heading=deviation.heading, unit=MILLIMETRE, part=part, tentative=False, otherwise=None)
+    return replace(
+        read,
+        heading=deviation.heading,
+        unit=MILLIMETRE,
+        part=read.part or part_in(nominal.heading),
+        tentative=False,
+        otherwise=None,
+        unsure=_says_no_unit(table, deviation),
+    )
 
 
 def _is_permitted(column: Column) -> bool:
     """Return whether a heading says a deviation or tolerance, which no diameter is: "Upper dev", "Lower tol"."""
-    return any(word in _DEVIATION or word in _PERMITTED for word in letters(split_unit(column.heading)[0]))
+    return letters(split_unit(column.heading)[0]).any("deviation", "permitted")
 
 
-def _nominal_of(deviation: Column, header: Header) -> list[Column]:
-    """Return the nominal diameters that a deviation may be from: those of its part, where headings say one."""
-    nominal = [column for column in header.of("specification") if not _is_permitted(column)]
-    part = part_in(deviation.heading)
-    if len(nominal) < 2:
-        return [column for column in nominal if None in (part, of := part_in(column.heading)) or of == part]
-    return [column for column in nominal if part is not None and part_in(column.heading) == part]
-
-
-def _sum(sheet: Sheet, row: int, nominal: Column, deviation: Column) -> Cell:
-    size, off = sheet.filled(row, nominal.index), sheet.cell(row, deviation.index)
+def _sum(table: Table, row: int, nominal: Column, deviation: Column) -> Cell:
+    size, off = table.sheet.filled(row, nominal.index), table.sheet.cell(row, deviation.index)
     if is_blank(off):
         return ""
     try:
@@ -113,24 +98,20 @@ def _sum(sheet: Sheet, row: int, nominal: Column, deviation: Column) -> Cell:
     return round((unit.to_si(value) + small.to_si(apart)) / MILLIMETRE.factor, _DIGITS)
 
 
-def _told(sheet: Sheet, header: Header, nominal: Column, deviation: Column) -> Message:
+def _told(table: Table, nominal: Column, deviation: Column) -> Message:
     text = Sentence(
         "diameters are those of column {nominal!r} plus the deviations of column {deviation!r}",
         nominal=nominal.name,
         deviation=deviation.name,
     )
-    place = sheet.place(header.last, deviation.index, deviation.heading)
-    return Message("info", "diameters_of_deviations", text, place)
+    return Message("info", "diameters_of_deviations", text, table.place(table.last, deviation))
 
 
-def _says_no_unit(sheet: Sheet, header: Header, deviation: Column) -> bool:
+def _says_no_unit(table: Table, deviation: Column) -> bool:
     """Return whether neither the heading nor every cell says in which unit the deviations are."""
-    if deviation.unit is not None:
-        return False
-    for row in range(header.last + 1, len(sheet.rows)):
-        cell = sheet.cell(row, deviation.index)
+    for cell in table.cells(deviation.index).values() if deviation.unit is None else ():
         try:
-            if not is_blank(cell) and number(cell)[1] is None:
+            if number(cell)[1] is None:
                 return True
         except ReadingsError:
             continue

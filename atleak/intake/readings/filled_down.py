@@ -9,8 +9,8 @@ from functools import cache
 from atleak.errors import Message, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.one_heading import Role
-from atleak.intake.readings.sheet_tables import Table
-from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
+from atleak.intake.readings.sizes import UNITS, Sizes, numbers_of
+from atleak.intake.readings.table import Table
 from atleak.intake.readings.values import DiameterCell
 from atleak.intake.readings.words import is_blank, plain, repeat_of, text_of
 from atleak.intake.sheets.sheet import rows_named
@@ -30,10 +30,10 @@ def filled_down(table: Table, told: bool) -> Table:
     """
     if not told and not (table.sheet.is_text and is_own_form(table)):
         return table
-    header, sheet = table.header, table.sheet
-    keys = sorted(each.index for each in header.columns if each.role in _FILLED and each.index not in sheet.derived)
-    counts = [each.index for each in header.of("repeat")]
-    beside = [each.index for each in header.of("specification")] if not told else []
+    sheet = table.sheet
+    keys = sorted(each.index for each in table.columns if each.role in _FILLED and each.index not in sheet.derived)
+    counts = [each.index for each in table.of("repeat")]
+    beside = [each.index for each in table.of("specification")] if not told else []
     filled: dict[tuple[int, int], tuple[int, int]] = {}
     first: dict[int, int] = {}  # of each column the row with the label that counts now
     repeat = 0
@@ -93,10 +93,10 @@ def broken_blocks(table: Table, entries: Sequence[DiameterCell], names: Controll
         station = (key.component, key.part, key.plane, key.direction)
         here.append(station)
         if entry.row in table.filled:
-            units = (entry.raw.unit,) if entry.raw.unit is not None else (MM, UM, INCH)
+            units = (entry.raw.unit,) if entry.raw.unit is not None else UNITS
             beside = [
                 number
-                for column in table.header.of("specification")
+                for column in table.of("specification")
                 for number in numbers_of(table.sheet.cell(entry.row, column.index))
                 if sizes.near(number, units)
             ]
@@ -126,7 +126,7 @@ def _broken(table: Table, entry: DiameterCell, why: Sentence) -> ReadingsError:
 
 def is_own_form(table: Table) -> bool:
     """Return whether a table has the heading of nominal diameters that the program's own form has."""
-    return any(table.heading(index).partition(" [")[0] in nominal_headings() for index in table.columns)
+    return any(table.heading(index).partition(" [")[0] in nominal_headings() for index in table.span)
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
@@ -12,8 +12,8 @@ from atleak.errors import Message, ReadingsError
 from atleak.intake.dates import sure_date
 from atleak.intake.readings.head_identity import read_identity, several
 from atleak.intake.readings.head_labels import Stated, stated_values
-from atleak.intake.readings.sheet_tables import Table
-from atleak.intake.readings.words import Vocabulary, text_of, vocabulary
+from atleak.intake.readings.table import Table
+from atleak.intake.readings.words import text_of
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit, unit
 from atleak.readings import TYPED_MARK, SheetIdentity
@@ -27,8 +27,6 @@ from atleak.written_numbers import (
     read_number,
 )
 
-_DATE = vocabulary("date")
-_BESIDE = vocabulary("beside_head")
 _VALUE = re.compile(
     r"(?P<number>[+\-−]?\s?[.,]?\d[\d.,]*)\s*(?:(?:±|\+/?-)\s*[\d.,]+\s*)?(?P<unit>[^\d\s.,±].*)?", re.DOTALL
 )
@@ -38,50 +36,26 @@ _VALUE = re.compile(
 class _Quantity:
     """A number that a head may state: by which words its label is known, and in which units it is read."""
 
-    words: tuple[Vocabulary, ...]  # a label has one of each of these
-    beside: Vocabulary  # and no other words but these
-    kind: str  # of its units
+    words: tuple[str, ...]  # a label has one of each of these meanings
+    beside: tuple[str, ...]  # and no other words but of these
     unit: Unit  # where none is written, and for people
+    kind: str  # of its units
     asked: AskedNumber
     what: Sentence  # it is, in a message
     of: Sentence  # what
     unlikely: Sentence  # what is said of one outside the limits
     code: str  # of the message that several are stated
 
-    @property
-    def example(self) -> Sentence:
-        """Return what would have been read."""
-        return Sentence(
-            "one {what}, such as {example:g} {unit}",
-            what=self.what,
-            example=self.asked.example,
-            unit=self.asked.unit,
-        )
 
-
-_AT = vocabulary("at_temperature")
-_BESIDE_AT = vocabulary("beside_head", "beside_at_temperature")
 _TEMPERATURE = _Quantity(
-    (vocabulary("temperature"),),
-    _BESIDE,
-    "temperature",
-    unit("°C", "temperature"),
-    MEASURING_TEMPERATURE,
-    Sentence("temperature"),
-    Sentence("of gauge and parts"),
-    Sentence("at which anybody measures"),
+    *(("temperature",), ("beside_head",), unit("°C", "temperature"), "temperature", MEASURING_TEMPERATURE),
+    *(Sentence("temperature"), Sentence("of gauge and parts"), Sentence("at which anybody measures")),
     "measuring_temperature_unclear",
 )
-_SIDE, _TIP = (
+_CLEARANCES = tuple(
     _Quantity(
-        (vocabulary("pump"), vocabulary(words)),
-        vocabulary("beside_pump", "beside_head"),
-        "length",
-        unit("µm", "length"),
-        asked,
-        what,
-        Sentence("of this pump"),
-        Sentence("that a pump has"),
+        *(("pump", words), ("beside_pump", "beside_head"), unit("µm", "length"), "length", asked),
+        *(what, Sentence("of this pump"), Sentence("that a pump has")),
         "pump_clearance_unclear",
     )
     for words, asked, what in (
@@ -115,37 +89,43 @@ def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
     """
     first: dict[str | None, int] = {}
     for table in tables:
-        first[table.sheet.name] = min(table.header.first, first.get(table.sheet.name, table.header.first))
+        first[table.sheet.name] = min(table.first, first.get(table.sheet.name, table.first))
     heads = [
         (sheet, range(is_typed(sheet), max(first[sheet.name], 0)))  # the plan of what is typed is no field of the job
         for sheet in sheets
         if sheet.name in first
     ]
-    read = {quantity: _read(heads, quantity) for quantity in (_TEMPERATURE, _SIDE, _TIP)}
-    dates = [each for sheet, rows in heads for each in stated_values(sheet, rows, (_DATE,), _BESIDE, "temperature")]
+    messages: list[Message] = []
+    problems: list[ReadingsError] = []
+    cells: list[Stated] = []
+
+    def values(quantity: _Quantity) -> float | None:
+        stated = [
+            each
+            for sheet, rows in heads
+            for each in (
+                *stated_values(sheet, rows, quantity.words, quantity.beside, quantity.kind),
+                *(_without_the_word(sheet, rows) if quantity is _TEMPERATURE else ()),
+            )
+        ]
+        cells.extend(stated)
+        return _value(stated, quantity, messages, problems)
+
+    temperature, side, tip = (values(quantity) for quantity in (_TEMPERATURE, *_CLEARANCES))
+    dates = [
+        each for sheet, rows in heads for each in stated_values(sheet, rows, ("date",), ("beside_head",), "temperature")
+    ]
     date, doubts = _read_date(dates)
-    temperature, side, tip = (one.value for one in read.values())
     identity = read_identity(heads)
-    every = [*(each for one in read.values() for each in one.stated), *dates, *identity.stated]
     return Head(
         temperature=temperature,
         date=date,
         pump=PumpClearances.of_um(side, tip),
         identity=identity.identity,
-        cells=tuple((each.sheet.name, each.row, each.column) for each in every),
-        messages=(*(message for one in read.values() for message in one.messages), *doubts, *identity.messages),
-        problems=tuple(problem for one in read.values() for problem in one.problems),
+        cells=tuple((each.sheet.name, each.row, each.column) for each in (*cells, *dates, *identity.stated)),
+        messages=(*messages, *doubts, *identity.messages),
+        problems=tuple(problems),
     )
-
-
-@dataclass(frozen=True)
-class _Read:
-    """What the heads say of one quantity, in the unit in which people are asked for it."""
-
-    value: float | None
-    stated: list[Stated]
-    messages: list[Message]
-    problems: list[ReadingsError]
 
 
 def is_typed(sheet: Sheet) -> bool:
@@ -153,47 +133,40 @@ def is_typed(sheet: Sheet) -> bool:
     return any(TYPED_MARK in row for row in sheet.rows[:1])
 
 
-def _read(heads: Sequence[tuple[Sheet, range]], quantity: _Quantity) -> _Read:
-    """Read one quantity; of several that differ none is taken."""
-    stated = [
-        each
-        for sheet, rows in heads
-        for each in (
-            *stated_values(sheet, rows, quantity.words, quantity.beside, quantity.kind),
-            *(_without_the_word(sheet, rows) if quantity is _TEMPERATURE else ()),
-        )
-    ]
+def _value(
+    stated: Sequence[Stated], quantity: _Quantity, messages: list[Message], problems: list[ReadingsError]
+) -> float | None:
+    """Return the value of a quantity in the unit in which people are asked for it; of several that differ none."""
     values: dict[float, Stated] = {}
-    problems = []
     for each in stated:
         try:
             values.setdefault(_number(each, quantity), each)
         except ReadingsError as error:
             problems.append(error)
-    messages = [_several(values, quantity)] if len(values) > 1 else []
-    return _Read(next(iter(values)) if len(values) == 1 else None, stated, messages, problems)
+    if len(values) > 1:
+        template = Sentence("{value:g} {unit} ({place})")
+        named = all_of(
+            template.of(value=value, unit=quantity.asked.unit, place=each.place.sentence)
+            for value, each in values.items()
+        )
+        text = Sentence(
+            "the head states several {what}s, {named}: none is taken. State the one {of}",
+            what=quantity.what,
+            named=named,
+            of=quantity.of,
+        )
+        messages.append(Message("warning", quantity.code, text, next(iter(values.values())).place))
+    return next(iter(values)) if len(values) == 1 else None
 
 
 def _without_the_word(sheet: Sheet, rows: range) -> Iterator[Stated]:
     """Yield what is told by its unit to be a temperature: "measured at 24.1 °C", "referred to 20 °C"."""
-    for each in stated_values(sheet, rows, (_AT,), _BESIDE_AT, "temperature"):
+    for each in stated_values(
+        sheet, rows, ("at_temperature",), ("beside_head", "beside_at_temperature"), "temperature"
+    ):
         match = _VALUE.fullmatch(text_of(each.value))
         if match and match["unit"] and find_unit(match["unit"], "temperature") is not None:
             yield each
-
-
-def _several(values: Mapping[float, Stated], quantity: _Quantity) -> Message:
-    named = all_of(
-        Sentence("{value:g} {unit} ({place})", value=value, unit=quantity.asked.unit, place=each.place.sentence)
-        for value, each in values.items()
-    )
-    text = Sentence(
-        "the head states several {what}s, {named}: none is taken. State the one {of}",
-        what=quantity.what,
-        named=named,
-        of=quantity.of,
-    )
-    return Message("warning", quantity.code, text, next(iter(values.values())).place)
 
 
 def _number(stated: Stated, quantity: _Quantity) -> float:
@@ -204,34 +177,25 @@ def _number(stated: Stated, quantity: _Quantity) -> float:
     ReadingsError
         with its place: no number, a unit of something else, or out of what there can be.
     """
-    number, written = stated.value, stated.unit or quantity.unit
-    problem = Sentence("no {what}", what=quantity.what)
+    number, unit, asked = stated.value, stated.unit or quantity.unit, quantity.asked
     if isinstance(number, str):
         match = _VALUE.fullmatch(re.sub(r"\s*\([^()]*\)$", "", number.strip()))
         values = possible_values(match["number"]) if match else ()
-        behind = match["unit"] if match else None
-        found = find_unit(behind, quantity.kind) if behind else written
-        if not values or found is None:
-            raise ReadingsError(problem, place=stated.place, value=number, expected=quantity.example)
-        number, written = values[0], found
+        found = find_unit(match["unit"], quantity.kind) if match and match["unit"] else unit
+        if values and found is not None:
+            number, unit = values[0], found
     if isinstance(number, bool) or not isinstance(number, int | float):
-        raise ReadingsError(problem, place=stated.place, value=str(number), expected=quantity.example)
-    value = round(float(quantity.unit.from_si(written.to_si(float(number)))), 9)
-    if read_number(repr(value), quantity.asked).value is None:
-        low, high = (f"{end:g}".replace("-", "−") for end in quantity.asked.limits)
-        raise ReadingsError(
-            Sentence("no {what} {unlikely}", what=quantity.what, unlikely=quantity.unlikely),
-            place=stated.place,
-            value=stated.value,
-            expected=Sentence(
-                "the {what} {of}, from {low} to {high} {unit}",
-                what=quantity.what,
-                of=quantity.of,
-                low=low,
-                high=high,
-                unit=quantity.asked.unit,
-            ),
-        )
+        problem = Sentence("no {what}", what=quantity.what)
+        expected = Sentence("one {what}, such as {example:g} {unit}")
+        expected = expected.of(what=quantity.what, example=asked.example, unit=asked.unit)
+        raise ReadingsError(problem, place=stated.place, value=str(number), expected=expected)
+    value = round(float(quantity.unit.from_si(unit.to_si(float(number)))), 9)
+    if read_number(repr(value), asked).value is None:
+        low, high = (f"{end:g}".replace("-", "−") for end in asked.limits)
+        problem = Sentence("no {what} {unlikely}", what=quantity.what, unlikely=quantity.unlikely)
+        expected = Sentence("the {what} {of}, from {low} to {high} {unit}")
+        expected = expected.of(what=quantity.what, of=quantity.of, low=low, high=high, unit=asked.unit)
+        raise ReadingsError(problem, place=stated.place, value=stated.value, expected=expected)
     return value
 
 

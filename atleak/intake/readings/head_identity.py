@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 from atleak.errors import Message
 from atleak.intake.readings.head_labels import Stated, means, stated_values
-from atleak.intake.readings.words import Vocabulary, letters, plain, text_of, vocabulary
+from atleak.intake.readings.words import letters, plain, text_of
 from atleak.intake.sheets.sheet import Sheet
 from atleak.readings import SheetIdentity
 from atleak.sentence import Sentence, all_of
@@ -17,37 +16,25 @@ from atleak.workshop_units import MILE
 from atleak.written_numbers import MILEAGE, WrittenNumber, read_number
 
 _LONGEST = 200  # signs of a text; what is longer is no entry of a field
-_BESIDE = vocabulary("beside_identity")
-_OF_VEHICLE = vocabulary("beside_identity", "head_vehicle")
-_INSTRUMENT = vocabulary("head_instrument")
+_BESIDE, _OF_VEHICLE = ("beside_identity",), ("beside_identity", "head_vehicle")
 _DISTANCE = re.compile(r"(?P<number>.*?)\s*(?P<unit>km|kms|mi|mile|miles)\.?", re.IGNORECASE | re.DOTALL)
 _OF_MILES = frozenset(("mi", "mile", "miles"))  # in a label
 _MILES = replace(MILEAGE, unit="mi")
 
 
-@dataclass(frozen=True)
-class _Field:
-    """A field of the head: by which words its label is known, and what it is called in a message."""
-
-    words: tuple[Vocabulary, ...]  # a label has one of each of these
-    beside: Vocabulary
-    what: Sentence
-
-
-# in the order in which a label is tried: "vehicle identification number" is no vehicle
-_FIELDS: Mapping[str, _Field] = MappingProxyType(
-    {
-        "vin": _Field((vocabulary("head_vin"),), _OF_VEHICLE, Sentence("VIN")),
-        "mileage": _Field((vocabulary("head_mileage"),), _OF_VEHICLE, Sentence("mileage")),
-        "vehicle": _Field((vocabulary("head_vehicle"),), _BESIDE, Sentence("vehicle")),
-        "serial": _Field((vocabulary("head_serial"),), _BESIDE, Sentence("serial number")),
-        "job": _Field((vocabulary("head_job"),), _BESIDE, Sentence("job")),
-        "technician": _Field((vocabulary("head_technician"),), _BESIDE, Sentence("name of who measured")),
-        "for spools": _Field((_INSTRUMENT, vocabulary("head_of_spools")), _BESIDE, Sentence("instrument for spools")),
-        "for bores": _Field((_INSTRUMENT, vocabulary("head_of_bores")), _BESIDE, Sentence("instrument for bores")),
-        "for all": _Field((_INSTRUMENT,), _BESIDE, Sentence("instrument")),
-    }
-)
+# by the meaning of which words a label is known, one of each, and what else may stand in it; the field in a message. In
+# the order in which a label is tried: "vehicle identification number" is no vehicle
+_FIELDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...], Sentence]] = {
+    "vin": (("head_vin",), _OF_VEHICLE, Sentence("VIN")),
+    "mileage": (("head_mileage",), _OF_VEHICLE, Sentence("mileage")),
+    "vehicle": (("head_vehicle",), _BESIDE, Sentence("vehicle")),
+    "serial": (("head_serial",), _BESIDE, Sentence("serial number")),
+    "job": (("head_job",), _BESIDE, Sentence("job")),
+    "technician": (("head_technician",), _BESIDE, Sentence("name of who measured")),
+    "for spools": (("head_instrument", "head_of_spools"), _BESIDE, Sentence("instrument for spools")),
+    "for bores": (("head_instrument", "head_of_bores"), _BESIDE, Sentence("instrument for bores")),
+    "for all": (("head_instrument",), _BESIDE, Sentence("instrument")),
+}
 _INSTRUMENTS = ("for spools", "for bores", "for all")
 
 
@@ -69,18 +56,18 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> Identity:
     every: list[Stated] = []
     messages: list[Message] = []
     values: dict[str, str | float] = {}
-    for name, field in _FIELDS.items():
+    for name, (words, beside, what) in _FIELDS.items():
         taken = {(each.sheet.name, each.row, each.column) for each in every}
         found = [
             each
             for sheet, rows in heads
-            for each in stated_values(sheet, rows, field.words, field.beside, None)
+            for each in stated_values(sheet, rows, words, beside, None)
             if (each.sheet.name, each.row, each.column) not in taken and len(text_of(each.value)) <= _LONGEST
         ]
         every += found
         told = {plain(text_of(each.value)): each for each in found}
         if len(told) > 1:
-            messages.append(several([(text_of(one.value), one) for one in told.values()], field.what))
+            messages.append(several([(text_of(one.value), one) for one in told.values()], what))
         for each in told.values() if len(told) == 1 else ():
             value = _mileage(each, messages) if name == "mileage" else text_of(each.value)
             if value not in ("", None):
@@ -127,4 +114,4 @@ def identity_field(label: str) -> str | None:
     >>> identity_field("Chassis no."), identity_field("Kilometerstand"), identity_field("Supplier")
     ('vin', 'mileage', None)
     """
-    return next((name for name, field in _FIELDS.items() if means(label, field.words, field.beside)), None)
+    return next((name for name, (words, beside, _) in _FIELDS.items() if means(label, words, beside)), None)

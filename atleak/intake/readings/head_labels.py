@@ -7,24 +7,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from atleak.errors import Place
-from atleak.intake.readings.words import Vocabulary, is_blank, letters, text_of, vocabulary
+from atleak.intake.readings.words import is_blank, letters, text_of
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit
 
 # words that head cells of their own: one of these beside a label is no value of it
-_OTHER_LABELS = vocabulary(
-    *("state", "person", "pump", "quantity", "remark", "gauge", "name", "number", "component", "part", "unit", "date")
+_OTHER_LABELS = (
+    *("state", "person", "pump", "quantity", "remark", "gauge", "name", "number", "component", "part", "unit", "date"),
 )
-_FIELDS = vocabulary(
+_FIELDS = (
     *(f"head_{field}" for field in ("job", "vehicle", "vin", "serial", "mileage", "technician", "instrument")),
     *("date", "temperature", "pump"),
 )
-_OF_FIELDS = vocabulary(
-    *(f"head_{field}" for field in ("job", "vehicle", "vin", "serial", "mileage", "technician", "instrument")),
-    *("beside_identity", "date", "temperature", "beside_head", "pump", "pump_side", "pump_tip", "beside_pump"),
-)
-_INSTRUMENT = vocabulary("head_instrument")
-_OF_INSTRUMENT = vocabulary("head_of_spools", "head_of_bores", "beside_identity")
+_OF_FIELDS = (*_FIELDS, "beside_identity", "beside_head", "pump_side", "pump_tip", "beside_pump")
 _LABEL = re.compile(r"(?P<label>[^:=\d]*?[^:=\d\s+\-−])\s*(?:[:=]\s*(?P<told>.*)|(?P<number>[+\-−]?\d.*))?", re.DOTALL)
 _BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
 _REACH = 2  # cells to the right of a label in which its value may stand
@@ -48,7 +43,7 @@ class Stated:
 
 
 def stated_values(
-    sheet: Sheet, rows: range, meaning: Sequence[Vocabulary], beside: Vocabulary, kind: str | None
+    sheet: Sheet, rows: range, meaning: Sequence[str], beside: Sequence[str], kind: str | None
 ) -> Iterator[Stated]:
     """Yield what stands behind, beside or under every label of this meaning.
 
@@ -57,7 +52,7 @@ def stated_values(
     meaning
         of each of these a label has a word.
     beside
-        words that it may have beside them; it has no others.
+        meanings of the words that it may have beside them; it has no others.
     kind
         of the units of its value; None where it is a text.
     """
@@ -73,16 +68,14 @@ def stated_values(
                 yield found
 
 
-def means(label: str, meaning: Sequence[Vocabulary], beside: Vocabulary) -> bool:
+def means(label: str, meaning: Sequence[str], beside: Sequence[str]) -> bool:
     """Tell whether a label has a word of each meaning, and no words but these and those that may stand beside."""
     words = letters(label)
-    known = all(any(word in each for each in (*meaning, beside)) for word in words)
-    return known and all(any(word in each for word in words) for each in meaning)
+    return words.only(*meaning, *beside) and all(map(words.any, meaning))
 
 
 def _unit_in(label: str, kind: str | None) -> Unit | None:
-    bracketed = [match[1] for match in _BRACKETS.finditer(label)]
-    written = [*bracketed, *label.split()[-1:]]
+    written = [*(match[1] for match in _BRACKETS.finditer(label)), *label.split()[-1:]]
     return next((found for text in written if (found := _unit(text.strip(), kind))), None)
 
 
@@ -114,7 +107,7 @@ def _heads_something(cell: Cell) -> bool:
     """Tell whether a cell heads something else than a number: words without one, one of them a usual label."""
     if not isinstance(cell, str) or re.search(r"\d", cell):
         return False
-    return cell.rstrip().endswith(":") or any(word in _OTHER_LABELS for word in letters(cell))
+    return cell.rstrip().endswith(":") or letters(cell).any(*_OTHER_LABELS)
 
 
 def _heads_a_field(cell: Cell) -> bool:
@@ -122,15 +115,10 @@ def _heads_a_field(cell: Cell) -> bool:
     if not isinstance(cell, str):
         return False
     bare = _BRACKETS.sub("", cell.split(":")[0].split("=")[0])
-    is_number = not letters(bare) or bool(re.search(r"\d", bare))
-    return cell.rstrip().endswith(":") or (not is_number and _is_field(bare))
-
-
-def _is_field(label: str) -> bool:
-    """Tell whether a label is a field's: an "air gauge" has words that stand beside one, and is none itself."""
-    if means(label, (_INSTRUMENT,), _OF_INSTRUMENT):
-        return True
-    return means(label, (), _OF_FIELDS) and any(word in _FIELDS for word in letters(label))
+    # an "air gauge" has words that stand beside a label, and is none itself
+    instrument = means(bare, ("head_instrument",), ("head_of_spools", "head_of_bores", "beside_identity"))
+    is_field = instrument or (means(bare, (), _OF_FIELDS) and letters(bare).any(*_FIELDS))
+    return cell.rstrip().endswith(":") or (is_field and not re.search(r"\d", bare))
 
 
 def is_row_of_fields(row: Sequence[Cell]) -> bool:

@@ -4,28 +4,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
-from atleak.intake.readings.words import SIZES, UNITS_BEHIND, direction_of, part_of, plain, vocabulary
+from atleak.intake.readings.words import ORDINALS, Words, direction_of, part_of, plain, vocabulary
 
-_COUNTED = vocabulary("repeat", "reading", "actual")
-_DIAMETER = vocabulary("diameter")
-_NUMBER = vocabulary("number")
-_PART_OR_OTHER = vocabulary("part_or_other")
-_EXPLAINED = vocabulary(
+_EXPLAINED = (
     *("repeat", "reading", "actual", "diameter", "coordinate", "number", "direction", "outer", "inner", "dimension"),
     *("land", "plane"),
-)
-_LAND = vocabulary("land")
-_PLANE = vocabulary("plane")
-_DIRECTION = vocabulary("direction")
+)  # what words of a heading may say of the place and the repeat of a diameter
 _BESIDE_A_PART = {"of", "the", "der", "des", "du", "de", "la", "l", "le", "del", "at", "in", "an", "am"}
-_ORDINAL = {"st", "nd", "rd", "th"}
 _ENDS = {"x1", "x2", "y1", "y2"}
 _DIRECTED = {"x": 0.0, "dx": 0.0, "x-x": 0.0, "a-a": 0.0, "y": 90.0, "dy": 90.0, "y-y": 90.0, "b-b": 90.0}
 _AXES = _ENDS | {"i", "ii", *_DIRECTED}
 _ROMAN = {"i": "1", "ii": "2", "iii": "3", "iv": "4"}
+_SAY_NO_MORE = ORDINALS | _AXES | {*_ROMAN, *_BESIDE_A_PART, "od", "id", "o", "clock", "uhr"}
 _MOST_REPEATS = 30
 _PLAIN_ANGLES = {"0", "90"}  # behind the word for the diameter also without "°"
 
@@ -38,13 +30,13 @@ _COMPOUND = re.compile(r"(\w{4,}?)(durchmesser|durchm|mass)")
 
 
 @lru_cache(maxsize=4096)
-def tokens_of(text: str) -> tuple[str, ...]:
+def tokens_of(text: str) -> Words:
     """Return the words and numbers of a heading without its unit; of a compound that names a part its two words.
 
     >>> tokens_of("Hülsendurchmesser 2"), tokens_of("Solldurchmesser"), tokens_of("Ø A-A")
     (('hulsen', 'durchmesser', '2'), ('solldurchmesser',), ('ø', 'a-a'))
     """
-    return tuple(word for token in _TOKEN.findall(plain(text).replace("_", " ")) for word in _halves(token))
+    return Words(word for token in _TOKEN.findall(plain(text).replace("_", " ")) for word in _halves(token))
 
 
 def _halves(word: str) -> tuple[str, ...]:
@@ -58,34 +50,20 @@ def _halves(word: str) -> tuple[str, ...]:
     return (word,)
 
 
-@dataclass(frozen=True)
-class Spot:
-    """Where on its spool a heading says that its diameters were taken: land or plane by name, angle [°]."""
+def spot_of_heading(tokens: Sequence[str]) -> tuple[dict[str, str], Words]:
+    """Return where a heading says that its diameters were taken: land, plane, direction by name; and its other words.
 
-    land: str | None = None
-    plane: str | None = None
-    direction: float | None = None
-
-    @property
-    def is_somewhere(self) -> bool:
-        """Return whether the heading says any of it."""
-        return self != Spot()
-
-
-def spot_of_heading(tokens: Sequence[str]) -> tuple[Spot, tuple[str, ...]]:
-    """Return where a heading says that its diameters were taken, and its other words.
-
-    >>> spot_of_heading(["spool", "land", "2"])[0].land, spot_of_heading(["2", "ebene", "ø"])
-    ('2', (Spot(land=None, plane='2', direction=None), ('ø',)))
+    >>> spot_of_heading(["spool", "land", "2"]), spot_of_heading(["2", "ebene", "ø"])
+    (({'land': '2'}, ('spool',)), ({'plane': '2'}, ('ø',)))
     """
-    words = [token for token in tokens if token not in _ORDINAL]
+    words = [token for token in tokens if token not in ORDINALS]
     said: dict[str, str] = {}
     others: list[str] = []
     at = 0
     while at < len(words):
         glued = re.fullmatch(r"([^\W\d]+)(\d{1,2})", words[at])
         kind = _kind(glued[1] if glued else words[at])
-        step = 2 if at + 1 < len(words) and words[at + 1] in _NUMBER else 1
+        step = 2 if at + 1 < len(words) and words[at + 1] in vocabulary("number") else 1
         name = glued[2] if glued else words[at + step] if at + step < len(words) else ""
         if kind is not None and kind not in said and _names_spot(name, kind):
             said[kind] = _ROMAN.get(name, name)
@@ -96,16 +74,13 @@ def spot_of_heading(tokens: Sequence[str]) -> tuple[Spot, tuple[str, ...]]:
         else:
             others.append(words[at])
             at += 1
-    direction = direction_of(said["direction"]) if "direction" in said else None
-    return Spot(said.get("land"), said.get("plane"), direction), tuple(others)
+    return said, Words(others)
 
 
 def _kind(word: str) -> str | None:
-    if word in _LAND or word == "l":
+    if word == "l":
         return "land"
-    if word in _PLANE:
-        return "plane"
-    return "direction" if word in _DIRECTION else None
+    return next((kind for kind in ("land", "plane", "direction") if word in vocabulary(kind)), None)
 
 
 def _names_spot(name: str, kind: str) -> bool:
@@ -117,12 +92,8 @@ def _names_spot(name: str, kind: str) -> bool:
 def is_explained(tokens: Iterable[str]) -> bool:
     """Return whether words say only of which part and place a diameter is, and which repeat."""
     return all(
-        token in _EXPLAINED
-        or token in _AXES
-        or token in _ORDINAL
-        or token in _ROMAN
-        or token in _BESIDE_A_PART
-        or token in {"od", "id", "o", "clock", "uhr"}
+        token in vocabulary(*_EXPLAINED)
+        or token in _SAY_NO_MORE
         or token.isdigit()
         or is_angle(token)
         or part_of(token) is not None
@@ -140,40 +111,46 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
     >>> numbers_of_heading("diameter", ["diameter", "2"]), numbers_of_heading("diameter", ["diameter", "50", "km"])
     ((None, None, 2), (None, None, None))
     """
-    angles = [token for token, after in _followed(tokens) if is_angle(token) and after not in UNITS_BEHIND]
+    repeat, beside = _counted(tokens)
+    coordinate = None
+    if role == "coordinate":
+        ends = {token[1] for token in tokens if token in _ENDS}
+        coordinate = int(ends.pop()) if len(ends) == 1 else beside.pop(0) if beside else None
+    return coordinate, _direction(role, tokens), beside[0] if repeat is None and beside else repeat
+
+
+def _direction(role: str, tokens: Sequence[str]) -> float | None:
+    around = [each for each in _around(tokens) if each[2] not in vocabulary("before_unit")]
+    angles = [token for _, token, _ in around if is_angle(token)]
     angles += [
         token
-        for before, (token, after) in zip(("", *tokens), _followed(tokens), strict=False)
-        if token in _PLAIN_ANGLES and (before in SIZES or part_of(before)) and after not in UNITS_BEHIND
+        for before, token, _ in around
+        if token in _PLAIN_ANGLES and (before in vocabulary("of_size") or part_of(before))
     ]
     angles += [token for token in tokens if "-" in token or (token.isalpha() and len(token) > 3)]
-    direction = next((angle for each in angles if (angle := direction_of(each)) is not None), None)
-    if direction is None and role == "diameter":
-        direction = next((_DIRECTED[token] for token in tokens if token in _DIRECTED), None)
-    axes = {token for token in tokens if token in _ENDS}
-    letters = {axis[0] for axis in axes}
-    if len(letters) == 1 and direction is None:
-        direction = 0.0 if letters == {"x"} else 90.0
-    repeat = coordinate = None
+    said = [angle for each in angles if (angle := direction_of(each)) is not None]
+    if role == "diameter":
+        said += [_DIRECTED[token] for token in tokens if token in _DIRECTED]
+    axes = {token[0] for token in tokens if token in _ENDS}
+    said += [0.0 if axes == {"x"} else 90.0] if len(axes) == 1 else []
+    return next(iter(said), None)
+
+
+def _counted(tokens: Sequence[str]) -> tuple[int | None, list[int]]:
+    """Return the number behind a word for a repeat, and those beside a word for the diameter or a part."""
+    repeat = None
     beside: list[int] = []
     for before, token, after in _numbered(tokens):
         glued = re.fullmatch(r"([^\W\d]+)(\d+)", token)
         word, number = (glued[1], int(glued[2])) if glued else (before, int(token))
-        if after in UNITS_BEHIND or after[:1].isdigit() or before.isdigit() or not 0 < number <= _MOST_REPEATS:
+        another = after in vocabulary("before_unit") or after[:1].isdigit() or before.isdigit()
+        if another or not 0 < number <= _MOST_REPEATS:
             continue
-        if word in _COUNTED or word in {"#", "r"}:
+        if word in vocabulary("repeat", "of_reading") or word in {"#", "r"}:
             repeat = number if repeat is None else repeat
-        elif word in SIZES or _may_be_numbered(word, after):
+        elif word in vocabulary("of_size") or _may_be_numbered(word, after):
             beside.append(number)
-    if role == "coordinate":
-        ends = {axis[1] for axis in axes}
-        if len(ends) == 1:
-            coordinate = int(ends.pop())
-        elif beside:
-            coordinate = beside.pop(0)
-    if repeat is None and beside:
-        repeat = beside[0]
-    return coordinate, direction, repeat
+    return repeat, beside
 
 
 def besides_numbers(words: Iterable[str]) -> frozenset[str]:
@@ -189,7 +166,7 @@ def besides_numbers(words: Iterable[str]) -> frozenset[str]:
         or (
             word.isalpha()
             and len(word) > 1
-            and not (word in _EXPLAINED or word in _ORDINAL or word in _AXES or word in _ROMAN)
+            and not (word in vocabulary(*_EXPLAINED) or word in ORDINALS or word in _AXES or word in _ROMAN)
             and part_of(word) is None
         )
     )
@@ -199,18 +176,19 @@ def is_angle(word: str) -> bool:
     return re.fullmatch(r"\d+(?:°|deg)", word) is not None
 
 
-def _followed(tokens: Sequence[str]) -> Iterator[tuple[str, str]]:
-    return zip(tokens, (*tokens[1:], ""), strict=False)
+def _around(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
+    """Yield every word with those before and behind it, "" where there is none."""
+    return zip(("", *tokens), tokens, (*tokens[1:], ""), strict=False)
 
 
 def _numbered(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
     """Yield each number with the word before it, past "no.", and the word behind it, past "st" and "nd"."""
-    words = [token for token in tokens if (token not in _NUMBER or token == "#") and token not in _ORDINAL]
+    words = [token for token in tokens if (token not in vocabulary("number") or token == "#") and token not in ORDINALS]
     words = [
-        _ROMAN[token] if token in _ROMAN and before in _COUNTED else token
-        for before, token in zip(("", *words), words, strict=False)
+        _ROMAN[token] if token in _ROMAN and before in vocabulary("repeat", "of_reading") else token
+        for before, token, _ in _around(words)
     ]
-    for before, (token, after) in zip(("", *words), _followed(words), strict=False):
+    for before, token, after in _around(words):
         if token.isdigit() or (re.fullmatch(r"[^\W\d]+\d+", token) and token not in _AXES):
             yield before, token, after
 
@@ -218,5 +196,5 @@ def _numbered(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
 def _may_be_numbered(word: str, after: str) -> bool:
     """Return whether a part, a direction, or nothing stands before the word for the diameter: "1. diameter"."""
     if word == "":
-        return after in _DIAMETER or after in _COUNTED or part_of(after) is not None
-    return (part_of(word) is not None and word not in _PART_OR_OTHER) or word in _AXES or is_angle(word)
+        return after in vocabulary("diameter", "repeat", "of_reading") or part_of(after) is not None
+    return (part_of(word) is not None and word not in vocabulary("part_or_other")) or word in _AXES or is_angle(word)

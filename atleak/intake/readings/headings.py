@@ -5,37 +5,15 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 from atleak.intake.readings.head_labels import is_row_of_fields
-from atleak.intake.readings.heading_numbers import (
-    is_explained,
-    spot_of_heading,
-    tokens_of,
-)
-from atleak.intake.readings.one_heading import (
-    KEYS,
-    LETTERED,
-    OF_LANDS,
-    SAYS_NOTHING,
-    Column,
-    Role,
-    both_ends,
-    read_heading,
-    split_unit,
-)
-from atleak.intake.readings.words import (
-    COUNTED,
-    READINGS,
-    SIZES,
-    is_blank,
-    number_of,
-    part_of,
-    side_of,
-    text_of,
-    vocabulary,
-)
+from atleak.intake.readings.heading_numbers import is_explained, spot_of_heading, tokens_of
+from atleak.intake.readings.one_heading import KEYS, LETTERED, Column, both_ends, read_heading, split_unit
+from atleak.intake.readings.table import Table
+from atleak.intake.readings.words import is_blank, number_of, part_of, side_of, text_of
 from atleak.intake.sheets.sheet import Sheet
 from atleak.sentence import Sentence
 
@@ -46,100 +24,31 @@ EXPECTED = Sentence(
 
 _DEPTH = 4  # rows that headings may be spread over
 
-_UNDER_ANOTHER = vocabulary(
-    "mean", "sum", "mean_in_heading", "specification", "specification_title", "actual", "reading"
-)
 
-
-@dataclass(frozen=True)
-class Header:
-    """The headings of a table: rows ``first`` to ``last`` from 0, of all columns in ``texts``.
-
-    A table that goes on under another title, or on another sheet, has no headings of its own: ``last`` is then the row
-    above its first one, -1 at the top of a sheet.
-    """
-
-    first: int
-    last: int
-    columns: tuple[Column, ...]
-    texts: tuple[str, ...] = ()
-
-    def text(self, index: int) -> str:
-        """Return a column's heading on one line; "" where it has none."""
-        return " ".join(self.texts[index].split()) if index < len(self.texts) else ""
-
-    def of(self, role: Role) -> tuple[Column, ...]:
-        return tuple(column for column in self.columns if column.role == role)
-
-    @property
-    def values(self) -> tuple[Column, ...]:
-        return tuple(column for column in self.columns if column.holds_value)
-
-    @property
-    def of_lands(self) -> tuple[Column, ...]:
-        """Return the columns of what a land itself has, or its component: contact length, position, fitted repair."""
-        return tuple(column for column in self.columns if column.role in OF_LANDS)
-
-    @property
-    def roles(self) -> set[Role]:
-        """Return what the headings name, of all that makes a reading."""
-        return {column.role for column in self.columns}.difference(SAYS_NOTHING)
-
-    @property
-    def complete(self) -> bool:
-        """Return whether the rows under the headings can be read at all."""
-        return bool(self.of("component")) and bool(self.values)
-
-    @property
-    def score(self) -> float:
-        """Return how much this looks like the headings of a measuring sheet."""
-        named = self.roles
-        distinct = {(column.role, column.coordinate, column.group) for column in self.values}
-        doubled = len(self.values) - len(distinct)
-        return (
-            2.0 * ("component" in named)
-            + 2.0 * bool(distinct)
-            + len(named & {"part", "plane", "land", "direction"})
-            + 0.5 * ("repeat" in named)
-            + 0.1 * min(len(distinct), 20)
-            + 0.05 * any(column.unit for column in self.values)
-            - 0.1 * doubled
-            - 0.01 * (self.last - self.first)
-        )
-
-    @property
-    def starts_table(self) -> bool:
-        """Return whether this can only be headings: two sizes, or a size beside what it is of."""
-        sizes = [column for column in self.columns if column.holds_size and _is_named_size(column)]
-        others = [column for column in self.columns if column.role == "quantity" and column.unit is not None]
-        others += self.of_lands
-        keys = {column.role for column in self.columns}.intersection(KEYS)
-        several = sum(column.holds_value for column in self.columns) > 1  # "spool" and "bore", or "0°" and "90°"
-        return (len(sizes) or several) + bool(keys) > 1 or (bool(others) and len(keys) > 1)
+def _starts_table(table: Table) -> bool:
+    """Return whether this can only be headings: two sizes, or a size beside what it is of."""
+    sizes = [column for column in table.columns if column.holds_size and _is_named_size(column)]
+    others = [column for column in table.columns if column.role == "quantity" and column.unit is not None]
+    keys = {column.role for column in table.columns}.intersection(KEYS)
+    several = len(table.values) > 1  # "spool" and "bore", or "0°" and "90°"
+    return (len(sizes) or several) + bool(keys) > 1 or (bool(others or table.of_lands) and len(keys) > 1)
 
 
 def _is_named_size(column: Column) -> bool:
     """Return whether a word of its own says a size, not only "spool" or "0°", which stand in readings too."""
-    if not column.holds_value:
-        return True
-    words = set(tokens_of(column.heading))
-    named = words & SIZES or words & READINGS or both_ends(words) or column.role == "coordinate"
-    return bool(named or column.unit is not None or column.standing)
+    words = tokens_of(column.heading)
+    named = words.any("of_size", "of_reading") or both_ends(set(words)) or column.role == "coordinate"
+    return not column.holds_value or named or column.unit is not None or bool(column.standing)
 
 
-def best_header(sheet: Sheet) -> Header | None:
+def best_header(sheet: Sheet) -> Table | None:
     """Return the row (or up to three rows) that looks most like headings, or None where none does."""
-    best: Header | None = None
-    for first in range(len(sheet.rows)):
-        if not _may_hold_headings(sheet, first):
-            continue
-        for header in _headers_at(sheet, first):
-            if header.score > 2.0 and (best is None or header.score > best.score + 1e-9):
-                best = header
-    return best
+    rows = (row for row in range(len(sheet.rows)) if _may_hold_headings(sheet, row))
+    found = [header for row in rows for header in _headers_at(sheet, row) if header.score > 2.0]
+    return max(found, key=lambda header: round(header.score, 9), default=None)
 
 
-def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Header]:
+def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Table]:
     """Return the headings of every table, from top to bottom. ``is_component`` knows the cells of readings."""
     candidates = []
     for first in range(len(sheet.rows)):
@@ -157,11 +66,11 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
             if last > first and is_row_of_fields(sheet.rows[first]):
                 continue
             # a row that holds a number is taken only where its headings leave no doubt
-            if header.starts_table and (not decimals or (header.complete and len(header.roles) > 2)):
+            if _starts_table(header) and (not decimals or (header.complete and len(header.roles) > 2)):
                 candidates.append(header)
-    headers: list[Header] = []
+    headers: list[Table] = []
     taken: set[int] = set()
-    for header in sorted(candidates, key=lambda each: (-round(each.score + _depth_bonus(sheet, each), 9), each.first)):
+    for header in sorted(candidates, key=lambda each: (-round(each.score + _depth_bonus(each), 9), each.first)):
         rows = range(header.first, header.last + 1)
         if taken.isdisjoint(rows):
             headers.append(header)
@@ -169,14 +78,14 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
     return sorted(headers, key=lambda each: each.first)
 
 
-def _depth_bonus(sheet: Sheet, header: Header) -> float:
+def _depth_bonus(table: Table) -> float:
     """Score headings under headings higher: "nominal" and "actual" under "diameter" make no table of their own."""
     return sum(
         0.02
-        for row in range(header.first + 1, header.last + 1)
+        for row in range(table.first + 1, table.last + 1)
         if any(
             isinstance(cell, str) and (column := read_heading(cell)) is not None and column.holds_size
-            for cell in sheet.rows[row]
+            for cell in table.sheet.rows[row]
         )
     )
 
@@ -205,15 +114,15 @@ def _may_hold_headings(sheet: Sheet, row: int) -> bool:
     return texts[0] > 0 and sheet.merged.get((row, texts[0] + 1)) == (row, texts[0])
 
 
-def _headers_at(sheet: Sheet, first: int) -> Iterator[Header]:
+def _headers_at(sheet: Sheet, first: int) -> Iterator[Table]:
     for last in range(first, min(first + _DEPTH, len(sheet.rows))):
         if last > first and not any(not is_blank(cell) for cell in sheet.rows[last]):
             return
         headings = _headings(sheet, first, last)
         columns = [column for index, text in enumerate(headings) if (column := read_heading(text, index)) is not None]
         columns += _numbered(columns, headings)
-        header = Header(first, last, read_together(columns), tuple(headings))
-        if last > first and _is_data(sheet, header, last):
+        header = Table(sheet, first, last, read_together(columns), tuple(headings))
+        if last > first and _is_data(header):
             return
         yield header
 
@@ -243,7 +152,8 @@ def _said(sheet: Sheet, row: int, column: int) -> str:
 def _is_under_another(text: str) -> bool:
     rest, _ = split_unit(text)
     words = tokens_of(rest)
-    return is_explained(spot_of_heading(words)[1]) or bool(set(words) & _UNDER_ANOTHER)
+    of_another = words.any("mean", "sum", "mean_in_heading", "of_specification", "of_reading")
+    return of_another or is_explained(spot_of_heading(words)[1])
 
 
 def _heads_part(texts: Sequence[str]) -> bool:
@@ -265,17 +175,14 @@ def _numbered(columns: Sequence[Column], headings: Sequence[str]) -> list[Column
     ]
 
 
-def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
+def _is_data(header: Table) -> bool:
     """Return whether the last row taken for headings is a reading: it names a component of its own."""
+    cell = header.sheet.cell
     return any(
-        not is_blank(sheet.cell(row, column.index))
-        and any(not is_blank(sheet.cell(above, column.index)) for above in range(header.first, row))
+        not is_blank(cell(header.last, column.index))
+        and any(not is_blank(cell(above, column.index)) for above in range(header.first, header.last))
         for column in header.of("component")
     )
-
-
-def _is_counted(column: Column) -> bool:
-    return bool(set(tokens_of(column.heading)) & COUNTED)
 
 
 def read_together(columns: list[Column]) -> tuple[Column, ...]:
@@ -295,19 +202,12 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
     angles = {column.direction for column in columns if column.holds_value} - {None}
     # "x1" and "x2" without "y1" and "y2" are only the names of two coordinates
     only_names = len(angles) == 1 and any(re.search(r"\b[xy][12]\b", column.heading.lower()) for column in columns)
-    together = []
-    for column in columns:
-        if column.holds_value and ("direction" in roles or only_names):
-            column = replace(column, direction=None)
-        if column.holds_value and "part" in roles:
-            column = replace(column, part=None)
-        if column.holds_value and (("land" in roles and column.land) or ("plane" in roles and column.plane)):
-            column = replace(
-                column,
-                land=None if "land" in roles else column.land,
-                plane=None if "plane" in roles else column.plane,
-            )
-        together.append(column)
+    said = {
+        "direction": "direction" in roles or only_names,
+        **{role: role in roles for role in ("part", "land", "plane")},
+    }
+    unsaid: dict[str, Any] = {name: None for name, elsewhere in said.items() if elsewhere}
+    together = [replace(column, **unsaid) if column.holds_value and unsaid else column for column in columns]
     counted: dict[tuple[object, ...], set[int | None]] = defaultdict(set)
     for column in together:
         if column.holds_value:
@@ -318,7 +218,7 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
         for column in together
         if column.repeat is not None
         and (
-            column.repeat > len(counted[column.station]) + _is_counted(column)
+            column.repeat > len(counted[column.station]) + tokens_of(column.heading).any("of_repeat")
             or {None, 1} <= counted[column.station]  # "measurement 1", "measurement 2", "result"
         )
     }

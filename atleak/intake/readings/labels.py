@@ -9,15 +9,11 @@ from dataclasses import dataclass, replace
 
 from atleak.errors import ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.heading_numbers import Spot, is_angle, spot_of_heading, tokens_of
+from atleak.intake.readings.heading_numbers import is_angle, spot_of_heading, tokens_of
 from atleak.intake.readings.one_heading import split_unit
-from atleak.intake.readings.words import COUNTED, direction_of, part_of, part_said, plain, text_of, vocabulary
+from atleak.intake.readings.words import direction_of, part_of, part_said, plain, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell
 
-_NUMBER = vocabulary("number")
-_LABELS = vocabulary("number", "component", "generic")
-_DIAMETER = vocabulary("diameter")
-_SIDES = vocabulary("outer", "inner")
 _LEADING_NUMBER = re.compile(r"(\d+'?)(?=[\s,;:./_()\-–—#]|$)")
 _AXES = {"x": "0°", "y": "90°"}
 _MONTH = (
@@ -77,9 +73,9 @@ def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, 
         if component not in names.with_lands:
             continue
         if any(letter.isalpha() for letter in name):
-            at = _whole_word(name, folded)
-            if at is not None:
-                yield component, f"{folded[: at[0]]} {folded[at[1] :]}"
+            match = re.search(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])", folded) if name in folded else None
+            if match is not None:
+                yield component, f"{folded[: match.start()]} {folded[match.end() :]}"
     leading = re.sub(r"^(?:(?:[^\W\d_]+|#)[\s.:]*)", _unless_label, folded)
     match = _LEADING_NUMBER.match(leading)
     numbered = names.component(match[1]) if match else None
@@ -88,17 +84,8 @@ def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, 
 
 
 def _unless_label(match: re.Match[str]) -> str:
-    return "" if match[0].strip(" .:") in _LABELS or match[0].startswith("#") else match[0]
-
-
-def _whole_word(name: str, text: str) -> tuple[int, int] | None:
-    at = text.find(name)
-    while at >= 0:
-        end = at + len(name)
-        if not (at and text[at - 1].isalnum()) and not (end < len(text) and text[end].isalnum()):
-            return at, end
-        at = text.find(name, at + 1)
-    return None
+    is_label = match[0].strip(" .:") in vocabulary("number", "component", "generic")
+    return "" if is_label or match[0].startswith("#") else match[0]
 
 
 def _read_rest(text: str, label: Label) -> Label | None:
@@ -107,11 +94,11 @@ def _read_rest(text: str, label: Label) -> Label | None:
     if part is not None:
         return replace(label, part=part)
     spot, others = spot_of_heading(tokens_of(text.replace(".", " ").replace("°", "° ")))
-    label = _at_spot(label, spot)
+    label = replace(label, **spot)
     before = ""
     for token in others:
         if token.isdigit():
-            if before in COUNTED and label.repeat is None:
+            if before in vocabulary("of_repeat") and label.repeat is None:
                 label = replace(label, repeat=token)
             elif label.number is None and label.land is None and label.plane is None:
                 label = replace(label, number=token)
@@ -123,15 +110,10 @@ def _read_rest(text: str, label: Label) -> Label | None:
             label = replace(label, part=said)
         elif token.isalpha() and len(token) > 3 and label.direction is None and direction_of(token) is not None:
             label = replace(label, direction=token)
-        elif token not in _NUMBER and token not in _DIAMETER and token not in COUNTED:
+        elif token not in vocabulary("number", "diameter", "of_repeat"):
             return None
         before = token
     return label
-
-
-def _at_spot(label: Label, spot: Spot) -> Label:
-    direction = None if spot.direction is None else str(spot.direction)
-    return replace(label, land=spot.land, plane=spot.plane, direction=direction)
 
 
 def _placed(label: Label, names: ControllerNames) -> Label | None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Literal
 
 from atleak.catalogue.instruments import Part
@@ -17,17 +17,7 @@ from atleak.intake.readings.heading_numbers import (
     spot_of_heading,
     tokens_of,
 )
-from atleak.intake.readings.words import (
-    COUNTED,
-    QUANTITIES,
-    READINGS,
-    SIZES,
-    SPECIFICATIONS,
-    STATES,
-    part_of,
-    side_of,
-    vocabulary,
-)
+from atleak.intake.readings.words import Words, direction_of, part_of, side_of
 from atleak.intake.units import Unit, find_unit
 
 Role = Literal[
@@ -38,43 +28,6 @@ KEYS: tuple[Role, ...] = ("component", "part", "plane", "land", "direction", "re
 OF_LANDS: tuple[Role, ...] = ("contact length", "position", "fitted repair")  # of a land itself, beside its diameters
 SAYS_NOTHING: tuple[Role, ...] = ("raw", "specification", "quantity", "remark", "gauge", *OF_LANDS)
 
-_MEAN = vocabulary("mean", "mean_in_heading")
-_SUM = vocabulary("sum")
-_ACTUAL = vocabulary("actual")
-_NOW = vocabulary("now")
-_EARLIER = vocabulary("earlier")
-_NEW = vocabulary("new")
-_WHEN = vocabulary("when")
-_CORRECTED = vocabulary("corrected")
-_RAW = vocabulary("raw")
-_STANDING = vocabulary("corrected", "raw")
-_OUTCOME = vocabulary("actual", "corrected", "raw")
-_REMARK = vocabulary("remark")
-_DIRECTION = vocabulary("direction")
-_PLANE = vocabulary("plane")
-_LAND = vocabulary("land")
-_REPEAT = vocabulary("repeat")
-_SAYS_NOW = vocabulary("reading", "actual", "now", "when")
-_COORDINATE = vocabulary("coordinate")
-_DIAMETER = vocabulary("diameter")
-_PART = vocabulary("part")
-_COMPONENT = vocabulary("component")
-_NUMBER = vocabulary("number")
-_FIGURE = vocabulary("figure")
-_NAME = vocabulary("name")
-_NUMBERED = vocabulary("number", "generic")
-_UNIT = vocabulary("unit")
-_GAUGE = vocabulary("gauge")
-_CONTACT_LENGTH = vocabulary("contact_length")
-_CONTACT = vocabulary("contact")
-_LENGTH = vocabulary("length")
-_BESIDE_CONTACT_LENGTH = vocabulary("contact_length", "contact", "length", "beside_contact_length", "actual", "reading")
-_POSITION = vocabulary("axial_position")
-_LEFT = vocabulary("left")
-_BESIDE_POSITION = vocabulary("axial_position", "left", "beside_position", "actual", "reading")
-_FITTED = vocabulary("fitted")
-_REPAIR = vocabulary("repair")
-_FITTED_REPAIR = vocabulary("fitted", "repair")
 _TRAILING_UNITS = {
     *("mm", "um", "µm", "μm", "micron", "microns", "micrometre", "micrometer", "inch", "inches", "in", "mil", "mils"),
     *("thou", "cm", "мм", "мкм"),
@@ -163,43 +116,39 @@ def read_heading(text: str, index: int = 0) -> Column | None:
 def _read_heading(text: str) -> Column | None:
     rest, unit = split_unit(text)
     tokens = tokens_of(rest)
-    words = set(tokens)
-    if not words:
+    said = _Heading(Words(dict.fromkeys(tokens)), rest, unit)
+    if not said.words:
         return None
-    of_land = _of_land(words, unit)
+    of_land = _of_land(said)
     if of_land is not None:
         return Column(0, text, of_land, unit=unit)
-    named, rank = _role(words, rest, unit)
-    part, side = _part(words, rest), side_of(rest)
+    named, part, side = said.role, _part(said), side_of(rest)
     spot, others = spot_of_heading(tokens)
-    role = _role_at_spot(named, others, unit) if spot.is_somewhere else _role_of_part(named, tokens, part, side, unit)
+    role = _role_at_spot(named, others, unit) if spot else _role_of_part(named, tokens, part, side, unit)
     if role is None:
         return None
     if role == "diameter" and None not in (part, side) and part != side:
         role = "quantity"  # the outer diameter of a sleeve, say
     if role not in {"diameter", "coordinate"}:
-        return Column(0, text, role, unit=unit, rank=rank)
+        return Column(0, text, role, unit=unit, rank=_rank(said.words) if role == "component" else 0)
     coordinate, direction, repeat = numbers_of_heading(role, others)
-    standing: Literal["raw", "corrected"] | None = (
-        "corrected" if words & _CORRECTED else "raw" if words & _RAW else None
-    )
-    outcome = bool(words & _NOW) or (unit is None and bool(words & _OUTCOME))
-    by_place = role != named and unit is None and not words & SIZES
+    sized = said.says("of_size")
+    outcome = said.says("now") or (unit is None and said.says("actual", "corrected", "raw"))
+    by_place = role != named and unit is None and not sized
     return Column(
-        *(0, text, role, unit, coordinate, part or side, spot.direction if direction is None else direction),
-        *(repeat, spot.land, spot.plane),
+        *(0, text, role, unit, coordinate, part or side),
+        direction=direction_of(spot["direction"]) if direction is None and "direction" in spot else direction,
+        repeat=repeat,
+        land=spot.get("land"),
+        plane=spot.get("plane"),
         otherwise=named if by_place else None,
-        standing=standing,
-        tentative=(outcome and not words & SIZES and repeat is None) or by_place or _is_bare_letter(rest, unit),
+        standing="corrected" if said.says("corrected") else "raw" if said.says("raw") else None,
+        tentative=(outcome and not sized and repeat is None) or by_place or (unit is None and said.is_letter),
         besides=besides_numbers(others),
     )
 
 
-def _is_bare_letter(text: str, unit: Unit | None) -> bool:
-    return unit is None and LETTERED.fullmatch(text.strip()) is not None
-
-
-def _role_at_spot(named: Role | None, others: Sequence[str], unit: Unit | None) -> Role | None:
+def _role_at_spot(named: Role | None, others: Words, unit: Unit | None) -> Role | None:
     """Return what a heading is that says a land, plane or direction by its name: a diameter, or a figure of one.
 
     "Land" is the column of their numbers, "Land 1" may be a diameter there, and "Land 1 mean" is a mean.
@@ -207,13 +156,13 @@ def _role_at_spot(named: Role | None, others: Sequence[str], unit: Unit | None) 
     if named not in (None, "plane", "land", "direction", "part", "component", "repeat"):
         return named
     if is_explained(others):
-        return "coordinate" if set(others) & _COORDINATE else "diameter"
-    of_others = _role(set(others), " ".join(others), unit)[0]
+        return "coordinate" if others.any("coordinate") else "diameter"
+    of_others = _Heading(Words(dict.fromkeys(others)), " ".join(others), unit).role
     return of_others if of_others in ("mean", "diameter", *SAYS_NOTHING) else named
 
 
 def _role_of_part(
-    named: Role | None, tokens: Sequence[str], part: Part | None, side: Part | None, unit: Unit | None
+    named: Role | None, tokens: Words, part: Part | None, side: Part | None, unit: Unit | None
 ) -> Role | None:
     """Return what a heading is that names a part: a diameter too, where it says a direction or repeat besides."""
     alone = part is None and unit is None
@@ -224,7 +173,7 @@ def _role_of_part(
     return "diameter" if any(each is not None for each in numbers_of_heading("diameter", tokens)) else None
 
 
-def _of_land(words: set[str], unit: Unit | None) -> Role | None:
+def _of_land(said: _Heading) -> Role | None:
     """Return what a heading says of a land itself; only where it says so and nothing else.
 
     A plain "position" is as often the number of a row, or the depth at which a diameter was measured.
@@ -234,92 +183,126 @@ def _of_land(words: set[str], unit: Unit | None) -> Role | None:
     >>> read_heading("Position from left end [mm]").role, read_heading("Position").role
     ('position', 'component')
     """
-    contact = words & _CONTACT_LENGTH or (words & _CONTACT and words & _LENGTH)
-    if contact and all(word in _BESIDE_CONTACT_LENGTH for word in words):
+    says, only = said.says, said.words.only
+    contact = says("contact_length") or (says("contact") and says("length"))
+    if contact and only("contact_length", "contact", "length", "beside_contact_length", "of_reading"):
         return "contact length"
-    if unit is not None and words & _POSITION and words & _LEFT and all(word in _BESIDE_POSITION for word in words):
+    placed = said.unit is not None and says("axial_position") and says("left")
+    if placed and only("axial_position", "left", "beside_position", "of_reading"):
         return "position"
-    if words & _FITTED and words & _REPAIR and all(word in _FITTED_REPAIR for word in words):
-        return "fitted repair"
-    return None
+    return "fitted repair" if says("fitted") and says("repair") and only("fitted", "repair") else None
 
 
-def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, int]:
-    axes = words & {"x1", "x2", "y1", "y2"}
-    diameter = bool(words & _DIAMETER)
-    sized = diameter or unit is not None
-    parts = {part_of(word) for word in words if len(word) > 2} - {None}
-    numbered = any(re.fullmatch(r"\d+", word) for word in words)
-    key = any(words & each for each in (_DIRECTION, _PLANE, _LAND, _REPEAT, _COMPONENT, _PART, _NUMBER))
-    numbered_letter = text.strip()[1:].isdigit()  # "d1": of a diameter if its cells are
-    simple: list[tuple[bool, Role]] = [
-        (_is_earlier(words, sized or (bool(parts) and not key)) and not words & QUANTITIES, "specification"),
-        (bool(words & _STANDING) and (sized or bool(words & READINGS) or len(words) == 1), "diameter"),
-        (bool(words & _MEAN) or "x\u0304" in text or "x\u0305" in text, "mean"),
-        (bool(words & QUANTITIES) and not words & SPECIFICATIONS, "quantity"),
-        (bool(words & SPECIFICATIONS) and (sized or not key or bool(words & QUANTITIES)), "specification"),
-        (bool(words & _SUM), "mean"),
-        (bool(words & _REMARK) and not (words & _GAUGE and unit is not None), "remark"),
-        (bool(words & _DIRECTION), "direction"),
-        (bool(words & _PLANE), "plane"),
-        (bool(words & _LAND) and (numbered or not diameter), "land"),
-        (bool(words & _COORDINATE) or (len(axes) >= 1 and not both_ends(axes) and not diameter), "coordinate"),
-        (diameter or both_ends(axes), "diameter"),
-        (bool(words & COUNTED or words & _ACTUAL or words & _NOW) and unit is not None, "diameter"),
-        (bool(words & COUNTED) and numbered and len(words) <= 3, "diameter"),
-        (bool(words & _REPEAT), "repeat"),
-        (bool(words & {"value", "reading"}), "diameter"),
-        (bool(words & _UNIT) and not sized, "unit"),
-        (bool(words & _PART) and not words & _NUMBER, "part"),
-        (len(parts) == 2 and unit is None, "part"),
-        (
-            bool(words & _ACTUAL or words & _NOW) and all(word in _SAYS_NOW or part_of(word) for word in words),
-            "diameter",
-        ),
-        (len(parts) == 1 and unit is not None, "diameter"),
-        (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
-        (bool(LETTERED.fullmatch(text.strip())) and (unit is not None or numbered_letter), "diameter"),
-        (all(is_angle(word) for word in words), "diameter"),
-        (bool(words & _GAUGE) and unit is not None, "gauge"),
-    ]
-    for holds, role in simple:
-        if holds:
-            return role, 0
-    return _component_rank(words)
+@dataclass(frozen=True)
+class _Heading:
+    """A heading of which it is asked what its column is: its words without the unit, and that."""
+
+    words: Words
+    text: str
+    unit: Unit | None
+
+    def says(self, *meanings: str) -> bool:
+        return self.words.any(*meanings)
+
+    @cached_property
+    def parts(self) -> set[Part]:
+        return {part for word in self.words if len(word) > 2 and (part := part_of(word)) is not None}
+
+    @cached_property
+    def axes(self) -> set[str]:
+        return {"x1", "x2", "y1", "y2"}.intersection(self.words)
+
+    @property
+    def sized(self) -> bool:
+        """Return whether a size stands under it: it names a diameter or a unit."""
+        return self.says("diameter") or self.unit is not None
+
+    @property
+    def is_key(self) -> bool:
+        return self.says("direction", "plane", "land", "repeat", "component", "part", "number")
+
+    @property
+    def is_numbered(self) -> bool:
+        return any(re.fullmatch(r"\d+", word) for word in self.words)
+
+    @property
+    def is_letter(self) -> bool:
+        """Return whether it is a bare "d" or "D1"."""
+        return LETTERED.fullmatch(self.text.strip()) is not None
+
+    @property
+    def is_earlier(self) -> bool:
+        """Return whether it says what a diameter was, or was when new; a "standard" by itself is a gauge."""
+        when_new = self.says("new") and (not self.says("of_reading") or self.says("when"))
+        if not (self.says("earlier") or when_new) or self.words.only("gauge") or self.says("of_quantity"):
+            return False
+        return self.sized or (bool(self.parts) and not self.is_key) or self.words.only("earlier", "new", "when")
+
+    @property
+    def says_now_alone(self) -> bool:
+        said = self.says("actual", "now")
+        return said and all(part_of(word) for word in self.words.but("of_reading", "now", "when"))
+
+    @cached_property
+    def role(self) -> Role | None:
+        """Return what its column is by the first of the rules that holds."""
+        found = next((role for role, holds in _RULES if holds(self)), None)
+        return found or ("component" if _rank(self.words) else None)
 
 
-def _is_earlier(words: set[str], sized: bool) -> bool:
-    """Return whether a heading says what a diameter was, or was when new; a "standard" by itself is a gauge."""
-    earlier = words & _EARLIER or (words & _NEW and (not words & READINGS or words & _WHEN))
-    if not earlier or all(word in _GAUGE for word in words):
-        return False
-    return sized or all(word in _EARLIER or word in _NEW or word in _WHEN for word in words)
+_RULES: tuple[tuple[Role, Callable[[_Heading], bool]], ...] = (
+    ("specification", lambda it: it.is_earlier),
+    ("diameter", lambda it: it.says("corrected", "raw") and (it.sized or it.says("of_reading") or len(it.words) == 1)),
+    ("mean", lambda it: it.says("mean", "mean_in_heading") or "x\u0304" in it.text or "x\u0305" in it.text),
+    ("quantity", lambda it: it.says("of_quantity") and not it.says("of_specification")),
+    ("specification", lambda it: it.says("of_specification") and (it.sized or not it.is_key or it.says("of_quantity"))),
+    ("mean", lambda it: it.says("sum")),
+    ("remark", lambda it: it.says("remark") and not (it.says("gauge") and it.unit is not None)),
+    ("direction", lambda it: it.says("direction")),
+    ("plane", lambda it: it.says("plane")),
+    ("land", lambda it: it.says("land") and (it.is_numbered or not it.says("diameter"))),
+    ("coordinate", lambda it: it.says("coordinate")),
+    ("coordinate", lambda it: bool(it.axes) and not both_ends(it.axes) and not it.says("diameter")),
+    ("diameter", lambda it: it.says("diameter") or both_ends(it.axes)),
+    ("diameter", lambda it: it.says("of_repeat", "actual", "now") and it.unit is not None),
+    ("diameter", lambda it: it.says("of_repeat") and it.is_numbered and len(it.words) <= 3),
+    ("repeat", lambda it: it.says("repeat")),
+    ("diameter", lambda it: bool({"value", "reading"}.intersection(it.words))),
+    ("unit", lambda it: it.says("unit") and not it.sized),
+    ("part", lambda it: it.says("part") and not it.says("number")),
+    ("part", lambda it: len(it.parts) == 2 and it.unit is None),
+    ("diameter", lambda it: it.says_now_alone),
+    ("diameter", lambda it: len(it.parts) == 1 and it.unit is not None),
+    ("diameter", lambda it: len(it.parts) == len(it.words) == 1 and not it.says("component")),
+    # "d1" is of a diameter if its cells are
+    ("diameter", lambda it: it.is_letter and (it.unit is not None or it.text.strip()[1:].isdigit())),
+    ("diameter", lambda it: all(map(is_angle, it.words))),
+    ("gauge", lambda it: it.says("gauge") and it.unit is not None),
+)
 
 
-def _component_rank(words: set[str]) -> tuple[Role | None, int]:
-    if words & READINGS or words & STATES:
-        return None, 0  # a measurement, vehicle or inspection by its number
-    if words & _NAME:
-        return "component", 1
-    if words & _COMPONENT:
-        return "component", 4 if words & _NUMBER else 3
-    if words & _NUMBER and words & _FIGURE:
-        return "component", 4
-    if words & _NUMBERED and len([word for word in words if word not in _NUMBERED]) <= 1:
-        return "component", 2
-    return None, 0
+def _rank(words: Words) -> int:
+    """Return how surely a heading is that of a column of components; 0 where it is none."""
+    if words.any("of_reading", "state"):
+        return 0  # a measurement, vehicle or inspection by its number
+    if words.any("name"):
+        return 1
+    if words.any("component"):
+        return 4 if words.any("number") else 3
+    if words.any("number") and words.any("figure"):
+        return 4
+    return 2 if words.any("number", "generic") and len(words.but("number", "generic")) <= 1 else 0
 
 
 def both_ends(axes: set[str]) -> bool:
     return {"x1", "x2"} <= axes or {"y1", "y2"} <= axes
 
 
-def _part(words: set[str], text: str) -> Part | None:
-    letter = part_of(text.strip())
-    if letter is not None and len(text.strip()) <= 2:
+def _part(said: _Heading) -> Part | None:
+    letter = part_of(said.text.strip())
+    if letter is not None and len(said.text.strip()) <= 2:
         return letter
-    parts = {part_of(word) for word in words if len(word) > 2} - {None}
-    return parts.pop() if len(parts) == 1 else None
+    return next(iter(said.parts)) if len(said.parts) == 1 else None
 
 
 @lru_cache(maxsize=4096)

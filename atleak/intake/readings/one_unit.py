@@ -13,9 +13,6 @@ from atleak.intake.readings.words import is_blank, letters, part_of, plain, text
 from atleak.intake.sheets.sheet import Sheet
 from atleak.sentence import Sentence, all_of
 
-_UNIT = vocabulary("whole_unit")
-_OF_COLUMN = vocabulary("whole_unit", "head_vehicle", "head_vin", "head_serial")
-_OF_OTHERS = vocabulary("part", "gauge", "head_instrument")  # whose serial number tells no units apart
 _NAMED = re.compile(r"([^\W\d_]{3,})[\s:#._-]*(?:(?i:no|nr|number|n°)\b[\s.:#]*)?([A-Z](?![\w])|[\w./-]*\d[\w./-]*)")
 _LISTED = 4  # values of a column that are named
 
@@ -51,14 +48,12 @@ def units_apart(read: Sequence[Rows]) -> list[ReadingsError]:
 def _titles(rows: Rows) -> Iterator[_Said]:
     sheet = rows.table.sheet
     last = max(entry.row for entry in rows.entries)
-    title = rows.table.title
-    for row, text in _lines(sheet, rows.table.header.last, last):
-        for word, which in _names(text):
-            yield _Said(word, which, text, sheet.place(row), is_sheet=False)
-    for word, which in _names(title):
-        yield _Said(word, which, title, sheet.place(max(rows.table.header.first - 1, 0)), is_sheet=False)
-    for word, which in _names(sheet.name or ""):
-        yield _Said(word, which, sheet.name or "", sheet.place(), is_sheet=True)
+    said = [(text, sheet.place(row), False) for row, text in _lines(sheet, rows.table.last, last)]
+    said.append((rows.table.title, sheet.place(max(rows.table.first - 1, 0)), False))
+    for text, place, is_sheet in (*said, (sheet.name or "", sheet.place(), True)):
+        for match in _NAMED.finditer(text):
+            if plain(match[1]) in vocabulary("whole_unit"):
+                yield _Said(plain(match[1]), match[2].strip("./-"), text, place, is_sheet)
 
 
 def _lines(sheet: Sheet, first: int, last: int) -> Iterator[tuple[int, str]]:
@@ -67,12 +62,6 @@ def _lines(sheet: Sheet, first: int, last: int) -> Iterator[tuple[int, str]]:
         cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
         if len(cells) == 1 and isinstance(cells[0], str):
             yield row, " ".join(cells[0].split())
-
-
-def _names(text: str) -> Iterator[tuple[str, str]]:
-    for match in _NAMED.finditer(text):
-        if plain(match[1]) in _UNIT:
-            yield plain(match[1]), match[2].strip("./-")
 
 
 def _by_titles(named: Sequence[_Said]) -> ReadingsError:
@@ -100,14 +89,15 @@ def _column(filled: Sequence[Rows]) -> ReadingsError | None:
     values: dict[str, dict[str, set[tuple[str, ...]]]] = defaultdict(lambda: defaultdict(set))
     places: dict[str, Place] = {}
     for rows in filled:
-        sheet, header = rows.table.sheet, rows.table.header
-        for index in rows.table.columns:
-            heading = header.text(index)
+        sheet = rows.table.sheet
+        for index in rows.table.span:
+            heading = rows.table.heading(index)
             words = letters(heading)
-            of_unit = any(word in _OF_COLUMN for word in words)
-            if index in rows.columns.read or not of_unit or any(word in _OF_OTHERS or part_of(word) for word in words):
+            of_unit = words.any("whole_unit", "head_vehicle", "head_vin", "head_serial")
+            of_others = words.any("part", "gauge", "head_instrument")  # whose serial number tells no units apart
+            if index in rows.columns.read or not of_unit or of_others or any(map(part_of, words)):
                 continue
-            places.setdefault(heading, sheet.place(max(header.last, 0), index, heading))
+            places.setdefault(heading, rows.table.heading_place(index))
             for entry in rows.entries:
                 cell = sheet.filled(entry.row, index)
                 if not is_blank(cell) and plain(text_of(cell)) != plain(entry.key.component):

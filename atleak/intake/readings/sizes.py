@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from atleak.catalogue.controller import Controller
 from atleak.intake.readings.words import numbers_in
@@ -13,7 +13,7 @@ from atleak.readings import NOMINAL_TOLERANCE
 
 _INCH_DECIMALS = 3  # a diameter in inches has at least so many; 0.5 is half a millimetre of something
 _ROUNDED = 0.51e-6  # [m]
-MM, UM, INCH = (unit(name, "length") for name in ("mm", "µm", "inch"))
+UNITS = MM, UM, INCH = tuple(unit(name, "length") for name in ("mm", "µm", "inch"))
 
 
 class Sizes:
@@ -37,6 +37,10 @@ class Sizes:
             if above < len(self._all) and self._all[above] <= size + NOMINAL_TOLERANCE:
                 return True
         return False
+
+    def fill(self, cells: Collection[Cell]) -> bool:
+        """Return whether most of the cells hold a number of that size, in mm, µm or inches."""
+        return 2 * sum(any(self.near(value, UNITS) for value in numbers_of(cell)) for cell in cells) > len(cells)
 
     def near_plane(self, value: float, units: Iterable[Unit], component: str, plane: str) -> bool:
         """Return whether a number is within 0.5 mm of the nominal diameters of one plane."""

@@ -6,26 +6,14 @@ import datetime
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Part
-from atleak.errors import Message, Place, ReadingsError, unknown
+from atleak.errors import Message, ReadingsError, unknown
 from atleak.intake.readings.columns import Columns
-from atleak.intake.readings.headings import Header
-from atleak.intake.readings.sheet_tables import Table
+from atleak.intake.readings.table import Table
 from atleak.intake.readings.values import DiameterCell
-from atleak.intake.readings.words import (
-    PERSONS,
-    STATES,
-    is_blank,
-    is_repeat_title,
-    is_state,
-    letters,
-    plain,
-    text_of,
-    vocabulary,
-)
+from atleak.intake.readings.words import is_blank, is_repeat_title, is_state, letters, plain, text_of
 from atleak.intake.sheets.sheet import Cell, Sheet, rows_named
 from atleak.intake.units import find_unit
 from atleak.phrases import PART_WORDS, angle
@@ -38,59 +26,48 @@ _LISTED = 4  # values of a column that are named
 _FEWEST = 2  # rows that make a block
 _AS_ONE = 3e-6  # [m] within which rows that return pass for repeats without a warning: choice of this project
 _NO_REMARK = Sentence("the remark 'rejected', and nothing else, in the rows that do not count; or without these rows")
-_COUNTING = vocabulary("repeat", "reading", "number", "generic")
+_ONE_STATE = Sentence(
+    "one state of the valve body: delete the other rows or hide them; or, if they are repeats, a column 'Repeat' with "
+    "1, 2 …"
+)
 
 StationKey = tuple[str, Part, str, float | None, bool, int | None]
 Splits = Mapping[StationKey, Mapping[str, list[int]]]  # values of a column, and in which rows each stands
 
 
-@dataclass(frozen=True)
-class Break:
-    """A row between readings: a title, or the headings printed again."""
-
-    row: int
-    title: str  # "" for headings
+Break = tuple[int, str]  # a row between readings, and the title in it: "" for headings printed again
 
 
 def question(
     entries: Sequence[DiameterCell], breaks: Sequence[Break], table: Table, columns: Columns
 ) -> ReadingsError | None:
     """Return an error where the same stations come in two states and no column counts repeats."""
-    sheet, header = table.sheet, table.header
-    several = _several(entries)
-    if not several:
-        return None
-    place = sheet.place(max(header.last, 0))
-    remarks = {column.index for column in header.of("remark")}
-    for index, splits in _splitting(several, sheet, header, columns):
-        heading = header.text(index)
+    sheet, several = table.sheet, _several(entries)
+    for index, splits in _splitting(several, table, columns):
+        heading, values, station = table.heading(index), _values(splits), next(iter(splits))
         named = Sentence("column {heading!r}", heading=heading) if heading else Sentence("a column without heading")
-        values = _values(splits)
-        station = next(iter(splits))
-        rows = sorted(row for same_value in splits[station].values() for row in same_value)
+        which = _which_rows(heading, values[0]) if table.role(index) != "remark" else _NO_REMARK
         return ReadingsError(
             Sentence(
                 "{column} tells states apart that would be averaged as repeats: {station} stands in {rows}{also}",
                 column=named,
                 station=_name(station),
-                rows=rows_named(sheet, rows),
+                rows=rows_named(sheet, [row for same_value in splits[station].values() for row in same_value]),
                 also=_also(len(splits)),
             ),
-            place=sheet.place(max(header.last, 0), index, heading),
+            place=table.heading_place(index),
             value=", ".join(values[:_LISTED]) + (" …" if len(values) > _LISTED else ""),
-            expected=Sentence(
-                "{which}; or, if they are repeats, a column 'Repeat' with 1, 2 …",
-                which=_NO_REMARK if index in remarks else _which_rows(heading, values[0]),
-            ),
+            expected=Sentence("{which}; or, if they are repeats, a column 'Repeat' with 1, 2 …", which=which),
         )
-    return _blocks(entries, breaks, sheet, place)
+    return _blocks(entries, breaks, sheet) if several else None
 
 
-def _several(entries: Sequence[DiameterCell]) -> dict[StationKey, list[int]]:
-    """Return the stations that stand in more than one row, and these rows."""
+def _several(entries: Sequence[DiameterCell], *, numbered: bool = True) -> dict[StationKey, list[int]]:
+    """Return the stations that stand in more than one row, and these rows; on demand whatever repeat they are."""
     rows: dict[StationKey, dict[int, None]] = defaultdict(dict)
     for entry in entries:
-        rows[_station(entry)][entry.row] = None
+        station = _station(entry)
+        rows[station if numbered else (*station[:5], None)][entry.row] = None
     return {station: list(each) for station, each in rows.items() if len(each) > 1}
 
 
@@ -132,38 +109,33 @@ def _quoted(text: str) -> str:
 
 
 def _splitting(
-    several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: Header, columns: Columns
+    several: Mapping[StationKey, Sequence[int]], table: Table, columns: Columns
 ) -> Iterator[tuple[int, Splits]]:
     """Yield unread columns whose values separate the rows of one station; the surest first."""
     candidates: list[tuple[int, int, Splits]] = []
-    for index in range(sheet.width):
-        if index in columns.read:
+    for index in range(table.sheet.width) if several else ():
+        heading = table.heading(index)
+        words = letters(heading)
+        if index in columns.read or words.any("person") or (has_length(heading) and not words.any("state")):
             continue
-        heading = header.text(index)
-        words = set(letters(heading))
-        if words & PERSONS or (has_length(heading) and not words & STATES):
-            continue
+        cells = table.cells(index)
         splits: dict[StationKey, dict[str, list[int]]] = {}
         for station, rows in several.items():
             values: dict[str, list[int]] = defaultdict(list)
             for row in rows:
-                cell = sheet.filled(row, index)
-                if not is_blank(cell):
-                    values[_day(cell)].append(row)
+                if row in cells:
+                    values[_day(cells[row])].append(row)
             if len(values) > 1:
                 splits[station] = values
         if not splits:
             continue
-        if words & STATES:
+        if words.any("state"):
             candidates.append((0, index, splits))
-        elif all(
-            is_state(sheet.filled(row, index)) for each in splits.values() for rows in each.values() for row in rows
-        ):
+        elif all(is_state(cells[row]) for each in splits.values() for rows in each.values() for row in rows):
             candidates.append((1, index, splits))
         elif len(splits) == len(several) >= _FEWEST and _same_everywhere(splits, heading):
             candidates.append((2, index, splits))
-    for _, index, surest in sorted(candidates, key=lambda each: each[:2]):
-        yield index, surest
+    yield from ((index, surest) for _, index, surest in sorted(candidates, key=lambda each: each[:2]))
 
 
 def _day(cell: Cell) -> str:
@@ -186,7 +158,7 @@ def _same_everywhere(splits: Splits, heading: str) -> bool:
     if all(is_repeat_title(value) for value in values):
         return False
     words = letters(heading)
-    if words and not any(word in _COUNTING for word in words):
+    if words and not words.any("repeat", "reading", "number", "generic"):
         return True
     return sorted(value.strip(".) ") for value in values) != [str(number + 1) for number in range(len(values))]
 
@@ -194,49 +166,42 @@ def _same_everywhere(splits: Splits, heading: str) -> bool:
 # --- blocks -----------------------------------------------------------------------------------------------------------
 
 
-def _blocks(
-    entries: Sequence[DiameterCell], breaks: Sequence[Break], sheet: Sheet, place: Place
-) -> ReadingsError | None:
+def _blocks(entries: Sequence[DiameterCell], breaks: Sequence[Break], sheet: Sheet) -> ReadingsError | None:
     """Return an error where stations return under another title or under the headings printed again."""
     last: dict[StationKey, int] = {}
     waiting = list(breaks)
-    title, first = "", -1
-    apart: Break | None = None
+    title, first, row = "", -1, -1  # of the block, its first row, and that of the entry before
     before: list[StationKey] = []
-    row = -1
     for entry in entries:
         if entry.row != row:
-            passed = []
-            while waiting and waiting[0].row < entry.row:
-                passed.append(waiting.pop(0))
+            passed = [each for each in waiting if each[0] < entry.row]
             if passed:
-                title = next((each.title for each in reversed(passed) if each.title), "")
-                apart, first = passed[0], entry.row
+                waiting = waiting[len(passed) :]
+                title = next((said for _, said in reversed(passed) if said), "")
+                first = entry.row
                 before = [station for station, at in last.items() if at == row]
             row = entry.row
         station = _station(entry)
-        earlier = last.get(station)
-        if apart is not None and earlier is not None and earlier < first and not is_repeat_title(title):
-            if station in before and not title:  # repeats of one station, over the end of a page
-                before = [each for each in before if each != station]
-            else:
-                return ReadingsError(
-                    Sentence(
-                        "{station} stands in row {earlier} and returns in row {row}, under {title}: two states would "
-                        "be averaged as repeats",
-                        station=_name(station),
-                        earlier=sheet.row_number(earlier),
-                        row=sheet.row_number(row),
-                        title=repr(title) if title else Sentence("headings of its own"),
-                    ),
-                    place=sheet.place(row),
-                    value=title or None,
-                    expected=Sentence(
-                        "one state of the valve body: delete the other rows or hide them; or, if they are repeats, a "
-                        "column 'Repeat' with 1, 2 …"
-                    ),
-                )
+        earlier = last.get(station, first)
         last[station] = row
+        if earlier >= first or is_repeat_title(title):
+            continue
+        if station in before and not title:  # repeats of one station, over the end of a page
+            before = [each for each in before if each != station]
+            continue
+        return ReadingsError(
+            Sentence(
+                "{station} stands in row {earlier} and returns in row {row}, under {title}: two states would be "
+                "averaged as repeats",
+                station=_name(station),
+                earlier=sheet.row_number(earlier),
+                row=sheet.row_number(row),
+                title=repr(title) if title else Sentence("headings of its own"),
+            ),
+            place=sheet.place(row),
+            value=title or None,
+            expected=_ONE_STATE,
+        )
     return None
 
 
@@ -244,30 +209,21 @@ def messages(
     entries: Sequence[DiameterCell], table: Table, columns: Columns, controller: Controller
 ) -> Iterator[Message]:
     """Yield blocks that return with the same values, and repeats that another column calls states."""
-    sheet, header = table.sheet, table.header
-    yield from _pasted_twice(entries, sheet, numbered=columns.repeat is not None)
+    yield from _pasted_twice(entries, table.sheet, numbered=columns.repeat is not None)
     if columns.repeat is None:
-        yield from _returning(entries, sheet, controller)
-        yield from _remarks(_several(entries), sheet, header)
+        yield from _returning(entries, table.sheet, controller)
+        yield from _remarks(_several(entries), table)
         return
-    rows: dict[StationKey, dict[int, None]] = defaultdict(dict)
-    for entry in entries:
-        rows[*_station(entry)[:5], None][entry.row] = None
-    several = {station: list(each) for station, each in rows.items() if len(each) > 1}
-    for index, splits in _splitting(several, sheet, header, columns):
-        if set(letters(header.text(index))) & STATES:
-            yield Message(
-                "warning",
-                "repeats_of_several_states",
-                Sentence(
-                    "column {heading!r} calls them repeats, so rows are averaged that column {other!r} tells apart "
-                    "({values})",
-                    heading=columns.repeat.heading,
-                    other=header.text(index),
-                    values=_values(splits)[:_LISTED],
-                ),
-                sheet.place(max(header.last, 0), index, header.text(index)),
+    for index, splits in _splitting(_several(entries, numbered=False), table, columns):
+        if letters(table.heading(index)).any("state"):
+            text = Sentence(
+                "column {heading!r} calls them repeats, so rows are averaged that column {other!r} tells apart "
+                "({values})",
+                heading=columns.repeat.heading,
+                other=table.heading(index),
+                values=_values(splits)[:_LISTED],
             )
+            yield Message("warning", "repeats_of_several_states", text, table.heading_place(index))
             return
 
 
@@ -276,12 +232,12 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet, *, numbered: bo
 
     Where repeats are numbered, one part measured a second time may well give the same: only a block of several tells.
     """
-    seen: dict[object, int] = {}
-    runs: list[list[tuple[int, int]]] = []
     rows: dict[int, list[tuple[tuple[object, ...], float, int]]] = defaultdict(list)
     for entry in entries:
         rows[entry.row].append((_station(entry)[:5], entry.raw.size, entry.column))
     order = list(rows)
+    seen: dict[object, int] = {}
+    runs: list[list[tuple[int, int]]] = []
     for at, row in enumerate(order):
         earlier = seen.setdefault(tuple(rows[row]), at)
         if earlier == at:
@@ -295,16 +251,12 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet, *, numbered: bo
         told = {station[:2] for station in stations} if numbered else stations  # parts of components
         if len(run) >= _FEWEST and len(told) >= _FEWEST and run[0][1] > run[-1][0]:
             again, first = ([order[pair[which]] for pair in run] for which in (1, 0))
-            yield Message(
-                "warning",
-                "block_repeated",
-                Sentence(
-                    "{again} hold the same readings in the same order as {first}: pasted twice? They count as repeats",
-                    again=rows_named(sheet, again),
-                    first=rows_named(sheet, first),
-                ),
-                sheet.place(again[0]),
+            text = Sentence(
+                "{again} hold the same readings in the same order as {first}: pasted twice? They count as repeats",
+                again=rows_named(sheet, again),
+                first=rows_named(sheet, first),
             )
+            yield Message("warning", "block_repeated", text, sheet.place(again[0]))
             return
 
 
@@ -318,28 +270,25 @@ def _returning(entries: Sequence[DiameterCell], sheet: Sheet, controller: Contro
         if station in last and order[entry.row] > order[last[station]] + 1:
             back.append((last[station], entry.row, station))
         last[station] = entry.row
-    if back:
-        earlier, row, station = back[0]
-        stations: dict[StationKey, list[DiameterCell]] = defaultdict(list)
-        for entry in entries:
-            stations[_station(entry)].append(entry)
-        largest = max(_spread(stations[each], each, controller) for each in {station for *_, station in back})
-        differ = Sentence(", up to {apart} {apart.unit} apart", apart=Quantity(largest * UM, "clearance"))
-        apart = any(all(is_blank(cell) for cell in sheet.rows[between]) for between in range(earlier, row))
-        yield Message(
-            "warning" if apart or largest > _AS_ONE else "info",
-            "rows_as_repeats",
-            Sentence(
-                "{station} stands in row {earlier} and again in row {row}{also}{behind}{differ}: counted as repeats",
-                station=_name(station),
-                earlier=sheet.row_number(earlier),
-                row=sheet.row_number(row),
-                also=_also(len({each[2] for each in back})),
-                behind=Sentence(", behind an empty row") if apart else "",
-                differ=differ if largest > _AS_ONE else "",
-            ),
-            sheet.place(row),
-        )
+    if not back:
+        return
+    earlier, row, station = back[0]
+    returned: dict[StationKey, list[DiameterCell]] = {station: [] for *_, station in back}
+    for entry in entries:
+        returned.get(_station(entry), []).append(entry)
+    largest = max(_spread(of_station, one, controller) for one, of_station in returned.items())
+    differ = Sentence(", up to {apart} {apart.unit} apart", apart=Quantity(largest * UM, "clearance"))
+    apart = any(all(is_blank(cell) for cell in sheet.rows[between]) for between in range(earlier, row))
+    text = Sentence(
+        "{station} stands in row {earlier} and again in row {row}{also}{behind}{differ}: counted as repeats",
+        station=_name(station),
+        earlier=sheet.row_number(earlier),
+        row=sheet.row_number(row),
+        also=_also(len(returned)),
+        behind=Sentence(", behind an empty row") if apart else "",
+        differ=differ if largest > _AS_ONE else "",
+    )
+    yield Message("warning" if apart or largest > _AS_ONE else "info", "rows_as_repeats", text, sheet.place(row))
 
 
 def _spread(entries: Sequence[DiameterCell], station: StationKey, controller: Controller) -> float:
@@ -349,24 +298,21 @@ def _spread(entries: Sequence[DiameterCell], station: StationKey, controller: Co
     return 0.0 if land is None else (max(sizes) / min(sizes) - 1.0) * land.nominal_diameter
 
 
-def _remarks(several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: Header) -> Iterator[Message]:
+def _remarks(several: Mapping[StationKey, Sequence[int]], table: Table) -> Iterator[Message]:
     """Yield a warning where remarks differ between rows of one station that nothing calls repeats."""
-    for column in header.of("remark"):
+    for column in table.of("remark"):
         for station, rows in several.items():
-            remarks = {row: text_of(cell) for row in rows if isinstance(cell := sheet.filled(row, column.index), str)}
-            texts = [text for text in dict.fromkeys(remarks.values()) if letters(text)]
-            if texts and len(set(remarks.values())) > 1:
-                yield Message(
-                    "warning",
-                    "remarks_differ",
-                    Sentence(
-                        "{station} stands in {rows}, counted as repeats, though remarks tell them apart: {remarks}",
-                        station=_name(station),
-                        rows=rows_named(sheet, rows),
-                        remarks=tuple(repr(text[:60]) for text in texts[:_LISTED]),
-                    ),
-                    sheet.place(rows[0], column.index, column.name),
+            cells = [cell for row in rows if isinstance(cell := table.sheet.filled(row, column.index), str)]
+            remarks = dict.fromkeys(map(text_of, cells))
+            texts = [text for text in remarks if letters(text)]
+            if texts and len(remarks) > 1:
+                text = Sentence(
+                    "{station} stands in {rows}, counted as repeats, though remarks tell them apart: {remarks}",
+                    station=_name(station),
+                    rows=rows_named(table.sheet, rows),
+                    remarks=tuple(repr(text[:60]) for text in texts[:_LISTED]),
                 )
+                yield Message("warning", "remarks_differ", text, table.place(rows[0], column))
 
 
 # --- what to read -----------------------------------------------------------------------------------------------------
@@ -395,26 +341,18 @@ def require_known(tables: Sequence[Table], where: Mapping[str, str]) -> None:
     for heading, wanted in where.items():
         headed = [(table, index) for table in tables if (index := _headed(table, heading)) is not None]
         if not headed:
-            texts = [text for table in tables for each in table.header.texts if (text := " ".join(each.split()))]
-            place = tables[0].sheet.place(max(tables[0].header.last, 0))
-            raise unknown(
-                Sentence("no column is headed {heading!r}", heading=heading),
-                heading,
-                texts,
-                kind=ReadingsError,
-                place=place,
-            )
-        cells = [table.sheet.filled(row, index) for table, index in headed for row in table.rows]
+            texts = [text for table in tables for at in range(len(table.texts)) if (text := table.heading(at))]
+            problem = Sentence("no column is headed {heading!r}", heading=heading)
+            raise unknown(problem, heading, texts, kind=ReadingsError, place=tables[0].heading_place())
+        cells = [cell for table, index in headed for cell in table.cells(index).values()]
         if not any(_matches(cell, wanted) for cell in cells):
-            known = [_day(cell) for cell in cells if not is_blank(cell)]
             table, index = headed[0]
-            place = table.sheet.place(max(table.header.last, 0), index, table.heading(index))
-            problem = Sentence("no row has {wanted!r} there", wanted=wanted)
-            raise unknown(problem, wanted, known, kind=ReadingsError, place=place)
+            problem, place = Sentence("no row has {wanted!r} there", wanted=wanted), table.heading_place(index)
+            raise unknown(problem, wanted, map(_day, cells), kind=ReadingsError, place=place)
 
 
 def _headed(table: Table, heading: str) -> int | None:
-    return next((index for index in table.columns if plain(table.heading(index)) == plain(heading)), None)
+    return next((index for index in table.span if plain(table.heading(index)) == plain(heading)), None)
 
 
 def _matches(cell: Cell, wanted: str) -> bool:

@@ -15,13 +15,13 @@ from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.filled_down import nominal_headings
 from atleak.intake.readings.one_heading import Role, split_unit
 from atleak.intake.readings.rows import Rows
-from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, numbers_of
-from atleak.intake.readings.words import QUANTITIES, is_blank, letters, number_of, part_said, plain, text_of, vocabulary
+from atleak.intake.readings.table import Table
+from atleak.intake.readings.words import Words, is_blank, letters, number_of, part_said, plain, text_of
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import REPEAT_TOLERANCE
-from atleak.sentence import Sentence, any_of
+from atleak.sentence import Sentence, any_of, counted
 
 _WHY: dict[Role, Sentence] = {
     "specification": Sentence("what the diameter should be or was, not what was measured"),
@@ -31,12 +31,7 @@ _WHY: dict[Role, Sentence] = {
     "quantity": Sentence("another quantity by its heading"),
     "gauge": Sentence("the diameter of a gauge or standard"),
 }
-_SAYS_SIZE = vocabulary(
-    *("diameter", "actual", "reading", "specification", "specification_title", "mean", "raw", "calibration", "gauge")
-)
-_MEASURED = vocabulary("diameter", "coordinate", "actual", "now", "reading")
-_STANDARD = vocabulary("earlier")
-_DIMENSION = vocabulary("dimension")
+_MEASURED = ("diameter", "coordinate", "actual", "now", "reading")
 _SHOWN = 2
 _ROUNDED = 1e-9  # [m]
 
@@ -59,46 +54,39 @@ class Account:
 
     def enter(self, rows: Rows) -> None:
         """Account for a table that was read, and judge its columns that were not."""
-        table = rows.table
-        done = self._done[table.sheet.name]
-        self._tables[table.sheet.name].append((table.rows, table))
-        self._headings(table)
+        table, sheet, columns = rows.table, rows.table.sheet, rows.columns
+        done = self._enter(table, table.rows)
         done |= rows.cells
         done.update((row, index) for row in table.rows for index in table.used)
-        for column in rows.columns.keys:
-            done.update((row, column.index) for row in table.rows if not self._is_size(table.sheet, row, column.index))
-        used = {column.index for column in (*rows.columns.keys, *table.header.values, *table.header.of_lands)}
-        used |= table.used
-        unread = [index for index in range(table.sheet.width) if index not in used]
-        unread = [index for index in unread if not self._is_figure(rows, index)]
+        done.update(
+            (row, column.index)
+            for column in columns.keys
+            for row in table.rows
+            if not self._is_size(sheet, row, column.index)
+        )
+        used = {column.index for column in (*columns.keys, *table.values, *table.of_lands)} | table.used
+        unread = [index for index in range(sheet.width) if index not in used and not self._is_figure(rows, index)]
         self._slipped(rows)
-        unexplained = [index for index in unread if not self._is_quantity(rows, index)]
-        rivals = [index for index in unexplained if self._is_rival(rows, index)]
-        if (
-            len(rivals) == 1
-            and _is_headed(table)
-            and _says_other(table, rivals[0])
-            and not self._differs(rows, rivals[0])
-        ):
+        unread = [index for index in unread if not self._is_quantity(rows, index)]
+        rivals = [index for index in unread if self._is_rival(rows, index)]
+        known = len(rivals) == 1 and _is_headed(table) and _says_other(table, rivals[0])
+        if known and not self._differs(rows, rivals[0]):
             self._leave_column(table, rivals[0], self._sizes_in(rows, rivals[0]), None)
         elif rivals:
             self.problems.append(_which(table, rivals))
 
     def enter_lands(self, table: Table) -> None:
         """Account for a table of what lands themselves have: its numbers and names, and its other quantities."""
-        self._tables[table.sheet.name].append((table.block, table))
-        self._headings(table)
-        known = [column.index for column in table.header.columns if not column.holds_size]
-        self._done[table.sheet.name].update((row, index) for row in table.block for index in known)
+        known = [column.index for column in table.columns if not column.holds_size]
+        self._enter(table, table.block).update((row, index) for row in table.block for index in known)
 
     def leave_table(self, table: Table) -> None:
         """Leave aside a table that holds no readings of this valve body."""
-        self._tables[table.sheet.name].append((table.block, table))
-        self._headings(table)
-        of_sizes = {column.index for column in table.header.columns if column.holds_size}
-        cells = [(row, column) for row in table.block for column in table.columns]
+        done = self._enter(table, table.block)
+        of_sizes = {column.index for column in table.columns if column.holds_size}
+        cells = [(row, column) for row in table.block for column in table.span]
         sizes = [at for at in cells if self._is_size(table.sheet, *at, headed=table, whole=at[1] in of_sizes)]
-        self._done[table.sheet.name].update(cells)
+        done.update(cells)
         if sizes:
             text = Sentence(
                 "the table in {where} is left aside, {why}: {shown}",
@@ -106,14 +94,12 @@ class Account:
                 why=table.aside or "",
                 shown=self._shown(table.sheet, sizes),
             )
-            self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.header.first, 0))))
+            self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.first, 0))))
 
     def holds_sizes(self, table: Table) -> bool:
         """Return whether numbers of the size of a diameter stand where a table's headings say diameter."""
         return any(
-            self._is_size(table.sheet, row, column.index, headed=table)
-            for row in table.rows
-            for column in table.header.values
+            self._is_size(table.sheet, row, column.index, headed=table) for row in table.rows for column in table.values
         )
 
     def leave_sheet(self, sheet: Sheet) -> None:
@@ -157,22 +143,27 @@ class Account:
 
     # --- one table ------------------------------------------------------------------------------------------------
 
-    def _headings(self, table: Table) -> None:
-        for row in range(max(table.header.first, 0), table.header.last + 1):
-            texts = [column for column in table.columns if number_of(text_of(table.sheet.cell(row, column))) is None]
-            if table.sheet.turned:  # notes under the table stand here as well
-                texts = [column for column in texts if not numbers_of(table.sheet.cell(row, column))]
-            self._done[table.sheet.name].update((row, column) for column in texts)
+    def _enter(self, table: Table, rows: range) -> set[tuple[int, int]]:
+        """Note a table with its headings, and return the cells of its sheet that are accounted for."""
+        sheet = table.sheet
+        self._tables[sheet.name].append((rows, table))
+        for row in range(max(table.first, 0), table.last + 1):
+            for column in table.span:
+                cell = sheet.cell(row, column)
+                # under a turned table's headings stand notes as well
+                if number_of(text_of(cell)) is None and not (sheet.turned and numbers_of(cell)):
+                    self._done[sheet.name].add((row, column))
+        return self._done[sheet.name]
 
     def _is_figure(self, rows: Rows, index: int) -> bool:
         """Return whether a column holds specifications, means or raw readings by its heading; it is left aside."""
-        table, role = rows.table, _role(rows.table, index)
+        table, role = rows.table, rows.table.role(index)
         if role not in ("specification", "mean", "raw") and not _is_of_gauge(table, index):
             return False
         if role == "specification" and self._is_of_controller(rows, index):
             self._done[table.sheet.name].update((row, index) for row in table.rows)
-            return True
-        self._leave_column(table, index, self._sizes_in(rows, index), role)
+        else:
+            self._leave_column(table, index, self._sizes_in(rows, index), role)
         return True
 
     def _is_of_controller(self, rows: Rows, index: int) -> bool:
@@ -180,7 +171,7 @@ class Account:
         name, unit, _ = rows.table.heading(index).partition(" [")
         if not unit or name not in nominal_headings():
             return False
-        units = _units(rows.table, index) or self._units
+        units = self._units_of(rows.table, index)
         return all(
             any(self._sizes.is_nominal(value, units, keys[0].component, keys[0].plane) for value in numbers_of(cell))
             for row, keys in rows.of_row.items()
@@ -190,7 +181,7 @@ class Account:
     def _is_quantity(self, rows: Rows, index: int) -> bool:
         """Return whether a column holds another quantity; not one in mm that has the size of the diameters."""
         table = rows.table
-        other = _role(table, index) == "quantity" or _in_another_unit(table, index)
+        other = table.role(index) == "quantity" or _in_another_unit(table, index)
         if not other or (_units(table, index) and self._is_diameter(rows, index)):
             return False
         self._leave_column(table, index, self._sizes_under(table, index), "quantity")
@@ -208,10 +199,10 @@ class Account:
         if not self._is_diameter(rows, index):
             return False
         table, near = rows.table, self._near(rows, index)
-        if _role(table, index) == "remark":
+        if table.role(index) == "remark":
             self._leave_column(table, index, self._sizes_in(rows, index), "remark")
             return False
-        units = _units(table, index) or self._units
+        units = self._units_of(table, index)
         if units[0].factor >= MM.factor and all(is_coarse(table.sheet.cell(*at)) for at in near):
             self._leave_column(table, index, self._sizes_in(rows, index), None)
             return False
@@ -228,7 +219,7 @@ class Account:
         read: dict[int, list[float]] = defaultdict(list)
         for entry in rows.entries:
             read[entry.row].append((entry.raw.unit or self._units[0]).to_si(entry.raw.size))
-        units = _units(rows.table, index) or self._units
+        units = self._units_of(rows.table, index)
         nearest = [
             min(abs(unit.to_si(value) - size) for value in values for unit in units for size in sizes)
             for row, sizes in read.items()
@@ -236,9 +227,12 @@ class Account:
         ]
         return 2 * sum(apart > REPEAT_TOLERANCE + _ROUNDED for apart in nearest) > len(nearest)
 
+    def _units_of(self, table: Table, index: int) -> tuple[Unit, ...]:
+        return _units(table, index) or self._units
+
     def _near(self, rows: Rows, index: int) -> list[tuple[int, int]]:
         """Return the cells of a column that come near the nominal diameter of their row."""
-        units = _units(rows.table, index) or self._units
+        units = self._units_of(rows.table, index)
         return [
             (row, index)
             for row, keys in rows.of_row.items()
@@ -260,7 +254,7 @@ class Account:
                 shown=self._shown(sheet, sizes),
             )
             level: MessageLevel = "warning" if role in (None, "remark") else "info"
-            self.messages.append(Message(level, "column_aside", text, _heading_place(table, index)))
+            self.messages.append(Message(level, "column_aside", text, table.heading_place(index)))
 
     def _slipped(self, rows: Rows) -> None:
         """Report a number of the size of a diameter in a row whose diameter is empty."""
@@ -280,12 +274,12 @@ class Account:
     def _is_usual(self, rows: Rows, index: int) -> bool:
         """Return whether numbers of that size are usual in a column of another quantity: 18.2 °C, say."""
         sheet = rows.table.sheet
-        return _role(rows.table, index) == "quantity" and any(self._is_size(sheet, row, index) for row in rows.of_row)
+        return rows.table.role(index) == "quantity" and any(self._is_size(sheet, row, index) for row in rows.of_row)
 
     def _table_at(self, sheet: Sheet, row: int, column: int) -> Table | None:
         """Return the table that a cell stands in, or else one beside it."""
         tables = [table for rows, table in self._tables[sheet.name] if row in rows]
-        return next((table for table in tables if column in table.columns), next(iter(tables), None))
+        return next((table for table in tables if column in table.span), next(iter(tables), None))
 
     # --- one cell -------------------------------------------------------------------------------------------------
 
@@ -296,27 +290,21 @@ class Account:
         if not values:
             return False
         headed = headed or self._table_at(sheet, row, column)
-        units = (_units(headed, column) if headed is not None else ()) or self._units
+        units = self._units if headed is None else self._units_of(headed, column)
         if headed is not None and not whole and is_whole(cell):
             units = tuple(unit for unit in units if unit.factor < MM.factor)
         return any(self._sizes.near(value, units) for value in values)
 
     def _is_labelled(self, sheet: Sheet, row: int, column: int) -> bool:
         """Return whether a number outside of the tables is another quantity or a count, by the words before it."""
-        label = next(
-            (
-                cell
-                for cell in reversed(sheet.rows[row][:column])
-                if isinstance(cell, str) and number_of(cell) is None and cell
-            ),
-            None,
-        )
-        if label is None:
+        before = (cell for cell in reversed(sheet.rows[row][:column]) if isinstance(cell, str) and cell)
+        label = next((cell for cell in before if number_of(cell) is None), None)
+        if label is None or self.names.is_named(label) or part_said(label):
             return False
-        words = set(plain(label).replace(":", " ").split())
-        if words & _SAYS_SIZE or self.names.is_named(label) or part_said(label):
+        words = Words(plain(label).replace(":", " ").split())
+        if words.any("diameter", "of_reading", "of_specification", "mean", "raw", "calibration", "gauge"):
             return False
-        return bool(words & QUANTITIES) or is_whole(sheet.cell(row, column))
+        return words.any("of_quantity") or is_whole(sheet.cell(row, column))
 
     def _looks_read(self, sheet: Sheet, row: int) -> bool:
         """Return whether a row outside of every table says what a diameter is of."""
@@ -353,10 +341,6 @@ class Account:
         )
 
 
-def _role(table: Table, index: int) -> Role | None:
-    return next((column.role for column in table.header.columns if column.index == index), None)
-
-
 def _units(table: Table, index: int) -> tuple[Unit, ...]:
     """Return the unit that a heading states; "Micrometer" alone is the instrument."""
     rest, unit = split_unit(table.heading(index))
@@ -365,20 +349,19 @@ def _units(table: Table, index: int) -> tuple[Unit, ...]:
 
 def _is_headed(table: Table) -> bool:
     """Return whether every column that was read says by a word of its own that it holds diameters."""
-    return all(any(word in _MEASURED for word in letters(column.heading)) for column in table.header.values)
+    return all(letters(column.heading).any(*_MEASURED) for column in table.values)
 
 
 def _says_other(table: Table, index: int) -> bool:
     """Return whether a heading says in a word what its column holds, and not that it is a reading."""
     words = letters(split_unit(table.heading(index))[0])
-    others = [word for word in words if len(word) > 2 and word not in _DIMENSION]
-    return bool(others) and not any(word in _MEASURED for word in words)
+    return any(len(word) > 2 for word in words.but("dimension")) and not words.any(*_MEASURED)
 
 
 def _is_of_gauge(table: Table, index: int) -> bool:
     """Return whether a heading names a gauge of known diameter; "gauge" alone may be what was read from one."""
     words = letters(split_unit(table.heading(index))[0])
-    return _role(table, index) == "gauge" and (len(words) > 1 or any(word in _STANDARD for word in words))
+    return table.role(index) == "gauge" and (len(words) > 1 or words.any("earlier"))
 
 
 def _in_another_unit(table: Table, index: int) -> bool:
@@ -394,10 +377,6 @@ def _name(table: Table, index: int) -> Sentence:
     return Sentence("{column} (without a heading)", column=table.sheet.place(0, index).column)
 
 
-def _heading_place(table: Table, index: int) -> Place:
-    return table.sheet.place(max(table.header.last, 0), index, table.heading(index))
-
-
 def _lacks_value(rows: Rows, row: int) -> bool:
     """Return whether a row leaves one of its diameters empty."""
     sheet = rows.table.sheet
@@ -407,36 +386,30 @@ def _lacks_value(rows: Rows, row: int) -> bool:
 
 
 def _slip(table: Table, row: int, index: int) -> ReadingsError:
+    problem = Sentence(
+        "this number has the size of a diameter and stands in a column that is not read, while the row's diameter is "
+        "empty: slipped into the wrong column?"
+    )
+    headings = any_of(repr(column.name) for column in table.values)
     return ReadingsError(
-        Sentence(
-            "this number has the size of a diameter and stands in a column that is not read, while the row's diameter "
-            "is empty: slipped into the wrong column?"
-        ),
+        problem,
         place=table.sheet.place(row, index, table.heading(index)),
         value=table.sheet.cell(row, index),
-        expected=Sentence(
-            "the diameter under {headings}", headings=any_of(repr(column.name) for column in table.header.values)
-        ),
+        expected=Sentence("the diameter under {headings}", headings=headings),
     )
 
 
 def _which(table: Table, rivals: Sequence[int]) -> ReadingsError:
-    names = tuple(_name(table, index) for index in rivals)
-    read = tuple(repr(column.name) for column in table.header.values)
-    problem = Sentence(
-        "column {names} holds numbers of the size of the diameters as {read} does: which is the measurement?",
-        names=names,
-        read=read,
+    problem = counted(
+        len(rivals),
+        Sentence("column {names} holds numbers of the size of the diameters as {read} does: which is the measurement?"),
+        Sentence("columns {names} hold numbers of the size of the diameters as {read} does: which is the measurement?"),
+        names=tuple(_name(table, index) for index in rivals),
+        read=tuple(repr(column.name) for column in table.values),
     )
-    if len(names) > 1:
-        problem = Sentence(
-            "columns {names} hold numbers of the size of the diameters as {read} does: which is the measurement?",
-            names=names,
-            read=read,
-        )
     return ReadingsError(
         problem,
-        place=_heading_place(table, rivals[0]),
+        place=table.heading_place(rivals[0]),
         expected=Sentence(
             "headings that say so: 'measured [mm]', or 'nominal', 'mean', 'remark' over what is not the measurement; "
             "'diameter 1', 'diameter 2' over repeats"

@@ -10,7 +10,8 @@ from statistics import median
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError
-from atleak.intake.units import Unit, find_unit, unit_names
+from atleak.intake.units import Unit, unit_names
+from atleak.intake.units import unit as unit_named
 from atleak.phrases import PART_WORDS, angle
 from atleak.readings import Reading
 from atleak.sentence import Sentence
@@ -105,48 +106,30 @@ def _agrees(raw: RawValue, unit: Unit, problems: list[ReadingsError]) -> bool:
     distance = abs(raw.coordinates[0] - raw.coordinates[1])
     if abs(raw.diameter - distance) * unit.factor <= COORDINATES_AGREE + 1e-12:
         return True
-    problems.append(
-        ReadingsError(
-            Sentence("the diameter and the distance of its coordinates ({distance:.6g}) disagree", distance=distance),
-            place=raw.place,
-            value=raw.diameter,
-            expected=Sentence("a diameter equal to |x1 − x2|, or one of the two left empty"),
-        )
-    )
+    problem = Sentence("the diameter and the distance of its coordinates ({distance:.6g}) disagree", distance=distance)
+    expected = Sentence("a diameter equal to |x1 − x2|, or one of the two left empty")
+    problems.append(ReadingsError(problem, place=raw.place, value=raw.diameter, expected=expected))
     return False
 
 
 def _reading(key: Key, raw: RawValue, unit: Unit) -> Reading:
-    coordinates = None
-    if raw.coordinates is not None:
-        coordinates = (unit.to_si(raw.coordinates[0]), unit.to_si(raw.coordinates[1]))
-    return Reading(
-        component=key.component,
-        part=key.part,
-        plane=key.plane,
-        direction=key.direction,
-        repeat=0,
-        diameter=unit.to_si(raw.size),
-        place=raw.place,
-        coordinates=coordinates,
-    )
+    ends = raw.coordinates
+    coordinates = None if ends is None else (unit.to_si(ends[0]), unit.to_si(ends[1]))
+    size = unit.to_si(raw.size)
+    return Reading(key.component, key.part, key.plane, key.direction, 0, size, raw.place, coordinates)
 
 
 def _twice(reading: Reading, raw: RawValue, repeat: int, earlier: Reading) -> ReadingsError:
-    return ReadingsError(
-        Sentence(
-            "repeat {repeat} of component {component}, {part}, plane {plane}{direction} stands in row {row} already",
-            repeat=repeat,
-            component=reading.component,
-            part=PART_WORDS[reading.part],
-            plane=reading.plane,
-            direction=angle(reading.direction),
-            row=earlier.place.row,
-        ),
-        place=raw.place,
-        value=raw.size,
-        expected=Sentence("each repeat once"),
+    problem = Sentence(
+        "repeat {repeat} of component {component}, {part}, plane {plane}{direction} stands in row {row} already",
+        repeat=repeat,
+        component=reading.component,
+        part=PART_WORDS[reading.part],
+        plane=reading.plane,
+        direction=angle(reading.direction),
+        row=earlier.place.row,
     )
+    return ReadingsError(problem, place=raw.place, value=raw.size, expected=Sentence("each repeat once"))
 
 
 def _assumed_unit(
@@ -159,24 +142,19 @@ def _assumed_unit(
         assert land is not None  # a key is only made for planes that the controller knows
         ratios.append(entry.raw.size / (land.nominal_diameter / MM))
     middle = median(ratios)
-    for name in unit_names("length"):
-        unit = find_unit(name, "length")
-        if unit is not None and 0.8 < middle * unit.factor / MM < 1.25:
+    for unit in (unit_named(name, "length") for name in unit_names("length")):
+        if 0.8 < middle * unit.factor / MM < 1.25:
             text = Sentence(
                 "the sheet names no unit: {unit} assumed, in which the diameters come near the nominal ones",
                 unit=unit.said,
             )
             result.messages.append(Message("warning", "unit_assumed", text, headings))
             return unit
-    result.problems.append(
-        ReadingsError(
-            Sentence(
-                "the sheet names no unit, and in none are the diameters near the nominal ones (the numbers are "
-                "{times:.3g} times the nominal diameters in mm)",
-                times=middle,
-            ),
-            place=headings,
-            expected=Sentence("a unit in the heading, such as 'Diameter [mm]'"),
-        )
+    problem = Sentence(
+        "the sheet names no unit, and in none are the diameters near the nominal ones (the numbers are {times:.3g} "
+        "times the nominal diameters in mm)",
+        times=middle,
     )
+    expected = Sentence("a unit in the heading, such as 'Diameter [mm]'")
+    result.problems.append(ReadingsError(problem, place=headings, expected=expected))
     return None

@@ -7,7 +7,7 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Iterable
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib import resources
 from typing import Literal
 
@@ -19,6 +19,7 @@ from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
 
 _SPACES = re.compile(r"\s+")
+_LETTERS = re.compile(r"[^\W\d_]+")
 _NUMBER_AND_UNIT = re.compile(r"(.*\d[.,]?)\s*([^\d.,\s+\-]\D*)", re.DOTALL)
 NO_NUMBER, A_DIAMETER = Sentence("not a number"), Sentence("a diameter such as 9.939")
 _SINGLE_LETTERS = 2  # words up to this length keep their case: d is the spool, D the sleeve
@@ -50,45 +51,79 @@ class Vocabulary:
     def __contains__(self, word: str) -> bool:
         return word in self._words or (bool(self._stems) and word.startswith(self._stems))
 
-    def __rand__(self, words: Iterable[str]) -> set[str]:
-        """Return those of the words that have this meaning: ``words & vocabulary("diameter")``."""
-        return {word for word in words if word in self}
 
-
-@lru_cache(maxsize=1)
+@cache
 def _vocabularies() -> dict[str, dict[str, list[str]]]:
     return tomllib.loads(resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
 
 
-@lru_cache(maxsize=64)
+@cache
 def vocabulary(*meanings: str) -> Vocabulary:
     """Return the words for one or several meanings of ``vocabulary.toml``.
 
-    >>> {"solldurchmesser", "mm"} & vocabulary("specification", "specification_title")
-    {'solldurchmesser'}
+    >>> "solldurchmesser" in vocabulary("specification", "specification_title")
+    True
     """
     return Vocabulary(word for meaning in meanings for word in _listed(meaning))
 
 
-@lru_cache(maxsize=1)
-def _every_word() -> Vocabulary:
-    return vocabulary(*_vocabularies())
-
-
 def is_word(word: str) -> bool:
     """Return whether measuring sheets use a word, in any meaning: it tells how a text file is encoded."""
-    return plain(word) in _every_word()
+    return plain(word) in vocabulary(*_vocabularies())
+
+
+_TOGETHER = {  # several meanings under one name
+    "of_specification": ("specification", "specification_title"),
+    "of_reading": ("reading", "actual"),
+    "of_repeat": ("repeat", "reading"),
+    "of_size": ("diameter", "coordinate"),
+    "of_quantity": ("quantity", "clearance", "error", "spread"),
+}
 
 
 def _listed(meaning: str) -> list[str]:
-    return [word for words in _vocabularies()[meaning].values() for word in words]
+    tables = (_vocabularies()[each] for each in _TOGETHER.get(meaning, (meaning,)))
+    return [word for table in tables for words in table.values() for word in words]
 
 
-SPECIFICATIONS = vocabulary("specification", "specification_title")
-READINGS = vocabulary("reading", "actual")
-COUNTED = vocabulary("repeat", "reading")
-SIZES = vocabulary("diameter", "coordinate")
-QUANTITIES = vocabulary("quantity", "clearance", "error", "spread")
+class Words(tuple[str, ...]):
+    """The words of a text, folded, that can be asked what they mean."""
+
+    __slots__ = ()
+
+    def of(self, *meanings: str) -> set[str]:
+        """Return the words that have one of these meanings.
+
+        >>> letters("Solldurchmesser in mm").of("specification", "specification_title")
+        {'solldurchmesser'}
+        """
+        known = vocabulary(*meanings)
+        return {word for word in self if word in known}
+
+    def any(self, *meanings: str) -> bool:
+        """Return whether one of the words has one of these meanings."""
+        known = vocabulary(*meanings)
+        return any(word in known for word in self)
+
+    def only(self, *meanings: str) -> bool:
+        """Return whether every word has one of these meanings; of no words they all have."""
+        known = vocabulary(*meanings)
+        return all(word in known for word in self)
+
+    def but(self, *meanings: str) -> Words:
+        """Return the words that have none of these meanings."""
+        known = vocabulary(*meanings)
+        return Words(word for word in self if word not in known)
+
+
+def letters(text: object) -> Words:
+    """Return the words of a text, folded, without its numbers and signs."""
+    return _letters(str(text))
+
+
+@lru_cache(maxsize=8192)
+def _letters(text: str) -> Words:
+    return Words(_LETTERS.findall(plain(text)))
 
 
 @lru_cache(maxsize=4096)
@@ -98,9 +133,8 @@ def says_specification(text: str) -> bool:
     >>> says_specification("Nominal"), says_specification("Soll-Ø"), says_specification("nominal, but worn")
     (True, True, False)
     """
-    words = set(re.findall(r"[^\W\d_]+", plain(text)))
-    specified = words & SPECIFICATIONS
-    return bool(specified) and not words - specified - (words & vocabulary("diameter", "reading"))
+    words = letters(text)
+    return words.any("of_specification") and words.only("of_specification", "diameter", "reading")
 
 
 _ABSENT = frozenset(("", *map(plain, _listed("absent"))))
@@ -219,11 +253,10 @@ _PART_WORDS: dict[str, Part] = {
 _PART_STEMS: dict[Part, Vocabulary] = {
     part: Vocabulary(word for word in _listed(part) if word.endswith("*")) for part in _PARTS
 }
-_PART_OR_OTHER = vocabulary("part_or_other")
-_SIDES: dict[Part, Vocabulary] = {"spool": vocabulary("outer"), "sleeve": vocabulary("inner")}
-_DIAMETER = vocabulary("diameter")
-_OUTER_DIAMETER = re.compile(r"(?<![^\W\d_])(?:OD|O\.D\.?)(?![^\W\d_])")
-_INNER_DIAMETER = re.compile(r"(?<![^\W\d_])(?:ID|I\.D\.?)(?![^\W\d_])")
+_SIDES: tuple[tuple[Part, str, re.Pattern[str]], ...] = (
+    ("spool", "outer", re.compile(r"(?<![^\W\d_])(?:OD|O\.D\.?)(?![^\W\d_])")),
+    ("sleeve", "inner", re.compile(r"(?<![^\W\d_])(?:ID|I\.D\.?)(?![^\W\d_])")),
+)
 
 
 def part_words() -> list[str]:
@@ -253,12 +286,7 @@ def side_of(text: str) -> Part | None:
     >>> side_of("Outer diameter"), side_of("Bore ID"), side_of("Innen-Ø"), side_of("Valve id")
     ('spool', 'sleeve', 'sleeve', None)
     """
-    words = letters(text)
-    sides: set[Part] = {part for part, said in _SIDES.items() for word in words if word in said}
-    if _OUTER_DIAMETER.search(text):
-        sides.add("spool")
-    if _INNER_DIAMETER.search(text):
-        sides.add("sleeve")
+    sides = {part for part, meaning, sign in _SIDES if letters(text).any(meaning) or sign.search(text)}
     return sides.pop() if len(sides) == 1 else None
 
 
@@ -272,8 +300,8 @@ def part_said(text: str) -> Part | None:
     part = part_of(text)
     if part is not None or side_of(text) is None:
         return part
-    words = [word for word in letters(text) if word not in _DIAMETER and word not in {"o", "i", "d", "od", "id"}]
-    return side_of(text) if not any(word not in vocabulary("outer", "inner") for word in words) else None
+    others = letters(text).but("diameter", "outer", "inner")
+    return side_of(text) if {"o", "i", "d", "od", "id"}.issuperset(others) else None
 
 
 @lru_cache(maxsize=4096)
@@ -283,8 +311,8 @@ def part_in(text: str) -> Part | None:
     >>> part_in("Pistons, 20 °C"), part_in("Valve body 12"), part_in("spools and sleeves")
     ('spool', None, None)
     """
-    words = {word for word in re.findall(r"[^\W\d_]{3,}", plain(text)) if word not in _PART_OR_OTHER}
-    parts = {part for word in words if (part := part_of(word)) is not None}
+    words = letters(text).but("part_or_other")
+    parts = {part for word in words if len(word) > 2 and (part := part_of(word)) is not None}
     return parts.pop() if len(parts) == 1 else None
 
 
@@ -384,14 +412,6 @@ def at(place: Place, error: ReadingsError) -> ReadingsError:
 
 # --- what a row is, besides a reading ---------------------------------------------------------------------------------
 
-_LETTERS = re.compile(r"[^\W\d_]+")
-
-
-def letters(text: object) -> list[str]:
-    """Return the words of a text, folded, without its numbers and signs."""
-    return _LETTERS.findall(plain(text))
-
-
 Summary = Literal["mean", "sum", "largest", "smallest", "spread", "count"]
 
 _KINDS: tuple[Summary, ...] = ("mean", "sum", "largest", "smallest", "spread", "count")
@@ -400,7 +420,6 @@ _SUMMARY_WORDS: dict[str, Summary] = {
     for kind in _KINDS
     for word in (*_listed(kind), *(_listed("mean_in_cell") if kind == "mean" else ()))
 }
-_BESIDE_A_SUMMARY = vocabulary("beside_summary")
 _SUMMARY_SIGNS = {"ø", "⌀", "∅", "x̄", "x̅", "x̿", "x-bar", "x bar", "x quer", "σ", "∑"}
 
 
@@ -431,15 +450,8 @@ def _summary(text: str, key: bool) -> Summary | None:
         return "sum"
     if not kinds:
         return None
-    others = [word for word in words if word not in _SUMMARY_WORDS and word not in _BESIDE_A_SUMMARY]
+    others = [word for word in words.but("beside_summary") if word not in _SUMMARY_WORDS]
     return kinds[0] if key or not others else None
-
-
-CHARACTERISTIC = vocabulary("characteristic")
-COUNTS = vocabulary("counts")
-COUNTS_NOT = vocabulary("counts_not")
-_NO = vocabulary("no")
-_YES = vocabulary("yes")
 
 
 def says_no(cell: Cell) -> bool:
@@ -448,8 +460,7 @@ def says_no(cell: Cell) -> bool:
     >>> says_no("Nein"), says_no(False), says_no(0.0), says_no("ok")
     (True, True, True, False)
     """
-    text = plain(text_of(cell)).strip(" .!")
-    return text in _NO or text in COUNTS_NOT
+    return plain(text_of(cell)).strip(" .!") in vocabulary("no", "counts_not")
 
 
 def says_yes(cell: Cell) -> bool:
@@ -458,8 +469,7 @@ def says_yes(cell: Cell) -> bool:
     >>> says_yes("tak"), says_yes("x"), says_yes("rejected"), says_yes("")
     (True, True, True, False)
     """
-    text = plain(text_of(cell)).strip(" .!")
-    return text in _YES or text in COUNTS_NOT
+    return plain(text_of(cell)).strip(" .!") in vocabulary("yes", "counts_not")
 
 
 def is_rejected(cell: Cell) -> bool:
@@ -469,12 +479,13 @@ def is_rejected(cell: Cell) -> bool:
     (True, True, False)
     """
     text = plain(cell).strip(" .!()") if isinstance(cell, str) else ""
-    return text in COUNTS_NOT or text in {"do not use", "not valid", "nicht verwenden", "nie uzywac", "nie uwzgledniac"}
-
-
-_UNWORN = vocabulary("unworn")
-_END = vocabulary("end")
-_BESIDE_AN_END = vocabulary("beside_end", "spool", "sleeve")
+    return text in vocabulary("counts_not") or text in {
+        "do not use",
+        "not valid",
+        "nicht verwenden",
+        "nie uzywac",
+        "nie uwzgledniac",
+    }
 
 
 @lru_cache(maxsize=4096)
@@ -486,17 +497,12 @@ def says_unworn(text: str) -> bool:
     >>> says_unworn("niezużyty koniec"), says_unworn("no unworn end")
     (True, False)
     """
-    words = set(letters(text))
-    return bool(words & _UNWORN and words & _END) and all(
-        word in _UNWORN or word in _END or word in _BESIDE_AN_END for word in words
-    )
+    words = letters(text)
+    return words.any("unworn") and words.any("end") and words.only("unworn", "end", "beside_end", "spool", "sleeve")
 
 
 # --- what tells two states apart --------------------------------------------------------------------------------------
 
-STATES = vocabulary("state")
-PERSONS = vocabulary("person")
-UNITS_BEHIND = vocabulary("before_unit")
 _STATE_VALUE = re.compile(
     r"(?:19|20)\d\d|\d[\d ., ]*(?:km|mi|miles|h|hours|std|godz)\.?|\d{1,4}[./-]\d{1,2}[./-]\d{1,4}|"
     r"(?:jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec|mai|okt|dez|marz|sty|lut|kwi|maj|cze|lip|sie|wrz|paz|lis|gru)"
@@ -513,8 +519,7 @@ def is_state(cell: Cell) -> bool:
     return isinstance(cell, datetime.date) or _STATE_VALUE.fullmatch(plain(text_of(cell))) is not None
 
 
-_REPEATS = vocabulary("repeat", "reading", "number")
-_ORDINALS = {"st", "nd", "rd", "th"}
+ORDINALS = {"st", "nd", "rd", "th"}
 
 
 def is_repeat_title(text: str) -> bool:
@@ -523,15 +528,8 @@ def is_repeat_title(text: str) -> bool:
     >>> is_repeat_title("2nd measurement"), is_repeat_title("Messung 2:"), is_repeat_title("Messung Mai")
     (True, True, False)
     """
-    words = letters(text)
-    return (
-        bool(words)
-        and all(word in _REPEATS or word in _ORDINALS for word in words)
-        and re.search(r"(?<!\d)\d{1,2}(?!\d)", text) is not None
-    )
-
-
-_PAGES = vocabulary("page")
+    others = letters(text).but("repeat", "reading", "number")
+    return ORDINALS.issuperset(others) and bool(letters(text)) and re.search(r"(?<!\d)\d{1,2}(?!\d)", text) is not None
 
 
 def is_page_title(text: str) -> bool:
@@ -540,18 +538,4 @@ def is_page_title(text: str) -> bool:
     >>> is_page_title("Page 2 of 3"), is_page_title("Seite 2"), is_page_title("November")
     (True, True, False)
     """
-    words = letters(text)
-    return bool(words) and all(word in _PAGES for word in words)
-
-
-# --- what a sheet says a second time ----------------------------------------------------------------------------------
-
-CLEARANCES = vocabulary("clearance")
-NOT_MEASURED = vocabulary("not_of_these", "specification", "specification_title")
-RADIAL = vocabulary("radial")
-WEAR = vocabulary("wear")
-CORRECTIONS = vocabulary("correction")
-ZERO = vocabulary("zero")
-BESIDE_ZERO = vocabulary("zero", "beside_zero", "error", "correction")
-ERRORS = vocabulary("error")
-CORRECTED = vocabulary("corrected")
+    return bool(letters(text)) and letters(text).only("page")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from atleak.errors import Place, ReadingsError
+from atleak.errors import InputError, Place, ReadingsError
 from atleak.intake.native.process import WORKBOOK, read_apart
 from atleak.intake.native.workbooks import Range, first_rows, measuring_sheets, stray_cells
 from atleak.intake.sheets.extent import bounded
@@ -51,6 +51,27 @@ def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str
         if isinstance(error, FileNotFoundError):
             problem = Sentence("no such file")
         raise ReadingsError(problem, place=Place(str(path)), expected=WANTED) from None
+
+
+def open_sheets(
+    source: str | Path | bytes,
+    name: str | None,
+    score: Callable[[Sheet], float],
+    kind: type[InputError],
+    wanted: Sentence,
+) -> tuple[bytes, str, list[Sheet]]:
+    """Return the bytes of a file that is no measuring sheet, the name that messages give it, and its sheets.
+
+    Raises
+    ------
+    InputError
+        of that kind, as `read_bytes` and `read_sheets` say; ``wanted`` is what was expected instead.
+    """
+    try:
+        data, file = read_bytes(source, name)
+        return data, file, read_sheets(data, file, score)
+    except ReadingsError as error:
+        raise kind(error.problem, place=error.place, value=error.value, expected=wanted) from error
 
 
 def read_sheets(

@@ -14,6 +14,9 @@ from atleak.errors import InputError, ReadingsError
 from atleak.intake.readings import ReadingsRefused, read_readings
 from atleak.readings import clearances
 
+PLACED = ("component", "part", "plane", "x1 [mm]", "x2 [mm]")
+OF_ONE = ("component", "part", "plane", "diameter_mm")
+
 
 def where(error):
     return error.place.file, error.place.sheet, error.place.row, error.place.column
@@ -56,58 +59,70 @@ def test_a_cell_that_is_no_diameter(refused_row, value, said, shown):
     assert "9.939" in error.expected
 
 
-def test_an_unknown_component_names_the_valid_ones_and_the_nearest(refused_row):
-    error = refused_row(4, "12", "sleeve", "1", "0°", 1, 9.995)
-    assert "unknown component" in error.problem
-    assert where(error) == ("sheet.xlsx", "Readings", 6, "A")
-    assert (error.value, error.nearest) == ("12", "12'")
-    assert "6, 8, 12'" in error.expected
+@pytest.mark.parametrize(
+    ("index", "row", "at", "said"),
+    [
+        (4, ("12", "sleeve", "1", "0°", 1, 9.995), (6, "A"), ("unknown component", "12", "6, 8, 12'", "12'")),
+        (0, (1, "spool", "1", "0°", 1, 9.939), (2, "A"), ("component 1 (pump) of three_pairs has no precision pair",)),
+        (5, ("6", "sleve", "1", "0°", 2, 9.996), (7, "B"), ("unknown part", "sleve", "", "sleeve")),
+        (3, ("6", "spool", "3", "90°", 2, 9.939), (5, "C"), ("component 6", "3", "plane 1, 2")),
+        (0, ("6", "spool", "1", "up", 1, 9.939), (2, "D"), ("direction", "up")),
+        (0, ("6", "spool", "1", "0°", "again", 9.939), (2, "E"), ("repeat", "again")),
+        (1, ("6", "spool", "1", "0°", 1, 9.940), (3, "F"), ("stands in row 2 already", 9.940)),
+        (1, ("6", "spool", "1", "0°", 2, 10.939), (3, "F"), ("rows 2 and 3", "10.939 mm")),
+    ],
+)
+def test_a_cell_that_is_not_understood(refused_row, index, row, at, said):
+    """``said`` is part of the problem, the value that was found, part of what was expected, and the nearest name."""
+    error = refused_row(index, *row)
+    problem, value, expected, nearest = (*said, None, None, None)[:4]
+    assert where(error) == ("sheet.xlsx", "Readings", *at)
+    assert problem in error.problem
+    assert value is None or error.value == value
+    assert (expected or "") in str(error.expected)
+    assert error.nearest == nearest
 
 
-def test_a_component_without_a_pair(refused_row):
-    error = refused_row(0, 1, "spool", "1", "0°", 1, 9.939)
-    assert "component 1 (pump)" in error.problem
-    assert "no precision pair" in error.problem
-    assert where(error) == ("sheet.xlsx", "Readings", 2, "A")
-
-
-def test_an_unknown_part_names_the_nearest(refused_row):
-    error = refused_row(5, "6", "sleve", "1", "0°", 2, 9.996)
-    assert where(error) == ("sheet.xlsx", "Readings", 7, "B")
-    assert (error.problem, error.value, error.nearest) == ("unknown part", "sleve", "sleeve")
-
-
-def test_an_unknown_plane_names_the_component_and_its_planes(refused_row):
-    error = refused_row(3, "6", "spool", "3", "90°", 2, 9.939)
-    assert where(error) == ("sheet.xlsx", "Readings", 5, "C")
-    assert error.value == "3"
-    assert "component 6" in error.problem
-    assert error.expected == "plane 1, 2"
-
-
-def test_an_unknown_land(refused, make_text):
-    error = refused(make_text([("component", "land", "part", "diameter_mm"), ("6", 7, "spool", 9.94)]), name="a.csv")
-    assert where(error) == ("a.csv", None, 2, "land")
-    assert (error.value, error.expected) == ("7", "land 1, 2")
-
-
-def test_a_plane_that_is_not_on_the_land(refused, make_text):
-    rows = [("component", "land", "plane", "part", "diameter_mm"), ("6", 1, 2, "spool", 9.94)]
-    error = refused(make_text(rows), name="a.csv")
-    assert where(error) == ("a.csv", None, 2, "plane")
-    assert "not on land 1" in error.problem
-
-
-def test_an_unknown_direction(refused_row):
-    error = refused_row(0, "6", "spool", "1", "up", 1, 9.939)
-    assert where(error) == ("sheet.xlsx", "Readings", 2, "D")
-    assert error.value == "up"
-
-
-def test_a_repeat_without_number(refused_row):
-    error = refused_row(0, "6", "spool", "1", "0°", "again", 9.939)
-    assert where(error) == ("sheet.xlsx", "Readings", 2, "E")
-    assert error.value == "again"
+@pytest.mark.parametrize(
+    ("rows", "at", "said"),
+    [
+        ([("component", "land", "part", "diameter_mm"), ("6", 7, "spool", 9.94)], (2, "B"), "no such land"),
+        ([("component", "land", "plane", "part", "diameter_mm"), ("6", 1, 2, "spool", 9.94)], (2, "C"), "on land 1"),
+        ([PLACED[:4], (6, "spool", 1, 50)], (1, "D"), "one coordinate alone"),
+        ([PLACED, (6, "spool", 1, 59.939, 50), (6, "spool", 1, 59.94, None)], (3, "E"), "coordinate 2 is missing"),
+        (
+            [(*PLACED[:3], "x2 [mm]", "diameter [mm]"), (6, "spool", 1, 59.94, None)],
+            (2, "D"),
+            "coordinate 1 is missing",
+        ),
+        ([PLACED, (6, "spool", 1, 50, 50)], (2, "D"), "equal"),
+        ([(*PLACED, "diameter [mm]"), (6, "spool", 1, 59.939, 50, 9.949)], (2, "F"), "coordinates (9.939)"),
+        ([(*PLACED[:3], "diameter [mm]"), (6, "spool", 1, "=D1+0.002")], (2, "D"), "no stored result"),
+        ([("Component", "Plane", "Diameter [mm]"), (6, 1, 9.94)], (1, None), "the part (spool or sleeve)"),
+        ([("Component", "Part", "Diameter [mm]"), (6, "spool", 9.94)], (1, None), "the measurement plane"),
+        (
+            [("Component", "Part", "Plane", "Diameter [mm]", "Diameter (mm)"), (6, "spool", 1, 9.94, 9.941)],
+            (1, "E"),
+            "two columns are read as the same diameter",
+        ),
+        (
+            [("No.", "Component", "Part", "Plane", "Diameter [mm]"), (6, "brake C1 valve", "spool", 1, 9.94)],
+            (2, "B"),
+            "this is component 8, in a row of component 6",
+        ),
+        ([("component", "part", "plane", "diameter"), (6, "spool", 1, 70.0)], (1, "D"), "names no unit"),
+        ([OF_ONE, ("12'", "piston", "1", 14.0), ("12'", "bore", "1", 13.0)], (3, "D"), "smaller than the piston"),
+        ([OF_ONE, ("12'", "piston", "1", 14.0), ("12'", "bore", "1", 15.01)], (3, "D"), "clearance 0.505 mm"),
+        ([OF_ONE, ("6", "spool", "1", 10.0)], (2, "D"), "the sleeve was not measured"),
+        ([OF_ONE, ("6", "bore", "1", 9.9)], (2, "D"), "the spool was not measured"),
+    ],
+)
+def test_a_sheet_with_one_fault(refused, make_workbook, rows, at, said):
+    error = refused(make_workbook(rows))
+    assert len(error.problems) == 1
+    assert where(error) == ("sheet.xlsx", "Readings", *at)
+    assert said in error.problem
+    assert "swapped" not in error.problem
 
 
 def test_an_unknown_unit_in_a_row(refused, make_workbook, tidy):
@@ -147,31 +162,6 @@ def test_empty_cells_below_a_component_are_not_filled_in(refused, make_text):
     assert "and in 1 more: 4" in error.problems[0].problem
 
 
-def test_one_coordinate_is_missing(refused, make_workbook):
-    rows = [
-        ("component", "part", "plane", "x1 [mm]", "x2 [mm]"),
-        (6, "spool", 1, 59.939, 50),
-        (6, "spool", 1, 59.94, None),
-    ]
-    error = refused(make_workbook(rows))
-    assert where(error) == ("sheet.xlsx", "Readings", 3, "E")
-    assert "coordinate 2 is missing" in error.problem
-
-
-def test_equal_coordinates(refused, make_workbook):
-    error = refused(make_workbook([("component", "part", "plane", "x1 [mm]", "x2 [mm]"), (6, "spool", 1, 50, 50)]))
-    assert where(error) == ("sheet.xlsx", "Readings", 2, "D")
-    assert "equal" in error.problem
-
-
-def test_a_diameter_that_contradicts_its_coordinates(refused, make_workbook):
-    rows = [("component", "part", "plane", "x1 [mm]", "x2 [mm]", "diameter [mm]"), (6, "spool", 1, 59.939, 50, 9.949)]
-    error = refused(make_workbook(rows))
-    assert where(error) == ("sheet.xlsx", "Readings", 2, "F")
-    assert error.value == 9.949
-    assert "9.939" in error.problem
-
-
 def test_a_name_that_contradicts_the_number(refused, make_workbook):
     rows = [("No.", "Component", "Part", "Plane", "Diameter [mm]"), (6, "brake C1 valve", "spool", 1, 9.94)]
     rows += [(6, "clutch B valve", "spool", 2, 9.94), (8, "brake C1 valve", "spool", 2, 9.99)]
@@ -179,13 +169,6 @@ def test_a_name_that_contradicts_the_number(refused, make_workbook):
     assert len(error.problems) == 1
     assert error.place.row == 2
     assert "component 8" in error.problem or "component 6" in error.problem
-
-
-def test_a_repeat_given_twice(refused_row):
-    error = refused_row(1, "6", "spool", "1", "0°", 1, 9.940)
-    assert where(error) == ("sheet.xlsx", "Readings", 3, "F")
-    assert "stands in row 2 already" in error.problem
-    assert error.value == 9.940
 
 
 @pytest.mark.parametrize("fault", ["#DIV/0!", "#REF!"])
@@ -200,13 +183,6 @@ def test_a_formula_that_gives_an_error(refused, fault):
     error = refused(buffer.getvalue())
     assert where(error) == ("sheet.xlsx", "Readings", 3, "D")
     assert error.value == fault
-
-
-def test_a_formula_without_stored_result(refused, make_workbook):
-    rows = [("component", "part", "plane", "diameter [mm]"), (6, "spool", 1, 9.939), (6, "spool", 2, "=D2+0.002")]
-    error = refused(make_workbook(rows))
-    assert where(error) == ("sheet.xlsx", "Readings", 3, "D")
-    assert "no stored result" in error.problem
 
 
 def test_decimal_commas_between_commas(refused, make_text, tidy):
@@ -255,13 +231,6 @@ def test_one_diameter_off_by_a_factor(refused_row, factor, said):
     assert error.expected.startswith("about 9.939 mm (component 6 land 1)")
 
 
-def test_no_unit_fits(refused, make_workbook):
-    error = refused(make_workbook([("component", "part", "plane", "diameter"), (6, "spool", 1, 70.0)]))
-    assert where(error) == ("sheet.xlsx", "Readings", 1, "D")
-    assert "names no unit" in error.problem
-    assert "[mm]" in error.expected
-
-
 def test_an_unknown_unit_that_is_told(controller, make_workbook, tidy):
     with pytest.raises(InputError, match="unknown unit") as caught:
         read_readings(make_workbook(tidy()), controller, unit="bar")
@@ -294,14 +263,6 @@ def test_spool_and_sleeve_swapped_in_the_whole_sheet(refused, make_text):
     assert [problem.place.row for problem in error.problems] == [2, 2, 4, 6]
 
 
-def test_a_sleeve_smaller_than_the_spool_beyond_any_swap(refused, make_text):
-    rows = [("component", "part", "plane", "diameter_mm"), ("12'", "piston", "1", 14.0), ("12'", "bore", "1", 13.0)]
-    error = refused(make_text(rows), name="a.csv")
-    assert "smaller than the piston" in error.problem
-    assert "swapped" not in error.problem
-    assert where(error) == ("a.csv", None, 3, "diameter_mm")
-
-
 def test_swapped_in_one_direction_only(refused, make_workbook, tidy):
     changed = {
         2: ("6", "sleeve", "1", "90°", 1, 9.938),
@@ -324,37 +285,10 @@ def test_two_rows_swapped(refused, make_workbook, tidy):
     assert where(error) == ("sheet.xlsx", "Readings", 7, "F")
 
 
-def test_a_clearance_over_half_a_millimetre(refused, make_text):
-    rows = [("component", "part", "plane", "diameter_mm"), ("12'", "piston", "1", 14.0), ("12'", "bore", "1", 15.01)]
-    error = refused(make_text(rows), name="a.csv")
-    assert "0.505 mm" in error.problem
-    assert error.expected.startswith("at most 0.5 mm")
-    assert where(error) == ("a.csv", None, 3, "diameter_mm")
-    assert error.value == "15.01 mm"
-
-
 def test_a_clearance_of_half_a_millimetre_is_still_a_clearance(controller, make_text):
     rows = [("component", "part", "plane", "diameter_mm"), ("12'", "piston", "1", 14.0), ("12'", "bore", "1", 14.99)]
     gap = clearances(read_readings(make_text(rows), controller), controller)[3]
     assert gap.radial_clearance == pytest.approx(0.495e-3, rel=1e-9, abs=0.0)
-
-
-def test_a_spool_that_its_nominal_sleeve_does_not_take(refused, make_text):
-    error = refused(make_text([("component", "part", "plane", "diameter_mm"), ("6", "spool", "1", 10.0)]), name="a.csv")
-    assert "the sleeve was not measured" in error.problem
-    assert where(error) == ("a.csv", None, 2, "diameter_mm")
-
-
-def test_a_sleeve_that_does_not_take_the_nominal_spool(refused, make_text):
-    error = refused(make_text([("component", "part", "plane", "diameter_mm"), ("6", "bore", "1", 9.9)]), name="a.csv")
-    assert "the spool was not measured" in error.problem
-
-
-def test_repeats_further_apart_than_any_measurement(refused_row):
-    error = refused_row(1, "6", "spool", "1", "0°", 2, 10.939)
-    assert where(error) == ("sheet.xlsx", "Readings", 3, "F")
-    assert "rows 2 and 3" in error.problem
-    assert error.value == "10.939 mm"
 
 
 def test_repeats_that_disagree_a_little_are_flagged_with_place_and_values(controller, make_workbook, tidy):
@@ -501,30 +435,6 @@ def test_headings_without_a_diameter(unusable, make_workbook):
     assert "'Component', 'Part'" in error.value
 
 
-def test_headings_without_a_part(refused, make_workbook):
-    error = refused(make_workbook([("Component", "Plane", "Diameter [mm]"), (6, 1, 9.94)]))
-    assert "the part (spool or sleeve)" in error.problem
-    assert where(error) == ("sheet.xlsx", "Readings", 1, None)
-
-
-def test_headings_without_a_plane(refused, make_workbook):
-    error = refused(make_workbook([("Component", "Part", "Diameter [mm]"), (6, "spool", 9.94)]))
-    assert "the measurement plane" in error.problem
-
-
-def test_one_coordinate_column_alone(refused, make_workbook):
-    error = refused(make_workbook([("Component", "Part", "Plane", "x1 [mm]"), (6, "spool", 1, 59.94)]))
-    assert "one coordinate alone" in error.problem
-    assert where(error) == ("sheet.xlsx", "Readings", 1, "D")
-
-
-def test_two_columns_of_the_same_kind(refused, make_workbook):
-    rows = [("Component", "Part", "Plane", "Diameter [mm]", "Diameter (mm)"), (6, "spool", 1, 9.94, 9.941)]
-    error = refused(make_workbook(rows))
-    assert "two columns are read as the same diameter" in error.problem
-    assert where(error) == ("sheet.xlsx", "Readings", 1, "E")
-
-
 def test_a_road_test_log_instead(unusable, make_text):
     rows = [("time [s]", "engine_speed [rpm]", "p_g [kPa]", "atf_temperature [°C]"), (0.0, 750, 500, 80)]
     assert "no row of headings" in unusable(make_text(rows), name="log.csv").problem
@@ -560,15 +470,3 @@ def test_a_sheet_that_is_not_there_or_holds_no_readings(unusable, save_book, tid
     error = unusable(save_book(book), sheet="notes")
     assert "readings are in sheet 'Job 7'" in error.problem
     assert error.place.sheet == "notes"
-
-
-def test_the_second_coordinate_alone_beside_a_diameter(refused, make_workbook):
-    rows = [("Component", "Part", "Plane", "x2 [mm]", "Diameter [mm]"), (6, "spool", 1, 59.94, None)]
-    error = refused(make_workbook(rows))
-    assert "coordinate 1 is missing" in error.problem
-    assert where(error) == ("sheet.xlsx", "Readings", 2, "D")
-
-
-def test_one_row_whose_number_and_name_contradict_each_other(refused, make_workbook):
-    rows = [("No.", "Component", "Part", "Plane", "Diameter [mm]"), (6, "brake C1 valve", "spool", 1, 9.94)]
-    assert "this is component 8, in a row of component 6" in refused(make_workbook(rows)).problem
