@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import re
+import tomllib
 import unicodedata
-from functools import lru_cache
+from collections.abc import Mapping
+from functools import cache, lru_cache
+from importlib import resources
+from typing import Any
 
 _TRANSLATE = str.maketrans(
     {"ß": "ss", "ä": "ae", "ö": "oe", "ü": "ue", "ł": "l", "ø": "o", "æ": "ae", "№": "no", "đ": "d"}
@@ -12,6 +16,12 @@ _TRANSLATE = str.maketrans(
 _CAMEL = re.compile(r"(?<=[a-zа-яё])(?=[A-ZА-ЯЁ])|(?<=[A-Z])(?=[A-Z][a-z]{2})")
 # digits between letters are kept with them: "n2", "o2"
 _SEPARATORS = re.compile(r"[^0-9a-zа-яёͰ-Ͽ一-鿿]+")
+
+
+@cache
+def vocabulary(package: str) -> Mapping[str, Mapping[str, Any]]:
+    """Return the words that stand in a package's ``vocabulary.toml``."""
+    return tomllib.loads(resources.files(package).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
 
 
 @lru_cache(maxsize=8192)

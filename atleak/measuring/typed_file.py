@@ -6,8 +6,6 @@ that nothing that cannot be a reading enters a verdict, and nothing typed is los
 
 from __future__ import annotations
 
-import csv
-import io
 import itertools
 import json
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -18,13 +16,14 @@ from pydantic import BaseModel, Field
 from atleak.catalogue.controller import Controller
 from atleak.doors import own_errors_only
 from atleak.errors import InputError
+from atleak.intake.sheets.text import csv_bytes, csv_rows
 from atleak.intake.units import unit, unit_names
 from atleak.measuring.plan import MOST_DIRECTIONS, MOST_REPEATS, PARTS, Cell, Order, Plan
 from atleak.measuring.typed import Entry, Typed, cell_of, in_mm
 from atleak.readings import TYPED_MARK, Readings
 
 TYPED_FILE = "typed readings.csv"
-_SEPARATED = "sep=;\r\n"  # so that a spreadsheet program, and the intake, need not guess
+_SEPARATED = b"sep=;\r\n"  # so that a spreadsheet program, and the intake, need not guess
 _KEYS = ("No.", "Part", "Plane", "Direction", "Repeat")
 _COORDINATES = ("Coordinate x1 [mm]", "Coordinate x2 [mm]")
 _LAST = ("Counts", "Taken at")
@@ -47,20 +46,14 @@ def written(typed: Typed, counting: Collection[Cell], controller: Controller) ->
     """
     if not typed.entries:
         return None
-    target = io.StringIO(newline="")
-    target.write(_SEPARATED)
-    rows = csv.writer(target, delimiter=";", lineterminator="\r\n")
-    rows.writerow([TYPED_MARK, json.dumps(asdict(typed.plan))])
-    rows.writerow([f"Controller {controller.id}"])
-    rows.writerows(_head(typed.sheet))
-    rows.writerow(_headings(typed.unit))
+    rows = [[TYPED_MARK, json.dumps(asdict(typed.plan))], [f"Controller {controller.id}"]]
+    rows += [*_head(typed.sheet), _headings(typed.unit)]
     for cell in typed.plan.in_order(controller, typed.entries):
-        rows.writerow([*_labels(cell), *_values(typed.entries[cell]), "yes" if cell in counting else "no", ""])
+        rows.append([*_labels(cell), *_values(typed.entries[cell]), "yes" if cell in counting else "no", ""])
     for reading in typed.sheet.unworn if typed.sheet else ():
         size = f"{in_mm(reading.diameter)} mm"
-        rows.writerow([*_labels(cell_of(reading)), *_values(Entry(size, reading.coordinates)), "yes", _UNWORN])
-    rows.writerows(_of_lands(typed.sheet))
-    return target.getvalue().encode()
+        rows.append([*_labels(cell_of(reading)), *_values(Entry(size, reading.coordinates)), "yes", _UNWORN])
+    return _SEPARATED + csv_bytes([*rows, *_of_lands(typed.sheet)])
 
 
 def _headings(unit: str) -> list[str]:
@@ -122,11 +115,7 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
     InputError
         where atleak itself fails on it.
     """
-    try:
-        text = content.decode().removeprefix(_SEPARATED)
-        rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=";"))
-    except (UnicodeDecodeError, csv.Error):
-        return None
+    rows = csv_rows(content.removeprefix(_SEPARATED))
     if not rows or rows[0][:1] != [TYPED_MARK]:
         return None
     units = {tuple(_headings(name)): name for name in unit_names("length")}

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 
-from atleak.intake.plain_words import words
+from atleak.intake.plain_words import vocabulary, words
 from atleak.intake.readings.words import text_of
 from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
@@ -36,8 +34,7 @@ class StudyTable:
 
 @cache
 def _vocabulary() -> dict[str, str]:
-    text = resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8")
-    return {phrase: name for name, phrases in tomllib.loads(text)["column"].items() for phrase in phrases}
+    return {phrase: name for name, phrases in vocabulary(__package__)["column"].items() for phrase in phrases}
 
 
 def likeness(sheet: Sheet) -> float:

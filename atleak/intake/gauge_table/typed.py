@@ -5,14 +5,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import cast
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.errors import Place
+from atleak.intake.sheets.text import csv_bytes, csv_rows
 from atleak.intake.units import find_unit
 from atleak.pressure_table import LINE, RANGES, Cell, Engine, PressureTable
 from atleak.workshop_units import KPA, RPM
@@ -58,21 +57,16 @@ class TypedGauges:
         """Return the file; None where no reading was typed."""
         if not self.cells:
             return None
-        target = io.StringIO(newline="")
-        rows = csv.writer(target, delimiter=";", lineterminator="\r\n")
-        rows.writerow([_RANGE, _STATE, _TAP, f"gauge [{self.unit}]", _TEMPERATURE, _SPEED])
+        rows = [[_RANGE, _STATE, _TAP, f"gauge [{self.unit}]", _TEMPERATURE, _SPEED]]
         for cell, text in self.cells.items():
             speed = self.fast_idle if cell.engine is Engine.FAST_IDLE else ""
-            rows.writerow([cell.range, cell.engine.label, cell.tap, text, self.temperature, speed])
-        return target.getvalue().encode()
+            rows.append([cell.range, cell.engine.label, cell.tap, text, self.temperature, speed])
+        return csv_bytes(rows)
 
 
 def typed_gauges(content: bytes) -> TypedGauges | None:
     """Return what was typed from the file that `TypedGauges.written` gives; None for any other file."""
-    try:
-        rows = list(csv.reader(io.StringIO(content.decode(), newline=""), delimiter=";"))
-    except (UnicodeDecodeError, csv.Error):
-        return None
+    rows = csv_rows(content)
     if not rows or len(rows[0]) != 6 or [*rows[0][:3], *rows[0][4:]] != [_RANGE, _STATE, _TAP, _TEMPERATURE, _SPEED]:
         return None
     unit = find_unit(rows[0][3].removeprefix("gauge [").removesuffix("]"), "pressure")

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
-from importlib import resources
-from typing import Any, Literal, cast
+from typing import Literal, cast
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.controller import Controller
-from atleak.intake.plain_words import words
+from atleak.intake.plain_words import vocabulary, words
 from atleak.intake.readings.words import text_of
 from atleak.intake.sheets.sheet import Cell as SheetCell
 from atleak.intake.units import Unit, find_unit
@@ -34,14 +32,9 @@ _UNIT_KINDS = ("pressure", "temperature", "rotational_speed")
 
 
 @cache
-def _vocabulary() -> Mapping[str, Mapping[str, list[str]]]:
-    return tomllib.loads(resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
-
-
-@cache
 def _phrases(table: str) -> Mapping[Tokens, str]:
     """Return the phrases of a table of the vocabulary, each with the name under which it stands."""
-    return {tuple(phrase.split()): name for name, listed in _vocabulary()[table].items() for phrase in listed}
+    return {tuple(phrase.split()): name for name, listed in vocabulary(__package__)[table].items() for phrase in listed}
 
 
 def is_blank(cell: SheetCell) -> bool:
@@ -68,13 +61,7 @@ class Said:
 
     def over(self, other: Said) -> Said:
         """Return what this says, and what only the other one does."""
-        return Said(
-            *(mine if mine is not None else theirs for mine, theirs in zip(_values(self), _values(other), strict=True))
-        )
-
-
-def _values(said: Said) -> tuple[Any, ...]:
-    return said.range, said.engine, said.tap, said.engine_speed, said.repeat
+        return replace(other, **{name: value for name, value in vars(self).items() if value is not None})
 
 
 @dataclass(frozen=True)

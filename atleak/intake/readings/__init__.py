@@ -6,11 +6,11 @@ The form is that of the source study's Table 1, a tidy table, or a table with se
 What happens to a file:
 
 1. `intake.sheets` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
-2. `sheet_tables` cuts a sheet into tables; `one_heading` says what a column is by its heading, `headings` (with
-   `heading_numbers`) by all of them; ``vocabulary.toml`` holds the words in every
-   language, and `words` understands single cells. What is laid out unusually becomes usual before anything else is
-   read: `turned` exchanges rows and columns, `split_labels` (with `labels`) gives
-   each thing that a cell says a column, `deviations` adds them to nominal diameters, `filled_down` fills blocks.
+2. `sheet_tables` cuts a sheet into tables (`table`); `one_heading` says what a column is by its heading, `headings`
+   (with `heading_numbers`) by all of them; ``vocabulary.toml`` holds the words in every language, and `words`
+   understands single cells. What is laid out unusually becomes usual before anything else is read: `turned` exchanges
+   rows and columns, `split_labels` (with `labels`) gives each thing that a cell says a column, `deviations` adds them
+   to nominal diameters, `filled_down` fills blocks.
 3. `choice` picks the tables that are the measurement, of the visible sheets or of the one that was asked for.
 4. `columns` decides which columns of a table to read, by headings and contents.
 5. `rows` reads every row into `values`; `controller_names` knows the components, planes and lands of the controller.

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import datetime
 import re
-import tomllib
 import unicodedata
 from collections.abc import Iterable
 from functools import cache, lru_cache
-from importlib import resources
 from typing import Literal
 
 from atleak.catalogue.instruments import Part
 from atleak.errors import Place, ReadingsError
+from atleak.intake import plain_words
 from atleak.intake.sheets.sheet import Cell
 from atleak.intake.units import Unit, find_unit
 from atleak.sentence import Sentence
@@ -53,11 +52,6 @@ class Vocabulary:
 
 
 @cache
-def _vocabularies() -> dict[str, dict[str, list[str]]]:
-    return tomllib.loads(resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
-
-
-@cache
 def vocabulary(*meanings: str) -> Vocabulary:
     """Return the words for one or several meanings of ``vocabulary.toml``.
 
@@ -69,7 +63,7 @@ def vocabulary(*meanings: str) -> Vocabulary:
 
 def is_word(word: str) -> bool:
     """Return whether measuring sheets use a word, in any meaning: it tells how a text file is encoded."""
-    return plain(word) in vocabulary(*_vocabularies())
+    return plain(word) in vocabulary(*plain_words.vocabulary(__package__))
 
 
 _TOGETHER = {  # several meanings under one name
@@ -82,7 +76,7 @@ _TOGETHER = {  # several meanings under one name
 
 
 def _listed(meaning: str) -> list[str]:
-    tables = (_vocabularies()[each] for each in _TOGETHER.get(meaning, (meaning,)))
+    tables = (plain_words.vocabulary(__package__)[each] for each in _TOGETHER.get(meaning, (meaning,)))
     return [word for table in tables for words in table.values() for word in words]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 
 from atleak.errors import Place, ReadingsError
@@ -87,6 +87,21 @@ def _best_delimiter(start: str, file: str, score: Callable[[Sheet], float]) -> t
         by_spaces = [(likeness(spaces), spaces) for spaces in (_ALIGNED, _WORDS)]
         best = max([best, *(each for each in by_spaces if each[0] >= _COMPLETE)], key=lambda each: each[0])
     return best
+
+
+def csv_bytes(rows: Iterable[Sequence[str]]) -> bytes:
+    """Return rows as text with semicolons, as the program itself writes what is typed."""
+    target = io.StringIO(newline="")
+    csv.writer(target, delimiter=";", lineterminator="\r\n").writerows(rows)
+    return target.getvalue().encode()
+
+
+def csv_rows(content: bytes) -> list[list[str]]:
+    """Return the rows that `csv_bytes` wrote; none of any other file that is no such text."""
+    try:
+        return list(csv.reader(io.StringIO(content.decode(), newline=""), delimiter=";"))
+    except (UnicodeDecodeError, csv.Error):
+        return []
 
 
 # --- encodings --------------------------------------------------------------------------------------------------------

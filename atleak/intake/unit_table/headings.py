@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from functools import cache
-from importlib import resources
 
-from atleak.intake.plain_words import words
+from atleak.intake.plain_words import vocabulary, words
 from atleak.intake.readings.head_identity import identity_field
 
 _NEAR = 0.8  # of the letters of two headings that are taken for the same
@@ -24,18 +22,13 @@ _OF_HEAD = {"job": "number", "vin": "vin", "serial": "serial", "mileage": "milea
 
 
 @cache
-def _listed() -> Mapping[str, Mapping[str, list[str]]]:
-    return tomllib.loads(resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
-
-
-@cache
 def _names() -> Mapping[str, str]:
     return {words(name): column for column, name in spellings()}
 
 
 def spellings() -> Iterator[tuple[str, str]]:
     """Yield every column with a heading that it may have, the English ones first."""
-    for column, by_language in _listed().items():
+    for column, by_language in vocabulary(__package__).items():
         yield from ((column, name) for names in by_language.values() for name in names)
 
 
