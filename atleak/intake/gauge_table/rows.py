@@ -55,8 +55,11 @@ class Rows:
         value: object = None,
         known: Sequence[str] = (),
         expected: Sentence | None = None,
+        once: bool = False,
     ) -> None:
-        """Note a problem; ``known`` are the names that would have been valid."""
+        """Note a problem, ``once`` at its place; ``known`` are the names that would have been valid."""
+        if once and any(each.place == place for each in self.problems):
+            return
         nearest = nearest_name(str(value), known) if known and value is not None else None
         wanted = expected or one_of(known)
         self.problems.append(PressureTableError(problem, place=place, value=value, expected=wanted, nearest=nearest))
@@ -151,7 +154,8 @@ class _Reader:
             said, place = named.over(self.table.said(column)), self._place(row, column)
             if said.range is None or said.range not in self.ranges or said.engine is None:
                 heading = self.table.headings[column].text
-                self._once(_NOT_UNDERSTOOD["range"][1], self._place(self.table.row, column), heading, self.ranges)
+                place = self._place(self.table.row, column)
+                self.rows.refuse(_NOT_UNDERSTOOD["range"][1], place, heading, self.ranges, once=True)
                 continue
             cell = Cell(said.range, said.engine, said.tap or LINE)
             pressure = self._pressure(row, column, cell)
@@ -237,20 +241,8 @@ class _Reader:
         if known is None:
             problem = Sentence("unknown unit of pressure") if name else Sentence("no unit of the pressures")
             expected = Sentence("{units}, in the heading as in 'slow idle [kPa]'", units=one_of(unit_names("pressure")))
-            self._once(problem, place, name or heading.text or None, expected=expected)
+            self.rows.refuse(problem, place, name or heading.text or None, expected=expected, once=True)
         return known
-
-    def _once(
-        self,
-        problem: Sentence,
-        place: Place,
-        value: str | None,
-        known: Sequence[str] = (),
-        expected: Sentence | None = None,
-    ) -> None:
-        """Note a problem of a heading or unit, once for each place."""
-        if not any(each.place == place for each in self.rows.problems):
-            self.rows.refuse(problem, place, value, known, expected)
 
     def _number(self, row: int, kind: str, asked: AskedNumber) -> float | None:
         """Return the number of a row in SI, °C for a temperature; None where there is none or it is a problem."""

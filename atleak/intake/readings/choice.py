@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -240,7 +241,7 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
         where two sheets do: which is meant, only the user knows.
     """
     problems: list[ReadingsError] = []
-    first: dict[tuple[str, Part, str], list[tuple[Rows, Key]]] = {}
+    first: dict[tuple[str, Part, str], list[tuple[Rows, Key]]] = defaultdict(list)
     asked: dict[str | None, None] = {}
     reported: set[tuple[int, int]] = set()
     for before, rows in zip((None, *read), read, strict=False):
@@ -248,27 +249,24 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
             break
         if is_repeat_title(rows.table.title):
             continue
-        over_the_page = _goes_on(before, rows)
-        mine: dict[tuple[str, Part, str], list[tuple[Rows, Key]]] = {}
+        over_the_page, sheet = _goes_on(before, rows), rows.table.sheet.name
+        mine: dict[object, Key] = {}
         for entry in rows.entries:
-            key, raw = entry.key, entry.raw
+            key = entry.key
             place = key.component, key.part, key.plane
             if entry.row == over_the_page:
                 continue
-            for other, earlier in first.get(place, ()):
+            for other, earlier in first[place]:
                 if None not in (key.direction, earlier.direction) and key.direction != earlier.direction:
                     continue
-                sheet, other_sheet = rows.table.sheet, other.table.sheet
-                if sheet.name != other_sheet.name:
-                    asked.update({other_sheet.name: None, sheet.name: None})
+                if sheet != other.table.sheet.name:
+                    asked.update({other.table.sheet.name: None, sheet: None})
                 elif not (key.explicit and earlier.explicit) and (id(other), id(rows)) not in reported:
                     reported.add((id(other), id(rows)))
-                    problems.append(_twice(rows, other, key, raw.place))
-            mine.setdefault(place, [])
-            if all(key.direction != known.direction or key.explicit != known.explicit for _, known in mine[place]):
-                mine[place].append((rows, key))
-        for place, entries in mine.items():
-            first.setdefault(place, []).extend(entries)
+                    problems.append(_twice(rows, other, key, entry.raw.place))
+            mine.setdefault((place, key.direction, key.explicit), key)
+        for key in mine.values():
+            first[key.component, key.part, key.plane].append((rows, key))
     if asked:
         raise ReadingsError(
             Sentence("{count} sheets hold readings of the same planes", count=len(asked)),

@@ -116,14 +116,14 @@ def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
         each for sheet, rows in heads for each in stated_values(sheet, rows, ("date",), ("beside_head",), "temperature")
     ]
     date, doubts = _read_date(dates)
-    identity = read_identity(heads)
+    identity, fields, of_identity = read_identity(heads)
     return Head(
         temperature=temperature,
         date=date,
         pump=PumpClearances.of_um(side, tip),
-        identity=identity.identity,
-        cells=tuple((each.sheet.name, each.row, each.column) for each in (*cells, *dates, *identity.stated)),
-        messages=(*messages, *doubts, *identity.messages),
+        identity=identity,
+        cells=tuple((each.sheet.name, each.row, each.column) for each in (*cells, *dates, *fields)),
+        messages=(*messages, *doubts, *of_identity),
         problems=tuple(problems),
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from atleak.errors import Message
 from atleak.intake.readings.head_labels import Stated, means, stated_values
@@ -38,17 +38,8 @@ _FIELDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...], Sentence]] = {
 _INSTRUMENTS = ("for spools", "for bores", "for all")
 
 
-@dataclass(frozen=True)
-class Identity:
-    """What the heads say of the job, from which cells, and what is doubtful about it."""
-
-    identity: SheetIdentity
-    stated: tuple[Stated, ...]
-    messages: tuple[Message, ...]
-
-
-def read_identity(heads: Sequence[tuple[Sheet, range]]) -> Identity:
-    """Read the fields of the job from the rows above the headings.
+def read_identity(heads: Sequence[tuple[Sheet, range]]) -> tuple[SheetIdentity, list[Stated], list[Message]]:
+    """Return the fields of the job from the rows above the headings, where they stand, and what is doubtful of them.
 
     Of a field that is stated twice, differently, nothing is taken, nor is a mileage that cannot be read: a message says
     so. No field makes a sheet unusable.
@@ -74,7 +65,7 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> Identity:
                 values[name] = value
     instruments = [str(values.pop(name)) for name in _INSTRUMENTS if name in values]
     identity = SheetIdentity(**values, instruments=tuple(dict.fromkeys(instruments)))  # type: ignore[arg-type]
-    return Identity(identity, tuple(every), tuple(messages))
+    return identity, every, messages
 
 
 def several(stated: Sequence[tuple[str, Stated]], what: Sentence) -> Message:

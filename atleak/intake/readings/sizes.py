@@ -12,7 +12,7 @@ from atleak.intake.units import Unit, unit
 from atleak.readings import NOMINAL_TOLERANCE
 
 _INCH_DECIMALS = 3  # a diameter in inches has at least so many; 0.5 is half a millimetre of something
-_ROUNDED = 0.51e-6  # [m]
+ROUNDED = 0.51e-6  # [m] by which a number that was rounded to a micrometre may be off
 UNITS = MM, UM, INCH = tuple(unit(name, "length") for name in ("mm", "µm", "inch"))
 
 
@@ -42,15 +42,12 @@ class Sizes:
         """Return whether most of the cells hold a number of that size, in mm, µm or inches."""
         return 2 * sum(any(self.near(value, UNITS) for value in numbers_of(cell)) for cell in cells) > len(cells)
 
-    def near_plane(self, value: float, units: Iterable[Unit], component: str, plane: str) -> bool:
-        """Return whether a number is within 0.5 mm of the nominal diameters of one plane."""
+    def near_plane(
+        self, value: float, units: Iterable[Unit], component: str, plane: str, within: float = NOMINAL_TOLERANCE
+    ) -> bool:
+        """Return whether a number is within 0.5 mm of the nominal diameters of one plane, or within another limit."""
         nominal = self._by_plane.get((component, plane), ())
-        return any(abs(each.to_si(value) - size) <= NOMINAL_TOLERANCE for each in units for size in nominal)
-
-    def is_nominal(self, value: float, units: Iterable[Unit], component: str, plane: str) -> bool:
-        """Return whether a number, rounded to a micrometre, is a nominal diameter of one plane."""
-        nominal = self._by_plane.get((component, plane), ())
-        return any(abs(each.to_si(value) - size) <= _ROUNDED for each in units for size in nominal)
+        return any(abs(each.to_si(value) - size) <= within for each in units for size in nominal)
 
 
 def numbers_of(cell: Cell) -> tuple[float, ...]:

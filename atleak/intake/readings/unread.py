@@ -15,7 +15,7 @@ from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.filled_down import nominal_headings
 from atleak.intake.readings.one_heading import Role, split_unit
 from atleak.intake.readings.rows import Rows
-from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, numbers_of
+from atleak.intake.readings.sizes import INCH, MM, ROUNDED, Sizes, is_coarse, is_whole, numbers_of
 from atleak.intake.readings.table import Table
 from atleak.intake.readings.words import Words, is_blank, letters, number_of, part_said, plain, text_of
 from atleak.intake.sheets.sheet import Sheet
@@ -171,11 +171,13 @@ class Account:
         name, unit, _ = rows.table.heading(index).partition(" [")
         if not unit or name not in nominal_headings():
             return False
-        units = self._units_of(rows.table, index)
+        units, cell = self._units_of(rows.table, index), rows.table.sheet.filled
         return all(
-            any(self._sizes.is_nominal(value, units, keys[0].component, keys[0].plane) for value in numbers_of(cell))
+            any(
+                self._sizes.near_plane(value, units, keys[0].component, keys[0].plane, ROUNDED)
+                for value in numbers_of(cell(row, index))
+            )
             for row, keys in rows.of_row.items()
-            for cell in (rows.table.sheet.filled(row, index),)
         )
 
     def _is_quantity(self, rows: Rows, index: int) -> bool:
