@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import Controller, Land
@@ -44,12 +46,12 @@ class Cell:
 
 @dataclass(frozen=True)
 class Plan:
-    """What is to be measured of a valve body."""
+    """What is to be measured of a valve body; pydantic checks one that is read from a file."""
 
     order: Order = Order.PARTS
-    directions: int = len(DIRECTIONS)  # evenly round the bore
-    repeats: int = REPEATS
-    planes: int | None = None  # of each land, the first ones; None: all
+    directions: Annotated[int, Field(ge=1, le=MOST_DIRECTIONS)] = len(DIRECTIONS)  # evenly round the bore
+    repeats: Annotated[int, Field(ge=1, le=MOST_REPEATS)] = REPEATS
+    planes: Annotated[int, Field(ge=1)] | None = None  # of each land, the first ones; None: all
     lands: tuple[LandKey, ...] = ()  # none: every land
 
     def angles(self) -> tuple[float, ...]:

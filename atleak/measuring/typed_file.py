@@ -8,17 +8,17 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import asdict, replace
 
-from pydantic import BaseModel, Field
+from pydantic import TypeAdapter
 
 from atleak.catalogue.controller import Controller
 from atleak.doors import own_errors_only
 from atleak.errors import InputError
 from atleak.intake.sheets.text import csv_bytes, csv_rows
 from atleak.intake.units import unit, unit_names
-from atleak.measuring.plan import MOST_DIRECTIONS, MOST_REPEATS, PARTS, Cell, Order, Plan
+from atleak.measuring.plan import PARTS, Cell, Plan
 from atleak.measuring.typed import Entry, Typed, cell_of, in_mm
 from atleak.readings import TYPED_MARK, Readings
 
@@ -123,38 +123,13 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
     if head is None:
         return None
     try:
-        plan = _plan(rows[0])
+        plan = TypeAdapter(Plan).validate_json(rows[0][1] if len(rows[0]) > 1 else "")
         entries = dict(_entries(rows[head + 1 :]))
     except ValueError:  # somebody has edited it
         return None
     if any(controller.land_of_plane(cell.component, cell.plane) is None for cell in entries):
         return None
     return Typed(entries, plan, units[tuple(rows[head])], sheet=replace(sheet, readings=()))
-
-
-class _WrittenPlan(BaseModel):
-    """A plan as it stands in a file."""
-
-    order: Order
-    directions: int = Field(ge=1, le=MOST_DIRECTIONS)
-    repeats: int = Field(ge=1, le=MOST_REPEATS)
-    planes: int | None
-    lands: tuple[tuple[str, int], ...]
-
-
-def _plan(first_row: Sequence[str]) -> Plan:
-    """Return the plan of a file's first row.
-
-    Raises
-    ------
-    ValueError
-        where it is none.
-    """
-    if len(first_row) < 2:
-        raise ValueError("no plan")
-    plan = _WrittenPlan.model_validate_json(first_row[1])
-    planes = None if plan.planes is None else max(plan.planes, 1)
-    return Plan(plan.order, plan.directions, plan.repeats, planes, plan.lands)
 
 
 def _entries(rows: Iterable[list[str]]) -> Iterator[tuple[Cell, Entry]]:
