@@ -19,9 +19,9 @@ _SEPARATORS = re.compile(r"[^0-9a-zа-яёͰ-Ͽ一-鿿]+")
 
 
 @cache
-def vocabulary(package: str) -> Mapping[str, Mapping[str, Any]]:
-    """Return the words that stand in a package's ``vocabulary.toml``."""
-    return tomllib.loads(resources.files(package).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
+def vocabulary(package: str, file: str) -> Mapping[str, Mapping[str, Any]]:
+    """Return the words that stand in a TOML file of a package."""
+    return tomllib.loads(resources.files(package).joinpath(file).read_text(encoding="utf-8"))
 
 
 @lru_cache(maxsize=8192)

@@ -34,7 +34,11 @@ class StudyTable:
 
 @cache
 def _vocabulary() -> dict[str, str]:
-    return {phrase: name for name, phrases in vocabulary(__package__)["column"].items() for phrase in phrases}
+    return {
+        phrase: name
+        for name, phrases in vocabulary(__package__, "study_vocabulary.toml")["column"].items()
+        for phrase in phrases
+    }
 
 
 def likeness(sheet: Sheet) -> float:

@@ -34,7 +34,11 @@ _UNIT_KINDS = ("pressure", "temperature", "rotational_speed")
 @cache
 def _phrases(table: str) -> Mapping[Tokens, str]:
     """Return the phrases of a table of the vocabulary, each with the name under which it stands."""
-    return {tuple(phrase.split()): name for name, listed in vocabulary(__package__)[table].items() for phrase in listed}
+    return {
+        tuple(phrase.split()): name
+        for name, listed in vocabulary(__package__, "gauge_vocabulary.toml")[table].items()
+        for phrase in listed
+    }
 
 
 def is_blank(cell: SheetCell) -> bool:

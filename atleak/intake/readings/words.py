@@ -39,6 +39,9 @@ def _plain(text: str) -> str:
     return _SPACES.sub(" ", "".join(sign for sign in folded if not unicodedata.combining(sign))).strip()
 
 
+_LISTED = plain_words.vocabulary(__package__, "vocabulary.toml")
+
+
 class Vocabulary:
     """Words of one meaning in all languages; some as the beginning of a word."""
 
@@ -63,7 +66,7 @@ def vocabulary(*meanings: str) -> Vocabulary:
 
 def is_word(word: str) -> bool:
     """Return whether measuring sheets use a word, in any meaning: it tells how a text file is encoded."""
-    return plain(word) in vocabulary(*plain_words.vocabulary(__package__))
+    return plain(word) in vocabulary(*_LISTED)
 
 
 _TOGETHER = {  # several meanings under one name
@@ -76,7 +79,7 @@ _TOGETHER = {  # several meanings under one name
 
 
 def _listed(meaning: str) -> list[str]:
-    tables = (plain_words.vocabulary(__package__)[each] for each in _TOGETHER.get(meaning, (meaning,)))
+    tables = (_LISTED[each] for each in _TOGETHER.get(meaning, (meaning,)))
     return [word for table in tables for words in table.values() for word in words]
 
 

@@ -28,7 +28,7 @@ def _names() -> Mapping[str, str]:
 
 def spellings() -> Iterator[tuple[str, str]]:
     """Yield every column with a heading that it may have, the English ones first."""
-    for column, by_language in vocabulary(__package__).items():
+    for column, by_language in vocabulary(__package__, "unit_vocabulary.toml").items():
         yield from ((column, name) for names in by_language.values() for name in names)
 
 
