@@ -16,14 +16,14 @@ from atleak.intake.readings.words import is_blank, is_marked, letters, plain, te
 from atleak.intake.sheets.sheet import column_letter, rows_named
 from atleak.sentence import Sentence
 
-_SHOWN = 4  # marks that a message names
+_QUOTED = 4  # marks that a message names
 _LONGEST = 80  # characters of a comment or legend that are quoted
 _FEW = (
     0.01,
     0.1,
 )  # part of the readings: so many that are coloured otherwise are marked, whether a legend says so or not
 
-Cell = tuple[int, int]  # row, column
+At = tuple[int, int]  # row, column
 
 
 def messages(table: Table, rows: Collection[int], columns: Columns) -> Iterator[Message]:
@@ -42,11 +42,11 @@ def messages(table: Table, rows: Collection[int], columns: Columns) -> Iterator[
         yield from _colours(table, read)
 
 
-def _stars(table: Table, read: Sequence[Sequence[Cell]]) -> Iterator[Message]:
+def _stars(table: Table, read: Sequence[Sequence[At]]) -> Iterator[Message]:
     """Say which numbers have a star or dagger, which points to a note."""
     sheet, marked = table.sheet, [at for cells in read for at in cells if is_marked(table.sheet.cell(*at))]
     if marked:
-        numbers = tuple(dict.fromkeys(text_of(sheet.cell(*at)) for at in marked))[:_SHOWN]
+        numbers = tuple(dict.fromkeys(text_of(sheet.cell(*at)) for at in marked))[:_QUOTED]
         text = Sentence(
             "a mark stands behind {numbers} ({rows}): read as they stand; what it means only the sheet's notes say",
             numbers=numbers,
@@ -69,7 +69,7 @@ def _comments(table: Table, rows: Collection[int]) -> Iterator[Message]:
         yield Message("warning" if rejected else "info", "readings_commented", text, sheet.place(*next(iter(comments))))
 
 
-def _colours(table: Table, read: Sequence[Sequence[Cell]]) -> Iterator[Message]:
+def _colours(table: Table, read: Sequence[Sequence[At]]) -> Iterator[Message]:
     """Say which readings are coloured otherwise than most in their column, where they are few or a legend names it."""
     sheet, colours = table.sheet, table.sheet.marks.colours
     by_column: dict[int, Counter[str]] = {}
@@ -115,11 +115,11 @@ def _legend(table: Table, colours: Collection[str]) -> str | None:
     return None
 
 
-def _named(table: Table, at: Cell) -> str:
+def _named(table: Table, at: At) -> str:
     """Name a cell as a spreadsheet does."""
     row, column = (at[1], at[0]) if table.sheet.turned else at
     return f"{column_letter(column)}{row + 1}"
 
 
 def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names[:_SHOWN]) + (" …" if len(names) > _SHOWN else "")
+    return ", ".join(names[:_QUOTED]) + (" …" if len(names) > _QUOTED else "")

@@ -50,12 +50,12 @@ def _pairs(table: Table) -> Iterator[tuple[Column, Column]]:
 
 
 def _is_deviation(column: Column) -> bool:
-    words = letters(_said(column))
+    words = letters(_without_brackets(column))
     beside = words.but("deviation", "beside_deviation", "diameter", "of_reading", "direction", "repeat")
     return words.any("deviation") and all(map(part_of, beside))  # no standard and no permitted deviation
 
 
-def _said(column: Column) -> str:
+def _without_brackets(column: Column) -> str:
     """Return a heading without its unit, and without what brackets hold of which nothing is known: "[0.01 mm]"."""
     said, unit = split_unit(column.heading)
     if unit is not None:
@@ -65,7 +65,9 @@ def _said(column: Column) -> str:
 
 def _as_diameter(table: Table, deviation: Column, nominal: Column) -> Column:
     """Return the column of the diameters that deviations make: what their heading says besides is theirs."""
-    said = _WORD.sub(lambda word: "diameter" if letters(word[0]).any("deviation") else word[0], _said(deviation))
+    said = _WORD.sub(
+        lambda word: "diameter" if letters(word[0]).any("deviation") else word[0], _without_brackets(deviation)
+    )
     read = read_heading(said)
     if read is None or read.role != "diameter":
         read = Column(0, "", "diameter")

@@ -24,7 +24,7 @@ _MILES = replace(MILEAGE, unit="mi")
 
 # by the meaning of which words a label is known, one of each, and what else may stand in it; the field in a message. In
 # the order in which a label is tried: "vehicle identification number" is no vehicle
-_FIELDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...], Sentence]] = {
+_OF_JOB: Mapping[str, tuple[tuple[str, ...], tuple[str, ...], Sentence]] = {
     "vin": (("head_vin",), _OF_VEHICLE, Sentence("VIN")),
     "mileage": (("head_mileage",), _OF_VEHICLE, Sentence("mileage")),
     "vehicle": (("head_vehicle",), _BESIDE, Sentence("vehicle")),
@@ -47,7 +47,7 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> tuple[SheetIdentity, 
     every: list[Stated] = []
     messages: list[Message] = []
     values: dict[str, str | float] = {}
-    for name, (words, beside, what) in _FIELDS.items():
+    for name, (words, beside, what) in _OF_JOB.items():
         taken = {(each.sheet.name, each.row, each.column) for each in every}
         found = [
             each
@@ -105,4 +105,4 @@ def identity_field(label: str) -> str | None:
     >>> identity_field("Chassis no."), identity_field("Kilometerstand"), identity_field("Supplier")
     ('vin', 'mileage', None)
     """
-    return next((name for name, (words, beside, _) in _FIELDS.items() if means(label, words, beside)), None)
+    return next((name for name, (words, beside, _) in _OF_JOB.items() if means(label, words, beside)), None)
