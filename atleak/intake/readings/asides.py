@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from statistics import fmean, median
 from typing import Any
 
-from atleak.errors import Message, MessageLevel, ReadingsError, nearest_name
+from atleak.errors import Message, ReadingsError, nearest_name
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.one_heading import Column
@@ -32,48 +32,23 @@ from atleak.intake.readings.words import (
 from atleak.intake.sheets.sheet import Cell, rows_named
 from atleak.sentence import Sentence, counted, some
 
-# why rows are left aside, in the order in which it is told: how, and in which words
-_TOLD: Mapping[str, tuple[MessageLevel, str, Sentence]] = {
-    "summary": ("info", "summaries_left_aside", Sentence("{rows} of {what} left aside ({named})")),
-    "specification": (
-        "info",
-        "specifications_left_aside",
-        Sentence("{rows} of {what!r} left aside, what should be ({named})"),
+# why rows are left aside, in the order in which it is told: by the code of the message, or by how rows are hidden
+_TOLD: Mapping[str, Sentence] = {
+    "summaries_left_aside": Sentence("{rows} of {what} left aside ({named})"),
+    "specifications_left_aside": Sentence("{rows} of {what!r} left aside, what should be ({named})"),
+    "characteristics_left_aside": Sentence("{rows} of other characteristics left aside ({what}): {named}"),
+    "notes_left_aside": Sentence(
+        "{rows} left aside, whose label is no component and which say nothing else ({what}): {named}"
     ),
-    "characteristic": (
-        "info",
-        "characteristics_left_aside",
-        Sentence("{rows} of other characteristics left aside ({what}): {named}"),
-    ),
-    "note": (
-        "warning",
-        "notes_left_aside",
-        Sentence("{rows} left aside, whose label is no component and which say nothing else ({what}): {named}"),
-    ),
-    "rejected": ("warning", "rejected_left_aside", Sentence("{rows} left aside, because {what} ({named})")),
-    "struck": (
-        "warning",
-        "struck_left_aside",
-        Sentence("{rows} with a crossed-out reading: it was left aside ({named})"),
-    ),
-    "by hand": (
-        "warning",
-        "hidden_rows",
-        Sentence("{rows} with readings, hidden by hand: left aside: show them, and they are read ({named})"),
-    ),
-    "by a filter": (
-        "info",
-        "hidden_rows",
-        Sentence("{rows} with readings, hidden by a filter: read all the same ({named})"),
-    ),
-    "in a folded outline": (
-        "info",
-        "hidden_rows",
-        Sentence("{rows} with readings, hidden in a folded outline: read all the same ({named})"),
-    ),
+    "rejected_left_aside": Sentence("{rows} left aside, because {what} ({named})"),
+    "struck_left_aside": Sentence("{rows} with a crossed-out reading: it was left aside ({named})"),
+    "by hand": Sentence("{rows} with readings, hidden by hand: left aside: show them, and they are read ({named})"),
+    "by a filter": Sentence("{rows} with readings, hidden by a filter: read all the same ({named})"),
+    "in a folded outline": Sentence("{rows} with readings, hidden in a folded outline: read all the same ({named})"),
 }
-LEFT_ASIDE = tuple(dict.fromkeys(code for _, code, _ in _TOLD.values()))  # codes of messages
-_READ_ALL_THE_SAME = ("by a filter", "in a folded outline")
+_HIDDEN, _READ_ALL_THE_SAME = "hidden_rows", ("by a filter", "in a folded outline")
+_NO_WARNING = ("summaries_left_aside", "specifications_left_aside", "characteristics_left_aside", *_READ_ALL_THE_SAME)
+LEFT_ASIDE = (*(code for code in _TOLD if code.endswith("_left_aside")), _HIDDEN)  # codes of messages
 _HALF_A_MICROMETRE = 0.5e-3  # in the numbers of a sheet in mm: how far a mean may be rounded
 _SHOWN = 4
 _MARKS = {"x", "✓", "✔", "1"}
@@ -132,12 +107,12 @@ class Asides:
             self._left[hidden].setdefault(None, []).append(row)
         reasons: tuple[tuple[str, Callable[[int], Any]], ...] = (
             ("by hand", lambda _: hidden if hidden == "by hand" else None),
-            ("rejected", self._rejection),
-            ("struck", self._strike),
-            ("summary", self._summary),
-            ("characteristic", self._other_characteristic),
-            ("note", self._note),
-            ("specification", self._specification),
+            ("rejected_left_aside", self._rejection),
+            ("struck_left_aside", self._strike),
+            ("summaries_left_aside", self._summary),
+            ("characteristics_left_aside", self._other_characteristic),
+            ("notes_left_aside", self._note),
+            ("specifications_left_aside", self._specification),
         )
         for why, find in reasons:
             what = find(row)
@@ -229,16 +204,19 @@ class Asides:
     def messages(self, entries: Sequence[DiameterCell]) -> Iterator[Message]:
         """Yield what was left aside, and which means or sums disagree with the readings above them."""
         if self.struck:
-            self._left["struck"] = {"struck": sorted(set(self.struck))}
-        for why, (level, code, text) in _TOLD.items():
-            groups = [(_NAMES[what][1] if why == "summary" else what, rows) for what, rows in self._left[why].items()]
-            if why in ("characteristic", "note") and groups:  # together, whatever they are
+            self._left["struck_left_aside"] = {"struck": sorted(set(self.struck))}
+        for why, text in _TOLD.items():
+            groups = list(self._left[why].items())
+            if why == "summaries_left_aside":
+                groups = [(_NAMES[kind][1], rows) for kind, rows in groups]
+            elif why in ("characteristics_left_aside", "notes_left_aside") and groups:  # together, whatever they are
                 whats = some(tuple(what for what, _ in groups), _SHOWN)
                 groups = [(whats, [row for _, rows in groups for row in rows])]
             for what, rows in groups:
                 count = counted(len(rows), Sentence("{count} row"), Sentence("{count} rows"))
                 said = text.of(rows=count, what=what, named=rows_named(self.sheet, rows))
-                yield Message(level, code, said, self.sheet.place())
+                code = why if why in LEFT_ASIDE else _HIDDEN
+                yield Message("info" if why in _NO_WARNING else "warning", code, said, self.sheet.place())
         for row, kind in self._summaries.items():
             if kind in _COMPUTED:
                 yield from self._disagreement(row, kind, entries)
@@ -254,9 +232,10 @@ class Asides:
         ]
         for row, kind in alone:
             del self._summaries[row]
-            self._left["summary"][kind].remove(row)
-            if not self._left["summary"][kind]:
-                del self._left["summary"][kind]
+            left = self._left["summaries_left_aside"]
+            left[kind].remove(row)
+            if not left[kind]:
+                del left[kind]
         return [(row, _NAMES[kind][0]) for row, kind in alone]
 
     def _labels(self, row: int) -> Mapping[str, object]:

@@ -28,6 +28,7 @@ _DELIMITERS = {
 _LOOKED_AT = 400  # lines that are read to choose encoding and delimiter
 _LOOKED_AT_NEXT = 4000  # the same, where nothing is found in those
 _COMPLETE = 4.0  # score of headings that say what a diameter is of
+_MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
 _USUAL = ("cp1252", "cp1250")
 _CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp850", "cp852", "cp866")
 _RULE = re.compile(r"\s*:?[-=]{2,}:?\s*")  # between the headings and the rows of a table in Markdown
@@ -108,27 +109,19 @@ def csv_rows(content: bytes) -> list[list[str]]:
 
 
 def _decoded(data: bytes, file: str, knows: Knows | None) -> Iterator[tuple[str, str]]:
-    for mark, encoding in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
-        if data.startswith(mark):
-            try:
-                yield encoding, data.decode(encoding)
-            except UnicodeDecodeError as error:
-                raise _not_text(file) from error
-            return
     start = data[:4000]
-    if b"\0" in start:
+    stated = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), None)
+    if stated is None and b"\0" in start:
         # UTF-16 without its mark: every second byte of plain text is zero
-        for encoding, zeros in (("utf-16-le", start[1::2]), ("utf-16-be", start[0::2])):
-            if zeros.count(0) > 0.8 * len(zeros):
-                try:
-                    yield encoding, data.decode(encoding)
-                except UnicodeDecodeError as error:
-                    raise _not_text(file) from error
-                return
-        raise _not_text(file)
+        zeros = {"utf-16-le": start[1::2], "utf-16-be": start[0::2]}
+        stated = next((name for name, each in zeros.items() if each.count(0) > 0.8 * len(each)), None)
+        if stated is None:
+            raise _not_text(file)
     try:
-        yield "utf-8", data.decode("utf-8")
-    except UnicodeDecodeError:
+        yield stated or "utf-8", data.decode(stated or "utf-8")
+    except UnicodeDecodeError as error:
+        if stated is not None:
+            raise _not_text(file) from error
         # with one byte per letter, the words show which encoding is meant
         for encoding in _USUAL if knows is None else _by_words(data, knows):
             yield encoding, data.decode(encoding, "replace")

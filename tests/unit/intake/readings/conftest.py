@@ -77,7 +77,7 @@ Row = Sequence[Any]
 
 
 @pytest.fixture(scope="session")
-def controller(tmp_path_factory: pytest.TempPathFactory) -> Controller:
+def three_pairs(tmp_path_factory: pytest.TempPathFactory) -> Controller:
     path = tmp_path_factory.mktemp("controllers") / "three_pairs.toml"
     path.write_text(CONTROLLER, encoding="utf-8")
     return load_controller(path)
@@ -121,6 +121,12 @@ def make_text() -> Callable[..., bytes]:
 @pytest.fixture(scope="session")
 def example() -> Controller:
     return load_controller("minimal_example")
+
+
+@pytest.fixture(scope="module")
+def controller(example: Controller) -> Controller:
+    """Return the controller that sheets are of where a module has no other."""
+    return example
 
 
 def _typed(cell: str) -> str | float | None:

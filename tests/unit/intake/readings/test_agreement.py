@@ -10,11 +10,6 @@ from atleak.intake.readings import read_readings
 from atleak.report.measuring_sheet import write_template
 
 
-@pytest.fixture(scope="module")
-def controller():
-    return load_controller("minimal_example")
-
-
 def read(controller, *lines):
     return read_readings("\n".join(lines).encode(), controller, name="sheet.csv")
 

@@ -18,6 +18,11 @@ HEADINGS = ("component", "part", "plane", "direction", "repeat", "diameter")
 PAIRS = (("6", "1", 9.939), ("6", "2", 9.942), ("8", "1", 10.0), ("8", "2", 10.0), ("12'", "1", 14.0))
 
 
+@pytest.fixture(scope="module")
+def controller(three_pairs):
+    return three_pairs
+
+
 @st.composite
 def sheets(draw):
     """Draw rows of a sheet in mm: some planes, each with both parts, one or two directions, one to three repeats."""

@@ -19,11 +19,6 @@ from atleak.intake.readings import read_readings
 from atleak.intake.workbook_marks import marks
 
 
-@pytest.fixture(scope="module")
-def controller():
-    return load_controller("minimal_example")
-
-
 def sheet(*lines):
     return "\n".join(lines).encode()
 

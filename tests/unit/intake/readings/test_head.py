@@ -8,17 +8,11 @@ import io
 import openpyxl
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.report.measuring_sheet import SHEET, write_readings, write_template
 
 TABLE = "Valve;Land;Part;Diameter [mm]\naccumulator;1;spool;17.998\naccumulator;1;sleeve;18.036"
-
-
-@pytest.fixture(scope="module")
-def controller():
-    return load_controller("minimal_example")
 
 
 def under(head, controller, table=TABLE):

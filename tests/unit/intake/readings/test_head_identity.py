@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
 from atleak.intake.readings import read_readings
 from atleak.readings import Reading, Readings, SheetIdentity
 from atleak.report.measuring_sheet import write_readings
@@ -13,11 +12,6 @@ from atleak.wording import languages
 
 TABLE = "Valve;Land;Part;Diameter [mm]\naccumulator;1;spool;17.998\naccumulator;1;sleeve;18.036"
 MILES = 1.609344  # [km] the international mile
-
-
-@pytest.fixture(scope="module")
-def controller() -> Controller:
-    return load_controller("minimal_example")
 
 
 def under(head: str, controller: Controller) -> Readings:

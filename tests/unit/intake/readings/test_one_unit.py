@@ -7,18 +7,12 @@ import io
 import openpyxl
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.readings import Readings
 
 PAIR = ("tcc_regulator", "1", "10.998", "11.032")
 LANDS = (PAIR, ("accumulator", "1", "17.998", "18.041"))
-
-
-@pytest.fixture(scope="module")
-def controller():
-    return load_controller("minimal_example")
 
 
 def read(controller, *lines, **choices) -> Readings:

@@ -23,6 +23,11 @@ TABLE_1 = (
 )
 
 
+@pytest.fixture(scope="module")
+def controller(three_pairs):
+    return three_pairs
+
+
 def sizes(readings):
     """Return the diameters in mm by what they are of, to a nanometre."""
     return {

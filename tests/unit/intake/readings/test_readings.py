@@ -14,6 +14,11 @@ from atleak.readings import LandClearance, Reading, Readings, clearances, indepe
 UM = 1e-6
 
 
+@pytest.fixture(scope="module")
+def controller(three_pairs):
+    return three_pairs
+
+
 def readings(*taken: Reading) -> Readings:
     return Readings("sheet.csv", "0" * 64, None, "mm", False, "tidy", taken)
 

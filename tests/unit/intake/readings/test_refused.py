@@ -18,6 +18,11 @@ PLACED = ("component", "part", "plane", "x1 [mm]", "x2 [mm]")
 OF_ONE = ("component", "part", "plane", "diameter_mm")
 
 
+@pytest.fixture(scope="module")
+def controller(three_pairs):
+    return three_pairs
+
+
 def where(error):
     return error.place.file, error.place.sheet, error.place.row, error.place.column
 

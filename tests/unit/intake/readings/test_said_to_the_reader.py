@@ -8,7 +8,6 @@ from collections.abc import Callable
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.intake.readings.headings import EXPECTED
@@ -20,11 +19,6 @@ from atleak.wording import wording
 Row = list[object]
 HEADINGS: Row = ["No.", "Part", "Plane", "Direction", "Diameter [mm]"]
 ENGLISH = re.compile(r"\b(?:the|row|column|sheet|is|are|of|not|and|or|expected|found|spool|sleeve|land|times|rows)\b")
-
-
-@pytest.fixture(scope="module")
-def controller() -> Controller:
-    return load_controller("minimal_example")
 
 
 def _rows(controller: Controller) -> list[Row]:

@@ -6,7 +6,6 @@ import datetime
 
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 
@@ -16,11 +15,6 @@ HEADINGS = {
     "pl": ("Zawór", "Land", "Część", "Średnica [mm]"),
 }
 PARTS = {"en": ("piston", "bore"), "de": ("Kolben", "Bohrung"), "pl": ("tłok", "otwór")}
-
-
-@pytest.fixture(scope="module")
-def controller():
-    return load_controller("minimal_example")
 
 
 def sheet(*lines):

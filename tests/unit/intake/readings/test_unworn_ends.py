@@ -7,7 +7,6 @@ import io
 import openpyxl
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.readings import clearances
@@ -15,11 +14,6 @@ from atleak.report.measuring_sheet import SHEET, UNWORN_END, write_template
 
 HEADINGS = "Valve;Part;Plane;Direction;Diameter [mm];Remark"
 WORN = ["tcc_regulator;spool;1;0;10.999;", "tcc_regulator;sleeve;1;0;11.060;"]
-
-
-@pytest.fixture(scope="module")
-def controller():
-    return load_controller("minimal_example")
 
 
 def sheet(*rows, headings=HEADINGS):
