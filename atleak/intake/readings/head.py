@@ -100,21 +100,13 @@ def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
     cells: list[Stated] = []
 
     def values(quantity: _Quantity) -> float | None:
-        stated = [
-            each
-            for sheet, rows in heads
-            for each in (
-                *stated_values(sheet, rows, quantity.words, quantity.beside, quantity.kind),
-                *(_without_the_word(sheet, rows) if quantity is _TEMPERATURE else ()),
-            )
-        ]
+        stated = [*stated_values(heads, quantity.words, quantity.beside, quantity.kind)]
+        stated += _without_the_word(heads) if quantity is _TEMPERATURE else ()
         cells.extend(stated)
         return _value(stated, quantity, messages, problems)
 
     temperature, side, tip = (values(quantity) for quantity in (_TEMPERATURE, *_CLEARANCES))
-    dates = [
-        each for sheet, rows in heads for each in stated_values(sheet, rows, ("date",), ("beside_head",), "temperature")
-    ]
+    dates = list(stated_values(heads, ("date",), ("beside_head",), "temperature"))
     date, doubts = _read_date(dates)
     identity, fields, of_identity = read_identity(heads)
     return Head(
@@ -159,11 +151,9 @@ def _value(
     return next(iter(values)) if len(values) == 1 else None
 
 
-def _without_the_word(sheet: Sheet, rows: range) -> Iterator[Stated]:
+def _without_the_word(heads: Sequence[tuple[Sheet, range]]) -> Iterator[Stated]:
     """Yield what is told by its unit to be a temperature: "measured at 24.1 °C", "referred to 20 °C"."""
-    for each in stated_values(
-        sheet, rows, ("at_temperature",), ("beside_head", "beside_at_temperature"), "temperature"
-    ):
+    for each in stated_values(heads, ("at_temperature",), ("beside_head", "beside_at_temperature"), "temperature"):
         match = _VALUE.fullmatch(text_of(each.value))
         if match and match["unit"] and find_unit(match["unit"], "temperature") is not None:
             yield each

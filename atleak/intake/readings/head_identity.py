@@ -51,8 +51,7 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> tuple[SheetIdentity, 
         taken = {(each.sheet.name, each.row, each.column) for each in every}
         found = [
             each
-            for sheet, rows in heads
-            for each in stated_values(sheet, rows, words, beside, None)
+            for each in stated_values(heads, words, beside, None)
             if (each.sheet.name, each.row, each.column) not in taken and len(text_of(each.value)) <= _LONGEST
         ]
         every += found

@@ -43,12 +43,14 @@ class Stated:
 
 
 def stated_values(
-    sheet: Sheet, rows: range, meaning: Sequence[str], beside: Sequence[str], kind: str | None
+    heads: Sequence[tuple[Sheet, range]], meaning: Sequence[str], beside: Sequence[str], kind: str | None
 ) -> Iterator[Stated]:
     """Yield what stands behind, beside or under every label of this meaning.
 
     Parameters
     ----------
+    heads
+        sheets, each with the rows above its headings.
     meaning
         of each of these a label has a word.
     beside
@@ -56,8 +58,9 @@ def stated_values(
     kind
         of the units of its value; None where it is a text.
     """
-    for row in rows:
-        for column, cell in enumerate(sheet.rows[row]):
+    for sheet, rows in heads:
+        cells = [(row, column, cell) for row in rows for column, cell in enumerate(sheet.rows[row])]
+        for row, column, cell in cells:
             match = _LABEL.fullmatch(cell.strip()) if isinstance(cell, str) else None
             if match is None or sheet.is_struck(row, column) or not means(match["label"], meaning, beside):
                 continue
