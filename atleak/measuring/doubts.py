@@ -6,14 +6,14 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from atleak.catalogue.complaints import LandKey
-from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Instruments
 from atleak.errors import InputError, Place, ReadingsError
 from atleak.intake.readings.checks import contradictions, off_by_factor
 from atleak.intake.readings.words import diameter, is_blank
 from atleak.intake.units import unit
 from atleak.measuring.plan import Cell
-from atleak.measuring.typed import Entry, Typed
+from atleak.measuring.typed import Typed
 from atleak.readings import LandClearance, Reading, Readings, clearances, far_from_nominal
 from atleak.sentence import Sentence
 
@@ -75,25 +75,25 @@ class _Judging:
 
     def __init__(self, typed: Typed, controller: Controller) -> None:
         self.controller = controller
-        self.cells = list(typed.entries)
         self.doubts: dict[Cell, Doubt] = {}
         self.readings: dict[Cell, Reading] = {}
+        self.lands: dict[Cell, Land] = {}  # of those with a reading
         self.refused: set[LandKey] = set()
         self.unit = typed.unit
         self.sheet = typed.sheet or Readings("", "", None, typed.unit, False, "tidy", ())
         for number, (cell, entry) in enumerate(typed.entries.items()):
-            if is_blank(entry.text) or controller.land_of_plane(cell.component, cell.plane) is None:
+            land = controller.land_of_plane(cell.component, cell.plane)
+            if is_blank(entry.text) or land is None:
                 continue
             try:
-                self.readings[cell] = self._reading(cell, entry, Place(key=str(number)))
+                value, written = diameter(entry.text)
             except ReadingsError as error:
                 self.doubts[cell] = Doubt(_said(error), False)
+                continue
+            metres = (written or unit(self.unit, "length")).to_si(value)
+            self.readings[cell] = Reading(*cell.key, metres, Place(key=str(number)), entry.coordinates)
+            self.lands[cell] = land
         self.by_place = {reading.place: cell for cell, reading in self.readings.items()}
-
-    def _reading(self, cell: Cell, entry: Entry, place: Place) -> Reading:
-        value, written = diameter(entry.text)
-        metres = (written or unit(self.unit, "length")).to_si(value)
-        return Reading(*cell.key, metres, place, entry.coordinates)
 
     def together(self) -> Readings:
         """Return what still counts as the readings of a sheet."""
@@ -117,17 +117,13 @@ class _Judging:
             self._refuse(land.key, error)
 
     def _refuse(self, key: LandKey, error: InputError) -> None:
-        mine = [cell for cell in self.readings if self._land_of(cell) == key]
+        mine = [cell for cell in self.readings if self.lands[cell].key == key]
         at = self.by_place.get(error.place, mine[0] if mine else None)
         if at is not None:
             self.doubts[at] = Doubt(_said(error), False)
         self.refused.add(key)
         for cell in mine:
             del self.readings[cell]
-
-    def _land_of(self, cell: Cell) -> LandKey | None:
-        land = self.controller.land_of_plane(cell.component, cell.plane)
-        return None if land is None else land.key
 
     def states(self, temperature: float | None, instruments: Instruments | None) -> tuple[LandClearance, ...]:
         """Return the clearances of what counts; a land that only the temperature makes impossible is left out."""
@@ -136,9 +132,7 @@ class _Judging:
             try:
                 return clearances(self.together(), self.controller, temperature=at, instruments=instruments)
             except ReadingsError as error:
-                key = self._land_of(self.by_place[error.place])
-                assert key is not None  # only cells of known lands became readings
-                self._refuse(key, error)
+                self._refuse(self.lands[self.by_place[error.place]].key, error)
 
     def doubt(self, states: Collection[LandClearance]) -> None:
         """Doubt what counts and is unusual nevertheless: alone, or beside the other readings of its land."""
@@ -150,8 +144,7 @@ class _Judging:
 
     def _unusual(self, states: Collection[LandClearance]) -> Iterator[tuple[Cell, Sentence]]:
         for cell, reading in self.readings.items():
-            land = self.controller.land_of_plane(cell.component, cell.plane)
-            far = far_from_nominal(land, cell.part, reading.diameter) if land is not None else None
+            far = far_from_nominal(self.lands[cell], cell.part, reading.diameter)
             if far:
                 yield cell, far
         for state in states:

@@ -157,7 +157,8 @@ def read_readings(
     tabs = find_tabs(sheets, controller)
     pressures = tabs.read(file, data)
     sheets = [each for each in sheets if each not in tabs]
-    if not any(_holds_numbers(each) for each in sheets) and pressures is not None:
+    cells = (cell for each in sheets for row in each.rows for cell in row)
+    if pressures is not None and not any(any(map(str.isdigit, str(cell))) for cell in cells):
         return _of_gauges_alone(pressures)
     chosen = choose(sheets, file, names, sheet, fill_down)
     require_known(chosen.tables, where or {})
@@ -228,10 +229,6 @@ def _read_all(
             break
         read.append(read_rows(table, names, unit, where))
     return read
-
-
-def _holds_numbers(sheet: Sheet) -> bool:
-    return any(isinstance(cell, int | float) or any(map(str.isdigit, str(cell))) for row in sheet.rows for cell in row)
 
 
 def _of_gauges_alone(pressures: PressureTable) -> Readings:

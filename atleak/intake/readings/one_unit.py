@@ -103,7 +103,9 @@ def _column(filled: Sequence[Rows]) -> ReadingsError | None:
                 if not is_blank(cell) and plain(text_of(cell)) != plain(entry.key.component):
                     values[heading][text_of(cell)].add((entry.key.component, entry.key.part, entry.key.plane))
     for heading, stations in values.items():
-        if len(stations) > 1 and not _numbers_parts(list(stations.values())):
+        # where every value stands at one part of one component, it is the number of a part, or of a row
+        of_parts = len(stations) > 2 and all(len({each[0] for each in stood}) == 1 for stood in stations.values())
+        if len(stations) > 1 and not of_parts:
             chosen = next(iter(stations))
             return ReadingsError(
                 Sentence("column {heading!r} names several units, whose parts would be put together", heading=heading),
@@ -116,8 +118,3 @@ def _column(filled: Sequence[Rows]) -> ReadingsError | None:
                 ),
             )
     return None
-
-
-def _numbers_parts(of_values: Sequence[set[tuple[str, ...]]]) -> bool:
-    """Return whether every value stands at one part of one component: the number of a part, or of a row."""
-    return len(of_values) > 2 and all(len({station[0] for station in stations}) == 1 for stations in of_values)

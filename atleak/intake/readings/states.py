@@ -98,11 +98,9 @@ def _also(stations: int) -> Sentence | str:
 def _which_rows(heading: str, value: str) -> Sentence:
     if not heading:
         return Sentence("a heading over that column, and which of its rows to read, as in --where Inspection=May")
-    return Sentence("which rows to read, as in --where {chosen}", chosen=_quoted(f"{heading}={value}"))
-
-
-def _quoted(text: str) -> str:
-    return f'"{text}"' if re.search(r"[^\w=.:/+-]", text) else text
+    chosen = f"{heading}={value}"
+    quoted = f'"{chosen}"' if re.search(r"[^\w=.:/+-]", chosen) else chosen
+    return Sentence("which rows to read, as in --where {chosen}", chosen=quoted)
 
 
 # --- columns ----------------------------------------------------------------------------------------------------------
