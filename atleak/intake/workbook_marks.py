@@ -141,13 +141,12 @@ def _targets(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, str]]:
 
 
 def _xlsx(archive: zipfile.ZipFile, names: set[str]) -> dict[str, Marks]:
-    styles_xml = unpacked_part(archive, "xl/styles.xml") if "xl/styles.xml" in names else b""
+    def part(name: str) -> bytes:
+        return unpacked_part(archive, name) if name in names else b""
+
+    styles_xml = part("xl/styles.xml")
     styles, coloured = _struck_styles(styles_xml), _coloured_styles(styles_xml)
-    strings = (
-        _struck_strings(unpacked_part(archive, "xl/sharedStrings.xml"))
-        if "xl/sharedStrings.xml" in names
-        else frozenset()
-    )
+    strings = _struck_strings(part("xl/sharedStrings.xml"))
     marks_by_sheet = {}
     for sheet, path in sheet_paths(archive).items():
         if path in names:
@@ -185,28 +184,24 @@ def _is_struck(xml: bytes) -> bool:
     )
 
 
+def _styles(xml: bytes) -> list[tuple[int, int]]:
+    """Return the number of the font and of the ground of every style of cells."""
+    tags = (_attributes(style.split(b">")[0].rstrip(b"/")) for style in _elements(_inside(xml, b"cellXfs"), b"xf"))
+    return [(whole_number(tag.get(b"fontId", b"0")), whole_number(tag.get(b"fillId", b"0"))) for tag in tags]
+
+
 def _struck_styles(xml: bytes) -> frozenset[int]:
     if b"trike" not in xml:
         return frozenset()
     fonts = {number for number, font in enumerate(_elements(_inside(xml, b"fonts"), b"font")) if _is_struck(font)}
-    styles = enumerate(_elements(_inside(xml, b"cellXfs"), b"xf"))
-    return frozenset(
-        number
-        for number, style in styles
-        if whole_number(_attributes(style.split(b">")[0].rstrip(b"/")).get(b"fontId", b"0")) in fonts
-    )
+    return frozenset(number for number, (font, _) in enumerate(_styles(xml)) if font in fonts)
 
 
 def _coloured_styles(xml: bytes) -> dict[int, str]:
     """Return the colours of ground and letters of the styles that have others than the first one, the plain."""
-
     grounds = [_colour(fill, b"fgColor") for fill in _elements(_inside(xml, b"fills"), b"fill")]
     letters = [_colour(font, b"color") for font in _elements(_inside(xml, b"fonts"), b"font")]
-    found = []
-    for style in _elements(_inside(xml, b"cellXfs"), b"xf"):
-        attributes = _attributes(style.split(b">")[0].rstrip(b"/"))
-        fill, font = (whole_number(attributes.get(name, b"0")) for name in (b"fillId", b"fontId"))
-        found.append("".join(grounds[fill : fill + 1] + letters[font : font + 1]))
+    found = ["".join(grounds[fill : fill + 1] + letters[font : font + 1]) for font, fill in _styles(xml)]
     return {number: each for number, each in enumerate(found) if each != found[0]}
 
 
@@ -244,12 +239,8 @@ def _struck_strings(xml: bytes) -> frozenset[int]:
     """Return the numbers of the shared texts that are crossed out throughout."""
     if b"trike" not in xml:
         return frozenset()
-    struck = set()
-    for number, text in enumerate(_elements(xml, b"si")):
-        runs = _elements(text, b"r")
-        if runs and all(_is_struck(run) for run in runs):
-            struck.add(number)
-    return frozenset(struck)
+    runs = enumerate(_elements(text, b"r") for text in _elements(xml, b"si"))
+    return frozenset(number for number, each in runs if each and all(map(_is_struck, each)))
 
 
 def _struck_cells(xml: bytes, styles: frozenset[int], strings: frozenset[int]) -> Iterator[tuple[int, int]]:
