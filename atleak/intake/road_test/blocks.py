@@ -1,4 +1,4 @@
-"""Looks through long columns a block at a time, each small enough for the processor's cache, without a copy."""
+"""Takes long columns part by part."""
 
 from __future__ import annotations
 
@@ -69,81 +69,10 @@ def ends_of(values: np.ndarray) -> Ends | None:
     >>> ends_of(np.array([3.0, -1.0, 2.0])), ends_of(np.array([3.0, np.nan])), ends_of(np.array([]))
     ((-1.0, 3.0), None, None)
     """
-    least, most = np.inf, -np.inf
-    for start in range(0, len(values), _BLOCK):
-        block = values[start : start + _BLOCK]
-        low, high = float(block.min()), float(block.max())
-        if not (low > -np.inf and high < np.inf):  # NaN is neither
-            return None
-        least, most = min(least, low), max(most, high)
-    return (least, most) if least <= most else None
-
-
-def blocks_of(values: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield a column block by block."""
-    return (values[start : start + _BLOCK] for start in range(0, len(values), _BLOCK))
-
-
-def any_finite(values: np.ndarray) -> bool:
-    """Return whether any number of a column is finite."""
-    return any(bool(np.isfinite(block).any()) for block in blocks_of(values))
-
-
-def finite_of(values: np.ndarray) -> np.ndarray:
-    """Return the finite numbers of a column."""
-    return np.concatenate([np.empty(0), *(block[np.isfinite(block)] for block in blocks_of(values))])
-
-
-def only(values: np.ndarray, value: float) -> bool:
-    """Return whether a column holds nothing but one value, and cells without any."""
-    return all(bool(((block == value) | np.isnan(block)).all()) for block in blocks_of(values))
-
-
-def span_of(values: np.ndarray) -> Ends | None:
-    """Return the least and the greatest number of a column, NaN left out; None where it has none.
-
-    >>> span_of(np.array([3.0, np.nan, 2.0])), span_of(np.array([np.nan]))
-    ((2.0, 3.0), None)
-    """
-    ends = [(np.fmin.reduce(block), np.fmax.reduce(block)) for block in blocks_of(values)]
-    known = [(float(low), float(high)) for low, high in ends if low == low]
-    return (min(low for low, _ in known), max(high for _, high in known)) if known else None
-
-
-def rising(values: np.ndarray) -> int:
-    """Return how often a finite number of a column is larger than the finite one before it."""
-    count, last = 0, np.nan
-    for block in blocks_of(values):
-        good = block[np.isfinite(block)]
-        if len(good):
-            count += int(np.count_nonzero(np.diff(good, prepend=last) > 0))
-            last = float(good[-1])
-    return count
-
-
-def ends_of_steps(values: np.ndarray) -> Ends | None:
-    """Return the least and the greatest step from a number to the next; None as `ends_of` does.
-
-    >>> ends_of_steps(np.array([3.0, -1.0, 2.0])), ends_of_steps(np.array([3.0]))
-    ((-4.0, 3.0), None)
-    """
-    least, most = np.inf, -np.inf
-    for _, steps in steps_in(values):
-        ends = ends_of(steps)
-        if ends is None:
-            return None
-        least, most = min(least, ends[0]), max(most, ends[1])
-    return (least, most) if least <= most else None
-
-
-def steps_over(values: np.ndarray, limit: float) -> np.ndarray:
-    """Return the places from which the step to the next number is larger than a limit.
-
-    >>> steps_over(np.array([0.0, 1.0, 5.0, 5.5, 9.0]), 2.0).tolist()
-    [1, 3]
-    """
-    places = [start + np.flatnonzero(steps > limit) for start, steps in steps_in(values)]
-    return np.concatenate(places) if places else np.zeros(0, int)
+    if not len(values):
+        return None
+    least, most = float(values.min()), float(values.max())
+    return (least, most) if np.isfinite(least) and np.isfinite(most) else None
 
 
 def turned(table: np.ndarray) -> np.ndarray:
@@ -156,11 +85,3 @@ def turned(table: np.ndarray) -> np.ndarray:
     for start in range(0, len(table), _BLOCK):
         result[:, start : start + _BLOCK] = table[start : start + _BLOCK].T
     return result
-
-
-def steps_in(values: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-    """Yield where a block begins, and its steps, each block's in place of the ones before."""
-    room = np.empty(min(_BLOCK, max(len(values) - 1, 0)))
-    for start in range(0, len(values) - 1, _BLOCK):
-        after = values[start + 1 : start + _BLOCK + 1]
-        yield start, np.subtract(after, values[start : start + len(after)], out=room[: len(after)])

@@ -22,7 +22,6 @@ from atleak.intake.road_test.files.log_file import LogFile
 from atleak.intake.road_test.names import memory
 from atleak.intake.road_test.names.matching import split_unit
 from atleak.intake.road_test.outcome import Understood, finish
-from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
 RANGE = 1 << 19
@@ -140,14 +139,7 @@ def understand_mdf(
     longest = max(channels, key=lambda channel: channel.count)
     assigner.refuse_too_large(max(each.count for each in wanted or [longest]), 8 * (len(wanted) + 1))
     samples = _samples(source, wanted or [longest], every)
-    for quantity in QUANTITIES:
-        offered = [
-            (candidate, *samples[candidate.heading.index][::-1])
-            for candidate in candidates
-            if candidate.quantity == quantity
-        ]
-        if offered:
-            assigner.decide(quantity, offered)
+    assigner.decide_all((candidate, *samples[candidate.heading.index][::-1]) for candidate in candidates)
     main = assigner.signals.get("engine_speed") or next(iter(assigner.signals.values()), None)
     if main is not None:
         stamps = main.time

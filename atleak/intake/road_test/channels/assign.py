@@ -14,7 +14,7 @@ import numpy as np
 
 from atleak.errors import Message, MessageLevel, Place, RoadTestError, one_of, unknown
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.blocks import Ends, any_finite, blocks_of, only
+from atleak.intake.road_test.blocks import Ends
 from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names.matching import Match, Tier, match_name, match_short_name, name_kind, split_unit
 from atleak.intake.road_test.names.memory import NOT_LOGGED
@@ -52,6 +52,10 @@ class Candidate:
     def label(self) -> str:
         """Return the column's name in the file."""
         return self.heading.label
+
+
+Offered = tuple[Candidate, np.ndarray, np.ndarray | None]
+"""A candidate with its numbers and its own stamps (None: the rows')."""
 
 
 @dataclass(frozen=True)
@@ -264,11 +268,15 @@ class Assigner:
             if column == NOT_LOGGED:
                 self.refused[quantity] = Sentence("it is stated that no column of this log holds it")
 
-    def decide(self, quantity: str, offered: Sequence[tuple[Candidate, np.ndarray, np.ndarray | None]]) -> None:
-        """Choose one of the candidates for a quantity, or list them as ambiguous.
+    def decide_all(self, offered: Iterable[Offered]) -> None:
+        """Choose a column for every quantity that is offered."""
+        offered = list(offered)
+        for quantity in QUANTITIES:
+            if of_quantity := [each for each in offered if each[0].quantity == quantity]:
+                self._decide(quantity, of_quantity)
 
-        Each candidate comes with its numbers and its own stamps (None: the rows').
-        """
+    def _decide(self, quantity: str, offered: Sequence[Offered]) -> None:
+        """Choose one of the candidates for a quantity, or list them as ambiguous."""
         fitting: list[Signal] = []
         misfits: list[Signal] = []
         for candidate, values, time in offered:
@@ -330,7 +338,7 @@ class Assigner:
     def _fit(self, candidate: Candidate, values: np.ndarray, time: np.ndarray | None) -> Signal | None:
         kind = QUANTITIES[candidate.quantity].unit_kind
         sample = values[:: max(1, len(values) // 10_000)]
-        if not np.isfinite(sample).any() and not any_finite(values):
+        if not np.isfinite(sample).any() and not np.isfinite(values).any():
             if candidate.label in self.unreadable:
                 return None
             text = Sentence("{column!r} holds no values", column=candidate.label)
@@ -455,15 +463,11 @@ class Assigner:
 
 def _hold_the_same(first: Signal, other: Signal) -> bool:
     """Return whether two columns of the same rows hold the same values, perhaps in other units."""
-    known = both = 0
-    scale = apart = 0.0
-    for one, another in zip(blocks_of(first.values), blocks_of(other.values), strict=True):
-        base, values = first.fit.to_si(one), other.fit.to_si(another)
-        here = np.isfinite(values) & np.isfinite(base)
-        known, both = known + int(np.isfinite(base).sum()), both + int(here.sum())
-        scale = max(scale, float(np.max(np.abs(base[here]), initial=0.0)))
-        apart = max(apart, float(np.max(np.abs(values[here] - base[here]), initial=0.0)))
-    return both >= max(1, 0.9 * known) and apart <= 0.006 * scale
+    base, values = first.fit.to_si(first.values), other.fit.to_si(other.values)
+    here = np.isfinite(values) & np.isfinite(base)
+    scale = float(np.max(np.abs(base[here]), initial=0.0))
+    apart = float(np.max(np.abs(values[here] - base[here]), initial=0.0))
+    return here.sum() >= max(1, 0.9 * np.isfinite(base).sum()) and apart <= 0.006 * scale
 
 
 def _told_apart(signals: Sequence[Signal]) -> tuple[str, ...]:
@@ -479,6 +483,11 @@ def _dead_value(kind: str | None, sample: np.ndarray) -> float | None:
     """Return the one value that fills a sample of the column, if that value means *no sensor*; else None."""
     dead_values = {"temperature": (0.0, -40.0, 215.0, 255.0), "pressure": (0.0,)}.get(kind or "", ())
     return next((value for value in dead_values if only(sample, value)), None)
+
+
+def only(values: np.ndarray, value: float) -> bool:
+    """Return whether a column holds nothing but one value, and cells without any."""
+    return bool(((values == value) | np.isnan(values)).all())
 
 
 def stated_units(headings: Sequence[Heading]) -> list[str]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +13,7 @@ from atleak.intake.road_test.channels.headers_between import refuse_another_head
 from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.channels.spoilt_numbers import cause, holds, quoted
 from atleak.intake.road_test.files.cells import OFF, Decimal, is_clock, is_destroyed
-from atleak.intake.road_test.files.delimited import Cells, numbers, words_of
+from atleak.intake.road_test.files.delimited import numbers, words_of
 from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.names import words_as_numbers
 from atleak.road_test import QUANTITIES
@@ -222,11 +220,20 @@ def columns_of_numbers(
     columns = {}
     for channel in channels:
         index = channel.heading.index
-        cells, tally = numbers(frame, index, decimal), CellTally(channel.quantity)
-        values = tally.add(cells, frame.index)
-        if not tally.unreadable and cells.ends is not None:
-            assigner.ends[index] = cells.ends
-        usable = tally.usable(channel, values, decimal, assigner)
+        values, words, ends = numbers(frame, index, decimal)
+        if len(words) and channel.quantity != "lock_up":  # of a switch it is a value
+            words = words[words.str.lower() != OFF]
+        if not len(words):
+            if ends is not None:
+                assigner.ends[index] = ends
+            usable = _without_thousands(channel, values, assigner)
+        elif channel.quantity in ("gear", "selector", "lock_up"):
+            in_words = words_as_numbers.as_numbers(channel.quantity, words)
+            usable = channel.quantity != "gear" or _names_gears(channel, values, words, in_words, assigner)
+            values = values.copy()
+            values[frame.index.get_indexer(words.index)] = in_words
+        else:
+            usable = _numbers_but_for_few(channel, values, words, decimal, assigner)
         columns[index] = values if usable else np.full(len(values), np.nan)
     return columns
 
@@ -234,83 +241,43 @@ def columns_of_numbers(
 _FEW_WORDS = 0.02  # part of a column's cells that may be no numbers
 
 
-@dataclass
-class CellTally:
-    """The cells of a column that are no numbers, as far as they decide whether it is used."""
+def _numbers_but_for_few(
+    candidate: Candidate, values: np.ndarray, words: pd.Series, decimal: Decimal, assigner: Assigner
+) -> bool:
+    """Tell whether few cells of a column are no numbers, and say how many."""
+    if len(words) > _FEW_WORDS * len(values) or any(is_destroyed(str(cell)) for cell in words.head(50)):
+        what, found = cause(words, values[:: max(1, len(values) // 50_000)], decimal)
+        assigner.refuse(candidate, "column_refused", holds(candidate.label, what, found))
+        return False
+    said = Sentence(
+        "{column!r}: {count} cell(s) are no numbers ({found}) and left out",
+        column=candidate.label,
+        count=len(words),
+        found=quoted(words.iloc[0]),
+    )
+    assigner.say("cells_unreadable", said, "warning", candidate.label)
+    return True
 
-    quantity: str
-    cells: int = 0
-    numbers: bool = False  # whether it has any
-    unreadable: int = 0
-    words: dict[str, None] = field(default_factory=dict)  # of a gear, selector or switch, each once
-    no_gears: dict[str, None] = field(default_factory=dict)  # of them those that name no gear
-    without_gear: int = 0  # cells with such words
-    first: list[str] = field(default_factory=list)
-    last: deque[str] = field(default_factory=lambda: deque(maxlen=50))
 
-    def add(self, cells: Cells, index: pd.Index) -> np.ndarray:
-        """Add the next cells, whose rows bear these labels; return them as numbers, NaN where they are none."""
-        values, unreadable, _ = cells
-        self.cells += len(values)
-        self.numbers = self.numbers or not np.isnan(values).all()
-        if len(unreadable) and self.quantity != "lock_up":  # of a switch it is a value
-            unreadable = unreadable[unreadable.str.lower() != OFF]
-        if not len(unreadable):
-            return values
-        self.unreadable += len(unreadable)
-        self.first += [str(cell) for cell in unreadable.head(max(200 - len(self.first), 0))]
-        self.last.extend(str(cell) for cell in unreadable.tail(50))
-        if self.quantity not in ("gear", "selector", "lock_up"):
-            return values
-        values = values.copy()
-        in_words = words_as_numbers.as_numbers(self.quantity, unreadable)
-        values[index.get_indexer(unreadable.index)] = in_words
-        self.words |= dict.fromkeys(map(str, unreadable.unique()))
-        unnamed = unreadable[np.isnan(in_words)]
-        self.no_gears |= dict.fromkeys(str(word).strip() for word in unnamed.unique())
-        self.without_gear += len(unnamed)
-        return values
-
-    def usable(self, candidate: Candidate, values: np.ndarray, decimal: Decimal, assigner: Assigner) -> bool:
-        """Tell whether the column can be used, and say what is to be said of it; ``values`` are all its numbers."""
-        if not self.unreadable:
-            return _without_thousands(candidate, values, assigner)
-        if self.quantity in ("gear", "selector", "lock_up"):
-            return self._named(candidate, assigner)
-        if self.unreadable > _FEW_WORDS * self.cells or any(map(is_destroyed, self.first[:50])):
-            some = pd.Series([*self.first, *self.last])
-            what, found = cause(some, values[:: max(1, len(values) // 50_000)], decimal)
-            assigner.refuse(candidate, "column_refused", holds(candidate.label, what, found))
-            return False
+def _names_gears(
+    candidate: Candidate, values: np.ndarray, words: pd.Series, in_words: np.ndarray, assigner: Assigner
+) -> bool:
+    """Tell whether the numbers and words of a column name gears, and which words do not."""
+    if np.isnan(values).all() and words_as_numbers.only_positions(words):
+        said = Sentence("{column!r} holds selector positions, no gears", column=candidate.label)
+        assigner.say("gear_is_selector", said, "info", candidate.label)
+        return False
+    unnamed = words[np.isnan(in_words)].astype("str").str.strip()
+    if words_as_numbers.only_positions(unnamed):
         said = Sentence(
-            "{column!r}: {count} cell(s) are no numbers ({found}) and left out",
+            "{column!r}: {words} names no gear, so it is not known at {count} of {total} samples",
             column=candidate.label,
-            count=self.unreadable,
-            found=quoted(self.first[0]),
+            words=tuple(sorted(unnamed.unique())),
+            count=len(unnamed),
+            total=len(values),
         )
-        assigner.say("cells_unreadable", said, "warning", candidate.label)
-        return True
-
-    def _named(self, candidate: Candidate, assigner: Assigner) -> bool:
-        """Tell whether the words of a column name its gears, positions or states."""
-        if self.quantity == "gear" and not self.numbers and _only_positions(self.words):
-            said = Sentence("{column!r} holds selector positions, no gears", column=candidate.label)
-            assigner.say("gear_is_selector", said, "info", candidate.label)
-            return False
-        if self.quantity == "gear" and _only_positions(self.no_gears):
-            said = Sentence(
-                "{column!r}: {words} names no gear, so it is not known at {count} of {total} samples",
-                column=candidate.label,
-                words=tuple(sorted(self.no_gears)),
-                count=self.without_gear,
-                total=self.cells,
-            )
-            assigner.say("gear_not_named", said, "info", candidate.label)
-        return True
-
-
-def _only_positions(cells: Iterable[str]) -> bool:
-    return words_as_numbers.only_positions(pd.Series(list(cells), dtype="str"))
+        assigner.say("gear_not_named", said, "info", candidate.label)
+    return True
 
 
 def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assigner) -> bool:

@@ -14,7 +14,6 @@ import pandas as pd
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.blocks import any_finite
 from atleak.intake.road_test.channels.assign import Again, Assigner, Candidate, plain_name
 from atleak.intake.road_test.clock.clocks import Clock
 from atleak.intake.road_test.files.cells import MISSING
@@ -139,7 +138,7 @@ def with_units_stated_again(
         unit = again.unit or channel.unit or ""
         guess = fit(channel.quantity, None, silent, assigner.neighbours)
         known = guess.unit is not None and guess.doubt is None and same_unit(guess.unit.name, unit, kind)
-        if any_finite(silent) and (not known or fit(channel.quantity, unit, telling).problem):
+        if np.isfinite(silent).any() and (not known or fit(channel.quantity, unit, telling).problem):
             raise _asked(channel, again, unit, assigner)
         if again.unit is not None:
             assigner.say("unit_stated_later", Sentence(

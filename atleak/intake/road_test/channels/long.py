@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.channels.assign import Assigner, Candidate, find_candidates, map_columns
+from atleak.intake.road_test.channels.assign import Assigner, Candidate, Offered, find_candidates, map_columns
 from atleak.intake.road_test.channels.column_values import LeftOut
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult, width_of
 from atleak.intake.road_test.channels.timing import clock_of, no_time, runs
@@ -26,36 +26,13 @@ from atleak.road_test import QUANTITIES, Segment
 from atleak.sentence import Sentence
 
 _NAME_HEADERS = {
-    "pid",
-    "name",
-    "signal",
-    "channel",
-    "parameter",
-    "sensor",
-    "kanal",
-    "key",
-    "item",
-    "variable",
-    "description",
-    "signal name",
-    "sensor name",
-    "measurement",
-    "parametr",
-    "parameter name",
-}
+    "pid", "name", "signal", "channel", "parameter", "sensor", "kanal", "key", "item", "variable", "description",
+    "signal name", "sensor name", "measurement", "parametr", "parameter name",
+}  # fmt: skip
 _VALUE_HEADERS = {
-    "value",
-    "values",
-    "wert",
-    "messwert",
-    "reading",
-    "wartosc",
-    "valeur",
-    "valor",
-    "значение",
-    "data",
+    "value", "values", "wert", "messwert", "reading", "wartosc", "valeur", "valor", "значение", "data",
     "physical value",
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -140,31 +117,23 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     own_mapping = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
     candidates = map_columns(candidates, headings, own_mapping, assigner.file)
     assigner.neighbours = tuple(heading.unit for heading in headings if heading.unit)
-    stamps: list[np.ndarray] = []
-    for quantity in QUANTITIES:
-        offered = []
-        for candidate in candidates:
-            if candidate.quantity != quantity or quantity == "time":
+    offered: list[Offered] = []
+    for candidate in (each for each in candidates if each.quantity != "time"):
+        quantity, rows = candidate.quantity, codes == candidate.heading.index
+        if shape.unit is not None and split_unit(candidate.label).unit is None:
+            first, other = two_units(frame[shape.unit.index][rows], QUANTITIES[quantity].unit_kind)
+            if other is not None:
+                say_two_units(candidate, first, other, assigner)
                 continue
-            rows = codes == candidate.heading.index
-            if shape.unit is not None and split_unit(candidate.label).unit is None:
-                first, other = two_units(frame[shape.unit.index][rows], QUANTITIES[quantity].unit_kind)
-                if other is not None:
-                    say_two_units(candidate, first, other, assigner)
-                    continue
-            channel_values = values[rows]
-            if quantity in ("gear", "selector", "lock_up") and np.isnan(channel_values).all():
-                channel_values = words_as_numbers.as_numbers(quantity, texts[rows])
-            good = np.isfinite(channel_values) & np.isfinite(row_times[rows])
-            time = row_times[rows][good]
-            by_time = np.argsort(time, kind="stable")
-            by_time = by_time[:: assigner.every]
-            offered.append((candidate, channel_values[good][by_time], time[by_time]))
-        if offered:
-            assigner.decide(quantity, offered)
-            signal = assigner.signals.get(quantity)
-            if signal is not None and (own := signal.time) is not None:
-                stamps.append(own)
+        channel_values = values[rows]
+        if quantity in ("gear", "selector", "lock_up") and np.isnan(channel_values).all():
+            channel_values = words_as_numbers.as_numbers(quantity, texts[rows])
+        good = np.isfinite(channel_values) & np.isfinite(row_times[rows])
+        time = row_times[rows][good]
+        by_time = np.argsort(time, kind="stable")[:: assigner.every]
+        offered.append((candidate, channel_values[good][by_time], time[by_time]))
+    assigner.decide_all(offered)
+    stamps = [signal.time for signal in assigner.signals.values() if signal.time is not None]
     base = np.unique(np.concatenate(stamps)) if stamps else np.unique(whole.time)
     timeline = _on_base(base, whole)
     column_names = tuple(map(str, uniques))
@@ -227,14 +196,4 @@ def _on_base(base: np.ndarray, whole: Timeline) -> Timeline:
         high = int(np.searchsorted(base, segment.stop, side="right"))
         if high > low:
             segments.append(Segment(low, high - low, float(base[low]), float(base[high - 1] - base[low])))
-    return Timeline(
-        base,
-        None,
-        tuple(segments),
-        whole.duration,
-        whole.unreadable,
-        whole.stale,
-        whole.reordered,
-        whole.restarts,
-        whole.gaps,
-    )
+    return replace(whole, time=base, order=None, segments=tuple(segments))

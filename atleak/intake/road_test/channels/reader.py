@@ -8,12 +8,7 @@ import numpy as np
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.channels.assign import (
-    Assigner,
-    Candidate,
-    find_candidates,
-    map_columns,
-)
+from atleak.intake.road_test.channels.assign import Assigner, Candidate, Offered, find_candidates, map_columns
 from atleak.intake.road_test.channels.build import say_strays
 from atleak.intake.road_test.channels.column_values import Rows, columns_of_numbers, rows_of
 from atleak.intake.road_test.channels.headers_between import check_clock_stated_again, with_units_stated_again
@@ -28,14 +23,13 @@ from atleak.intake.road_test.channels.timing import (
     runs,
 )
 from atleak.intake.road_test.channels.unit_cells import with_units_beside
-from atleak.intake.road_test.clock.clocks import Clock, Motion, numeric_form
+from atleak.intake.road_test.clock.clocks import Clock, Motion, numeric_clock
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.cells import is_clock
 from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.files.headings import Heading, named_by_a_date
 from atleak.intake.road_test.names.matching import clean_unit
 from atleak.intake.units import kinds_of
-from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
 
@@ -98,27 +92,14 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
 
     def unit_before(candidate: Candidate, line: int) -> str:
         some = frame.iloc[: rows.before(line)]
-        return numeric_form(numbers(some, candidate.heading.index, table.decimal).values, None).unit
+        return numeric_clock(numbers(some, candidate.heading.index, table.decimal).values, None).unit
 
-    label, clock = best_clock(
-        times,
-        table,
-        assigner,
-        lambda candidate: clock_of(candidate, frame, table, assigner, motions),
-        lambda interval: rows.places * interval,
-    )
+    label, clock = best_clock(times, rows, table, assigner, motions)
     check_clock_stated_again(times, (label, clock), unit_before, assigner)
     timeline = build_timeline(clock.seconds)
     if not len(timeline.time):
         raise no_time(table, assigner)
-    for quantity in QUANTITIES:
-        offered = [
-            (candidate, columns[candidate.heading.index], None)
-            for candidate in channels
-            if candidate.quantity == quantity
-        ]
-        if offered:
-            assigner.decide(quantity, offered)
+    assigner.decide_all((candidate, columns[candidate.heading.index], None) for candidate in channels)
     return TableResult(rows.number, timeline, label, clock, used=(label, *unit_columns), left_out=rows.left_out)
 
 
@@ -228,26 +209,18 @@ def _read_own_times(
         if index != first:  # what is to be said of the first is said of the log
             say_strays(assigner, timeline, dict(time_columns)[index].label)
     assigner.base = base.time if base.order is None else None
-    for quantity in QUANTITIES:
-        offered = []
-        for candidate in channels:
-            time_column = clock_columns.get(candidate.heading.index)
-            if (
-                candidate.quantity != quantity
-                or time_column is None
-                or time_column.heading.index not in clocks_by_column
-            ):
-                continue
-            values = columns[candidate.heading.index]
-            if time_column.heading.index == first:
-                offered.append((candidate, values, None))
-                continue
-            timeline = timelines[time_column.heading.index]
+    offered: list[Offered] = []
+    for candidate in channels:
+        index = clock_columns[candidate.heading.index].heading.index
+        values = columns[candidate.heading.index]
+        if index == first:
+            offered.append((candidate, values, None))
+        elif index in timelines:
+            timeline = timelines[index]
             values = values if timeline.order is None else values[timeline.order]
             good = np.isfinite(values)
             offered.append((candidate, values[good], timeline.time[good]))
-        if offered:
-            assigner.decide(quantity, offered)
+    assigner.decide_all(offered)
     label = dict(time_columns)[first].label
     clock = clocks_by_column[first]
     return TableResult(rows.number, base, label, clock, used=(label,), left_out=rows.left_out)

@@ -10,30 +10,15 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pandas as pd
 
-from atleak.intake.road_test.blocks import Ends, ends_of_steps
+from atleak.intake.road_test.blocks import Ends
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
 # a full counter, a sign bit alone, an error code of a bus: never a measured value
 SENTINELS = (
-    65535.0,
-    65534.0,
-    -2147483617.0,
-    -2147483648.0,
-    2147483647.0,
-    4294967295.0,
-    32767.0,
-    -32768.0,
-    16383.75,
-    8191.875,
-    6553.5,
-    655.35,
-    1e9,
-    -9999.0,
-    9999.0,
-    99999.0,
-    999999.0,
-)
+    65535.0, 65534.0, -2147483617.0, -2147483648.0, 2147483647.0, 4294967295.0, 32767.0, -32768.0, 16383.75, 8191.875,
+    6553.5, 655.35, 1e9, -9999.0, 9999.0, 99999.0, 999999.0,
+)  # fmt: skip
 CHECKS: Mapping[str, Sentence] = {  # what messages call them
     "sentinel": Sentence("sentinel"),
     "out of range": Sentence("out of range"),
@@ -119,11 +104,9 @@ def spikes(series: pd.Series, step: float) -> pd.Series:
     """
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
-    steps = ends_of_steps(values)
-    if len(values) >= 3 and (steps is None or steps[0] < -step or steps[1] > step):
+    if len(values) >= 3:
         change = np.diff(values)
-        high, low = np.flatnonzero(change > step), np.flatnonzero(change < -step)
-        big = np.sort(np.concatenate([high, low]))
+        big = np.flatnonzero(np.abs(change) > step)
         leaves, returns = big[:-1], big[1:]
         near = (returns - leaves <= _HELD) & (change[leaves] * change[returns] < 0)
         near &= np.abs(values[returns + 1] - values[leaves]) < 0.25 * np.abs(change[leaves])

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
 
 from atleak.errors import Place, RoadTestError
-from atleak.intake.road_test.blocks import any_finite, finite_of, rising, span_of, steps_in
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
+from atleak.intake.road_test.channels.column_values import Rows
 from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.channels.spoilt_numbers import TEXT, cause, holds
 from atleak.intake.road_test.clock import clocks
-from atleak.intake.road_test.clock.clocks import Clock, Motion, NumericForm
-from atleak.intake.road_test.clock.timeline import Running
+from atleak.intake.road_test.clock.clocks import Clock, Motion
 from atleak.intake.road_test.files.cells import is_clock, is_destroyed, to_float
-from atleak.intake.road_test.files.delimited import numbers
+from atleak.intake.road_test.files.delimited import Cells, numbers
 from atleak.intake.road_test.files.headings import nameless
 from atleak.intake.road_test.names.matching import split_unit
 from atleak.intake.road_test.names.unit_choice import given
@@ -54,15 +52,9 @@ def clock_of(
             return clocks.text_clock(column)
         if say_destroyed(candidate, probe, assigner):
             return None
-    values, unreadable, ends = numbers(frame, candidate.heading.index, table.decimal)
-    whole = ends is not None
-    finite = len(values) if whole else int(np.isfinite(values).sum())
-    read = TimeNumbers(values, unreadable, len(unreadable), finite)
-
-    def converted(form: NumericForm) -> Clock:
-        return form.clock(form.seconds(values, Running(form.period)))
-
-    return clock_of_numbers(candidate, read, table, assigner, motions, converted)
+    return _clock_of_numbers(
+        candidate, numbers(frame, candidate.heading.index, table.decimal), table, assigner, motions
+    )
 
 
 def probe_of(column: pd.Series) -> list[str]:
@@ -89,33 +81,16 @@ def say_destroyed(candidate: Candidate, probe: Iterable[str], assigner: Assigner
     return True
 
 
-@dataclass(frozen=True)
-class TimeNumbers:
-    """A time column as numbers, with its cells that are none, or some of these."""
-
-    numbers: np.ndarray
-    words: pd.Series
-    unreadable: int  # cells that are no numbers
-    finite: int
-
-    @property
-    def whole(self) -> bool:
-        """Return whether every cell is a finite number."""
-        return self.finite == len(self.numbers)
-
-
-def clock_of_numbers(
-    candidate: Candidate,
-    read: TimeNumbers,
-    table: LogTable,
-    assigner: Assigner,
-    motions: Sequence[Motion],
-    converted: Callable[[NumericForm], Clock],
+def _clock_of_numbers(
+    candidate: Candidate, cells: Cells, table: LogTable, assigner: Assigner, motions: Sequence[Motion]
 ) -> Clock | None:
-    """Read a time column of numbers, as `clock_of` does; ``converted`` gives the clock of what they count."""
-    size = len(read.numbers)
-    if read.unreadable > 0.05 * size or (not read.whole and read.finite < 0.5 * size):
-        _say_spoilt(candidate, read, table, assigner)
+    values, words, ends = cells
+    whole = ends is not None  # every cell is a finite number
+    if len(words) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
+        if len(words):  # say what is wrong with its numbers, where they are any
+            what, found = cause(words, values[:: max(1, len(values) // 50_000)], table.decimal)
+            if what != TEXT:
+                assigner.say("column_refused", holds(candidate.label, what, found), "warning", candidate.label)
         return None
     if _cut_short(candidate, table):
         assigner.say(
@@ -132,7 +107,7 @@ def clock_of_numbers(
     unit = assigner.units.get("time", candidate.unit)
     if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
         unit = stated.name
-    clock = converted(clocks.numeric_form(read.numbers, unit, motions if read.whole else [], read.whole))
+    clock = clocks.numeric_clock(values, unit, motions if whole else [], whole)
     if clock.form.startswith("epoch") and rounded(clock.seconds):
         text = Sentence(
             "{column!r}: a spreadsheet has cut its numbers short: few stamps differ", column=candidate.label
@@ -155,12 +130,9 @@ _COARSE = 600.0  # [s] between stamps that only rounding explains
 
 def rounded(seconds: np.ndarray) -> bool:
     """Return whether an epoch keeps so few digits that many rows share each stamp and the next is far off."""
-    onward = 0
-    for _, steps in steps_in(seconds):
-        onward += int(np.count_nonzero(steps > 0))
-        if ((steps > 0) & (steps < _COARSE)).any():
-            return False
-    return len(seconds) >= 8 and 4 * onward < len(seconds)
+    steps = np.diff(seconds)
+    onward = steps[steps > 0]
+    return len(seconds) >= 8 and 4 * len(onward) < len(seconds) and not (onward < _COARSE).any()
 
 
 def _typed(column: pd.Series) -> bool:
@@ -175,15 +147,6 @@ def _destroyed_cell(table: LogTable, candidate: Candidate) -> str:
     return next((row[index] for row in table.sample if index < len(row) and is_destroyed(row[index])), "")
 
 
-def _say_spoilt(candidate: Candidate, read: TimeNumbers, table: LogTable, assigner: Assigner) -> None:
-    """Say what is wrong with the numbers of a time column, where they are any."""
-    if len(read.words):
-        what, found = cause(read.words, read.numbers[:: max(1, len(read.numbers) // 50_000)], table.decimal)
-        if what != TEXT:
-            said = holds(candidate.label, what, found)
-            assigner.say("column_refused", said, "warning", candidate.label)
-
-
 def _cut_short(candidate: Candidate, table: LogTable) -> bool:
     """Return whether many cells keep only three digits of a long number, such as 1,51E+12."""
     index = candidate.heading.index
@@ -192,22 +155,11 @@ def _cut_short(candidate: Candidate, table: LogTable) -> bool:
 
 
 def best_clock(
-    times: list[Candidate],
-    table: LogTable,
-    assigner: Assigner,
-    read: Callable[[Candidate], Clock | None],
-    counted: Callable[[float], np.ndarray],
+    times: list[Candidate], rows: Rows, table: LogTable, assigner: Assigner, motions: Sequence[Motion]
 ) -> tuple[str, Clock]:
     """Return the name and the clock of the time column that serves best, or a clock counted from the interval.
 
     The interval is the one that the user states, else that of the lines above the table.
-
-    Parameters
-    ----------
-    read
-        gives the clock of a time column; None of one that cannot be read.
-    counted
-        gives the stamps of rows that follow each other at an interval [s].
 
     Raises
     ------
@@ -217,7 +169,7 @@ def best_clock(
     readable: list[tuple[Candidate, Clock]] = []
     for candidate in times:
         said = len(assigner.messages)
-        clock = read(candidate)
+        clock = clock_of(candidate, rows.frame, table, assigner, motions)
         if clock is not None and runs(clock.seconds):
             readable.append((candidate, clock))
             if candidate.mapped:
@@ -232,7 +184,7 @@ def best_clock(
             text = Sentence("{column!r} tells no time that runs on ({found})", column=candidate.label, found=cell)
             assigner.say("column_refused", text, "warning", candidate.label)
     if not readable:
-        return "", _counted(table, assigner, counted)
+        return "", _counted(table, assigner, rows)
     best = _best(readable)
     if len(readable) > 1:
         _compare_clocks(best, readable, assigner)
@@ -248,7 +200,10 @@ def _best(readable: list[tuple[Candidate, Clock]]) -> tuple[Candidate, Clock]:
     """Return the clock that serves best: what the user names, no counter of rows, no coarse or second clock."""
     if len(readable) == 1:
         return readable[0]
-    stamps = {candidate.heading.index: rising(clock.seconds) for candidate, clock in readable}
+    stamps = {
+        candidate.heading.index: int(np.count_nonzero(np.diff(clock.seconds[np.isfinite(clock.seconds)]) > 0))
+        for candidate, clock in readable
+    }
     most = max(stamps.values())
 
     def worth(pair: tuple[Candidate, Clock]) -> tuple[bool, bool, int, bool, int]:
@@ -265,7 +220,7 @@ def _counts_rows(seconds: np.ndarray) -> bool:
     return len(part) > 2 and bool((np.diff(part) == 1).all())
 
 
-def _counted(table: LogTable, assigner: Assigner, counted: Callable[[float], np.ndarray]) -> Clock:
+def _counted(table: LogTable, assigner: Assigner, rows: Rows) -> Clock:
     """Return a clock that counts rows by the interval that is stated.
 
     Raises
@@ -283,7 +238,7 @@ def _counted(table: LogTable, assigner: Assigner, counted: Callable[[float], np.
     if stated is not None:
         text = Sentence("no time column: time is counted from the stated interval ({interval:g} s)", interval=interval)
     assigner.say("time_counted", text)
-    return Clock(counted(interval), "s", False, "counted")
+    return Clock(rows.places * interval, "s", False, "counted")
 
 
 _BRIEF = 1.0  # [s]: no road test is shorter
@@ -329,13 +284,13 @@ _SOME = 1_000_000  # rows that show it
 
 def _span(seconds: np.ndarray) -> float:
     """Return the time from the least stamp to the greatest [s]."""
-    span = span_of(seconds)
-    return 0.0 if span is None else span[1] - span[0]
+    finite = seconds[np.isfinite(seconds)]
+    return float(np.ptp(finite)) if len(finite) else 0.0
 
 
 def _starts_again(seconds: np.ndarray) -> bool:
     """Return whether a clock rises and falls back to where it began, again and again."""
-    finite = finite_of(seconds[:_SOME])
+    finite = seconds[:_SOME][np.isfinite(seconds[:_SOME])]
     falls = np.diff(finite) < 0
     return len(finite) > _LEAST_ROWS and bool(np.mean(falls) > 0.1 and np.ptp(finite[1:][falls]) < 0.1 * np.ptp(finite))
 
@@ -343,7 +298,7 @@ def _starts_again(seconds: np.ndarray) -> bool:
 def runs(seconds: np.ndarray) -> bool:
     """Return whether a clock runs on: its time passes, and seldom steps back."""
     if len(seconds) < 2:
-        return any_finite(seconds) and len(seconds) == 1
+        return len(seconds) == 1 and bool(np.isfinite(seconds[0]))
     onward = bool(seconds[-1] > seconds[0])  # usually saves comparing all stamps
     if not onward and not _span(seconds) > 0.0:
         return False

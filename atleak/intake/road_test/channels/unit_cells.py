@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import pandas as pd
 
@@ -19,37 +18,6 @@ from atleak.sentence import Sentence
 UNIT_HEADERS = frozenset({"unit", "units", "einheit", "jednostka", "unite", "unidade", "единицы"})
 
 
-@dataclass
-class UnitCells:
-    """A column *Unit* on the right of a channel that states none itself: the different units in it."""
-
-    channel: Candidate
-    heading: Heading
-    written: dict[str, None] = field(default_factory=dict)
-
-    def add(self, cells: pd.Series) -> None:
-        """Add the next cells."""
-        self.written |= dict.fromkeys(cells.dropna().astype("str").str.strip().unique())
-
-    def told(self, assigner: Assigner) -> Candidate | None:
-        """Return the channel with its unit; None of one in several, which a message says."""
-        unit, other = _two_units(self.written, QUANTITIES[self.channel.quantity].unit_kind)
-        if other is None:
-            return replace(self.channel, unit=unit or self.channel.unit)
-        say_two_units(self.channel, unit, other, assigner)
-        return None
-
-
-def columns_of_units(channels: list[Candidate], table: LogTable) -> list[UnitCells]:
-    """Return the columns of units beside channels that state none."""
-    beside = {heading.index - 1: heading for heading in table.headings[: table.width] if _of_units(heading, table)}
-    return [
-        UnitCells(channel, beside[channel.heading.index])
-        for channel in channels
-        if channel.heading.index in beside and channel.heading.unit is None
-    ]
-
-
 def with_units_beside(
     channels: list[Candidate], table: LogTable, rows: pd.Index, assigner: Assigner
 ) -> tuple[list[Candidate], tuple[str, ...]]:
@@ -57,19 +25,21 @@ def with_units_beside(
 
     A channel in several units is left out, which a message says.
     """
-    beside = {each.channel.heading.index: each for each in columns_of_units(channels, table)}
+    beside = {heading.index - 1: heading for heading in table.headings[: table.width] if _of_units(heading, table)}
     result: list[Candidate] = []
     used: list[str] = []
     for channel in channels:
-        units = beside.get(channel.heading.index)
-        if units is None:
+        heading = beside.get(channel.heading.index) if channel.heading.unit is None else None
+        if heading is None:
             result.append(channel)
             continue
-        units.add(table.read([units.heading.index], assigner.every)[units.heading.index].reindex(rows))
-        told = units.told(assigner)
-        if told is not None:
-            result.append(told)
-            used.append(units.heading.label)
+        cells = table.read([heading.index], assigner.every)[heading.index].reindex(rows)
+        unit, other = two_units(cells, QUANTITIES[channel.quantity].unit_kind)
+        if other is not None:
+            say_two_units(channel, unit, other, assigner)
+            continue
+        result.append(replace(channel, unit=unit or channel.unit))
+        used.append(heading.label)
     return result, tuple(used)
 
 
@@ -82,10 +52,7 @@ def _of_units(heading: Heading, table: LogTable) -> bool:
 
 def two_units(cells: pd.Series, kind: str | None) -> tuple[str | None, str | None]:
     """Return the first unit in the cells of a column, and the first that is another; None where there is none."""
-    return _two_units(cells.dropna().astype("str").str.strip().unique(), kind)
-
-
-def _two_units(written: Iterable[str], kind: str | None) -> tuple[str | None, str | None]:
+    written = cells.dropna().astype("str").str.strip().unique()
     units = [unit for text in written if (unit := clean_unit(text))]
     first = units[0] if units else None
     return first, next((unit for unit in units if not same_unit(units[0], unit, kind)), None)

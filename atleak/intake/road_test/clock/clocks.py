@@ -5,14 +5,14 @@ from __future__ import annotations
 import datetime as dt
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
 
 from atleak.intake.dates import day_number, half_day, likely_order, sure_date
-from atleak.intake.road_test.blocks import blocks_of, turned
-from atleak.intake.road_test.clock.timeline import Running, strays_of
+from atleak.intake.road_test.blocks import turned
+from atleak.intake.road_test.clock.timeline import running, strays_of
 from atleak.intake.units import HHMMSS, Unit, find_unit
 from atleak.sentence import Sentence
 
@@ -50,80 +50,8 @@ class Motion:
         return len(rates) < 5 or float(np.percentile(rates, 75)) <= self.limit
 
 
-@dataclass(frozen=True)
-class _Finite:
-    """What of a column's finite numbers decides what they count."""
-
-    middle: float
-    part: np.ndarray  # the first of them
-    column: np.ndarray
-
-    @classmethod
-    def of(cls, values: np.ndarray, whole: bool) -> _Finite | None:
-        """Look through a column; None where no number is finite. ``whole``: that all are is known."""
-        if whole and len(values):
-            return cls(float(np.median(_sample(values))), values[:_PART], values)
-        finite = values[np.isfinite(values)]
-        return cls.of(finite, True) if len(finite) else None
-
-    def all_whole(self) -> bool:
-        """Return whether every number is a whole one."""
-        return all(bool(np.all((block == np.round(block)) | ~np.isfinite(block))) for block in blocks_of(self.column))
-
-
-_SAMPLE = 10_000
-
-
-def _sample(values: np.ndarray) -> np.ndarray:
-    sample: np.ndarray = values[:: max(1, len(values) // _SAMPLE)]
-    return sample
-
-
-@dataclass(frozen=True)
-class NumericForm:
-    """What the numbers of a time column count, and how they become seconds."""
-
-    unit: str
-    assumed: bool = False
-    form: str = "number"
-    factor: float = 1.0  # [s]
-    start: float | None = None  # number of the first stamp, where time counts from it
-    absolute: bool = False
-    date: dt.date | None = None
-
-    def seconds(self, values: np.ndarray, runs: Running) -> np.ndarray:
-        """Convert the next numbers, NaN where they are no stamps; ``runs`` carries on from those before them."""
-        if self.as_is:
-            return values
-        if self.form == _DIGITS:
-            return runs.on(_seconds_of_digits(values))
-        with np.errstate(over="ignore"):
-            if self.form == _EXCEL:
-                seconds = np.round((values - (self.start or 0.0)) * DAY, 6)
-            elif self.form.startswith("epoch"):
-                # an epoch in double precision is good for a microsecond; far from the others: the clock was not set yet
-                seconds = np.round((values - (self.start or 0.0)) * self.factor, 6)
-                return np.where(np.abs(seconds) < YEAR, seconds, np.nan)
-            else:
-                seconds = values * self.factor
-        return np.where(np.isinf(seconds), np.nan, seconds)
-
-    def clock(self, seconds: np.ndarray) -> Clock:
-        """Return the clock of these seconds."""
-        return Clock(seconds, self.unit, self.assumed, self.form, (), self.absolute, self.date)
-
-    @property
-    def period(self) -> float | None:
-        """Return after which time the clock starts again [s]; None where it runs on."""
-        return DAY if self.form == _DIGITS else None
-
-    @property
-    def as_is(self) -> bool:
-        """Return whether the numbers are the seconds."""
-        return self.form == "number" and self.factor == 1.0
-
-
-_EXCEL, _DIGITS = "Excel days", "time of day, HHMMSS"
+_DIGITS = "time of day, HHMMSS"
+_FACTORS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}
 
 
 def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion] = (), whole: bool = False) -> Clock:
@@ -134,47 +62,53 @@ def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion
     that all numbers are finite is known.
     """
     values = values.astype(float, copy=False)
-    form = numeric_form(values, unit, motions, whole)
-    return form.clock(form.seconds(values, Running(form.period)))
-
-
-def numeric_form(
-    values: np.ndarray, unit: str | None, motions: Sequence[Motion] = (), whole: bool = False
-) -> NumericForm:
-    """Tell what numbers count; parameters are those of `numeric_clock`."""
-    finite = _Finite.of(values, whole)
-    if finite is None:
-        return NumericForm(unit or "s", unit is None)
-    known = find_unit(unit, "time") if unit else None
-    epoch = _epoch(finite.middle)
-    if known is not None and known.name in ("s", "ms") and epoch not in (None, known.name):
-        known = find_unit(str(epoch), "time")
-    if known is None and epoch:
+    finite = values if whole else values[np.isfinite(values)]
+    if not len(finite):
+        return Clock(values, unit or "s", unit is None)
+    middle = float(np.median(finite[:: max(1, len(finite) // 10_000)]))
+    known, epoch = find_unit(unit, "time") if unit else None, _epoch(middle)
+    if epoch is not None and (known is None or known.name in ("s", "ms")):
         known = find_unit(epoch, "time")
-        assert known is not None
-        return _epoch_form(values, known, finite.middle)
     if known is not None and known.name == HHMMSS:
-        return NumericForm("clock", False, _DIGITS)
+        return _clock_of_digits(values)
     if known is not None:
-        return _epoch_form(values, known, finite.middle) if epoch else NumericForm(known.name, factor=known.factor)
-    part = finite.part[~strays_of(finite.part)]
+        return _epoch_clock(values, known, middle) if epoch else Clock(_scaled(values, known.factor), known.name)
+    part = finite[:_PART]
+    part = part[~strays_of(part)]
     if _excel_days(part):
         start = float(part[0])
-        return NumericForm("d", False, _EXCEL, DAY, start, True, _FIRST_EXCEL_DAY + dt.timedelta(int(start)))
+        day = _FIRST_EXCEL_DAY + dt.timedelta(int(start))
+        seconds = np.round(_scaled(values - start, DAY), 6)
+        return Clock(seconds, "d", form="Excel days", absolute=True, date=day)
     minutes, leaps = _minutes_of_digits(part)
     if minutes:
-        return NumericForm("clock", False, _DIGITS)
+        return _clock_of_digits(values)
     name, sure = _guess(finite, values, motions)
-    return NumericForm(name, not sure or leaps > 0, factor={"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name])
+    return Clock(_scaled(values, _FACTORS[name]), name, not sure or leaps > 0)
 
 
-def _epoch_form(values: np.ndarray, unit: Unit, middle: float) -> NumericForm:
-    """Return how an epoch is read: from the first stamp that lies within a year of the middle one."""
-    near = YEAR / unit.factor
-    begun = (block[np.abs(block - middle) < near] for block in blocks_of(values))
-    start = next((float(block[0]) for block in begun if len(block)), 0.0)
-    day = dt.date(1970, 1, 1) + dt.timedelta(seconds=start * unit.factor) if start else None
-    return NumericForm(unit.name, False, f"epoch {unit.name}", unit.factor, start, True, day)
+def _scaled(values: np.ndarray, factor: float) -> np.ndarray:
+    if factor == 1.0:
+        return values
+    with np.errstate(over="ignore"):
+        seconds = values * factor
+    return np.where(np.isinf(seconds), np.nan, seconds)
+
+
+def _clock_of_digits(values: np.ndarray) -> Clock:
+    return Clock(running(_seconds_of_digits(values), DAY), "clock", form=_DIGITS)
+
+
+def _epoch_clock(values: np.ndarray, unit: Unit, middle: float) -> Clock:
+    """Return the clock of an epoch, which counts from the first stamp that lies within a year of the middle one."""
+    near = np.flatnonzero(np.abs(values - middle) < YEAR / unit.factor)
+    start = float(values[near[0]]) if len(near) else 0.0
+    day = dt.date(1970, 1, 1) + dt.timedelta(seconds=start * unit.factor) if len(near) else None
+    with np.errstate(over="ignore"):
+        # an epoch in double precision is good for a microsecond; far from the others: the clock was not set yet
+        seconds = np.round((values - start) * unit.factor, 6)
+    seconds = np.where(np.abs(seconds) < YEAR, seconds, np.nan)
+    return Clock(seconds, unit.name, form=f"epoch {unit.name}", absolute=True, date=day)
 
 
 def _epoch(value: float) -> str | None:
@@ -228,13 +162,13 @@ def _excel_days(values: np.ndarray) -> bool:
     )
 
 
-def _guess(finite: _Finite, values: np.ndarray, motions: Sequence[Motion]) -> tuple[str, bool]:
-    steps = np.diff(finite.part)
+def _guess(finite: np.ndarray, values: np.ndarray, motions: Sequence[Motion]) -> tuple[str, bool]:
+    steps = np.diff(finite[:_PART])
     steps = steps[steps > 0]
     if not len(steps):
         return "s", False
     step = float(np.median(steps))
-    whole = finite.all_whole()
+    whole = all(bool((part == np.round(part)).all()) for part in (finite[:_PART], finite))
     if not whole and step < 2:
         return "s", True
     if step < 2:
@@ -244,16 +178,15 @@ def _guess(finite: _Finite, values: np.ndarray, motions: Sequence[Motion]) -> tu
         options = ["µs", "ms", "s"]
     # the slower unit wins only where the faster one is impossible
     for name in options:
-        factor = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name]
-        if all(motion.possible(values, factor) for motion in motions):
+        if all(motion.possible(values, _FACTORS[name]) for motion in motions):
             return name, False
     return options[0], False
 
 
 # --- clock strings ------------------------------------------------------------------------------------------
 
-_TIME_OF_DAY = re.compile(r"(?<![\d.,])(\d{1,4}):(\d{1,6}):(\d{1,2})(?:[.,:](\d{1,9}))?")
-_SHORT = re.compile(r"(?<![\d.,:])(\d{1,3}):(\d{2})(?:[.,](\d{1,6}))?(?![\d:])")
+_THREE = re.compile(r"(?<![\d.,])(\d{1,4}):(\d{1,6}):(\d{1,2})(?:[.,:](\d{1,9}))?")
+_TWO = re.compile(r"(?<![\d.,:])(\d{1,3}):(\d{2})(?:[.,](\d{1,6}))?(?![\d:])")
 
 
 def holds_a_time(text: str) -> bool:
@@ -262,7 +195,7 @@ def holds_a_time(text: str) -> bool:
     >>> holds_a_time("@Wed May  2 10:24:10 2018"), holds_a_time("1:3")
     (True, False)
     """
-    return _TIME_OF_DAY.search(text) is not None or _SHORT.search(text) is not None
+    return _THREE.search(text) is not None or _TWO.search(text) is not None
 
 
 @dataclass
@@ -278,6 +211,9 @@ class ClockParts:
     texts: list[str] = field(default_factory=list)
 
 
+_DAMAGED = 1  # cells that cannot be a clock's: of more the column is of another form
+
+
 def text_clock(column: pd.Series) -> Clock | None:
     """Convert clock strings to seconds from the first one; None when they cannot be read.
 
@@ -286,157 +222,67 @@ def text_clock(column: pd.Series) -> Clock | None:
     give relative time only.
     """
     read = read_clocks(column)
-    told = ClockTally()
-    told.add(read, int(column.notna().sum()))
-    form = told.form()
-    return None if form is None else form.clock(form.seconds(read, Running(form.period)))
-
-
-@dataclass
-class ClockTally:
-    """What of clock strings decides how they are read; those of the parts of a column add up."""
-
-    filled: int = 0  # cells
-    texts: dict[str, int] = field(default_factory=lambda: {"": 0})  # what stands beside the clock → its number
-    kinds: dict[int, _KindOfClock] = field(default_factory=lambda: {3: _KindOfClock(), 2: _KindOfClock()})  # by parts
-
-    def add(self, read: ClockParts, filled: int) -> None:
-        """Add the next cells, of which so many are filled; their texts are numbered as those of all cells."""
-        self.filled += filled
-        numbers = np.array([self.texts.setdefault(text, len(self.texts)) for text in read.texts])
-        read.dates = numbers[read.dates]
-        for parts, kind in self.kinds.items():
-            kind.add(read, read.parts == parts)
-
-    def form(self) -> TextForm | None:
-        """Return how the cells are read; None where they cannot be."""
-        three, two = self.kinds[3], self.kinds[2]
-        if three.cells + two.cells < max(1, 0.5 * self.filled):
-            return None
-        parts = 3 if three.cells >= two.cells else 2
-        kind, texts = self.kinds[parts], list(self.texts)
-        dates = [_date_text(text) for text in texts]
-        order = likely_order(dates, [half_day(text) for text in texts])
-        days = [day_number(text, order) for text in dates]
-        dated = bool(kind.dates) and all(days[index] is not None for index in kind.dates)
-        form = (_three_parts if parts == 3 else _two_parts)(
-            kind, days if dated else None, [half_day(text) for text in texts]
-        )
-        if form is None or not dated:
-            return form
-        return replace(form, date=sure_date([texts[index] for index in sorted(kind.dates)]))
-
-
-@dataclass
-class _KindOfClock:
-    """What is known of the cells with so many parts."""
-
-    cells: int = 0
-    hours_of_minutes: int = 0  # cells with 60 minutes and more
-    late: int = 0  # cells with 61 seconds and more
-    no_minute: bool = False  # whether one has 60 seconds
-    fractions: int = 0  # cells with a fraction
-    dates: set[int] = field(default_factory=set)  # numbers of the texts beside them
-
-    def add(self, read: ClockParts, good: np.ndarray) -> None:
-        if not good.any():
-            return
-        seconds = read.seconds[good]
-        self.cells += len(seconds)
-        self.hours_of_minutes += int(np.count_nonzero(read.minor[good] > 59))
-        self.late += int(np.count_nonzero(seconds >= 61))
-        self.no_minute = self.no_minute or bool((seconds > 59.9999999).any())
-        self.fractions += int(np.count_nonzero(read.fraction[good]))
-        self.dates |= set(np.flatnonzero(np.bincount(read.dates[good])).tolist())
-
-
-@dataclass(frozen=True)
-class TextForm:
-    """How clock strings become seconds: by the weights of their numbers, and the days and halves beside them."""
-
-    parts: int
-    weights: tuple[float, float, float]  # [s] of the first and second number, and of the seconds
-    form: str
-    period: float | None = None  # [s] after which the clock starts again
-    days: np.ndarray | None = None  # [s] by the number of the text beside it
-    noon: np.ndarray | None = None  # hours to add to those of half a day, by the same; negative where not
-    notes: tuple[Sentence, ...] = ()
-    date: dt.date | None = None
-
-    def seconds(self, read: ClockParts, runs: Running) -> np.ndarray:
-        """Convert the next clocks; ``runs`` carries on from those before them."""
-        major = read.major
-        if self.noon is not None:
-            noon = self.noon[read.dates]
-            major = np.where(noon >= 0, major % 12 + np.maximum(noon, 0), major)
-        hours, minutes, rest = self.weights
-        seconds = major * hours + read.minor * minutes + read.seconds * rest
-        good = read.parts == self.parts
-        if self.parts == 3:
-            good = good & (read.seconds < 61) & ((read.minor < 60) | (hours == 0.0))
-        seconds = np.where(good, seconds, np.nan)
-        if self.days is not None:
-            seconds = seconds + self.days[read.dates]
-        return runs.on(seconds)
-
-    def clock(self, seconds: np.ndarray) -> Clock:
-        """Return the clock of these seconds."""
-        return Clock(seconds, "clock", False, self.form, self.notes, self.days is not None, self.date)
-
-
-_DAMAGED = 1  # cells that cannot be a clock's: of more the column is of another form
-
-
-def _three_parts(kind: _KindOfClock, days: list[int | None] | None, halves: list[str | None]) -> TextForm | None:
-    if kind.late > _DAMAGED:
+    three, two = int(np.count_nonzero(read.parts == 3)), int(np.count_nonzero(read.parts == 2))
+    if three + two < max(1, 0.5 * int(column.notna().sum())):
         return None
-    if kind.hours_of_minutes > _DAMAGED:
-        return TextForm(3, (0.0, 60.0, 1.0), "hours : total minutes : seconds")
-    noon = _noon(halves)
-    if days is not None:
-        return TextForm(3, (3600.0, 60.0, 1.0), "date and time", days=_days_of(days), noon=noon)
-    return TextForm(3, (3600.0, 60.0, 1.0), "time of day", DAY, noon=noon)
+    parts = 3 if three >= two else 2
+    good = read.parts == parts
+    dates, halves = [_date_text(text) for text in read.texts], [half_day(text) for text in read.texts]
+    order, beside = likely_order(dates, halves), np.unique(read.dates[good]).tolist()
+    days = [day_number(text, order) for text in dates]
+    dated = all(days[index] is not None for index in beside)
+    form = _three_parts(read, good, dated) if parts == 3 else _two_parts(read, good, dated)
+    if form is None:
+        return None
+    name, (hours, minutes, rest), period, notes = form
+    major = read.major
+    if (dated or name == _TIME_OF_DAY) and any(halves):
+        noon = np.array([{"am": 0.0, "pm": 12.0}.get(half or "", -1.0) for half in halves])[read.dates]
+        major = np.where(noon >= 0, major % 12 + np.maximum(noon, 0), major)
+    seconds = major * hours + read.minor * minutes + read.seconds * rest
+    if parts == 3:
+        good = good & (read.seconds < 61) & ((read.minor < 60) | (hours == 0.0))
+    seconds = np.where(good, seconds, np.nan)
+    absolute = dated and hours > 0.0
+    if absolute:
+        numbers = np.array([np.nan if day is None else float(day) for day in days])
+        seconds += ((numbers - np.nanmin(numbers)) * DAY)[read.dates]
+    date = sure_date([read.texts[index] for index in beside]) if dated else None
+    return Clock(running(seconds, period), "clock", form=name, notes=notes, absolute=absolute, date=date)
 
 
-def _two_parts(kind: _KindOfClock, days: list[int | None] | None, halves: list[str | None]) -> TextForm | None:
-    if days is not None:
+_TIME_OF_DAY = "time of day"
+_TextForm = tuple[str, tuple[float, float, float], float | None, tuple[Sentence, ...]]
+"""Name of a form of clock, weights [s] of its numbers, the time after which it starts again [s], what is to be said."""
+
+
+def _three_parts(read: ClockParts, good: np.ndarray, dated: bool) -> _TextForm | None:
+    if np.count_nonzero(read.seconds[good] >= 61) > _DAMAGED:
+        return None
+    if np.count_nonzero(read.minor[good] > 59) > _DAMAGED:
+        return "hours : total minutes : seconds", (0.0, 60.0, 1.0), None, ()
+    return "date and time" if dated else _TIME_OF_DAY, (3600.0, 60.0, 1.0), None if dated else DAY, ()
+
+
+def _two_parts(read: ClockParts, good: np.ndarray, dated: bool) -> _TextForm | None:
+    if dated:
         note = Sentence(
             "the clock's seconds are lost (a spreadsheet shows hours and minutes only): stamps are 60 s apart"
         )
-        weights = 3600.0, 60.0, 0.0
-        return TextForm(2, weights, "date and time", days=_days_of(days), noon=_noon(halves), notes=(note,))
-    if not kind.fractions > 0.5 * kind.cells or kind.no_minute:
+        return "date and time", (3600.0, 60.0, 0.0), None, (note,)
+    if not read.fraction[good].mean() > 0.5 or (read.seconds[good] > 59.9999999).any():
         return None  # hh:mm and mm:ss look the same
     note = Sentence(
         "a spreadsheet has cut the hours off the clock: time runs from the first row, the time of day is not known"
     )
-    return TextForm(2, (60.0, 0.0, 1.0), "minutes and seconds", 3600.0, notes=(note,))
-
-
-def _noon(halves: list[str | None]) -> np.ndarray | None:
-    if not any(halves):
-        return None
-    return np.array([{"am": 0.0, "pm": 12.0}.get(half or "", -1.0) for half in halves])
-
-
-def _days_of(days: list[int | None]) -> np.ndarray:
-    numbers = np.array([np.nan if day is None else float(day) for day in days])
-    counted: np.ndarray = (numbers - np.nanmin(numbers)) * DAY
-    return counted
+    return "minutes and seconds", (60.0, 0.0, 1.0), 3600.0, (note,)
 
 
 def read_clocks(column: pd.Series) -> ClockParts:
     """Read the numbers of clock strings, and what stands beside them."""
     size = len(column)
-    read = ClockParts(
-        major=np.zeros(size),
-        minor=np.zeros(size),
-        seconds=np.zeros(size),
-        parts=np.zeros(size, int),
-        fraction=np.zeros(size, bool),
-        dates=np.zeros(size, int),
-        texts=[""],
-    )
+    kinds = {"major": float, "minor": float, "seconds": float, "parts": int, "fraction": bool, "dates": int}
+    read = ClockParts(**{name: np.zeros(size, kind) for name, kind in kinds.items()}, texts=[""])
     packed, all_as_long = _packed(column)
     width = packed.dtype.itemsize
     if not width:
@@ -488,9 +334,9 @@ def _packed(column: pd.Series) -> tuple[np.ndarray, bool]:
 def _read_alike(read: ClockParts, table: np.ndarray, rows: np.ndarray, length: int, raw: pd.Series) -> np.ndarray:
     """Read the rows whose string has the form of the first one's; return the other rows."""
     line = table[rows[0], :length].tobytes().decode("ascii")
-    match, parts = _TIME_OF_DAY.search(line), 3
+    match, parts = _THREE.search(line), 3
     if match is None:
-        match, parts = _SHORT.search(line), 2
+        match, parts = _TWO.search(line), 2
     if match is None:
         return rows[1:] if len(rows) < 64 else rows[:0]
     whole = len(rows) == len(table)
@@ -569,4 +415,4 @@ def from_datetimes(values: Sequence[object]) -> np.ndarray:
             seconds[index] = value.total_seconds()
         elif isinstance(value, dt.time):
             seconds[index] = value.hour * 3600 + value.minute * 60 + value.second + value.microsecond / 1e6
-    return Running(DAY if any(isinstance(value, dt.time) for value in values) else None).on(seconds)
+    return running(seconds, DAY if any(isinstance(value, dt.time) for value in values) else None)

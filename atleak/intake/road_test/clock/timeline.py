@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from atleak.intake.road_test.blocks import ends_of_steps, steps_over
 from atleak.road_test import Segment
 
 
@@ -29,38 +28,24 @@ class Timeline:
     gaps: tuple[float, ...] = ()
 
 
-@dataclass
-class Running:
-    """Counts a clock from its first stamp on, part by part.
+def running(seconds: np.ndarray, period: float | None = None) -> np.ndarray:
+    """Return stamps counted from the first one; NaN where unreadable.
 
-    Of one that starts again after each ``period`` [s] a fall by more than half of it adds one.
+    Of a clock that starts again after each ``period`` [s] a fall by more than half of it adds one.
     """
-
-    period: float | None = None
-    _first: float | None = None
-    _last: float = np.nan
-    _turn: int = 0  # of the last stamp: 1 where it fell by more than half a period, -1 where it rose so
-    _falls: int = 0
-
-    def on(self, seconds: np.ndarray) -> np.ndarray:
-        """Return the next stamps, counted from the first one of all; NaN where unreadable."""
-        good = np.flatnonzero(np.isfinite(seconds))
-        if not len(good):
-            return seconds
-        values = seconds[good]
-        if self.period is not None:
-            steps = np.diff(values, prepend=self._last)
-            turns = (steps < -self.period / 2).astype(int) - (steps > self.period / 2)
-            # a single stamp that falls or rises so, and the one behind it goes back: neither begins a period
-            before = np.append(self._turn, turns[:-1])
-            falls = self._falls + np.cumsum(np.where(turns * before < 0, np.minimum(turns, 0), np.maximum(turns, 0)))
-            self._last, self._turn, self._falls = float(values[-1]), int(turns[-1]), int(falls[-1])
-            values = values + falls * self.period
-        if self._first is None:
-            self._first = float(values[0])
-        result = np.full(len(seconds), np.nan)
-        result[good] = np.round(values - self._first, 9)
-        return result
+    good = np.flatnonzero(np.isfinite(seconds))
+    if not len(good):
+        return seconds
+    values = seconds[good]
+    if period is not None:
+        steps = np.diff(values, prepend=values[0])
+        turns = (steps < -period / 2).astype(int) - (steps > period / 2)
+        # a single stamp that falls or rises so, and the one behind it goes back: neither begins a period
+        before = np.append(0, turns[:-1])
+        values = values + period * np.cumsum(np.where(turns * before < 0, np.minimum(turns, 0), np.maximum(turns, 0)))
+    result = np.full(len(seconds), np.nan)
+    result[good] = np.round(values - values[0], 9)
+    return result
 
 
 def gap_limit(steps: np.ndarray) -> float:
@@ -96,12 +81,12 @@ def build(seconds: np.ndarray) -> Timeline:
     Unreadable stamps and a single stale or stray stamp, at either end too, are left out; stamps slightly out of order
     are sorted; a backward jump means that the clock was restarted: the later stretch is placed behind the earlier one.
     """
-    ends = ends_of_steps(seconds)
-    if ends is not None and ends[0] >= 0 and not an_end_is_far(seconds):
-        return _finish(seconds, None, longest=ends[1])
+    if len(seconds) > 1 and np.diff(seconds).min() >= 0 and not an_end_is_far(seconds):  # no step is NaN
+        return _finish(seconds, None)
     usable = np.flatnonzero(np.isfinite(seconds))
     unreadable = len(seconds) - len(usable)
-    usable, stale = _without_strays(seconds, usable)
+    stray = strays_of(seconds[usable])
+    usable, stale = usable[~stray], int(stray.sum())
     stamps = seconds[usable]
     steps = np.diff(stamps)
     if not (steps < 0).any():
@@ -113,11 +98,6 @@ def build(seconds: np.ndarray) -> Timeline:
         time, usable[order],
         unreadable=unreadable, stale=stale, reordered=reordered, restarts=restarts[0], breaks=restarts[1],
     )  # fmt: skip
-
-
-def _without_strays(seconds: np.ndarray, usable: np.ndarray) -> tuple[np.ndarray, int]:
-    stray = strays_of(seconds[usable])
-    return usable[~stray], int(stray.sum())
 
 
 def strays_of(stamps: np.ndarray) -> np.ndarray:
@@ -199,7 +179,6 @@ def _finish(
     time: np.ndarray,
     order: np.ndarray | None,
     *,
-    longest: float = np.inf,
     unreadable: int = 0,
     stale: int = 0,
     reordered: int = 0,
@@ -209,7 +188,7 @@ def _finish(
     if not len(time):
         return Timeline(time, order, (), 0.0, unreadable, stale)
     limit = gap_limit_of(time)
-    gaps: list[int] = (steps_over(time, limit) + 1).tolist() if longest > limit else []
+    gaps: list[int] = (np.flatnonzero(np.diff(time) > limit) + 1).tolist()
     restarted = set(breaks)
     lengths = tuple(float(time[index] - time[index - 1]) for index in gaps if index not in restarted)
     edges = sorted({0, len(time), *gaps, *restarted})

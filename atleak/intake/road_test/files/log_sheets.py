@@ -85,20 +85,9 @@ class LogSheet(OfLayout):
 
 
 _GENERIC_NAMES = {
-    "",
-    "value",
-    "values",
-    "wert",
-    "messwert",
-    "data",
-    "y",
-    "signal",
-    "reading",
-    "wartosc",
-    "valeur",
-    "valor",
+    "", "value", "values", "wert", "messwert", "data", "y", "signal", "reading", "wartosc", "valeur", "valor",
     "значение",
-}
+}  # fmt: skip
 
 
 def _plain(heading: Heading) -> str:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from atleak.errors import InputError
-from atleak.intake.road_test.blocks import finite_of
 from atleak.intake.road_test.names.matching import clean_unit
 from atleak.intake.units import KINDS, Unit, find_unit, kinds_of, unit
 from atleak.road_test import QUANTITIES
@@ -97,7 +96,7 @@ def fit(
     part = values[:: max(1, len(values) // 20_000)]
     good = part[np.isfinite(part)]
     if not len(good):
-        good = finite_of(values)
+        good = values[np.isfinite(values)]
     if kind is None:
         return _number(quantity, stated, good, commanded)
     text = clean_unit(stated or "")
