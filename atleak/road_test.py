@@ -37,92 +37,31 @@ class Quantity:
     said: Sentence = Sentence("")  # noqa: RUF009  its name as messages have it
 
 
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
-    {
-        quantity.name: quantity
-        for quantity in (
-            Quantity("time", "time", "s", label=Sentence("time"), said=Sentence("time")),
-            Quantity(
-                "engine_speed",
-                "rotational_speed",
-                "rpm",
-                0.0,
-                15000 / 60,
-                Sentence("engine speed"),
-                Sentence("engine_speed"),
-            ),
-            Quantity(
-                "atf_temperature",
-                "temperature",
-                "°C",
-                -50.0,
-                200.0,
-                Sentence("ATF temperature"),
-                Sentence("atf_temperature"),
-            ),
-            Quantity(
-                "main_pressure",
-                "pressure",
-                "kPa",
-                -101.4e3,
-                10e6,
-                Sentence("main (line) pressure"),
-                Sentence("main_pressure"),
-            ),
-            Quantity(
-                "commanded_pressure",
-                "pressure",
-                "kPa",
-                -101.4e3,
-                10e6,
-                Sentence("commanded main pressure"),
-                Sentence("commanded_pressure"),
-            ),
-            Quantity(
-                "converter_pressure",
-                "pressure",
-                "kPa",
-                -101.4e3,
-                5e6,
-                Sentence("converter pressure"),
-                Sentence("converter_pressure"),
-            ),
-            Quantity("gear", None, "", -1.0, 12.0, Sentence("gear"), Sentence("gear")),
-            Quantity(
-                "vehicle_speed", "speed", "km/h", -1.0, 450 / 3.6, Sentence("vehicle speed"), Sentence("vehicle_speed")
-            ),
-            Quantity(
-                "turbine_speed",
-                "rotational_speed",
-                "rpm",
-                -1.0,
-                15000 / 60,
-                Sentence("turbine (input) speed"),
-                Sentence("turbine_speed"),
-            ),
-            Quantity(
-                "output_speed",
-                "rotational_speed",
-                "rpm",
-                -20.0,
-                15000 / 60,
-                Sentence("output speed"),
-                Sentence("output_speed"),
-            ),
-            Quantity("selector", None, "", label=Sentence("selector position"), said=Sentence("selector")),
-            Quantity("lock_up", None, "", label=Sentence("converter lock-up"), said=Sentence("lock_up")),
-            Quantity(
-                "coolant_temperature",
-                "temperature",
-                "°C",
-                -50.0,
-                200.0,
-                Sentence("engine coolant temperature"),
-                Sentence("coolant_temperature"),
-            ),
-        )
-    }
-)
+_QUANTITIES = (
+    Quantity("time", "time", "s", label=Sentence("time"), said=Sentence("time")),
+    Quantity("engine_speed", "rotational_speed", "rpm", 0.0, 15000 / 60,
+             Sentence("engine speed"), Sentence("engine_speed")),
+    Quantity("atf_temperature", "temperature", "°C", -50.0, 200.0,
+             Sentence("ATF temperature"), Sentence("atf_temperature")),
+    Quantity("main_pressure", "pressure", "kPa", -101.4e3, 10e6,
+             Sentence("main (line) pressure"), Sentence("main_pressure")),
+    Quantity("commanded_pressure", "pressure", "kPa", -101.4e3, 10e6,
+             Sentence("commanded main pressure"), Sentence("commanded_pressure")),
+    Quantity("converter_pressure", "pressure", "kPa", -101.4e3, 5e6,
+             Sentence("converter pressure"), Sentence("converter_pressure")),
+    Quantity("gear", None, "", -1.0, 12.0, Sentence("gear"), Sentence("gear")),
+    Quantity("vehicle_speed", "speed", "km/h", -1.0, 450 / 3.6,
+             Sentence("vehicle speed"), Sentence("vehicle_speed")),
+    Quantity("turbine_speed", "rotational_speed", "rpm", -1.0, 15000 / 60,
+             Sentence("turbine (input) speed"), Sentence("turbine_speed")),
+    Quantity("output_speed", "rotational_speed", "rpm", -20.0, 15000 / 60,
+             Sentence("output speed"), Sentence("output_speed")),
+    Quantity("selector", None, "", label=Sentence("selector position"), said=Sentence("selector")),
+    Quantity("lock_up", None, "", label=Sentence("converter lock-up"), said=Sentence("lock_up")),
+    Quantity("coolant_temperature", "temperature", "°C", -50.0, 200.0,
+             Sentence("engine coolant temperature"), Sentence("coolant_temperature")),
+)  # fmt: skip
+QUANTITIES: Mapping[str, Quantity] = MappingProxyType({quantity.name: quantity for quantity in _QUANTITIES})
 
 
 @dataclass(frozen=True, eq=False)

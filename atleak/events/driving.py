@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from atleak.events.event import Event, Thresholds, gear_engaged, runs, segments, standing_samples
+from atleak.events.event import Event, EventKind, Thresholds, gear_engaged, runs, segments, standing_samples
 from atleak.road_test import RoadTest
 from atleak.sentence import Sentence
 
@@ -15,27 +15,23 @@ from atleak.sentence import Sentence
 def hot_idle(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
     """Return hot idling: the car stands, the engine idles, the fluid is at working temperature."""
     limits = limits or Thresholds()
-    mask = hot_idling_samples(road_test, limits)
-    if mask is None:
-        return []
-    time = road_test.time
-    return [
-        Event("hot_idle", float(time[low]), float(time[high]))
-        for low, high in runs(road_test, mask, limits.idle_seconds)
-    ]
-
-
-def hot_idling_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray | None:
-    """Return at which samples the engine idles hot, the car at rest; None where the log does not show it."""
-    engine, standing, atf = (
-        road_test.values("engine_speed"),
-        standing_samples(road_test, limits),
-        road_test.values("atf_temperature"),
-    )
+    engine, atf = road_test.values("engine_speed"), road_test.values("atf_temperature")
+    standing = standing_samples(road_test, limits)
     if engine is None or standing is None or atf is None:
-        return None
-    idling: np.ndarray = standing & (engine > limits.idle_low) & (engine < limits.idle_high) & (atf >= limits.hot)
-    return idling
+        return []
+    mask = standing & (engine > limits.idle_low) & (engine < limits.idle_high) & (atf >= limits.hot)
+    return _events("hot_idle", road_test, mask, limits.idle_seconds)
+
+
+_NOTHING = Sentence("")
+
+
+def _events(
+    kind: EventKind, road_test: RoadTest, mask: np.ndarray, shortest: float, note: Sentence = _NOTHING
+) -> list[Event]:
+    """Return an event for every run of samples that lasts long enough [s]."""
+    time, found = road_test.time, runs(road_test, mask, shortest)
+    return [Event(kind, float(time[low]), float(time[high]), note=note) for low, high in found]
 
 
 def stalls(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
@@ -44,30 +40,22 @@ def stalls(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]
     A run longer than `Thresholds.stall_longest` is no stall test but an engine revved in neutral or park.
     """
     limits = limits or Thresholds()
-    mask = stalling_samples(road_test, limits)
-    if mask is None:
-        return []
-    time = road_test.time
-    return [
-        Event("stall", float(time[low]), float(time[high]))
-        for low, high in runs(road_test, mask, limits.stall_seconds)
-        if time[high] - time[low] <= limits.stall_longest
-    ]
-
-
-def stalling_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray | None:
-    """Return at which samples the engine pulls against the converter; None where the log does not show it."""
     engine, standing = road_test.values("engine_speed"), standing_samples(road_test, limits)
     if engine is None or standing is None:
-        return None
-    mask: np.ndarray = standing & (engine > limits.stall_speed)
-    turbine = road_test.values("turbine_speed")
+        return []
+    mask = standing & (engine > limits.stall_speed)
+    turbine, gear = road_test.values("turbine_speed"), gear_engaged(road_test)
     if turbine is not None:
-        return mask & (turbine <= 0.15 * engine)
-    if road_test.channel("gear") is None:
-        return None  # revving in neutral looks the same
-    gear = np.asarray(gear_engaged(road_test))
-    return mask & np.isfinite(gear) & (gear != 0)
+        mask &= turbine <= 0.15 * engine
+    elif gear is None or road_test.channel("gear") is None:
+        return []  # revving in neutral looks the same
+    else:
+        mask &= np.isfinite(gear) & (gear != 0)
+    return [
+        event
+        for event in _events("stall", road_test, mask, limits.stall_seconds)
+        if event.duration <= limits.stall_longest
+    ]
 
 
 def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
@@ -76,41 +64,20 @@ def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Even
     Where the car stands, or no gear is engaged, there is none: the engine turns an idle turbine along.
     """
     limits = limits or Thresholds()
-    locked = locked_samples(road_test, limits, largest(road_test.values("lock_up")))
-    if locked is None:
-        return []
-    mask, note = locked
-    time = road_test.time
-    return [
-        Event("lock_up", float(time[low]), float(time[high]), note=note)
-        for low, high in runs(road_test, mask, limits.lock_up_seconds)
-    ]
-
-
-def largest(values: np.ndarray | None) -> float:
-    """Return the largest of some values that are known; NaN of none."""
-    return float("nan") if values is None else float(np.fmax.reduce(values, initial=np.nan))
-
-
-def locked_samples(road_test: RoadTest, limits: Thresholds, commanded: float) -> tuple[np.ndarray, Sentence] | None:
-    """Return at which samples the converter is locked, and what is to be said of that; None where nothing shows it.
-
-    ``commanded`` is the largest value of the log's command to lock up.
-    """
     engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
-    channel = road_test.values("lock_up")
+    channel, note = road_test.values("lock_up"), _NOTHING
     if engine is not None and turbine is not None:
-        locked, note = (np.abs(engine - turbine) < limits.slip) & (engine > limits.idle_high), Sentence("")
-    elif channel is not None and commanded > 0:
+        locked = (np.abs(engine - turbine) < limits.slip) & (engine > limits.idle_high)
+    elif channel is not None and (commanded := np.fmax.reduce(channel, initial=np.nan)) > 0:
         locked = channel >= 0.5 * commanded
         note = Sentence("commanded: no turbine speed shows whether it held")
     else:
-        return None
+        return []
     standing, gear = standing_samples(road_test, limits), gear_engaged(road_test)
     for idle in (standing, None if gear is None else gear == 0):
         if idle is not None:
             locked &= ~idle
-    return locked, note
+    return _events("lock_up", road_test, locked, limits.lock_up_seconds, note)
 
 
 def steady_driving(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
@@ -122,28 +89,15 @@ def steady_driving(road_test: RoadTest, limits: Thresholds | None = None) -> lis
     mask = np.zeros(len(road_test.time), bool)
     for part in segments(road_test):
         steps = np.diff(road_test.time[part])
-        count = steady_count(float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0, limits)
+        step = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+        count = max(3, math.ceil(limits.steady_seconds / step) + 1) if step > 0.0 else math.inf
         if count <= part.stop - part.start:
-            mask[part] = steady_samples(engine[part], vehicle[part], count, limits)
-    time = road_test.time
-    return [
-        Event("steady_driving", float(time[low]), float(time[high]))
-        for low, high in runs(road_test, mask, limits.steady_seconds)
-    ]
-
-
-def steady_count(step: float, limits: Thresholds) -> float:
-    """Return how many samples make steady driving, by the median step of their stretch [s]; endless at no step."""
-    return max(3, math.ceil(limits.steady_seconds / step) + 1) if step > 0.0 else math.inf
-
-
-def steady_samples(engine: np.ndarray, vehicle: np.ndarray, count: float, limits: Thresholds) -> np.ndarray:
-    """Return which samples of one stretch lie in a window of so many in which the speeds stay in narrow bands."""
-    window = int(count)
-    calm = (vehicle > limits.steady_speed) & _band(engine, window, limits.steady_engine)
-    calm &= _band(vehicle, window, limits.steady_vehicle)
-    # every sample of a calm window belongs to it
-    return pd.Series(calm[::-1].astype(float)).rolling(window, min_periods=1).max().to_numpy()[::-1] > 0
+            window = int(count)
+            calm = (vehicle[part] > limits.steady_speed) & _band(engine[part], window, limits.steady_engine)
+            calm &= _band(vehicle[part], window, limits.steady_vehicle)
+            # every sample of a calm window belongs to it
+            mask[part] = pd.Series(calm[::-1].astype(float)).rolling(window, min_periods=1).max().to_numpy()[::-1] > 0
+    return _events("steady_driving", road_test, mask, limits.steady_seconds)
 
 
 def _band(values: np.ndarray, count: int, width: float) -> np.ndarray:

@@ -33,57 +33,30 @@ def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[E
     gear = np.asarray(gear_engaged(known))
     source: ChannelSource = channel.source if channel else "derived"
     for part in segments(road_test):
-        rows = in_gear(gear[part])
+        rows = np.flatnonzero(np.isfinite(gear[part]) & (gear[part] != 0))
         times, values = road_test.time[part][rows], gear[part][rows]
-        for step in shifts_among(rows, times, values, limits):
+        # neighbours, or soon after each other
+        soon = (np.diff(rows) == 1) | (np.diff(times) <= limits.shift_pause)
+        forward = (values[:-1] > 0) & (values[1:] > 0)
+        for step in np.flatnonzero((np.diff(values) != 0) & forward & soon):
             after = rows[step + 1]
             event = Event(
                 "gear_shift", float(times[step]), float(times[step + 1]), int(values[step]), int(values[step + 1]),
                 source,
             )  # fmt: skip
-            if ratio is not None:
-                event = by_ratio(event, road_test.time[part], ratio[part], int(after), limits)
+            if ratio is not None and event.source == "logged":
+                event = _by_ratio(event, road_test.time[part], ratio[part], int(after), limits)
             shifts.append(event)
     return shifts
 
 
-def in_gear(gear: np.ndarray) -> np.ndarray:
-    """Return the rows at which a gear is engaged, reverse too."""
-    return np.flatnonzero(np.isfinite(gear) & (gear != 0))
+def _by_ratio(event: Event, time: np.ndarray, values: np.ndarray, high: int, limits: Thresholds) -> Event:
+    """Correct a shift's beginning and end by the ratio of turbine speed to output speed in its stretch.
 
-
-def shifts_among(rows: np.ndarray, times: np.ndarray, gears: np.ndarray, limits: Thresholds) -> np.ndarray:
-    """Return the places of samples in gear with the next of which a shift ends: neighbours, or soon after each other.
-
-    Parameters
-    ----------
-    rows, times, gears
-        number, time [s] and gear of the samples at which one is engaged.
+    ``high`` is the sample with which the new gear begins.
     """
-    soon = (np.diff(rows) == 1) | (np.diff(times) <= limits.shift_pause)
-    forward = (gears[:-1] > 0) & (gears[1:] > 0)
-    return np.flatnonzero((np.diff(gears) != 0) & forward & soon)
-
-
-RATIO_BEFORE, RATIO_AFTER = 4.0, 2.0  # [s] around a shift in which the ratio of the speeds is looked at
-
-
-def by_ratio(event: Event, time: np.ndarray, values: np.ndarray, high: int, limits: Thresholds) -> Event:
-    """Correct a shift's beginning and end by the ratio of turbine speed to output speed.
-
-    Parameters
-    ----------
-    event
-        the shift as the gear shows it; one that is derived stays.
-    time, values
-        stamps [s] and ratio of its stretch, or of the part of it that is looked at.
-    high
-        the sample with which the new gear begins.
-    """
-    if event.source != "logged":
-        return event
-    before = (time > time[high] - RATIO_BEFORE) & (time < time[high] - 2.0)
-    after = (time > time[high]) & (time < time[high] + RATIO_AFTER)
+    before = (time > time[high] - 4.0) & (time < time[high] - 2.0)
+    after = (time > time[high]) & (time < time[high] + 2.0)
     if not np.isfinite(values[before]).any() or not np.isfinite(values[after]).any():
         return event
     old, new = float(np.nanmedian(values[before])), float(np.nanmedian(values[after]))

@@ -11,7 +11,7 @@ from atleak.events.event import Thresholds, runs, standing_samples
 from atleak.road_test import RoadTest
 
 _TURNS = 100 / 60  # [1/s] of the turbine, below which the car stands
-FEWEST = 20  # samples of which a range is told
+_FEWEST = 20  # samples of which a range is told
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,15 @@ class ConverterSlip:
 def converter_slip(road_test: RoadTest, thresholds: Thresholds | None = None) -> ConverterSlip | None:
     """Return the slip of the converter; None where engine or turbine speed are not logged, or the car never drives."""
     limits = thresholds or Thresholds()
-    shown = slip_and_driving(road_test, limits)
-    if shown is None or np.count_nonzero(shown[1]) < FEWEST:
+    engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
+    if engine is None or turbine is None:
         return None
-    slip, driving = shown
+    slip, standing = engine - turbine, standing_samples(road_test, limits)
+    driving = np.isfinite(slip) & (engine >= limits.idle_low) & (turbine > _TURNS)
+    if standing is not None:
+        driving &= ~standing
+    if np.count_nonzero(driving) < _FEWEST:
+        return None
     low, median, high = (float(each) for each in np.percentile(slip[driving], (5, 50, 95)))
     locked = sum(event.duration for event in lock_ups(road_test, limits))
     command = road_test.values("lock_up")
@@ -43,15 +48,3 @@ def converter_slip(road_test: RoadTest, thresholds: Thresholds | None = None) ->
     seconds = sum(float(road_test.time[span.stop - 1] - road_test.time[span.start]) for span in spans)
     then = np.concatenate([np.abs(slip[span]) for span in spans]) if spans else np.zeros(0)
     return ConverterSlip(low, median, high, locked, seconds, float(np.median(then)) if len(then) else None)
-
-
-def slip_and_driving(road_test: RoadTest, limits: Thresholds) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the slip of every sample [1/s] and at which of them the car drives; None where speeds are not logged."""
-    engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
-    if engine is None or turbine is None:
-        return None
-    slip, standing = engine - turbine, standing_samples(road_test, limits)
-    driving = np.isfinite(slip) & (engine >= limits.idle_low) & (turbine > _TURNS)
-    if standing is not None:
-        driving &= ~standing
-    return slip, driving

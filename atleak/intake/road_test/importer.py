@@ -15,11 +15,12 @@ from atleak.doors import own_errors_only
 from atleak.errors import InputError, Message, Place, RoadTestError
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import BESIDE, Ambiguous, Assigner, own_part_of, stated_units
-from atleak.intake.road_test.channels.protocol import LogTable, TableResult
+from atleak.intake.road_test.channels.protocol import TableResult
 from atleak.intake.road_test.channels.reader import read_table
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.delimited import Delimited, must_be_held, open_delimited
+from atleak.intake.road_test.files.layout import LogTable
 from atleak.intake.road_test.files.log_file import HEAD, TIMES, LogFile, open_source
 from atleak.intake.road_test.files.log_sheets import LogSheet, open_sheets
 from atleak.intake.road_test.files.other_files import of_measured_parts, without_a_table

@@ -14,9 +14,9 @@ from atleak.doors import own_errors_only
 from atleak.errors import RoadTestError
 from atleak.intake.road_test.channels.assign import find_candidates, match_heading
 from atleak.intake.road_test.channels.long import long_columns, long_shape
-from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.files.delimited import numbers, open_delimited
 from atleak.intake.road_test.files.headings import Heading
+from atleak.intake.road_test.files.layout import LogTable
 from atleak.intake.road_test.files.log_file import LogFile, open_source
 from atleak.intake.road_test.files.log_sheets import open_sheets
 from atleak.intake.road_test.files.parquet_table import open_parquet

@@ -14,7 +14,6 @@ from atleak.intake.road_test.blocks import Ends
 from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.channels.assign import Assigner, Signal
 from atleak.intake.road_test.clock.timeline import Timeline
-from atleak.intake.road_test.names.unit_choice import Fit
 from atleak.road_test import QUANTITIES, Channel, Segment
 from atleak.sentence import Sentence
 from atleak.unit_systems import Quantity
@@ -24,7 +23,13 @@ _NOTHING = np.empty(0)
 
 
 def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, float]) -> Mapping[str, Channel]:
-    """Return the channels of a road test, in the order of `QUANTITIES`."""
+    """Return the channels of a road test, in the order of `QUANTITIES`.
+
+    Raises
+    ------
+    RoadTestError
+        for a constant of a quantity that no log has, or outside what it can be.
+    """
     built: dict[str, Channel] = {}
     beside = [name for name in SPEEDS if name in assigner.signals][:2]  # one, and another for itself
     speeds = [assigner.signals[name] for name in beside]
@@ -39,23 +44,12 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
             if quantity not in beside:  # the file's numbers are let go of as soon as nothing asks for them
                 assigner.signals[quantity] = logged[quantity] = replace(signal, values=_NOTHING)
         elif quantity in constants and quantity != "time":  # of which the constant is the interval between rows
-            built[quantity] = constant(assigner, quantity, constants[quantity], timeline.time[:1])
-    refuse_unknown(constants)
-    return MappingProxyType(built)
-
-
-def refuse_unknown(constants: Mapping[str, float]) -> None:
-    """Refuse a constant of a quantity that no log has.
-
-    Raises
-    ------
-    RoadTestError
-        naming the nearest one.
-    """
+            built[quantity] = _constant(assigner, quantity, constants[quantity], timeline.time[:1])
     possible = [name for name in QUANTITIES if name != "time"]
     for name in constants:
-        if name not in possible and name != "time":
+        if name not in QUANTITIES:
             raise unknown(Sentence("unknown quantity for a constant"), name, possible, kind=RoadTestError)
+    return MappingProxyType(built)
 
 
 SPEEDS = ("engine_speed", "vehicle_speed", "output_speed", "turbine_speed")  # each tells whether the car moves
@@ -89,82 +83,51 @@ def _checked(signal: Signal, timeline: Timeline, speed: Signal | None, ends: End
         beside = speed.values if timeline.order is None else speed.values[timeline.order]
         return np.concatenate([[False], np.diff(beside) != 0])
 
-    known = (ends, _in_si(ends, signal.fit)) if ends is not None else None
+    known = None
+    if ends is not None:
+        least, most = signal.fit.to_si(np.array(ends)).tolist()
+        known = ends, (least, most)
     return _Checked(raw, si, time, suspects.suspect(signal.candidate.quantity, raw, si, time, moving, known))
 
 
-def _in_si(ends: Ends, fit: Fit) -> Ends:
-    least, most = fit.to_si(np.array(ends)).tolist()
-    return least, most
-
-
 def _channel(assigner: Assigner, signal: Signal, checked: _Checked, timeline: Timeline) -> Channel:
-    raw, suspect = checked.raw, np.zeros(len(checked.raw), bool)
-    for mask in checked.suspect_masks.values():
+    candidate, raw = signal.candidate, checked.raw
+    suspect, label = np.zeros(len(raw), bool), candidate.label
+    for name, mask in checked.suspect_masks.items():
         suspect |= mask
-    counts = {name: int(mask.sum()) for name, mask in checked.suspect_masks.items()}
-    independent, repeated = len(raw), repeats_answers(signal, raw)
-    if repeated:
-        independent -= int(suspects.repeats(raw).sum())
-    say_samples(assigner, signal, len(raw), counts, independent if repeated else None)
-    rate = rate_of(independent, _span(checked.time, timeline.segments))
-    return channel_of(signal, checked.time, checked.si.astype(float, copy=False), suspect, independent, rate)
-
-
-def say_samples(
-    assigner: Assigner, signal: Signal, total: int, suspect: Mapping[str, int], independent: int | None
-) -> None:
-    """Say how many samples each check doubts, and how many are true where the logger repeats its last answer."""
-    label = signal.candidate.label
-    for name, count in suspect.items():
         text = Sentence(
             "{column!r}: {count} of {total} samples are suspect ({check}) and left out",
             column=label,
-            count=count,
-            total=total,
+            count=int(mask.sum()),
+            total=len(raw),
             check=suspects.CHECKS[name],
         )
         assigner.say("suspect_samples", text, "warning", label)
-    if independent is not None:
+    kind, commanded = QUANTITIES[candidate.quantity].unit_kind, candidate.kind == "commanded"
+    independent = len(raw)
+    if kind in ("rotational_speed", "pressure", "speed") and not commanded and suspects.is_sample_and_hold(raw):
+        independent -= int(np.count_nonzero(raw[1:] == raw[:-1]))
         text = Sentence(
             "{column!r}: the logger repeats its last answer; {count} of {total} are true samples",
             column=label,
             count=independent,
-            total=total,
+            total=len(raw),
         )
         assigner.say("sample_and_hold", text, "info", label)
-
-
-def channel_of(
-    signal: Signal, time: np.ndarray, values: np.ndarray, suspect: np.ndarray, independent: int, rate: float
-) -> Channel:
-    """Return the channel of a signal."""
-    candidate = signal.candidate
-    pressure = QUANTITIES[candidate.quantity].unit_kind == "pressure"
+    span = _span(checked.time, timeline.segments)
     return Channel(
         candidate.quantity,
-        time,
-        values,
+        checked.time,
+        checked.si.astype(float, copy=False),
         suspect,
-        candidate.label,
+        label,
         signal.fit.unit.name if signal.fit.unit else "",
         signal.fit.assumed,
-        candidate.kind if pressure or candidate.quantity == "lock_up" else "unknown",
+        candidate.kind if kind == "pressure" or candidate.quantity == "lock_up" else "unknown",
         "logged",
         independent,
-        rate,
+        (independent - 1) / span if span > 0 and independent > 1 else float("nan"),
     )
-
-
-def rate_of(independent: int, span: float) -> float:
-    """Return a channel's true rate [1/s]; NaN where it has none."""
-    return (independent - 1) / span if span > 0 and independent > 1 else float("nan")
-
-
-def repeats_answers(signal: Signal, some: np.ndarray) -> bool:
-    """Return whether the logger repeats a channel's last answer, by some of its samples."""
-    kind, commanded = QUANTITIES[signal.candidate.quantity].unit_kind, signal.candidate.kind == "commanded"
-    return kind in ("rotational_speed", "pressure", "speed") and not commanded and suspects.is_sample_and_hold(some)
 
 
 def _span(time: np.ndarray, segments: tuple[Segment, ...]) -> float:
@@ -179,14 +142,8 @@ def _span(time: np.ndarray, segments: tuple[Segment, ...]) -> float:
     return float(time[-1] - time[0]) - breaks
 
 
-def constant(assigner: Assigner, quantity: str, value: float, time: np.ndarray) -> Channel:
-    """Return a channel that is a constant; ``time`` is the log's first stamp.
-
-    Raises
-    ------
-    RoadTestError
-        outside what the quantity can be.
-    """
+def _constant(assigner: Assigner, quantity: str, value: float, time: np.ndarray) -> Channel:
+    """Return a channel that is a constant; ``time`` is the log's first stamp."""
     info = QUANTITIES[quantity]
     if quantity == "main_pressure" and value <= 0:
         raise RoadTestError(

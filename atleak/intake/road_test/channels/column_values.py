@@ -10,11 +10,11 @@ import pandas as pd
 
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.headers_between import refuse_another_header
-from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.channels.spoilt_numbers import cause, holds, quoted
 from atleak.intake.road_test.files.cells import OFF, Decimal, is_clock, is_destroyed
 from atleak.intake.road_test.files.delimited import numbers, words_of
 from atleak.intake.road_test.files.headings import Heading
+from atleak.intake.road_test.files.layout import LogTable
 from atleak.intake.road_test.names import words_as_numbers
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
@@ -206,7 +206,7 @@ def words_for_time(frame: pd.DataFrame, times: list[Candidate], table: LogTable)
 
 def holds_clocks(table: LogTable, heading: Heading) -> bool:
     """Return whether most cells of a column are clock readings."""
-    cells = [row[heading.index] for row in table.sample if heading.index < len(row)]
+    cells = table.sampled(heading.index)
     return sum(is_clock(cell) for cell in cells) > 0.5 * len(cells)
 
 

@@ -11,7 +11,7 @@ import pandas as pd
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Assigner, Candidate, Offered, find_candidates, map_columns
 from atleak.intake.road_test.channels.column_values import LeftOut
-from atleak.intake.road_test.channels.protocol import LogTable, TableResult, width_of
+from atleak.intake.road_test.channels.protocol import TableResult, width_of
 from atleak.intake.road_test.channels.timing import clock_of, no_time, runs
 from atleak.intake.road_test.channels.unit_cells import UNIT_HEADERS, say_two_units, two_units
 from atleak.intake.road_test.clock.timeline import Timeline
@@ -19,6 +19,7 @@ from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.cells import kind_of
 from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.files.headings import Heading
+from atleak.intake.road_test.files.layout import LogTable
 from atleak.intake.road_test.names import words_as_numbers
 from atleak.intake.road_test.names.matching import match_name, split_unit
 from atleak.intake.road_test.names.memory import NOT_LOGGED
@@ -77,7 +78,7 @@ def _names_headings(table: LogTable, mapping: Mapping[str, str]) -> bool:
 
 
 def _cells(table: LogTable, heading: Heading) -> list[str]:
-    return [row[heading.index] for row in table.sample if heading.index < len(row)]
+    return table.sampled(heading.index)
 
 
 def _wordy(table: LogTable, heading: Heading) -> bool:

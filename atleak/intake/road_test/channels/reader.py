@@ -13,7 +13,7 @@ from atleak.intake.road_test.channels.build import say_strays
 from atleak.intake.road_test.channels.column_values import Rows, columns_of_numbers, rows_of
 from atleak.intake.road_test.channels.headers_between import check_clock_stated_again, with_units_stated_again
 from atleak.intake.road_test.channels.long import long_shape, read_long
-from atleak.intake.road_test.channels.protocol import LogTable, TableResult, reach, width_of
+from atleak.intake.road_test.channels.protocol import TableResult, reach, width_of
 from atleak.intake.road_test.channels.timing import (
     best_clock,
     clock_of,
@@ -28,6 +28,7 @@ from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.cells import is_clock
 from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.files.headings import Heading, named_by_a_date
+from atleak.intake.road_test.files.layout import LogTable
 from atleak.intake.road_test.names.matching import clean_unit
 from atleak.intake.units import kinds_of
 from atleak.sentence import Sentence
@@ -148,7 +149,7 @@ def time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candid
         # columns without a telling name that hold clock readings serve where no other does
         named = {candidate.heading.index for candidate in candidates}
         for heading in table.headings[: table.width]:
-            cells = [row[heading.index] for row in table.sample if heading.index < len(row)]
+            cells = table.sampled(heading.index)
             if (
                 heading.index not in named
                 and not named_by_a_date(heading)
@@ -161,7 +162,7 @@ def time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candid
 
 def _runs_in_sample(candidate: Candidate, table: LogTable) -> bool:
     """Return whether a time column's cells differ from row to row, as far as a clock's do."""
-    cells = [row[candidate.heading.index] for row in table.sample if candidate.heading.index < len(row)]
+    cells = table.sampled(candidate.heading.index)
     return len(set(cells)) > max(1, len(cells) / 20)
 
 

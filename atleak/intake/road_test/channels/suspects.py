@@ -61,21 +61,15 @@ def sentinel(series: pd.Series) -> pd.Series:
     """
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
-    # an error code lies at an end of a channel's values
-    if len(values) and np.isin(_ends(values), SENTINELS).any():
-        result = np.isin(values, SENTINELS)
-        if np.mean(result) > 0.5:  # then it is an ordinary value of this channel
-            result[:] = False
+    found = np.isin(values, SENTINELS)
+    if len(values) and np.mean(found) <= 0.5:  # else it is an ordinary value of this channel
+        result = found
     return pd.Series(result, series.index)
 
 
 def out_of_range(series: pd.Series, low: float, high: float) -> pd.Series:
     """Mark values outside the range that the quantity can have."""
-    values = series.to_numpy()
-    least, most = _ends(values)
-    if least >= low and most <= high:
-        return pd.Series(np.zeros(len(values), bool), series.index)
-    return pd.Series((values < low) | (values > high), series.index)
+    return (series < low) | (series > high)
 
 
 def start_up(series: pd.Series, step: float, rows: int = 10) -> pd.Series:
@@ -126,75 +120,31 @@ def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | 
     result = np.zeros(len(values), bool)
     if len(values) < LEAST_RUN:
         return pd.Series(result, series.index)
-    # a few probes already show a long run: that is cheap for the usual channel, which changes often
-    stride = probe_stride(len(values), float(time[-1] - time[0]), seconds)
-    if not shows_long_run(values[::stride], time[::stride], float(time[-1]), seconds, len(values) > 2 * stride):
-        return pd.Series(result, series.index)
-    edges = np.flatnonzero(np.concatenate([[True], values[1:] != values[:-1], [True]]))
-    starts, stops = edges[:-1], edges[1:] - 1
-    long = (time[stops] - time[starts] > seconds) & (stops - starts >= LEAST_RUN) & (values[starts] != 0)
-    beside = moving() if moving is not None and long.any() else None
-    runs = list(zip(starts[long], stops[long], strict=True))
-    if moving is not None and beside is None:
-        length = sum(stop - start + 1 for start, stop in runs)
-        runs = runs if stands_out(length, len(runs), len(starts), len(values)) else []
-    for start, stop in runs:
+    same = values[1:] == values[:-1]
+    edges = np.flatnonzero(np.diff(same.view(np.int8), prepend=0, append=0))
+    starts, stops = edges[::2], edges[1::2]  # first and last samples of one value
+    long = (stops - starts >= LEAST_RUN) & (time[stops] - time[starts] > seconds) & (values[starts] != 0)
+    starts, stops = starts[long], stops[long]
+    beside = moving() if moving is not None and len(starts) else None
+    if moving is not None and beside is None:  # nothing else moves: long runs must be few beside samples that change
+        held = int(np.sum(stops - starts + 1))
+        others = len(values) - np.count_nonzero(same) - len(starts)
+        if held >= FEW * len(values) or others <= LIVELY * max(len(values) - held, 1):
+            return pd.Series(result, series.index)
+    for start, stop in zip(starts, stops, strict=True):
         if beside is None or np.count_nonzero(beside[start : stop + 1]) > FEW_MOVES:
             result[start : stop + 1] = True
     return pd.Series(result, series.index)
-
-
-def probe_stride(count: int, duration: float, seconds: float) -> int:
-    """Return how far apart samples are probed of so many over some time [s], where runs of some seconds are sought."""
-    return int(np.clip(count * seconds / max(duration, seconds) / 8, 10, 1000))
-
-
-def shows_long_run(probes: np.ndarray, time: np.ndarray, last: float, seconds: float, many: bool) -> bool:
-    """Return whether there may be a run of one value for longer than some seconds, by samples at even distances.
-
-    Parameters
-    ----------
-    time, last
-        their stamps, and that of the last sample of all [s].
-    many
-        whether there are more than two of them.
-    """
-    edges = np.flatnonzero(np.concatenate([[True], probes[1:] != probes[:-1], [True]]))
-    begin = time[np.maximum(edges[:-1] - 1, 0)]
-    end = np.append(time, last)[edges[1:]]
-    alike = np.diff(edges) > 1 if many else np.ones(len(edges) - 1, bool)
-    return bool((alike & (end - begin > seconds)).any())
-
-
-def stands_out(length: int, long: int, runs: int, samples: int) -> bool:
-    """Return whether long runs of one value are few beside samples that keep changing.
-
-    Parameters
-    ----------
-    length, long
-        samples in long runs, and how many these are.
-    runs, samples
-        how many of either there are at all.
-    """
-    return length < FEW * samples and (runs - long) / max(samples - length, 1) > LIVELY
-
-
-def at_scale_end(values: np.ndarray) -> np.ndarray:
-    """Return which temperatures [°C] lie at an end of a sensor's scale."""
-    ends: np.ndarray = (np.abs(values + 40) < 0.06) | (np.abs(values - 215) < 0.06)
-    return ends
 
 
 def failed_sensor(series: pd.Series) -> pd.Series:
     """Mark temperatures [°C] at the end of a sensor's scale, −40 or 215, where others are ordinary."""
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
-    least, most = _ends(values)
-    if least <= SCALE[0] or most >= SCALE[1]:
-        ends = at_scale_end(values)
-        rest = values[~ends & np.isfinite(values)]
-        if len(rest) and np.median(rest) > ORDINARY:
-            result = ends
+    ends = (np.abs(values + 40) < 0.06) | (np.abs(values - 215) < 0.06)
+    rest = values[~ends & np.isfinite(values)]
+    if len(rest) and np.median(rest) > ORDINARY:
+        result = ends
     return pd.Series(result, series.index)
 
 
@@ -232,15 +182,6 @@ def suspect(
         masks["frozen"] = frozen(clean, FROZEN_SECONDS[kind], moving)
     arrays = {name: mask.to_numpy() for name, mask in masks.items()}
     return {name: mask for name, mask in arrays.items() if mask.any()}
-
-
-def repeats(values: np.ndarray) -> np.ndarray:
-    """Return where a sample equals the one before it.
-
-    >>> repeats(np.array([1.0, 1.0, 2.0])).tolist()
-    [False, True, False]
-    """
-    return np.concatenate([[False], values[1:] == values[:-1]]) if len(values) else np.zeros(0, bool)
 
 
 def is_sample_and_hold(values: np.ndarray) -> bool:

@@ -12,13 +12,13 @@ import pandas as pd
 from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.column_values import Rows
-from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.channels.spoilt_numbers import TEXT, cause, holds
 from atleak.intake.road_test.clock import clocks
 from atleak.intake.road_test.clock.clocks import Clock, Motion
 from atleak.intake.road_test.files.cells import is_clock, is_destroyed, to_float
 from atleak.intake.road_test.files.delimited import Cells, numbers
 from atleak.intake.road_test.files.headings import nameless
+from atleak.intake.road_test.files.layout import LogTable
 from atleak.intake.road_test.names.matching import split_unit
 from atleak.intake.road_test.names.unit_choice import given
 from atleak.sentence import Sentence
@@ -150,7 +150,7 @@ def _destroyed_cell(table: LogTable, candidate: Candidate) -> str:
 def _cut_short(candidate: Candidate, table: LogTable) -> bool:
     """Return whether many cells keep only three digits of a long number, such as 1,51E+12."""
     index = candidate.heading.index
-    cells = [row[index] for row in table.sample if index < len(row) and row[index]]
+    cells = list(filter(None, table.sampled(index)))
     return bool(cells) and sum(is_destroyed(cell) for cell in cells) > 0.3 * len(cells)
 
 

@@ -8,8 +8,8 @@ import pandas as pd
 
 from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
-from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.files.headings import Heading
+from atleak.intake.road_test.files.layout import LogTable
 from atleak.intake.road_test.names.matching import clean_unit, is_unit
 from atleak.intake.road_test.names.unit_choice import same_unit
 from atleak.road_test import QUANTITIES
@@ -46,7 +46,7 @@ def with_units_beside(
 def _of_units(heading: Heading, table: LogTable) -> bool:
     if not heading.names or words(heading.names[0]) not in UNIT_HEADERS:
         return False
-    cells = [row[heading.index] for row in table.sample if heading.index < len(row) and row[heading.index]]
+    cells = list(filter(None, table.sampled(heading.index)))
     return bool(cells) and sum(map(is_unit, cells)) > 0.8 * len(cells)
 
 

@@ -17,8 +17,8 @@ from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.blocks import Ends, ends_of, in_turn
 from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, kind_of, without_unit
 from atleak.intake.road_test.files.decoding import LogText, to_text, without_nul
-from atleak.intake.road_test.files.headings import Heading, Row
-from atleak.intake.road_test.files.layout import WHITESPACE, Layout, OfLayout, find_dialect, find_table, split_line
+from atleak.intake.road_test.files.headings import Row
+from atleak.intake.road_test.files.layout import WHITESPACE, Layout, LogTable, find_dialect, find_table, split_line
 from atleak.intake.road_test.files.log_file import HEAD, LARGE, LogFile
 from atleak.intake.road_test.files.rows import QUOTE, even_rows, mended, one_line_end, signs_per_line
 from atleak.sentence import Sentence
@@ -31,7 +31,7 @@ LOOK = 150
 
 
 @dataclass(frozen=True)
-class Delimited(OfLayout):
+class Delimited(LogTable):
     """Delimited text whose table is located but not read yet.
 
     ``held`` is the whole text where no byte of the file tells where its lines end, else None. The rows lie between the
@@ -54,35 +54,14 @@ class Delimited(OfLayout):
     spaced: bool
     per_line: tuple[int, int] | None
 
-    @property
-    def headings(self) -> tuple[Heading, ...]:
-        """Return the columns' headings."""
-        return self.layout.headings
-
-    @property
-    def has_header(self) -> bool:
-        """Return whether any row names the columns."""
-        return self.layout.has_header
-
     @cached_property
-    def rows(self) -> int:
+    def rows(self) -> int:  # type: ignore[override]
         """Return how many rows there are, more or less: as if all were as long as the first ones."""
         first = _part(self.source, self.held, self.start, min(self.start + LARGE, self.end))
         return int((self.end - self.start) / max(len(first), 1) * (first.count(b"\n") + 1))
 
     def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
-        """Read these columns from the first data row on: numbers as floats, anything else as text.
-
-        Every line is a row, of which each ``every``-th is kept. Cells of a column of numbers that are none stand in
-        ``attrs["words"]``. How many rows were left out, because they have more numbers than the table has columns,
-        stands in ``attrs["too_wide"]``, how many have fewer cells in ``attrs["short"]``, and whether the last line
-        breaks off in ``attrs["breaks_off"]``. Where not all are kept, their numbers stand in ``attrs["lines"]``.
-
-        Raises
-        ------
-        RoadTestError
-            when its lines cannot be told apart, or many of them have more numbers than the table has columns.
-        """
+        """Read these columns block by block."""
         self.source.digest.start()
         joined = {index: _Joined(self.rows // every, self.decimal) for index in columns}
         places: list[np.ndarray] = []

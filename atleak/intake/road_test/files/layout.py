@@ -7,6 +7,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+import pandas as pd
+
 from atleak.intake.road_test.files.cells import CellKind, Decimal, kind_of, unit_in_cells
 from atleak.intake.road_test.files.file_heads import defined_above, with_stated_units
 from atleak.intake.road_test.files.headings import Heading, Row, headings_of, names_columns, units_share
@@ -33,10 +35,23 @@ class Layout:
     above: int = 0
 
 
-class OfLayout:
-    """What a table has of its layout."""
+class LogTable:
+    """A table of any file format: its layout, some rows as a sample, how many there are, and columns on request."""
 
     layout: Layout
+    sample: tuple[Row, ...]
+    decimal: Decimal
+    rows: int  # more or less
+
+    @property
+    def headings(self) -> tuple[Heading, ...]:
+        """Return the columns' headings."""
+        return self.layout.headings
+
+    @property
+    def has_header(self) -> bool:
+        """Return whether any row names the columns."""
+        return self.layout.has_header
 
     @property
     def width(self) -> int:
@@ -52,6 +67,26 @@ class OfLayout:
     def above(self) -> int:
         """Return the number of rows of another table above this one."""
         return self.layout.above
+
+    def sampled(self, index: int) -> list[str]:
+        """Return the cells of a column in the sample."""
+        return [row[index] for row in self.sample if index < len(row)]
+
+    def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
+        """Read these columns from the first data row on: numbers as floats, anything else as text.
+
+        Every line is a row, of which each ``every``-th is kept. Cells of a column of numbers that are none stand in
+        ``attrs["words"]``. How many rows were left out, because they have more numbers than the table has columns,
+        stands in ``attrs["too_wide"]``, how many have fewer cells in ``attrs["short"]``, and whether the last line
+        breaks off in ``attrs["breaks_off"]``. Where not all are kept, their numbers stand in ``attrs["lines"]``.
+
+        Raises
+        ------
+        RoadTestError
+            when the file is damaged, its lines cannot be told apart, or many of them have more numbers than the table
+            has columns.
+        """
+        raise NotImplementedError
 
 
 def split_line(line: str, delimiter: str) -> Row:

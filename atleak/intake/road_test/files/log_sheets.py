@@ -17,7 +17,7 @@ from atleak.intake.plain_words import words
 from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, without_unit
 from atleak.intake.road_test.files.delimited import thinned
 from atleak.intake.road_test.files.headings import Heading, Row, nameless
-from atleak.intake.road_test.files.layout import Layout, OfLayout, find_table
+from atleak.intake.road_test.files.layout import Layout, LogTable, find_table
 from atleak.intake.road_test.files.log_file import LogFile
 from atleak.intake.road_test.files.sheet_cells import SheetCells
 from atleak.intake.road_test.names.matching import match_name, split_unit
@@ -27,8 +27,8 @@ _HEAD = 2000  # rows of a sheet among which its table is sought
 
 
 @dataclass(frozen=True)
-class LogSheet(OfLayout):
-    """One sheet whose table is located; a `protocol.LogTable`."""
+class LogSheet(LogTable):
+    """One sheet whose table is located."""
 
     name: str
     cells: SheetCells
@@ -37,7 +37,7 @@ class LogSheet(OfLayout):
     titled: bool = False
 
     @cached_property
-    def headings(self) -> tuple[Heading, ...]:
+    def headings(self) -> tuple[Heading, ...]:  # type: ignore[override]
         """Return the columns' headings; a column with a name such as *value* takes the sheet's name."""
         if not self.titled:
             return self.layout.headings
@@ -63,18 +63,18 @@ class LogSheet(OfLayout):
         return self.layout.has_header or (self.titled and self._is_a_pair_without_names)
 
     @cached_property
-    def sample(self) -> tuple[Row, ...]:
+    def sample(self) -> tuple[Row, ...]:  # type: ignore[override]
         """Return the first data rows as text."""
         body = self.cells.head(self.layout.start + 400)[self.layout.start :]
         return tuple([text_of(cell, self.decimal) for cell in row] for row in body)
 
     @property
-    def rows(self) -> int:
+    def rows(self) -> int:  # type: ignore[override]
         """Return how many rows there are, blank ones among them."""
         return self.cells.rows - self.layout.start
 
     def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
-        """Read these columns from the first data row on, as `delimited.Delimited.read` does."""
+        """Read these columns."""
         return thinned(pd.DataFrame({index: self._column(index) for index in columns}), every)
 
     def _column(self, index: int) -> pd.Series:

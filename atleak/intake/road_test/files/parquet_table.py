@@ -15,8 +15,8 @@ from atleak.intake.native.parquet_tables import parquet_head, parquet_parts
 from atleak.intake.native.process import PARQUET, read_apart, read_apart_in_parts
 from atleak.intake.road_test.blocks import Filled
 from atleak.intake.road_test.files.cells import Decimal, kind_of, unit_in_cells, without_unit
-from atleak.intake.road_test.files.headings import Heading, Row, headings_of, names_columns
-from atleak.intake.road_test.files.layout import Layout, OfLayout
+from atleak.intake.road_test.files.headings import Row, headings_of, names_columns
+from atleak.intake.road_test.files.layout import Layout, LogTable
 from atleak.intake.road_test.files.log_file import LogFile, open_source
 from atleak.intake.road_test.files.log_sheets import text_of
 from atleak.sentence import Sentence
@@ -26,8 +26,8 @@ _LARGEST = 400 << 20  # bytes of numbers to which even a small file may unfold
 
 
 @dataclass(frozen=True)
-class ParquetLog(OfLayout):
-    """A Parquet file of which the columns and the first rows are known; a `protocol.LogTable`."""
+class ParquetLog(LogTable):
+    """A Parquet file of which the columns and the first rows are known."""
 
     source: LogFile
     layout: Layout
@@ -36,24 +36,8 @@ class ParquetLog(OfLayout):
     sample: tuple[Row, ...]
     decimal: Decimal
 
-    @property
-    def headings(self) -> tuple[Heading, ...]:
-        """Return the columns' headings."""
-        return self.layout.headings
-
-    @property
-    def has_header(self) -> bool:
-        """Return whether the columns have names: those of a table that had none are numbers."""
-        return self.layout.has_header
-
     def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
-        """Read these columns, block by block, as `delimited.Delimited.read` does; stamps are dates with times in UTC.
-
-        Raises
-        ------
-        RoadTestError
-            where the file is damaged, or unfolds to more than its reading may take.
-        """
+        """Read these columns block by block; stamps are dates with times in UTC."""
         limit = _LARGEST + int(PARQUET.memory_per_byte * self.source.size)
         numbers: dict[int, Filled] = {}
         texts: dict[int, list[pd.Series]] = {}
@@ -74,11 +58,7 @@ class ParquetLog(OfLayout):
         joined = together | {index: room.numbers for index, room in numbers.items()}
         frame = pd.DataFrame({index: joined[index] for index in columns}, copy=False)
         frame.attrs["lines"] = np.arange(0, done, every)
-        return self._without_cell_units(frame)
-
-    def _without_cell_units(self, frame: pd.DataFrame) -> pd.DataFrame:
-        """Take the unit out of the cells of the columns in which it stands behind every number."""
-        for index, unit in self.layout.cell_units.items():
+        for index, unit in self.layout.cell_units.items():  # which stands behind every number
             if index in frame and self.kinds[index] == "text":
                 frame[index] = without_unit(frame[index], unit)
         return frame
