@@ -46,10 +46,6 @@ class Filled:
         self._met += len(part)
 
 
-Ends = tuple[float, float]
-"""The least and the greatest number of a column whose cells are all finite numbers."""
-
-
 def in_turn(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
     """Yield what work makes of every item, a few of them at once: numpy and pandas leave the cores free."""
     cores = min(4, os.cpu_count() or 1)
@@ -61,18 +57,6 @@ def in_turn(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[R
                 yield waiting.popleft().result()
         while waiting:
             yield waiting.popleft().result()
-
-
-def ends_of(values: np.ndarray) -> Ends | None:
-    """Return the least and the greatest number; None where there is none, or one of them is NaN or infinite.
-
-    >>> ends_of(np.array([3.0, -1.0, 2.0])), ends_of(np.array([3.0, np.nan])), ends_of(np.array([]))
-    ((-1.0, 3.0), None, None)
-    """
-    if not len(values):
-        return None
-    least, most = float(values.min()), float(values.max())
-    return (least, most) if np.isfinite(least) and np.isfinite(most) else None
 
 
 def turned(table: np.ndarray) -> np.ndarray:

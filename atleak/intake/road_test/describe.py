@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from atleak.intake.road_test.outcome import Understood
 from atleak.intake.units import Unit, unit
@@ -114,20 +113,9 @@ def _time_column(understood: Understood, test: RoadTest) -> dict[str, Any]:
 
 def tidy_csv(test: RoadTest) -> str:
     """Return a road test as a plain table: one row a stamp, workshop units in the names, blank without sample."""
-    columns: list[tuple[str, np.ndarray]] = [("time [s]", test.time)]
+    columns = {"time [s]": test.time}
     for quantity, channel in test.channels.items():
-        shown_unit = workshop_unit(quantity, channel)
-        values = test.values(quantity)
+        shown, values = workshop_unit(quantity, channel), test.values(quantity)
         assert values is not None
-        columns.append(
-            (
-                f"{quantity} [{shown_unit.name}]" if shown_unit else quantity,
-                shown_unit.from_si(values) if shown_unit else values,
-            )
-        )
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow([name for name, _ in columns])
-    for row in zip(*(values.tolist() for _, values in columns), strict=True):
-        writer.writerow([f"{value:.10g}" if value == value else "" for value in row])
-    return stream.getvalue()
+        columns[f"{quantity} [{shown.name}]" if shown else quantity] = shown.from_si(values) if shown else values
+    return str(pd.DataFrame(columns).to_csv(index=False, float_format="%.10g", lineterminator="\n"))

@@ -90,7 +90,7 @@ def _of_table(table: LogTable) -> Iterator[tuple[Heading, np.ndarray, Iterable[s
     headings = [heading for heading in table.headings if heading.index < table.width]
     frame = table.read([heading.index for heading in headings])
     for heading in headings:
-        values, words_there, _ = numbers(frame, heading.index, table.decimal)
+        values, words_there = numbers(frame, heading.index, table.decimal)
         yield heading, values, words_there
 
 

@@ -14,9 +14,8 @@ import numpy as np
 
 from atleak.errors import Message, MessageLevel, Place, RoadTestError, one_of, unknown
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.blocks import Ends
 from atleak.intake.road_test.files.headings import Heading
-from atleak.intake.road_test.names.matching import Match, Tier, match_name, match_short_name, name_kind, split_unit
+from atleak.intake.road_test.names.matching import Match, Tier, match_name, match_short_name, name_kind
 from atleak.intake.road_test.names.memory import NOT_LOGGED
 from atleak.intake.road_test.names.unit_choice import ATMOSPHERE, Fit, fit, given
 from atleak.intake.units import unit
@@ -206,7 +205,6 @@ class Assigner:
         self.messages: list[Message] = []
         self.base: np.ndarray | None = None  # stamps of signals that have none of their own
         self.again: dict[int, Again] = {}  # by place of a column, where a header says more or less of its unit later
-        self.ends: dict[int, Ends] = {}  # by place of a column whose cells are all finite numbers
 
     def say(self, code: str, text: Sentence, level: MessageLevel = "info", column: str | None = None) -> None:
         """Add a message."""
@@ -493,8 +491,3 @@ def only(values: np.ndarray, value: float) -> bool:
 def stated_units(headings: Sequence[Heading]) -> list[str]:
     """Return every unit that the headings state."""
     return [heading.unit for heading in headings if heading.unit]
-
-
-def plain_name(label: str) -> str:
-    """Return a column's name without its unit, to compare repeated headers."""
-    return words(split_unit(label).text)

@@ -10,7 +10,6 @@ from types import MappingProxyType
 import numpy as np
 
 from atleak.errors import RoadTestError, unknown
-from atleak.intake.road_test.blocks import Ends
 from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.channels.assign import Assigner, Signal
 from atleak.intake.road_test.clock.timeline import Timeline
@@ -39,8 +38,7 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
         if quantity in logged:
             signal = logged[quantity]
             speed = next((speed for speed in speeds if speed is not signal), None)
-            ends = assigner.ends.get(signal.candidate.heading.index)
-            built[quantity] = _channel(assigner, signal, _checked(signal, timeline, speed, ends), timeline)
+            built[quantity] = _channel(assigner, signal, _checked(signal, timeline, speed), timeline)
             if quantity not in beside:  # the file's numbers are let go of as soon as nothing asks for them
                 assigner.signals[quantity] = logged[quantity] = replace(signal, values=_NOTHING)
         elif quantity in constants and quantity != "time":  # of which the constant is the interval between rows
@@ -65,14 +63,13 @@ class _Checked:
     suspect_masks: dict[str, np.ndarray]
 
 
-def _checked(signal: Signal, timeline: Timeline, speed: Signal | None, ends: Ends | None) -> _Checked:
-    """Check a signal; ``ends`` are those of its column, where all its cells are known to be finite numbers."""
+def _checked(signal: Signal, timeline: Timeline, speed: Signal | None) -> _Checked:
     raw, time = signal.values, signal.time
     if time is None:
         time = timeline.time
         if timeline.order is not None:
             raw = raw[timeline.order]
-        if ends is None and np.isnan(raw.sum()):
+        if np.isnan(raw.sum()):
             present = ~np.isnan(raw)
             raw, time = raw[present], time[present]
     si = signal.fit.to_si(raw)
@@ -83,11 +80,7 @@ def _checked(signal: Signal, timeline: Timeline, speed: Signal | None, ends: End
         beside = speed.values if timeline.order is None else speed.values[timeline.order]
         return np.concatenate([[False], np.diff(beside) != 0])
 
-    known = None
-    if ends is not None:
-        least, most = signal.fit.to_si(np.array(ends)).tolist()
-        known = ends, (least, most)
-    return _Checked(raw, si, time, suspects.suspect(signal.candidate.quantity, raw, si, time, moving, known))
+    return _Checked(raw, si, time, suspects.suspect(signal.candidate.quantity, raw, si, time, moving))
 
 
 def _channel(assigner: Assigner, signal: Signal, checked: _Checked, timeline: Timeline) -> Channel:
@@ -164,28 +157,25 @@ def _constant(assigner: Assigner, quantity: str, value: float, time: np.ndarray)
 def time_messages(assigner: Assigner, timeline: Timeline) -> None:
     """Report what is unusual about the clock."""
     if timeline.restarts:
-        count = timeline.restarts
         text = Sentence(
             "the clock jumps back {count} time(s): the log consists of {parts} recordings, kept apart",
-            count=count,
-            parts=count + 1,
+            count=timeline.restarts,
+            parts=timeline.restarts + 1,
         )
         assigner.say("clock_restarted", text, "warning")
     if timeline.gaps:
-        longest = max(timeline.gaps)
         text = Sentence(
             "{count} gap(s) in the recording, the longest {longest:.1f} s: nothing is filled in",
             count=len(timeline.gaps),
-            longest=longest,
+            longest=max(timeline.gaps),
         )
         assigner.say("gaps", text, "warning")
     say_strays(assigner, timeline)
-    if timeline.unreadable:
-        text = Sentence("{count} row(s) without a readable time are left out", count=timeline.unreadable)
+    if count := timeline.unreadable:
+        text = Sentence("{count} row(s) without a readable time are left out", count=count)
         assigner.say("unreadable_stamps", text, "warning")
-    if timeline.reordered:
-        text = Sentence("{count} row(s) stood out of turn and were put in order", count=timeline.reordered)
-        assigner.say("reordered", text, "info")
+    if count := timeline.reordered:
+        assigner.say("reordered", Sentence("{count} row(s) stood out of turn and were put in order", count=count))
 
 
 def say_strays(assigner: Assigner, timeline: Timeline, column: str | None = None) -> None:

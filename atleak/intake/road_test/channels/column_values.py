@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from atleak.errors import MessageLevel
 from atleak.intake.road_test.channels.assign import Assigner, Candidate
 from atleak.intake.road_test.channels.headers_between import refuse_another_header
 from atleak.intake.road_test.channels.spoilt_numbers import cause, holds, quoted
@@ -44,29 +45,30 @@ class LeftOut:
 
     def say(self, assigner: Assigner) -> None:
         """Say how many rows were left out, and why."""
-        if self.above:
-            text = Sentence("{count} row(s) of another table above this one are not read", count=self.above)
-            assigner.say("table_above", text, "warning")
-        if self.too_wide:
-            text = Sentence(
+        met: tuple[tuple[int, str, Sentence, MessageLevel], ...] = (
+            (self.above, "table_above", Sentence(
+                "{count} row(s) of another table above this one are not read", count=self.above,
+            ), "warning"),
+            (self.too_wide, "rows_too_wide", Sentence(
                 "{count} row(s) have more numbers than there are columns: which belongs to which is not known, they "
-                "are left out",
-                count=self.too_wide,
-            )
-            assigner.say("rows_too_wide", text, "warning")
-        if self.short:
-            text = Sentence(
-                "{count} row(s) have fewer cells than the others: what they lack is taken as blank", count=self.short
-            )
-            assigner.say("rows_short", text)
-        if self.breaks_off:
-            text = Sentence("the last line breaks off: its last value, perhaps half-written, is left out")
-            assigner.say("line_breaks_off", text)
-        if self.lines:
-            text = Sentence("{count} comment, marker or repeated header line(s) left out", count=self.lines)
-            assigner.say("lines_left_out", text)
-        if self.blank:
-            assigner.say("blank_rows", Sentence("{count} blank row(s) at the end left out", count=self.blank))
+                "are left out", count=self.too_wide,
+            ), "warning"),
+            (self.short, "rows_short", Sentence(
+                "{count} row(s) have fewer cells than the others: what they lack is taken as blank", count=self.short,
+            ), "info"),
+            (self.breaks_off, "line_breaks_off", Sentence(
+                "the last line breaks off: its last value, perhaps half-written, is left out",
+            ), "info"),
+            (self.lines, "lines_left_out", Sentence(
+                "{count} comment, marker or repeated header line(s) left out", count=self.lines,
+            ), "info"),
+            (self.blank, "blank_rows", Sentence(
+                "{count} blank row(s) at the end left out", count=self.blank,
+            ), "info"),
+        )  # fmt: skip
+        for count, code, text, level in met:
+            if count:
+                assigner.say(code, text, level)
 
 
 class Rows(NamedTuple):
@@ -220,12 +222,10 @@ def columns_of_numbers(
     columns = {}
     for channel in channels:
         index = channel.heading.index
-        values, words, ends = numbers(frame, index, decimal)
+        values, words = numbers(frame, index, decimal)
         if len(words) and channel.quantity != "lock_up":  # of a switch it is a value
             words = words[words.str.lower() != OFF]
         if not len(words):
-            if ends is not None:
-                assigner.ends[index] = ends
             usable = _without_thousands(channel, values, assigner)
         elif channel.quantity in ("gear", "selector", "lock_up"):
             in_words = words_as_numbers.as_numbers(channel.quantity, words)

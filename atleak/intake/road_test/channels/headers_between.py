@@ -14,7 +14,7 @@ import pandas as pd
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.plain_words import words
-from atleak.intake.road_test.channels.assign import Again, Assigner, Candidate, plain_name
+from atleak.intake.road_test.channels.assign import Again, Assigner, Candidate
 from atleak.intake.road_test.clock.clocks import Clock
 from atleak.intake.road_test.files.cells import MISSING
 from atleak.intake.road_test.names.matching import is_unit, match_name, split_unit
@@ -33,7 +33,9 @@ class _Cell(NamedTuple):
     def repeats(self) -> bool:
         """Return whether it is the column's own name, with any unit."""
         heading = self.column.heading
-        return self.text == heading.label or plain_name(self.text) in [words(name) for name in heading.names]
+        return self.text == heading.label or words(split_unit(self.text).text) in [
+            words(name) for name in heading.names
+        ]
 
     @property
     def names_a_quantity(self) -> bool:

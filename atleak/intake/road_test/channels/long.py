@@ -110,7 +110,7 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     whole = build_timeline(clock.seconds)
     row_times = np.full(len(frame), np.nan)
     row_times[whole.order if whole.order is not None else slice(None)] = whole.time
-    values, *_ = numbers(frame, shape.value.index, table.decimal)
+    values, _ = numbers(frame, shape.value.index, table.decimal)
     texts = frame[shape.value.index]
     codes, uniques = pd.factorize(names)
     headings = _headings(uniques, codes, frame, shape)
@@ -182,7 +182,7 @@ def _headings(uniques: pd.Index, codes: np.ndarray, frame: pd.DataFrame, shape: 
 def long_columns(table: LogTable, shape: _LongColumns) -> Iterator[tuple[Heading, np.ndarray, pd.Series]]:
     """Yield the heading of every signal of a long table, its numbers and its cells that are none."""
     _, frame, names = _rows(table, shape)
-    values, words_there, _ = numbers(frame, shape.value.index, table.decimal)
+    values, words_there = numbers(frame, shape.value.index, table.decimal)
     codes, uniques = pd.factorize(names)
     for heading in _headings(uniques, codes, frame, shape):
         rows = codes == heading.index

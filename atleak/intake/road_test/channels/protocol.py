@@ -10,7 +10,6 @@ import numpy as np
 from atleak.intake.road_test.clock.clocks import Clock
 from atleak.intake.road_test.clock.timeline import Timeline
 from atleak.intake.road_test.files.cells import to_float
-from atleak.intake.road_test.files.headings import Row
 from atleak.intake.road_test.files.layout import LogTable
 from atleak.road_test import Segment
 
@@ -27,11 +26,6 @@ class TableResult:
     used: tuple[str, ...] = ()
     file_segments: tuple[Segment, ...] | None = None
     left_out: int = 0  # lines of the table that are no rows
-
-
-def reach(sample: Sequence[Row]) -> int:
-    """Return the number of cells in the widest row."""
-    return max((len(row) for row in sample), default=0)
 
 
 def width_of(table: LogTable, columns: Sequence[int]) -> float:

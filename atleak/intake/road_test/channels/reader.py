@@ -13,7 +13,7 @@ from atleak.intake.road_test.channels.build import say_strays
 from atleak.intake.road_test.channels.column_values import Rows, columns_of_numbers, rows_of
 from atleak.intake.road_test.channels.headers_between import check_clock_stated_again, with_units_stated_again
 from atleak.intake.road_test.channels.long import long_shape, read_long
-from atleak.intake.road_test.channels.protocol import TableResult, reach, width_of
+from atleak.intake.road_test.channels.protocol import TableResult, width_of
 from atleak.intake.road_test.channels.timing import (
     best_clock,
     clock_of,
@@ -118,7 +118,7 @@ def refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
     RoadTestError
         with the last row of the sample.
     """
-    named = reach([[heading.label for heading in table.headings if heading.names]])
+    named = sum(1 for heading in table.headings if heading.names)
     filled = max((sum(1 for cell in row if cell) for row in table.sample), default=0)
     if table.has_header and named >= 2 and filled >= 2 * named - 1 and filled - named >= 2:
         raise RoadTestError(

@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pandas as pd
 
-from atleak.intake.road_test.blocks import Ends
 from atleak.road_test import QUANTITIES
 from atleak.sentence import Sentence
 
@@ -154,16 +153,14 @@ def suspect(
     si: np.ndarray,
     time: np.ndarray,
     moving: Callable[[], np.ndarray | None] | None = None,
-    ends: tuple[Ends, Ends] | None = None,
 ) -> dict[str, np.ndarray]:
     """Return, by name of the check, which samples each check of a quantity doubts; checks without doubt are left out.
 
-    ``raw`` are the file's numbers, ``si`` the same in SI, ``time`` the channel's stamps; ``ends``, where they are
-    known: between which of the file's numbers all lie, and the same in SI.
+    ``raw`` are the file's numbers, ``si`` the same in SI, ``time`` the channel's stamps.
     """
     limits, kind = QUANTITIES[quantity], QUANTITIES[quantity].unit_kind
     clean, masks = pd.Series(si, time, copy=False), {}
-    raw_ends, (least, most) = ends or (_ends(raw), _ends(si))
+    raw_ends, (least, most) = _ends(raw), _ends(si)
     # most checks are of values that lie at an end: of the usual channel none is
     if least < limits.low or most > limits.high or np.isin(raw_ends, SENTINELS).any():
         masks["sentinel"] = sentinel(clean if raw is si else pd.Series(raw, time, copy=False))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -39,76 +39,59 @@ def clock_of(
 ) -> Clock | None:
     """Read a time column; None where it cannot be read, which a message explains where a spreadsheet has spoilt it."""
     column = frame[candidate.heading.index]
-    if column.dtype.kind == "M":
-        return stamped_clock(column)
+    if column.dtype.kind == "M":  # dates with times, as Parquet files and workbooks hold them
+        stamps = column.dropna()
+        if not len(stamps):
+            return Clock(np.full(len(column), np.nan), "clock", form="date and time")
+        seconds = np.round((column - stamps.iloc[0]).dt.total_seconds().to_numpy(), 9)
+        return Clock(seconds, "clock", form="date and time", date=stamps.iloc[0].date())
     if _typed(column):
         cells = column.tolist()
         # a cell of a time alone is a datetime in the year 1899 or 1900
         first = next((cell.date() for cell in cells if isinstance(cell, dt.datetime) and cell.year > 1900), None)
         return Clock(clocks.from_datetimes(cells), "clock", False, "date and time", date=first)
     if column.dtype.kind not in "fiub":
-        probe = probe_of(column)
-        if holds_clock_strings(probe, candidate):
+        texts = column.dropna().astype("str")
+        probe = [*texts.iloc[:200].tolist(), *texts.iloc[-50:].tolist()]
+        reads = clocks.holds_a_time if candidate.mapped else is_clock
+        if sum(map(reads, probe)) > 0.5 * len(probe):
             return clocks.text_clock(column)
-        if say_destroyed(candidate, probe, assigner):
+        if (destroyed := next(filter(is_destroyed, probe), None)) is not None:
+            said = Sentence(
+                "{column!r}: a spreadsheet has destroyed its numbers ({found})",
+                column=candidate.label,
+                found=destroyed,
+            )
+            assigner.say("column_refused", said, "warning", candidate.label)
             return None
-    return _clock_of_numbers(
-        candidate, numbers(frame, candidate.heading.index, table.decimal), table, assigner, motions
-    )
-
-
-def probe_of(column: pd.Series) -> list[str]:
-    """Return the first and the last cells of a column that are not blank, as text."""
-    texts = column.dropna().astype("str")
-    return [*texts.iloc[:200].tolist(), *texts.iloc[-50:].tolist()]
-
-
-def holds_clock_strings(probe: Sequence[str], candidate: Candidate) -> bool:
-    """Return whether most of some cells are readings of a clock, or hold one where the user names them as the time."""
-    reads = clocks.holds_a_time if candidate.mapped else is_clock
-    return sum(map(reads, probe)) > 0.5 * len(probe)
-
-
-def say_destroyed(candidate: Candidate, probe: Iterable[str], assigner: Assigner) -> bool:
-    """Say which of some cells a spreadsheet has destroyed; return whether there is one."""
-    found = next((text for text in probe if is_destroyed(text)), None)
-    if found is None:
-        return False
-    said = Sentence(
-        "{column!r}: a spreadsheet has destroyed its numbers ({found})", column=candidate.label, found=found
-    )
-    assigner.say("column_refused", said, "warning", candidate.label)
-    return True
+    read = numbers(frame, candidate.heading.index, table.decimal)
+    return _clock_of_numbers(candidate, read, table, assigner, motions)
 
 
 def _clock_of_numbers(
     candidate: Candidate, cells: Cells, table: LogTable, assigner: Assigner, motions: Sequence[Motion]
 ) -> Clock | None:
-    values, words, ends = cells
-    whole = ends is not None  # every cell is a finite number
+    values, words = cells
+    whole = len(values) > 0 and bool(np.isfinite(values).all())
     if len(words) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
         if len(words):  # say what is wrong with its numbers, where they are any
             what, found = cause(words, values[:: max(1, len(values) // 50_000)], table.decimal)
             if what != TEXT:
                 assigner.say("column_refused", holds(candidate.label, what, found), "warning", candidate.label)
         return None
-    if _cut_short(candidate, table):
-        assigner.say(
-            "column_refused",
-            Sentence(
-                "{column!r}: a spreadsheet has cut its numbers short ({found})",
-                column=candidate.label,
-                found=_destroyed_cell(table, candidate),
-            ),
-            "warning",
-            candidate.label,
+    sampled = [cell for cell in table.sampled(candidate.heading.index) if cell]
+    destroyed = list(filter(is_destroyed, sampled))
+    if len(destroyed) > 0.3 * len(sampled):  # only three digits of a long number are left, such as 1,51E+12
+        said = Sentence(
+            "{column!r}: a spreadsheet has cut its numbers short ({found})", column=candidate.label, found=destroyed[0]
         )
+        assigner.say("column_refused", said, "warning", candidate.label)
         return None
     unit = assigner.units.get("time", candidate.unit)
     if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
         unit = stated.name
     clock = clocks.numeric_clock(values, unit, motions if whole else [], whole)
-    if clock.form.startswith("epoch") and rounded(clock.seconds):
+    if clock.form.startswith("epoch") and _rounded(clock.seconds):
         text = Sentence(
             "{column!r}: a spreadsheet has cut its numbers short: few stamps differ", column=candidate.label
         )
@@ -117,18 +100,10 @@ def _clock_of_numbers(
     return clock
 
 
-def stamped_clock(column: pd.Series) -> Clock:
-    """Return the clock of a column of dates with times, as Parquet files and workbooks hold them."""
-    stamps = column.dropna()
-    seconds = (column - stamps.iloc[0]).dt.total_seconds().to_numpy() if len(stamps) else np.full(len(column), np.nan)
-    first = stamps.iloc[0].date() if len(stamps) else None
-    return Clock(np.round(seconds, 9), "clock", False, "date and time", date=first)
-
-
 _COARSE = 600.0  # [s] between stamps that only rounding explains
 
 
-def rounded(seconds: np.ndarray) -> bool:
+def _rounded(seconds: np.ndarray) -> bool:
     """Return whether an epoch keeps so few digits that many rows share each stamp and the next is far off."""
     steps = np.diff(seconds)
     onward = steps[steps > 0]
@@ -140,18 +115,6 @@ def _typed(column: pd.Series) -> bool:
         return False
     first = next((cell for cell in column.head(50) if cell is not None and cell == cell), None)
     return isinstance(first, dt.datetime | dt.time | dt.timedelta)
-
-
-def _destroyed_cell(table: LogTable, candidate: Candidate) -> str:
-    index = candidate.heading.index
-    return next((row[index] for row in table.sample if index < len(row) and is_destroyed(row[index])), "")
-
-
-def _cut_short(candidate: Candidate, table: LogTable) -> bool:
-    """Return whether many cells keep only three digits of a long number, such as 1,51E+12."""
-    index = candidate.heading.index
-    cells = list(filter(None, table.sampled(index)))
-    return bool(cells) and sum(is_destroyed(cell) for cell in cells) > 0.3 * len(cells)
 
 
 def best_clock(
@@ -178,9 +141,7 @@ def best_clock(
             text = Sentence("{column!r} starts again every few rows", column=candidate.label)
             assigner.say("column_refused", text, "warning", candidate.label)
         elif candidate.mapped and len(assigner.messages) == said:
-            cell = next(
-                (row[candidate.heading.index] for row in table.sample if candidate.heading.index < len(row)), ""
-            )
+            cell = next(iter(table.sampled(candidate.heading.index)), "")
             text = Sentence("{column!r} tells no time that runs on ({found})", column=candidate.label, found=cell)
             assigner.say("column_refused", text, "warning", candidate.label)
     if not readable:
@@ -272,7 +233,7 @@ def rising_without_name(table: LogTable) -> str | None:
     """Return the first column without a name whose numbers rise from row to row, other than by one; else None."""
     for heading in table.headings[: table.width]:
         if nameless(heading):
-            cells = [to_float(row[heading.index], table.decimal) for row in table.sample if heading.index < len(row)]
+            cells = [to_float(cell, table.decimal) for cell in table.sampled(heading.index)]
             steps = np.diff([cell for cell in cells if cell == cell])
             if len(steps) >= _LEAST_ROWS and bool((steps > 0).all()) and not (steps == 1).all():
                 return f"column {heading.index + 1}"

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from atleak.errors import Place, RoadTestError
-from atleak.intake.road_test.blocks import Ends, ends_of, in_turn
+from atleak.intake.road_test.blocks import in_turn
 from atleak.intake.road_test.files.cells import MISSING, OFF, Decimal, kind_of, without_unit
 from atleak.intake.road_test.files.decoding import LogText, to_text, without_nul
 from atleak.intake.road_test.files.headings import Row
@@ -136,7 +136,7 @@ class Delimited(LogTable):
         words = {}
         for index in self._numeric.keys() & set(columns):
             if frame[index].dtype.kind not in "fiub":
-                frame[index], words[index], _ = split_words(frame[index], self.decimal)
+                frame[index], words[index] = split_words(frame[index], self.decimal)
         frame.attrs = {"words": words, "too_wide": too_wide, "short": short}
         return frame
 
@@ -194,10 +194,10 @@ class _Joined:
             return
         texts, self._texts, at = self._texts, [], 0
         for each in texts:
-            self._put(*split_words(each, self._decimal)[:2], at)
+            self._put(*split_words(each, self._decimal), at)
             at += len(each)
         if is_text:
-            self._put(*split_words(pd.Series(cells.array), self._decimal)[:2], before)
+            self._put(*split_words(pd.Series(cells.array), self._decimal), before)
         else:
             self._put(cells.to_numpy(dtype=float), _NO_WORDS if words is None else words, before)
 
@@ -319,24 +319,17 @@ _NO_WORDS = pd.Series([], dtype="str")
 
 
 class Cells(NamedTuple):
-    """A column as floats, and those of its cells that are neither a number nor a word for *missing*.
-
-    ``ends``: its least and its greatest number, where every cell is a finite one and they are known.
-    """
+    """A column as floats, and those of its cells that are neither a number nor a word for *missing*."""
 
     values: np.ndarray
     words: pd.Series
-    ends: Ends | None = None
 
 
 def split_words(column: pd.Series, decimal: Decimal) -> Cells:
     """Part a column's numbers from its words."""
     if column.dtype.kind in "fiub":
         values = column.to_numpy(dtype=float)
-        ends = ends_of(values)
-        if ends is None and np.isinf(values).any():
-            values = np.where(np.isinf(values), np.nan, values)
-        return Cells(values, _NO_WORDS, ends)
+        return Cells(np.where(np.isinf(values), np.nan, values) if np.isinf(values).any() else values, _NO_WORDS)
     text = column.astype("str").str.strip().str.strip('"').str.strip()
     plain = text
     if decimal == ",":
