@@ -37,12 +37,7 @@ class Refused(Exception):
     """Raised by a reading function: why the file cannot be used, in the words of `atleak.errors.InputError`."""
 
     def __init__(
-        self,
-        problem: Sentence,
-        *,
-        expected: Sentence | None = None,
-        sheet: str | None = None,
-        value: str | None = None,
+        self, problem: Sentence, *, expected: Sentence | None = None, sheet: str | None = None, value: str | None = None
     ) -> None:
         super().__init__(problem)
         self.words = {"problem": problem, "expected": expected, "sheet": sheet, "value": value}

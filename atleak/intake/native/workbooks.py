@@ -197,8 +197,7 @@ def _refuse_other_kinds(data: bytes) -> None:
 
 def _protected() -> Refused:
     return Refused(
-        Sentence("this workbook is protected by a password"),
-        expected=Sentence("the workbook saved without a password"),
+        Sentence("this workbook is protected by a password"), expected=Sentence("the workbook saved without a password")
     )
 
 

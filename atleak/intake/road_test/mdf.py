@@ -187,15 +187,7 @@ def _blank(
             Sentence("{format}: OBD2 answers were decoded from {frames} CAN frames", format=file_format, frames=frames),
         )
     blank = Understood(
-        file,
-        "",
-        file_format,
-        None,
-        None,
-        None,
-        headings,
-        (),
-        memory.signature(heading.label for heading in headings),
+        file, "", file_format, None, None, None, headings, (), memory.signature(heading.label for heading in headings)
     )
     return blank, assigner
 

@@ -66,12 +66,7 @@ def labels_of(headings: Sequence[Heading]) -> list[str]:
     return [heading.label for heading in headings]
 
 
-def finish(
-    blank: Understood,
-    assigner: Assigner,
-    reading: TableResult,
-    constants: Mapping[str, float],
-) -> Understood:
+def finish(blank: Understood, assigner: Assigner, reading: TableResult, constants: Mapping[str, float]) -> Understood:
     """Make the road test of signals and clock, with every message about it.
 
     A log that lasts for more than a year is none:

@@ -320,8 +320,7 @@ def test_unknown_quantity_and_missing_channel() -> None:
 
 
 @given(
-    own=st.lists(st.floats(0, 100), min_size=1, max_size=30),
-    base=st.lists(st.floats(0, 100), min_size=1, max_size=50),
+    own=st.lists(st.floats(0, 100), min_size=1, max_size=30), base=st.lists(st.floats(0, 100), min_size=1, max_size=50)
 )
 def test_hold_never_looks_ahead(own: list[float], base: list[float]) -> None:
     stamps, grid = np.sort(np.array(own)), np.sort(np.array(base))

@@ -10,13 +10,7 @@ import pytest
 from atleak.channel_formulas import formula_channel
 from atleak.events import Event
 from atleak.figures.figure import Figure
-from atleak.figures.log_figures import (
-    LINES,
-    LaidOver,
-    histogram_figure,
-    log_channels,
-    operating_map_figure,
-)
+from atleak.figures.log_figures import LINES, LaidOver, histogram_figure, log_channels, operating_map_figure
 from atleak.views.operating_map import histogram, operating_map
 from atleak.wording import wording
 

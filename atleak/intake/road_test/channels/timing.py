@@ -58,9 +58,7 @@ def clock_of(
             return clocks.text_clock(column)
         if (destroyed := next(filter(is_destroyed, probe), None)) is not None:
             said = Sentence(
-                "{column!r}: a spreadsheet has destroyed its numbers ({found})",
-                column=candidate.label,
-                found=destroyed,
+                "{column!r}: a spreadsheet has destroyed its numbers ({found})", column=candidate.label, found=destroyed
             )
             assigner.say("column_refused", said, "warning", candidate.label)
             return None

@@ -31,13 +31,7 @@ def said(understood: Understood, code: str) -> list[str]:
 
 @pytest.mark.parametrize(
     "again",
-    [
-        HEAD.replace("kPa", "psi"),
-        HEAD.replace("kPa", "kPa abs"),
-        HEAD.replace("°C", "°F"),
-        "s,rpm,°C,psi,",
-        ",,,psi,",
-    ],
+    [HEAD.replace("kPa", "psi"), HEAD.replace("kPa", "kPa abs"), HEAD.replace("°C", "°F"), "s,rpm,°C,psi,", ",,,psi,"],
 )
 def test_a_header_or_a_row_of_units_that_returns_in_other_units_is_refused_with_both(again: str) -> None:
     with pytest.raises(RoadTestError, match=r"changes from (kPa|°C) to (psi|kPa abs|°F).*data row 31") as caught:

@@ -17,16 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.errors import RoadTestError
-from atleak.intake.road_test import (
-    describe,
-    forget,
-    read_road_test,
-    recall,
-    remember,
-    signature,
-    tidy_csv,
-    understand,
-)
+from atleak.intake.road_test import describe, forget, read_road_test, recall, remember, signature, tidy_csv, understand
 from atleak.job.case import Case, SourceFile
 from atleak.wording import wording
 
@@ -292,11 +283,7 @@ def test_without_the_extra_the_way_to_get_it_is_named(monkeypatch: pytest.Monkey
 def test_bus_recording_needs_a_database() -> None:
     asammdf = pytest.importorskip("asammdf", reason="the extra mdf is not installed")
     frames = np.rec.fromarrays(
-        [
-            np.full(30, 0x123, np.uint32),
-            np.full(30, 8, np.uint8),
-            np.tile(np.arange(8, dtype=np.uint8), (30, 1)),
-        ],
+        [np.full(30, 0x123, np.uint32), np.full(30, 8, np.uint8), np.tile(np.arange(8, dtype=np.uint8), (30, 1))],
         dtype=[
             ("CAN_DataFrame.ID", "<u4"),
             ("CAN_DataFrame.DataLength", "u1"),
@@ -402,8 +389,7 @@ with open("/proc/self/status", encoding="ascii") as status:
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the system does not tell the peak memory")
 @pytest.mark.parametrize(
-    "what",
-    ["log", "remarks", "zeros", *(pytest.param(what, marks=pytest.mark.slow) for what in ("clocks", "digits"))],
+    "what", ["log", "remarks", "zeros", *(pytest.param(what, marks=pytest.mark.slow) for what in ("clocks", "digits"))]
 )
 def test_memory_stays_within_six_times_the_size(tmp_path: Path, what: str) -> None:
     path = tmp_path / "log.csv"

@@ -238,9 +238,7 @@ def test_a_text_that_is_held_to_be_read_is_refused_where_the_memory_does_not_suf
         understand(words_from(0).encode("utf-16"))
 
 
-def test_a_log_for_which_the_memory_does_not_suffice_after_all_says_what_to_do(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_log_for_which_the_memory_does_not_suffice_after_all_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     def short(*given: Any, **options: Any) -> None:
         raise MemoryError
 

@@ -19,11 +19,7 @@ from .test_importer import workbook
 def test_a_column_of_numbers_is_one_array_and_any_other_a_list() -> None:
     packed, blank = np.array([3.0, np.nan, 5.0]).tobytes(), np.full(2, np.nan).tobytes()
     sheet = SheetCells(
-        [
-            (3, [["Time", 1, 2], ["RPM", 10.0, None]]),
-            (3, [packed, ["a", None, 7.0]]),
-            (2, [blank, [None, None]]),
-        ]
+        [(3, [["Time", 1, 2], ["RPM", 10.0, None]]), (3, [packed, ["a", None, 7.0]]), (2, [blank, [None, None]])]
     )
     assert sheet.rows == 8
     assert sheet.head(2) == [["Time", "RPM"], [1, 10.0]]
