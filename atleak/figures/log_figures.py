@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -85,25 +85,23 @@ def log_channels(
     rows = lane + len(channels) + len(formulas)
     heights = [_LANE * len(kinds) + 18] * lane + [_ROW] * (rows - lane)
     figure = Figure(max(rows, 1), min(0.02, 0.2 / max(rows, 1)), heights or None)
-    drawing = _Drawing(figure, test, points)
     if inside:
         _lane(figure, inside, kinds, test, say)
+    drawing = _Drawing(figure, test, points, over)
     for row, channel in enumerate(channels, start=1 + lane):
         unit, convert = scales.get(channel.quantity, (channel.unit, _as_it_is))
-        label = say(f"log_quantities.{channel.quantity}")
-        drawing.channel(channel, label, unit, convert, row)
-        drawing.doubtful(channel, convert, row, say("road_test.suspect"))
+        shown = _Shown(say(f"log_quantities.{channel.quantity}"), unit, convert, row, channel.quantity in _STEPS)
+        drawing.channel(channel, shown)
+        drawing.doubtful(channel, shown, say("road_test.suspect"))
         other = None if over is None else over.test.channel(channel.quantity)
-        if over is not None and other is not None and other.samples:
-            drawing.channel(other, label, unit, convert, row, over)
-        drawing.title(label, unit, row)
+        if other is not None and other.samples:
+            drawing.channel(other, shown, laid_over=True)
     for row, computed in enumerate(formulas, start=1 + lane + len(channels)):
-        unit, convert = formula_scale(computed.dimension, say)
-        drawing.curve(computed.time, computed.values, computed.name, unit, convert, row)
+        shown = _Shown(computed.name, *formula_scale(computed.dimension, say), row)
+        drawing.curve(computed.time, computed.values, shown)
         laid = None if over is None else over.formulas.get(computed.name)
-        if over is not None and laid is not None and laid.dimension == computed.dimension:
-            drawing.curve(laid.time, laid.values, computed.name, unit, convert, row, over)
-        drawing.title(computed.name, unit, row)
+        if laid is not None and laid.dimension == computed.dimension:
+            drawing.curve(laid.time, laid.values, shown, laid_over=True)
     _mark(figure, test, inside, say)
     figure.update_xaxes(title=f"{say('log_quantities.time')} [s]", row=max(rows, 1))
     return framed(figure, 70 + sum(heights), hovermode="x unified", showlegend=False)
@@ -113,75 +111,70 @@ def _as_it_is(value: Any) -> Any:
     return value
 
 
+class _Shown(NamedTuple):
+    """What a row of the figure shows, in which unit, and how numbers become it."""
+
+    label: str
+    unit: str
+    convert: Callable[[Any], Any]
+    row: int
+    steps: bool = False
+
+
 @dataclass
 class _Drawing:
-    """The figure of one log, and how its curves are drawn into it."""
+    """The figure of one log, perhaps with another laid over it, and how curves are drawn into it."""
 
     figure: Figure
     test: RoadTest
     points: int
+    over: LaidOver | None
 
-    def title(self, label: str, unit: str, row: int) -> None:
-        words = label.replace(" (", "<br>(")
-        self.figure.update_yaxes(title=f"{words}<br>[{unit}]" if unit else words, row=row)
-
-    def channel(
-        self,
-        channel: Channel,
-        label: str,
-        unit: str,
-        convert: Callable[[Any], Any],
-        row: int,
-        over: LaidOver | None = None,
-    ) -> None:
+    def channel(self, channel: Channel, shown: _Shown, laid_over: bool = False) -> None:
         """Draw a channel's good samples; a constant over the whole log."""
-        test = self.test if over is None else over.test
-        constant = channel.source == "constant"
-        time = test.time[[0, -1]] if constant else channel.time
-        good = np.full(2, channel.values[0]) if constant else channel.good
-        self.curve(time, good, label, unit, convert, row, over, steps=channel.quantity in _STEPS)
+        time, good = channel.time, channel.good
+        if channel.source == "constant":
+            test = self.over.test if laid_over and self.over is not None else self.test
+            time, good = test.time[[0, -1]], np.full(2, channel.values[0])
+        self.curve(time, good, shown, laid_over)
 
-    def curve(
-        self,
-        time: np.ndarray,
-        values: np.ndarray,
-        label: str,
-        unit: str,
-        convert: Callable[[Any], Any],
-        row: int,
-        over: LaidOver | None = None,
-        steps: bool = False,
-    ) -> None:
-        """Draw values over time; those of a log laid ``over`` the first are dashed and shifted."""
+    def curve(self, time: np.ndarray, values: np.ndarray, shown: _Shown, laid_over: bool = False) -> None:
+        """Draw values over time; those of the log laid over the first are dashed and shifted."""
+        name, shift, look = shown.label, 0.0, {"color": SCREEN.leakage}
+        if laid_over and self.over is not None:
+            name, shift = f"{name}, {self.over.test.file}", self.over.shift
+            look = {"color": SCREEN.share, "dash": "dash"}
+        else:
+            words = shown.label.replace(" (", "<br>(")
+            self.figure.update_yaxes(title=f"{words}<br>[{shown.unit}]" if shown.unit else words, row=shown.row)
         if not len(values):
             return
         keep = thinned([values], self.points)
-        look = {"color": SCREEN.leakage} if over is None else {"color": SCREEN.share, "dash": "dash"}
         self.figure.add_scatter(
-            x=time[keep] + (0.0 if over is None else over.shift),
-            y=convert(values[keep]),
-            name=label if over is None else f"{label}, {over.test.file}",
+            x=time[keep] + shift,
+            y=shown.convert(values[keep]),
+            name=name,
             mode="lines",
-            line={"width": 1.6, "shape": "hv" if steps else "linear", **look},
+            line={"width": 1.6, "shape": "hv" if shown.steps else "linear", **look},
             connectgaps=False,
-            hovertemplate=f"%{{y:.5~g}} {unit}",
-            row=row,
+            hovertemplate=f"%{{y:.5~g}} {shown.unit}",
+            row=shown.row,
         )
 
-    def doubtful(self, channel: Channel, convert: Callable[[Any], Any], row: int, name: str) -> None:
+    def doubtful(self, channel: Channel, shown: _Shown, name: str) -> None:
         """Cross the samples of a channel that no result uses."""
         doubtful = np.flatnonzero(channel.suspect & np.isfinite(channel.values))
         if not len(doubtful) or channel.source == "constant":
             return
-        shown = doubtful[:: len(doubtful) // MARKED + 1]
+        some = doubtful[:: len(doubtful) // MARKED + 1]
         self.figure.add_scatter(
-            x=channel.time[shown],
-            y=convert(channel.values[shown]),
+            x=channel.time[some],
+            y=shown.convert(channel.values[some]),
             name=name,
             mode="markers",
             marker={"symbol": "x-thin", "size": 7, "line": {"width": 1.5, "color": SUSPECT}},
             hovertemplate=f"{name}: %{{y:.5~g}}",
-            row=row,
+            row=shown.row,
         )
 
 
@@ -337,28 +330,19 @@ def operating_map_figure(cells: OperatingMap, speed: str, temperature: str, say:
     label = say("operating_map.time") if cells.share is None else say("operating_map.mean_share")
     unit = "s" if cells.share is None else "%"
     largest = cells.largest if cells.largest is not None else np.full_like(shown, np.nan)
-    hover = [
-        [
-            say(
-                "operating_map.hover",
-                speeds=_span(cells.speeds, column, speed, say),
-                temperatures=_span(cells.temperatures, row, temperature, say),
-                seconds=say.number(cells.seconds[row, column], 1),
-            )
-            + (
-                ""
-                if cells.share is None
-                else "<br>"
-                + say(
-                    "operating_map.hover_share",
-                    mean=say.number(cells.share[row, column], 2),
-                    largest=say.number(largest[row, column], 2),
-                )
-            )
-            for column in range(driven.shape[1])
-        ]
-        for row in range(driven.shape[0])
-    ]
+
+    def hover(row: int, column: int) -> str:
+        words = say(
+            "operating_map.hover",
+            speeds=_span(cells.speeds, column, speed, say),
+            temperatures=_span(cells.temperatures, row, temperature, say),
+            seconds=say.number(cells.seconds[row, column], 1),
+        )
+        if cells.share is None:
+            return words
+        mean, most = say.number(cells.share[row, column], 2), say.number(largest[row, column], 2)
+        return f"{words}<br>{say('operating_map.hover_share', mean=mean, largest=most)}"
+
     figure = Figure()
     figure.add(
         "heatmap",
@@ -367,7 +351,7 @@ def operating_map_figure(cells: OperatingMap, speed: str, temperature: str, say:
         z=np.where(driven, shown, np.nan),
         text=[[_seconds(value, say) if value > 0.0 else "" for value in row] for row in cells.seconds],
         texttemplate="%{text}",
-        customdata=hover,
+        customdata=[[hover(row, column) for column in range(driven.shape[1])] for row in range(driven.shape[0])],
         hovertemplate="%{customdata}<extra></extra>",
         colorscale=SCALE_OF_TIME if cells.share is None else SCALE_OF_SHARES,
         colorbar={"title": {"text": f"{label} [{unit}]", "side": "right"}},

@@ -13,7 +13,7 @@ from atleak.errors import Place, RoadTestError, extra_installed
 from atleak.intake.native.measurements import mdf_contents, mdf_ranges
 from atleak.intake.native.process import MDF, read_apart, read_apart_in_parts
 from atleak.intake.road_test.blocks import Filled
-from atleak.intake.road_test.channels.assign import Assigner, find_candidates, map_columns
+from atleak.intake.road_test.channels.assign import Assigner, find_candidates, map_columns, stated_units
 from atleak.intake.road_test.channels.protocol import TableResult
 from atleak.intake.road_test.clock.clocks import Clock
 from atleak.intake.road_test.clock.timeline import build as build_timeline
@@ -21,7 +21,7 @@ from atleak.intake.road_test.files.headings import Heading
 from atleak.intake.road_test.files.log_file import LogFile
 from atleak.intake.road_test.names import memory
 from atleak.intake.road_test.names.matching import split_unit
-from atleak.intake.road_test.outcome import Understood, finish
+from atleak.intake.road_test.outcome import Understood, finish, labels_of
 from atleak.sentence import Sentence
 
 RANGE = 1 << 19
@@ -74,36 +74,18 @@ def decode_obd2(
     is_answer = ((identifiers >= 0x7E8) & (identifiers <= 0x7EF)) | (identifiers >> 8 == 0x18DAF1)
     length = data[:, 0]
     is_answer &= (length >= 3) & (length <= 7) & (data[:, 1] == 0x41)
-    answers: dict[int, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = {}
-    remaining = np.flatnonzero(is_answer)
-    position = np.full(len(remaining), 2)
-    while len(remaining):
-        codes = data[remaining, position]
-        keep = np.zeros(len(remaining), bool)
-        moved = position.copy()
-        for code in np.unique(codes):
-            pid = PIDS.get(int(code))
-            if pid is None:
-                continue
-            rows = np.flatnonzero((codes == code) & (position + pid.size <= length[remaining]))
-            if not len(rows):
-                continue
-            frames = remaining[rows]
-            columns = position[rows][:, None] + 1 + np.arange(pid.size)
-            part = data[frames[:, None], columns]
-            answers.setdefault(int(code), []).append((frames, identifiers[frames], pid.value(part)))
-            moved[rows] = position[rows] + 1 + pid.size
-            keep[rows] = moved[rows] + 1 <= length[remaining][rows]
-        remaining, position = remaining[keep], moved[keep]
+    places: dict[int, list[tuple[int, int]]] = {}  # by PID the frames that hold it, and where
+    for frame in np.flatnonzero(is_answer).tolist():
+        row, at = data[frame].tobytes(), 2
+        while at < row[0] and (pid := PIDS.get(row[at])) is not None and at + pid.size <= row[0]:
+            places.setdefault(row[at], []).append((frame, at))
+            at += 1 + pid.size
     result = {}
-    for code, parts in answers.items():
-        rows = np.concatenate([part[0] for part in parts])
-        senders = np.concatenate([part[1] for part in parts])
-        values = np.concatenate([part[2] for part in parts])
-        by_time = np.argsort(rows, kind="stable")
-        rows, senders, values = rows[by_time], senders[by_time], values[by_time]
-        first = senders == senders[0]
-        result[code] = (time[rows[first]], values[first])
+    for code, found in places.items():
+        frames, starts = np.array(found).T
+        first = identifiers[frames] == identifiers[frames[0]]
+        frames, starts, pid = frames[first], starts[first], PIDS[code]
+        result[code] = time[frames], pid.value(data[frames[:, None], starts[:, None] + 1 + np.arange(pid.size)])
     return result
 
 
@@ -129,9 +111,26 @@ def understand_mdf(
         more memory than there is.
     """
     channels, frames, version = _contents(source)
-    headings = tuple(channel.heading for channel in channels)
-    blank, assigner = _blank(source.file, headings, frames, version, mapping, units)
-    assigner.every, assigner.room = every, room
+    headings, place = tuple(channel.heading for channel in channels), Place(file=source.file)
+    if not headings and frames:
+        raise RoadTestError(
+            Sentence(
+                "is a recording of a CAN bus ({frames} frames) without OBD2 answers: turning frames into quantities "
+                "needs the car's database (DBC)",
+                frames=frames,
+            ),
+            place=place,
+            expected=Sentence("the logger's export with decoded (physical) channels"),
+        )
+    if not headings:
+        raise RoadTestError(Sentence("holds no channels"), place=place)
+    assigner = Assigner(source.file, units, stated_units(headings), every=every, room=room)
+    assigner.leave_out(mapping)
+    if frames:
+        text = Sentence(
+            "{format}: OBD2 answers were decoded from {frames} CAN frames", format=f"MDF {version}", frames=frames
+        )
+        assigner.say("obd2_decoded", text)
     named_columns = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
     candidates = [candidate for candidate in find_candidates(headings) if candidate.quantity != "time"]
     candidates = map_columns(candidates, headings, named_columns, source.file)
@@ -148,48 +147,9 @@ def understand_mdf(
     assert stamps is not None
     timeline = build_timeline(stamps)
     reading = TableResult(len(stamps), timeline, "", Clock(stamps, "s"))
+    signature = memory.signature(labels_of(headings))
+    blank = Understood(source.file, "", f"MDF {version}", None, None, None, headings, (), signature)
     return finish(blank, assigner, reading, constants)
-
-
-def _blank(
-    file: str,
-    headings: tuple[Heading, ...],
-    frames: int,
-    version: str,
-    mapping: Mapping[str, str],
-    units: Mapping[str, str],
-) -> tuple[Understood, Assigner]:
-    """Return what is known of an MDF file without its samples, and what is to decide on them.
-
-    Raises
-    ------
-    RoadTestError
-        where it holds no channels.
-    """
-    file_format = f"MDF {version}"
-    if not headings:
-        if frames:
-            raise RoadTestError(
-                Sentence(
-                    "is a recording of a CAN bus ({frames} frames) without OBD2 answers: turning frames into "
-                    "quantities needs the car's database (DBC)",
-                    frames=frames,
-                ),
-                place=Place(file=file),
-                expected=Sentence("the logger's export with decoded (physical) channels"),
-            )
-        raise RoadTestError(Sentence("holds no channels"), place=Place(file=file))
-    assigner = Assigner(file, units, [heading.unit for heading in headings if heading.unit])
-    assigner.leave_out(mapping)
-    if frames:
-        assigner.say(
-            "obd2_decoded",
-            Sentence("{format}: OBD2 answers were decoded from {frames} CAN frames", format=file_format, frames=frames),
-        )
-    blank = Understood(
-        file, "", file_format, None, None, None, headings, (), memory.signature(heading.label for heading in headings)
-    )
-    return blank, assigner
 
 
 def mdf_columns(source: LogFile) -> list[tuple[Heading, np.ndarray]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -54,20 +54,22 @@ def long_shape(table: LogTable, candidates: list[Candidate], mapping: Mapping[st
     times = [candidate for candidate in candidates if candidate.quantity == "time"]
     if not times:
         return None
-    plain_names = {heading.index: words(heading.names[0]) if heading.names else "" for heading in headings}
-    name = next(
-        (heading for heading in headings if plain_names[heading.index] in _NAME_HEADERS and _wordy(table, heading)),
-        None,
-    )
-    value = next((heading for heading in headings if plain_names[heading.index] in _VALUE_HEADERS), None)
-    if name is None and value is not None:
-        name = next(
-            (heading for heading in headings if heading is not value and _names_quantities(table, heading)), None
-        )
-    if name is None or value is None or _names_headings(table, mapping):
+
+    def called(names: Collection[str]) -> list[Heading]:
+        return [heading for heading in headings if heading.names and words(heading.names[0]) in names]
+
+    value = next(iter(called(_VALUE_HEADERS)), None)
+    named = [heading for heading in called(_NAME_HEADERS) if _wordy(table, heading)]
+    # else the column of words among which are names of quantities
+    named += [
+        heading
+        for heading in headings
+        if heading is not value and _wordy(table, heading)
+        and any(match_name(split_unit(cell).text) for cell in set(table.sampled(heading.index)))
+    ]  # fmt: skip
+    if not named or value is None or _names_headings(table, mapping):
         return None
-    unit = next((heading for heading in headings if plain_names[heading.index] in UNIT_HEADERS), None)
-    return _LongColumns(times[0], name, value, unit)
+    return _LongColumns(times[0], named[0], value, next(iter(called(UNIT_HEADERS)), None))
 
 
 def _names_headings(table: LogTable, mapping: Mapping[str, str]) -> bool:
@@ -77,17 +79,9 @@ def _names_headings(table: LogTable, mapping: Mapping[str, str]) -> bool:
     return any(quantity != "time" for quantity in named) and all(column in labels for column in named.values())
 
 
-def _cells(table: LogTable, heading: Heading) -> list[str]:
-    return table.sampled(heading.index)
-
-
 def _wordy(table: LogTable, heading: Heading) -> bool:
-    cells = _cells(table, heading)
+    cells = table.sampled(heading.index)
     return bool(cells) and sum(kind_of(cell, table.decimal) == "text" for cell in cells) > 0.8 * len(cells)
-
-
-def _names_quantities(table: LogTable, heading: Heading) -> bool:
-    return _wordy(table, heading) and any(match_name(split_unit(cell).text) for cell in set(_cells(table, heading)))
 
 
 def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
@@ -101,7 +95,10 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     read, frame, names = _rows(table, shape, assigner)
     left = LeftOut.of(read, table)
     left.say(assigner)
-    left_out = left.rows + _say_nameless(read, frame, assigner)
+    if nameless := len(read) - len(frame):
+        text = Sentence("{count} row(s) name no signal, or repeat the header, and are left out", count=nameless)
+        assigner.say("lines_left_out", text)
+    left_out = left.rows + nameless
     clock = clock_of(shape.time, frame, table, assigner, ())
     if clock is None or not runs(clock.seconds):
         raise no_time(table, assigner)
@@ -139,15 +136,6 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     timeline = _on_base(base, whole)
     column_names = tuple(map(str, uniques))
     return TableResult(len(frame), timeline, shape.time.label, clock, True, column_names, whole.segments, left_out)
-
-
-def _say_nameless(read: pd.DataFrame, kept: pd.DataFrame, assigner: Assigner) -> int:
-    """Say how many rows name no signal; return it."""
-    count = len(read) - len(kept)
-    if count:
-        text = Sentence("{count} row(s) name no signal, or repeat the header, and are left out", count=count)
-        assigner.say("lines_left_out", text)
-    return count
 
 
 def _rows(

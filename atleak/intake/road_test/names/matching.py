@@ -11,7 +11,7 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib import resources
-from typing import Literal
+from typing import Any, Literal
 
 from atleak.intake.plain_words import words
 from atleak.intake.units import find_unit, kinds_of
@@ -115,25 +115,26 @@ class _Table:
 
 
 @cache
+def _said() -> dict[str, Any]:
+    return tomllib.loads(resources.files(__package__).joinpath("synonyms.toml").read_text(encoding="utf-8"))
+
+
+@cache
 def synonyms() -> _Table:
     """Load the table of synonyms, by spelling without blanks."""
-    data = tomllib.loads(resources.files(__package__).joinpath("synonyms.toml").read_text(encoding="utf-8"))
+    data, with_unit = _said(), dict[str, str]()
     exact: dict[str, tuple[str, Tier, ChannelKind]] = {}
     lists: tuple[tuple[str, Tier, ChannelKind], ...] = (
-        ("names", 0, "unknown"),
-        ("measured", 0, "measured"),
-        ("commanded", 0, "commanded"),
-        ("offered", 2, "commanded"),
-        ("second_choice", 1, "unknown"),
-    )
+        ("names", 0, "unknown"), ("measured", 0, "measured"), ("commanded", 0, "commanded"),
+        ("offered", 2, "commanded"), ("second_choice", 1, "unknown"),
+    )  # fmt: skip
     for quantity in QUANTITIES:
+        own = data.get(quantity, {})
         for key, tier, kind in lists:
-            for name in data.get(quantity, {}).get(key, ()):
-                exact[_squash(words(name))] = (quantity, tier, kind)
+            exact |= {_squash(words(name)): (quantity, tier, kind) for name in own.get(key, ())}
+        with_unit |= {_squash(words(name)): quantity for name in own.get("with_unit", ())}
     lexicon = {key: tuple(words(word) for word in value) for key, value in data["words"].items()}
     lexicon["neutral"] = tuple(sorted(lexicon["neutral"], key=len, reverse=True))
-    short = {quantity: data.get(quantity, {}).get("with_unit", ()) for quantity in QUANTITIES}
-    with_unit = {_squash(words(name)): quantity for quantity, names in short.items() for name in names}
     return _Table(exact, **lexicon, with_unit=with_unit)
 
 
@@ -160,15 +161,13 @@ def unit_at_the_end(name: str, kind: str | None) -> Name | None:
     match = re.match(r"^(.*\S)[\s_,;:.\-]+(\S+)$", name.strip())
     if not match:
         return None
-    for head, tail in ((match[1], match[2]), *_two_words(match[1], match[2])):
+    ends = [(match[1], match[2])]
+    if two := re.match(r"^(.*\S)[\s_,]+(\S+)$", match[1]):
+        ends.append((two[1], f"{two[2]} {match[2]}"))
+    for head, tail in ends:
         if find_unit(clean_unit(tail), kind):
             return Name(head.strip(" ,;:_-"), clean_unit(tail))
     return None
-
-
-def _two_words(head: str, tail: str) -> list[tuple[str, str]]:
-    match = re.match(r"^(.*\S)[\s_,]+(\S+)$", head)
-    return [(match[1], f"{match[2]} {tail}")] if match else []
 
 
 @lru_cache(maxsize=4096)
@@ -257,11 +256,11 @@ def _offer(text: str, bare: str) -> Match | None:
 
 @cache
 def _phrases() -> tuple[tuple[str, tuple[str, Tier, ChannelKind]], ...]:
-    data = tomllib.loads(resources.files(__package__).joinpath("synonyms.toml").read_text(encoding="utf-8"))
-    table, phrases = synonyms(), []
-    for quantity in QUANTITIES:
-        for key, names in data.get(quantity, {}).items():
-            if key == "with_unit":
-                continue
-            phrases += [(words(name), table.exact[_squash(words(name))]) for name in names]
-    return tuple(phrases)
+    phrases = [
+        words(name)
+        for quantity in QUANTITIES
+        for key, names in _said().get(quantity, {}).items()
+        if key != "with_unit"
+        for name in names
+    ]
+    return tuple((phrase, synonyms().exact[_squash(phrase)]) for phrase in phrases)

@@ -192,12 +192,8 @@ def _guess(quantity: str, good: np.ndarray, neighbours: tuple[str, ...]) -> Fit:
     kind = QUANTITIES[quantity].unit_kind
     assert kind is not None
     if not len(good):
-        return Fit(
-            unit({"temperature": "°C", "pressure": "kPa"}.get(kind, "rpm"), kind)
-            if kind in ("temperature", "pressure")
-            else None,
-            assumed=True,
-        )
+        usual = {"temperature": "°C", "pressure": "kPa"}.get(kind)
+        return Fit(unit(usual, kind) if usual else None, assumed=True)
     top, middle = float(np.percentile(good, 99)), float(np.median(good))
     if kind == "temperature":
         return _guess_temperature(top, middle, imperial(neighbours))
@@ -208,20 +204,10 @@ def _guess(quantity: str, good: np.ndarray, neighbours: tuple[str, ...]) -> Fit:
     if kind == "speed":
         name = "mph" if imperial(neighbours) else "km/h"
         return Fit(unit(name, kind), assumed=True, doubt=Sentence("km/h or mph cannot be told from the values"))
-    if top > 0.25:
-        for limit, name in (
-            (2.8, "MPa"),
-            (35.0, "bar"),
-            (300.0, "psi"),
-            (4000.0, "kPa"),
-            (40000.0, "mbar"),
-            (1e7, "Pa"),
-        ):
-            if top <= limit:
-                if name == "MPa" and top < 0.4:
-                    break
-                return Fit(unit(name, kind), assumed=True)
-    return Fit(None, problem=_FITS_NONE)
+    ends = ((2.8, "MPa"), (35.0, "bar"), (300.0, "psi"), (4000.0, "kPa"), (40000.0, "mbar"), (1e7, "Pa"))
+    if top < 0.4 or top > ends[-1][0]:
+        return Fit(None, problem=_FITS_NONE)
+    return Fit(unit(next(name for end, name in ends if top <= end), kind), assumed=True)
 
 
 def _guess_temperature(top: float, middle: float, is_imperial: bool | None) -> Fit:
