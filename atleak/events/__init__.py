@@ -16,24 +16,10 @@ from atleak.events.slip import ConverterSlip, converter_slip
 from atleak.road_test import RoadTest
 
 __all__ = [
-    "AccelerationTest",
-    "ConverterSlip",
-    "Event",
-    "EventKind",
-    "Thresholds",
-    "converter_slip",
-    "engine_starts",
-    "events",
-    "gear_shifts",
-    "hot_idle",
-    "lock_ups",
-    "minimum_acceleration",
-    "ratio_levels",
-    "runs",
-    "stalls",
-    "steady_driving",
-    "with_derived_gear",
-]
+    "AccelerationTest", "ConverterSlip", "Event", "EventKind", "Thresholds", "converter_slip", "engine_starts",
+    "events", "gear_shifts", "hot_idle", "lock_ups", "minimum_acceleration", "ratio_levels", "runs", "stalls",
+    "steady_driving", "with_derived_gear",
+]  # fmt: skip
 
 
 def events(road_test: RoadTest, thresholds: Thresholds | None = None, gears: Sequence[int] = ()) -> tuple[Event, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -53,25 +54,15 @@ def pending(case: PageCase) -> tuple[SourceFile, Understood] | None:
         if (tried := _tried_for(file)) is not None:
             columns, units = tuple(tried.columns.items()), tuple(tried.units.items())
             choices = Case(columns=columns, units=units, constants=tried.constants, remember=False)
-        try:
-            return file, understood(file, choices)
-        except AtleakError:
-            pass  # the file is no log at all, or not with these columns
-        try:
-            return file, understood(file)
-        except AtleakError:
-            pass
+        for chosen in (choices, Case()):  # the file is no log at all, or not with these columns
+            with suppress(AtleakError):
+                return file, understood(file, chosen)
     return None if case.road_test is None else (case.road_test, Kept().log(case))
-
-
-def _tried() -> Tried | None:
-    tried: Tried | None = st.session_state.get(_TRIED)
-    return tried
 
 
 def _tried_for(file: SourceFile) -> Tried | None:
     """Return the columns that were chosen for this log and not taken."""
-    tried = _tried()
+    tried: Tried | None = st.session_state.get(_TRIED)
     return None if tried is None or tried.sha256 != file.sha256 else tried
 
 
@@ -83,10 +74,14 @@ def refused(file: SourceFile) -> bool:
 
 def keep_what_was_taken(case: PageCase) -> None:
     """Remember the columns chosen last, now that the log was taken with them; forget that they were tried."""
-    tried, file = _tried(), case.road_test
-    if tried is None or file is None or "road_test" in session().refused:
+    file, refusal = case.road_test, session().refused.get("road_test")
+    if _TRIED not in st.session_state or file is None or refusal is not None:
         return
-    if file.sha256 == tried.sha256 and dict(case.columns) == tried.columns and dict(case.units) == tried.units:
+    if (
+        (tried := _tried_for(file)) is not None
+        and dict(case.columns) == tried.columns
+        and dict(case.units) == tried.units
+    ):
         if not Kept().log(case).uses(tried.columns):
             return  # the form shows them, and why they were not used
         why = remember_columns(file, dict(tried.columns), dict(tried.units))

@@ -94,21 +94,13 @@ def describe(understood: Understood) -> dict[str, Any]:
 def _time_column(understood: Understood, test: RoadTest) -> dict[str, Any]:
     steps = sum(segment.duration for segment in test.segments)
     count = sum(max(segment.rows - 1, 0) for segment in test.segments)
-    return {
-        "quantity": "time",
-        "column": understood.time_label or None,
-        "unit": understood.time_unit or None,
-        "unit_assumed": understood.time_assumed,
-        "kind": "unknown",
-        "source": "logged" if understood.time_label else "derived",
-        "samples": len(test.time),
-        "suspect_samples": 0,
-        "independent_samples": len(test.time),
-        "min": _number(test.time[0]) if len(test.time) else None,
-        "max": _number(test.time[-1]) if len(test.time) else None,
-        "value_unit": "s",
-        "sampling_hz": count / steps if steps > 0 else None,
-    }
+    return _column(
+        Channel(
+            "time", test.time, test.time, np.zeros(len(test.time), bool), understood.time_label, understood.time_unit,
+            understood.time_assumed, source="logged" if understood.time_label else "derived",
+            independent=len(test.time), sampling_hz=count / steps if steps > 0 else float("nan"),
+        )
+    )  # fmt: skip
 
 
 def tidy_csv(test: RoadTest) -> str:

@@ -118,14 +118,18 @@ def understand(
 
 
 def _by_form(job: Job) -> Understood:
-    opened = job.source
-    if opened.form == "workbook":
+    source = job.source
+    if source.form == "workbook":
         return _workbook(job)
-    if opened.form == "mdf":
-        return understand_mdf(job.source, job.mapping, job.units, job.constants, job.every, job.room)
-    if opened.form == "parquet":
-        return _parquet(job)
-    return _delimited(job)
+    if source.form == "mdf":
+        return understand_mdf(source, job.mapping, job.units, job.constants, job.every, job.room)
+    if source.form == "parquet":
+        return _one_table(open_parquet(source), "Parquet", job)
+    table = _located(job)
+    understood = _one_table(table, "delimited text", job, (table.encoding, table.delimiter, table.decimal))
+    if understood.road_test is not None or job.mapping:
+        return understood
+    return replace(understood, problem=of_measured_parts(source.head[:HEAD], source.file) or understood.problem)
 
 
 _BUS_TRACE = re.compile(
@@ -134,8 +138,8 @@ _BUS_TRACE = re.compile(
 )
 
 
-def _located(job: Job) -> tuple[Delimited, Understood]:
-    """Locate the table in a delimited text; return what is known of it.
+def _located(job: Job) -> Delimited:
+    """Locate the table in a delimited text.
 
     Raises
     ------
@@ -162,28 +166,19 @@ def _located(job: Job) -> tuple[Delimited, Understood]:
     table = open_delimited(job.source)
     if table is None:
         raise without_a_table(job.source.head[:HEAD], job.source.file)
-    return table, Understood(
-        job.source.file, "", "delimited text", table.encoding, table.delimiter, table.decimal,
-        table.headings, tuple(tuple(row) for row in table.sample[:8]), signature_of(table),
-    )  # fmt: skip
+    return table
 
 
-def _delimited(job: Job) -> Understood:
-    table, blank = _located(job)
-    understood = _one_table(table, blank, job)
-    if understood.road_test is None and not job.mapping:
-        parts = of_measured_parts(job.source.head[:HEAD], job.source.file)
-        understood = replace(understood, problem=parts or understood.problem)
-    return understood
+_Written = tuple[str | None, str | None, str | None]
+"""Encoding, delimiter and decimal sign of a text."""
 
 
-def signature_of(table: LogTable) -> str:
-    """Return the key under which choices for logs like this one are kept; none where its header names no column."""
-    return memory.signature(labels_of(table.headings)) if table.has_header else ""
-
-
-def _one_table(table: LogTable, blank: Understood, job: Job) -> Understood:
-    assigner, mapping = assigner_for(table, blank, job)
+def _one_table(table: LogTable, form: str, job: Job, written: _Written = (None, None, None)) -> Understood:
+    blank = _blank_of(job, table, form, written)
+    mapping, units, notes = _with_memory(job, blank.signature)
+    assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval, job.every, job.room)
+    assigner.messages += notes
+    assigner.leave_out(mapping)
     try:
         reading = read_table(table, assigner, mapping)
     except RoadTestError as error:
@@ -191,13 +186,12 @@ def _one_table(table: LogTable, blank: Understood, job: Job) -> Understood:
     return finish(blank, assigner, reading, job.constants)
 
 
-def assigner_for(table: LogTable, blank: Understood, job: Job) -> tuple[Assigner, Mapping[str, str]]:
-    """Return what is to decide on a table's columns, and which of them were named, now or earlier."""
-    mapping, units, notes = _with_memory(job, blank.signature)
-    assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval, job.every, job.room)
-    assigner.messages += notes
-    assigner.leave_out(mapping)
-    return assigner, mapping
+def _blank_of(job: Job, table: LogTable, form: str, written: _Written = (None, None, None)) -> Understood:
+    """Return what is known of a table before its columns are read."""
+    # choices for logs like this one are kept under the names of its columns; under none where its header names none
+    signature = memory.signature(labels_of(table.headings)) if table.has_header else ""
+    preview = tuple(tuple(row) for row in table.sample[:8])
+    return Understood(job.source.file, "", form, *written, table.headings, preview, signature)
 
 
 def _with_memory(job: Job, signature: str) -> tuple[dict[str, str], dict[str, str], list[Message]]:
@@ -213,11 +207,6 @@ def _with_memory(job: Job, signature: str) -> tuple[dict[str, str], dict[str, st
     return {**earlier, **mapping}, {**remembered.units, **units}, [note]
 
 
-def _parquet(job: Job) -> Understood:
-    table = open_parquet(job.source)
-    return _one_table(table, blank_of(job, table, "Parquet"), job)
-
-
 # --- workbooks ----------------------------------------------------------------------------------------------
 
 
@@ -230,31 +219,23 @@ def _workbook(job: Job) -> Understood:
             expected=Sentence("a sheet with a header and rows of numbers"),
         )
     if len(sheets) == 1:
-        return _one_table(sheets[0], blank_of(job, sheets[0], "workbook"), job)
+        return _one_table(sheets[0], "workbook", job)
     titled = [replace(sheet, titled=True) for sheet in sheets]
     good = [reading for sheet in titled if (reading := _read_sheet(sheet, job)) is not None]
     if not good:
         first = max(sheets, key=lambda sheet: sheet.cells.rows)
-        return _one_table(first, blank_of(job, first, "workbook"), job)
+        return _one_table(first, "workbook", job)
     with_several_signals = [reading for reading in good if len(reading.assigner.signals) >= 2]
     if with_several_signals or len(good) == 1:
         best = max(
             with_several_signals or good, key=lambda reading: (len(reading.assigner.signals), reading.result.rows)
         )
         others = [sheet.name for sheet in sheets if sheet.name != best.sheet.name]
-        understood = _one_table(best.sheet, blank_of(job, best.sheet, "workbook"), job)
+        understood = _one_table(best.sheet, "workbook", job)
         text = Sentence("sheet {name!r} is read; also there: {others}", name=best.sheet.name, others=tuple(others))
         note = Message("info", "sheet_chosen", text)
         return replace(understood, messages=(*understood.messages, note))
     return _sheet_per_signal(job, good)
-
-
-def blank_of(job: Job, table: LogTable, form: str) -> Understood:
-    """Return what is known of a table that is no text before its columns are read."""
-    return Understood(
-        job.source.file, "", form, None, None, None, table.headings,
-        tuple(tuple(row) for row in table.sample[:8]), signature_of(table),
-    )  # fmt: skip
 
 
 class _SheetReading(NamedTuple):
@@ -280,7 +261,7 @@ def _sheet_per_signal(job: Job, good: list[_SheetReading]) -> Understood:
     """Put sheets that hold one signal each, with a time of its own, on one time axis."""
     headings = tuple(heading for reading in good for heading in reading.sheet.headings)
     signature = memory.signature(labels_of(headings))
-    blank = replace(blank_of(job, good[0].sheet, "workbook"), headings=headings, signature=signature)
+    blank = replace(_blank_of(job, good[0].sheet, "workbook"), headings=headings, signature=signature)
     main = Assigner(job.source.file, job.units, (), every=job.every)
     offered: dict[str, list[_SheetReading]] = {}
     for reading in good:

@@ -332,16 +332,8 @@ def test_json_form_and_tidy_table_agree() -> None:
     }  # fmt: skip
     assert form["segments"] == [{"start_row": 0, "rows": 12, "start_s": 0.0, "duration_s": 1.1}]
     assert set(form["columns"][0]) >= {
-        "quantity",
-        "column",
-        "unit",
-        "unit_assumed",
-        "kind",
-        "samples",
-        "min",
-        "max",
-        "sampling_hz",
-    }
+        "quantity", "column", "unit", "unit_assumed", "kind", "samples", "min", "max", "sampling_hz",
+    }  # fmt: skip
     assert form["unused"] == ["Lambda"]
     again = read_road_test(tidy_csv(understood.road_test).encode())
     assert set(again.channels) == set(understood.road_test.channels)
