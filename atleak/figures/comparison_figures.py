@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from atleak.catalogue.limits import RuleKind
 from atleak.comparison import Comparison, EventPair, LandComparison, LogComparison
 from atleak.figures.figure import Figure
-from atleak.figures.frame import by_land, error_bars, framed
+from atleak.figures.frame import by_land, framed
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import SCREEN, look_of
 from atleak.road_test import QUANTITIES, Channel
@@ -28,87 +28,52 @@ def clearances(comparison: Comparison, lands: Sequence[LandComparison], say: Wor
 
     Marks are the mounting clearance and the lowest limit of wear or clearance, as they stand after.
     """
-    names = [_name(land) for land in lands]
+    names = {land.key: f"{land.key[0]} · {land.key[1]}" for land in lands}
+    latest = {names[each.key]: each for land in lands if (each := land.after or land.before) is not None}
     figure, um, unit = Figure(), say.convert(UM, "clearance"), say.unit("clearance")
     number = f"%{{x:.{say.digits('clearance', 1)}f}} {unit}"
-    for name, symbol, value in (
-        (say("figures.mounting"), "line-ns-open", _mounting),
-        (say("figures.first_limit"), "triangle-down-open", _limit),
-    ):
-        marks = [(mark * um, _name(land)) for land in lands if (mark := value(land)) is not None]
-        if marks:
-            figure.add_scatter(
-                x=[mark for mark, _ in marks],
-                y=[land for _, land in marks],
-                mode="markers",
-                name=name,
-                marker={"color": SCREEN.rule, "symbol": symbol, "size": 13, "line": {"width": 1.5}},
-                hovertemplate=f"%{{y}}: {name} {number}<extra></extra>",
-            )
-    both = [land for land in lands if land.change is not None]
-    figure.add_scatter(
-        x=[end for land in both if land.change for end in (land.change.before * um, land.change.after * um, None)],
-        y=[end for land in both for end in (_name(land), _name(land), None)],
-        mode="lines",
-        line={"color": SCREEN.soft, "width": 2},
-        hoverinfo="skip",
-        showlegend=False,
-    )
+    new = {name: land.state.land.mounting_high for name, land in latest.items()}
+    limits = {name: limit for name, land in latest.items() if (limit := _limit(land)) is not None}
+    for key, symbol, marked in (("mounting", "line-ns-open", new), ("first_limit", "triangle-down-open", limits)):
+        open_mark(figure, [*marked.values()], [*marked], say(f"figures.{key}"), symbol, um, number)
+    both = [(names[land.key], land.change) for land in lands if land.change is not None]
+    ends = [end for _, change in both for end in (change.before * um, change.after * um, None)]
+    figure.line(ends, [end for name, _ in both for end in (name, name, None)], SCREEN.soft, 2)
     named: set[str] = set()
     for side, opened in (("before", "-open"), ("after", "")):
-        sides = [(land, each) for land in lands if (each := getattr(land, side)) is not None and each.state.measured]
+        sides = [each for land in lands if (each := getattr(land, side)) is not None and each.state.measured]
         for verdict in VERDICTS:
-            these = [(land, each) for land, each in sides if each.verdict == verdict]
+            these = [land for land in sides if land.verdict == verdict]
             if not these:
                 continue
-            look = look_of(verdict)
-            values = [each.state.radial_clearance for _, each in these]
-            spans = [each.uncertainty.clearance_interval if each.uncertainty else None for _, each in these]
-            figure.add_scatter(
-                x=[value * um for value in values],
-                y=[_name(land) for land, _ in these],
-                mode="markers",
-                name=say.level(verdict),
-                legendgroup=verdict,
-                showlegend=verdict not in named,
-                marker={
-                    "color": look.screen,
-                    "symbol": f"{look.marker.removesuffix('-open')}{opened}",
-                    "size": 11,
-                    "line": {"width": 2, "color": look.screen},
-                },
-                error_x=error_bars(values, spans, um, look.screen),
-                hovertemplate=f"%{{y}} {say(f'compare.{side}')}: {number}<extra></extra>",
-            )
+            look, hover = look_of(verdict), f"%{{y}} {say(f'compare.{side}')}: {number}"
+            mark = (look.screen, f"{look.marker.removesuffix('-open')}{opened}", 11, 2.0)
+            spans = [land.uncertainty.clearance_interval if land.uncertainty else None for land in these]
+            legend = {"legendgroup": verdict, "showlegend": verdict not in named}
+            values, places = [each.state.radial_clearance for each in these], [names[each.key] for each in these]
+            figure.marks(values, places, say.level(verdict), mark, factor=um, spans=spans, hover=hover, **legend)
             named.add(verdict)
     figure.update_xaxes(title=say("figures.clearance", unit=unit, coverage=say.percent(0.95, 0)), rangemode="tozero")
-    return by_land(figure, names, 32, say)
+    return by_land(figure, [*names.values()], 32, say)
 
 
-def _name(land: LandComparison) -> str:
-    component, number = land.key
-    return f"{component} · {number}"
+def open_mark(
+    figure: Figure, values: Sequence[float | None], lands: Sequence[str], name: str, symbol: str, um: float, number: str
+) -> None:
+    """Draw what clearances stand against, open, so that it covers no value; nothing without any."""
+    if any(value is not None for value in values):
+        mark = (SCREEN.rule, symbol, 13, 1.5)
+        figure.marks(values, lands, name, mark, factor=um, hover=f"%{{y}}: {name} {number}")
 
 
-def _latest(land: LandComparison) -> LandDiagnosis:
-    latest = land.after or land.before
-    assert latest is not None
-    return latest
-
-
-def _mounting(land: LandComparison) -> float | None:
-    return _latest(land).state.land.mounting_high
-
-
-def _limit(land: LandComparison) -> float | None:
+def _limit(land: LandDiagnosis) -> float | None:
     """Return the clearance at which the land first reaches a limit of wear or clearance [m]; None without one."""
-    new, limits = _latest(land).state.land.mounting_high, []
-    for rule in _latest(land).rules:
-        for _, limit in rule.steps.levels:
-            if rule.kind is RuleKind.WEAR:
-                limits.append(new * (1.0 + limit))
-            elif rule.kind is RuleKind.CLEARANCE:
-                limits.append(limit)
+    new, levels = (
+        land.state.land.mounting_high,
+        [(rule.kind, limit) for rule in land.rules for _, limit in rule.steps.levels],
+    )
+    limits = [new * (1.0 + limit) for kind, limit in levels if kind is RuleKind.WEAR]
+    limits += [limit for kind, limit in levels if kind is RuleKind.CLEARANCE]
     return min(limits, default=None)
 
 
@@ -130,32 +95,24 @@ def logs_over_one_another(
         for quantity in parts[0][1].channels
         if all((channel := test.channel(quantity)) is not None and channel.samples for _, test, _ in parts)
     ]
-    figure = Figure(max(len(common), 1), 0.03)
-    looks = {"before": {"color": SCREEN.share, "dash": "dash"}, "after": {"color": SCREEN.leakage}}
+    rows = max(len(common), 1)
+    figure = Figure(rows, 0.03)
+    looks = {"before": (SCREEN.share, "dash"), "after": (SCREEN.leakage, "solid")}
     for row, quantity in enumerate(common, start=1):
-        unit, convert = scales.get(quantity, ("", _as_it_is))
-        for name, test, start in parts:
+        unit, convert = scales.get(quantity, ("", np.asarray))
+        for side, test, start in parts:
             channel = test.channel(quantity)
             assert channel is not None
             time, values = _samples(channel, test.time, start)
-            keep = thinned([values], points)
-            figure.add_scatter(
-                x=time[keep],
-                y=convert(values[keep]),
-                name=say(f"compare.{name}"),
-                legendgroup=name,
-                showlegend=row == 1,
-                mode="lines",
-                line={"width": 2, "shape": "hv" if quantity in _STEPS else "linear", **looks[name]},
-                connectgaps=False,
-                hovertemplate=f"{say(f'compare.{name}')}: %{{y:.5g}}<extra></extra>",
-                row=row,
-            )
+            keep, name, (colour, dash) = thinned([values], points), say(f"compare.{side}"), looks[side]
+            legend = {"name": name, "legendgroup": side, "showlegend": row == 1, "hover": f"{name}: %{{y:.5g}}"}
+            shape = "hv" if quantity in _STEPS else "linear"
+            figure.line(time[keep], convert(values[keep]), colour, 2, dash, shape=shape, row=row, **legend)
         label = QUANTITIES[quantity].label.replace(" (", "<br>(")
         figure.update_yaxes(title=f"{label}<br>[{unit}]" if unit else label, row=row)
     figure.add_vline(x=0.0, line={"dash": "dot", "width": 1, "color": SCREEN.soft})
-    figure.update_xaxes(title=say("figures.time_from_event"), row=max(len(common), 1))
-    return framed(figure, 110 + 140 * max(len(common), 1), hovermode="x unified")
+    figure.update_xaxes(title=say("figures.time_from_event"), row=rows)
+    return framed(figure, 110 + 140 * rows, hovermode="x unified")
 
 
 def _samples(channel: Channel, time: np.ndarray, start: float) -> tuple[np.ndarray, np.ndarray]:
@@ -163,6 +120,3 @@ def _samples(channel: Channel, time: np.ndarray, start: float) -> tuple[np.ndarr
     if channel.source == "constant":
         return time[[0, -1]] - start, np.full(2, channel.values[0])
     return channel.time - start, channel.good
-
-
-_as_it_is: Callable[[np.ndarray], np.ndarray] = np.asarray

@@ -14,9 +14,9 @@ from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.figures.figure import Figure
-from atleak.figures.frame import by_land, error_bars, framed
+from atleak.figures.frame import by_land, framed
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.look import HATCHING, SCREEN, look_of
+from atleak.look import SCREEN, look_of
 from atleak.rules import Rule
 from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import VERDICTS, Band
@@ -26,7 +26,6 @@ from atleak.workshop_units import DM3_MIN, PERCENT, UM
 POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
 _NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
 _NEAR = 0.08  # part of the axis within which a word centred on its mark would be cut by the axis
-_HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 
 
 def land_name(land: LandDiagnosis) -> str:
@@ -49,31 +48,25 @@ def leakage_ranking(diagnosis: Diagnosis, say: Wording | None = None, *, lands: 
     ranked = diagnosis.ranked[:lands]
     figure, scale, unit = Figure(), say.convert(DM3_MIN, "flow"), say.unit("flow")
     clearance = f"%{{customdata[1]:.{say.digits('clearance')}f}} {say.unit('clearance')}"
+    hover = (
+        f"%{{y}} %{{customdata[0]}}<br>%{{x:.3f}} {unit}, {say('columns.share')} %{{customdata[2]:.2f}} %<br>"
+        f"{say('columns.clearance')} {clearance}"
+    )
+
+    def told(land: LandDiagnosis) -> tuple[str, float, float]:
+        component = say.name(diagnosis.controller.components[land.key[0]])
+        return component, say.convert(land.state.radial_clearance * UM, "clearance"), land.share * PERCENT
+
     for verdict in VERDICTS:
         leaking = [land for land in ranked if land.verdict == verdict]
-        if not leaking:
-            continue
-        figure.add_bar(
-            x=[land.leakage * scale for land in leaking],
-            y=[land_name(land) for land in leaking],
-            orientation="h",
-            name=say.signed(verdict),
-            marker={"color": look_of(verdict).screen, "pattern": _HATCH | {"shape": look_of(verdict).pattern}},
-            error_x=error_bars([land.leakage for land in leaking], [_interval(land) for land in leaking], scale),
-            customdata=[
-                (
-                    say.name(diagnosis.controller.components[land.key[0]]),
-                    say.convert(land.state.radial_clearance * UM, "clearance"),
-                    land.share * PERCENT,
-                )
-                for land in leaking
-            ],
-            hovertemplate=f"%{{y}} %{{customdata[0]}}<br>%{{x:.3f}} {unit}, "
-            f"{say('columns.share')} %{{customdata[2]:.2f}} %<br>{say('columns.clearance')} {clearance}<extra></extra>",
-        )
+        if leaking:
+            values, names = [land.leakage for land in leaking], list(map(land_name, leaking))
+            said = {"factor": scale, "spans": list(map(_interval, leaking)), "told": list(map(told, leaking))}
+            figure.bars(values, names, say.signed(verdict), look_of(verdict), hover=hover, **said)
+    ends = [max(land.leakage, *(_interval(land) or (0.0,))) * scale for land in ranked]
     figure.add_scatter(
-        x=[max(land.leakage, *(_interval(land) or (0.0,))) * scale for land in ranked],
-        y=[land_name(land) for land in ranked],
+        x=ends,
+        y=list(map(land_name, ranked)),
         mode="text",
         text=[f"  {look_of(land.verdict).sign} {say.number(land.leakage * scale, 3)}" for land in ranked],
         textposition="middle right",
@@ -81,9 +74,9 @@ def leakage_ranking(diagnosis: Diagnosis, say: Wording | None = None, *, lands: 
         showlegend=False,
         hoverinfo="skip",
     )
-    largest = max((max(land.leakage, *(_interval(land) or (0.0,))) * scale for land in ranked), default=0.0)
-    figure.update_xaxes(title=f"{say('figures.leaked')} [{unit}]", range=[0.0, 1.25 * largest or 1.0])
-    return by_land(figure, [land_name(land) for land in ranked], 22, say, bargap=0.25)
+    title = f"{say('figures.leaked')} [{unit}]"
+    figure.update_xaxes(title=title, range=[0.0, 1.25 * max(ends, default=0.0) or 1.0])
+    return by_land(figure, list(map(land_name, ranked)), 22, say, bargap=0.25)
 
 
 def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
@@ -118,26 +111,21 @@ def total_share(diagnosis: Diagnosis, say: Wording | None = None) -> Figure:
         if rule.new is not None and math.isfinite(rule.new)
     ]
     shown = [point for point in points if math.isfinite(point[1])]
-    figure.add_scatter(
-        x=[share * PERCENT for _, share, _, _ in shown],
-        y=[_two_lines(label) for label, _, _, _ in shown],
-        mode="markers+text",
-        marker={"symbol": "diamond", "size": 14, "color": SCREEN.leakage, "line": {"width": 1.5, "color": "white"}},
+    figure.marks(
+        [share for _, share, _, _ in shown],
+        [_two_lines(label) for label, _, _, _ in shown],
+        say("figures.as_measured" if diagnosis.judged else "figures.as_new"),
+        (SCREEN.leakage, "diamond", 14, 1.5),
+        factor=PERCENT,
+        spans=[interval for _, _, interval, _ in shown],
         text=[f"<b>{say.percent(share)}</b>" for _, share, _, _ in shown],
         textposition=["top right" if share * PERCENT < _NEAR * right else "top center" for _, share, _, _ in shown],
-        error_x=error_bars([share for _, share, _, _ in shown], [end for _, _, end, _ in shown], PERCENT),
-        customdata=[likely for _, _, _, likely in shown],
-        hovertemplate="%{y}: %{x:.2f} %<br>%{customdata}<extra></extra>",
-        name=say("figures.as_measured" if diagnosis.judged else "figures.as_new"),
+        told=[likely for _, _, _, likely in shown],
+        hover="%{y}: %{x:.2f} %<br>%{customdata}",
     )
-    figure.add_scatter(
-        x=[share * PERCENT for _, share in new],
-        y=[_two_lines(label) for label, _ in new],
-        mode="markers",
-        marker={"symbol": "circle-open", "size": 12, "color": SCREEN.leakage, "line": {"width": 2}},
-        hovertemplate=f"%{{y}}: %{{x:.2f}} % {say('figures.new')}<extra></extra>",
-        name=say("figures.same_unit_new"),
-    )
+    mark, hover = (SCREEN.leakage, "circle-open", 12, 2.0), f"%{{y}}: %{{x:.2f}} % {say('figures.new')}"
+    labels = [_two_lines(label) for label, _ in new]
+    figure.marks([share for _, share in new], labels, say("figures.same_unit_new"), mark, factor=PERCENT, hover=hover)
     figure.update_xaxes(title=say("figures.drawn_share"), range=[0.0, right])
     order = [_two_lines(label) for label, _, _, _ in points]
     figure.update_yaxes(type="category", categoryarray=order, range=[len(points) - 0.4, -0.8])
@@ -191,27 +179,19 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None, say
     worn = [(0.0 if land.within_new else land.wear, land) for land in chosen if land.wear is not None]
     worn.sort(key=lambda pair: pair[0])
     figure = Figure()
+    hover = "%{y}: %{x:.1f} %"
     for verdict in VERDICTS:
-        these = [(wear, land) for wear, land in worn if land.verdict == verdict]
+        these = [(wear, land_name(land)) for wear, land in worn if land.verdict == verdict]
         if these:
-            figure.add_scatter(
-                x=[wear * PERCENT for wear, _ in these],
-                y=[land_name(land) for _, land in these],
-                mode="markers",
-                name=say.level(verdict),
-                marker={"color": look_of(verdict).screen, "symbol": look_of(verdict).marker, "size": 11},
-                hovertemplate="%{y}: %{x:.1f} %<extra></extra>",
-            )
-    rules = [(rule, land) for _, land in worn for rule in land.rules if rule.kind is RuleKind.WEAR]
+            values, names, look = [wear for wear, _ in these], [name for _, name in these], look_of(verdict)
+            mark = (look.screen, look.marker, 11, 0.0)
+            figure.marks(values, names, say.level(verdict), mark, factor=PERCENT, hover=hover)
+    rules = [(rule, land_name(land)) for _, land in worn for rule in land.rules if rule.kind is RuleKind.WEAR]
     for level in dict.fromkeys(level for rule, _ in rules for level, _ in rule.steps.levels):
-        limits = [(rule.steps.limit_of(level), land) for rule, land in rules]
-        figure.add_scatter(
-            x=[limit * PERCENT for limit, _ in limits if limit is not None],
-            y=[land_name(land) for limit, land in limits if limit is not None],
-            mode="markers",
-            name=say("figures.from_here", level=say.level(level)),
-            marker={"symbol": f"{look_of(level).marker}-open", "color": look_of(level).screen, "size": 9},
-            hovertemplate="%{y}: %{x:.1f} %<extra></extra>",
-        )
+        limits = [(limit, name) for rule, name in rules if (limit := rule.steps.limit_of(level)) is not None]
+        mark = (look_of(level).screen, f"{look_of(level).marker}-open", 9, 1.0)
+        values, names = [limit for limit, _ in limits], [name for _, name in limits]
+        named = say("figures.from_here", level=say.level(level))
+        figure.marks(values, names, named, mark, factor=PERCENT, hover=hover)
     figure.update_xaxes(title=f"{say('figures.wear')} [%]")
     return by_land(figure, [land_name(land) for _, land in reversed(worn)], 18, say)

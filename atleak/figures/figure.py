@@ -10,6 +10,13 @@ from typing import Any
 
 import plotly.graph_objects as go
 
+from atleak.look import HATCHING, SCREEN, Look
+
+Span = tuple[float, float]
+Values = Sequence[float | None]
+Mark = tuple[str, str | list[str], int | list[int], float]
+HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
+
 
 class Figure:
     """Traces and layout of a plotly figure, with one plot or several that share their x axis, one above the other.
@@ -52,6 +59,69 @@ class Figure:
     def add_bar(self, **properties: Any) -> None:
         """Add bars."""
         self.add("bar", **properties)
+
+    def marks(self, values: Values, places: Sequence[Any], name: str, look: Mark, **more: Any) -> None:
+        """Draw values as points of a colour, a symbol, a size and a width of outline.
+
+        Values are along the x axis and places along the y axis, or the other way round where ``upright``. With a
+        ``factor`` values and their ``spans`` are in SI. ``hover`` is what is said of a point, with what is ``told`` of
+        it. Other properties are plotly's.
+        """
+        colour, symbol, size, edge = look
+        line = (
+            {"width": edge}
+            if isinstance(symbol, str) and symbol.endswith("-open")
+            else {"width": edge, "color": colour}
+        )
+        more["marker"] = {"color": colour, "symbol": symbol, "size": size, "line": line}
+        more["mode"] = "markers+text" if more.get("text") else "markers"
+        self._valued("scatter", values, places, colour, name=name, **more)
+
+    def bars(self, values: Values, places: Sequence[Any], name: str, look: Look | tuple[str, str], **more: Any) -> None:
+        """Draw values as bars, in the shade and hatch of a level or in a colour and a pattern; see `marks`."""
+        colour, pattern = (look.screen, look.pattern) if isinstance(look, Look) else look
+        more = {"marker": {"color": colour, "pattern": HATCH | {"shape": pattern}}, **more}
+        self._valued(
+            "bar", values, places, SCREEN.soft, name=name, orientation=None if more.get("upright") else "h", **more
+        )
+
+    def line(
+        self, x: Any, y: Any, colour: str, width: float, dash: str = "solid", *, shape: str = "linear", **more: Any
+    ) -> None:
+        """Draw a line, which stands in the legend where it has a name; ``more`` as of `marks`."""
+        stroke = {"color": colour, "width": width, "dash": dash, "shape": shape}
+        self._hovered("scatter", x=x, y=y, mode="lines", line=stroke, **more)
+
+    def band(self, x: Any, low: Any, high: Any, name: str, colour: str) -> None:
+        """Draw the area between two curves."""
+        around: dict[str, Any] = {"x": [*x, *reversed(x)], "y": [*high, *reversed(low)], "line": {"width": 0}}
+        self._hovered("scatter", **around, fill="toself", fillcolor=colour, name=name)
+
+    def _valued(
+        self,
+        kind: str,
+        values: Values,
+        places: Sequence[Any],
+        colour: str,
+        *,
+        factor: float = 1.0,
+        spans: Sequence[Span | None] | None = None,
+        upright: bool = False,
+        **more: Any,
+    ) -> None:
+        across, along = ("y", "x") if upright else ("x", "y")
+        known = [0.0 if value is None else value for value in values]
+        more[f"error_{across}"] = None if spans is None else error_bars(known, spans, factor, colour)
+        more[across] = [None if value is None else value * factor for value in values]
+        self._hovered(kind, **{along: places, **more})
+
+    def _hovered(
+        self, kind: str, *, hover: str | None = None, told: Any = None, row: int = 1, **properties: Any
+    ) -> None:
+        """Add a trace; ``hover`` is what it says under the pointer, with what is ``told`` of each point."""
+        said = {"hoverinfo": "skip"} if hover is None else {"hovertemplate": f"{hover}<extra></extra>"}
+        legend = None if properties.get("name") else False
+        self.add(kind, row, **{"showlegend": legend, "customdata": told, **said, **properties})
 
     def add_shape(self, **properties: Any) -> None:
         """Add a line or an area."""
@@ -124,3 +194,29 @@ class Figure:
 
 def _given(properties: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in properties.items() if value is not None}
+
+
+def error_bars(
+    values: Sequence[float], intervals: Sequence[Span | None], factor: float, colour: str = SCREEN.soft
+) -> dict[str, Any] | None:
+    """Return asymmetric error bars; None where nothing has an interval.
+
+    Parameters
+    ----------
+    values, intervals
+        in SI; an interval that is None has no length.
+    factor
+        from SI to the unit of the axis.
+    """
+    if all(interval is None for interval in intervals):
+        return None
+    ends = [(value, value) if end is None else end for value, end in zip(values, intervals, strict=True)]
+    return {
+        "type": "data",
+        "symmetric": False,
+        "array": [(high - value) * factor for value, (_, high) in zip(values, ends, strict=True)],
+        "arrayminus": [(value - low) * factor for value, (low, _) in zip(values, ends, strict=True)],
+        "color": colour,
+        "thickness": 1.6,
+        "width": 5,
+    }

@@ -27,27 +27,18 @@ def viscosity_curve(fluid: Fluid, say: Wording) -> Figure:
         ("beyond", [(low, first), (last, min(high, max(_HOTTEST, last)))], "dash"),
     ):
         at, viscosities = _curve(fluid, spans)
-        figure.add_scatter(
-            x=[say.convert(each, "temperature") for each in at],
-            y=viscosities,
-            mode="lines",
-            name=say(f"catalogue.{name}"),
-            line={"color": SCREEN.leakage, "width": 2.5, "dash": dash},
-            hovertemplate=f"%{{x:.0f}} {degrees}: %{{y:.3g}} {mm2_s}<extra></extra>",
-        )
+        hover, named = f"%{{x:.0f}} {degrees}: %{{y:.3g}} {mm2_s}", say(f"catalogue.{name}")
+        shown = [say.convert(each, "temperature") for each in at]
+        figure.line(shown, viscosities, SCREEN.leakage, 2.5, dash, name=named, hover=hover)
     for name, rows, symbol, colour in (
         ("sheet_points", [(at, nu) for at, nu in fluid.points], "circle", SCREEN.share),
-        ("source_table", [(at, nu) for at, nu, _ in fluid.table], "x-thin-open", SCREEN.soft),
+        ("source_table", [(at, nu) for at, nu, _ in fluid.table], "x-open", SCREEN.soft),
     ):
         if rows:
-            figure.add_scatter(
-                x=[say.convert(at, "temperature") for at, _ in rows],
-                y=[nu * MM2_S for _, nu in rows],
-                mode="markers",
-                name=say(f"catalogue.{name}"),
-                marker={"symbol": symbol, "size": 11, "color": colour},
-                hovertemplate=f"{say(f'catalogue.{name}')}, %{{x:g}} {degrees}: %{{y:g}} {mm2_s}<extra></extra>",
-            )
+            named = say(f"catalogue.{name}")
+            values, places = [nu for _, nu in rows], [say.convert(at, "temperature") for at, _ in rows]
+            mark, hover = (colour, symbol, 11, 0.0), f"{named}, %{{x:g}} {degrees}: %{{y:g}} {mm2_s}"
+            figure.marks(values, places, named, mark, factor=MM2_S, upright=True, hover=hover)
     figure.update_xaxes(title=say("catalogue.axis_temperature", unit=degrees))
     figure.update_yaxes(
         title=say("catalogue.axis_viscosity", unit=mm2_s), type="log", tickvals=_TICKS, gridcolor=FAINT_GRID
@@ -58,11 +49,10 @@ def viscosity_curve(fluid: Fluid, say: Wording) -> Figure:
 def _curve(fluid: Fluid, spans: list[tuple[float, float]]) -> tuple[list[float], list[float]]:
     """Return temperatures [°C] and viscosities [mm²/s] over stretches, NaN between two of them."""
     temperatures: list[float] = []
+    viscosities: list[float] = []
     for start, end in spans:
         if end > start:
-            steps = max(int((end - start) / _STEP), 1)
-            temperatures += [*np.linspace(start, end, steps + 1).tolist(), float("nan")]
-    inside = np.asarray(temperatures[:-1])
-    known = np.where(np.isnan(inside), fluid.points[0][0], inside)
-    viscosities = np.where(np.isnan(inside), np.nan, fluid.kinematic_viscosity(known) * MM2_S)
-    return inside.tolist(), viscosities.tolist()
+            at = np.linspace(start, end, max(int((end - start) / _STEP), 1) + 1)
+            temperatures += [*at.tolist(), float("nan")]
+            viscosities += [*(fluid.kinematic_viscosity(at) * MM2_S).tolist(), float("nan")]
+    return temperatures[:-1], viscosities[:-1]

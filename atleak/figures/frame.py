@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-from atleak.figures.figure import Figure
-from atleak.look import CLEAR, FAINT_GRID, SCREEN
+from atleak.figures.figure import Figure, error_bars
+from atleak.look import CLEAR, FAINT_GRID
 from atleak.wording import Wording, wording
 
-Span = tuple[float, float]
+__all__ = ["by_land", "error_bars", "framed"]
 
 
 def framed(figure: Figure, height: int, top: int = 36, **layout: object) -> Figure:
@@ -25,32 +24,6 @@ def framed(figure: Figure, height: int, top: int = 36, **layout: object) -> Figu
     figure.update_xaxes(automargin=True, zeroline=False, gridcolor=FAINT_GRID)
     figure.update_yaxes(automargin=True, zeroline=False)
     return figure
-
-
-def error_bars(
-    values: Sequence[float], intervals: Sequence[Span | None], factor: float, colour: str = SCREEN.soft
-) -> dict[str, Any] | None:
-    """Return asymmetric error bars; None where nothing has an interval.
-
-    Parameters
-    ----------
-    values, intervals
-        in SI; an interval that is None has no length.
-    factor
-        from SI to the unit of the axis.
-    """
-    if all(interval is None for interval in intervals):
-        return None
-    ends = [(value, value) if end is None else end for value, end in zip(values, intervals, strict=True)]
-    return {
-        "type": "data",
-        "symmetric": False,
-        "array": [(high - value) * factor for value, (_, high) in zip(values, ends, strict=True)],
-        "arrayminus": [(value - low) * factor for value, (low, _) in zip(values, ends, strict=True)],
-        "color": colour,
-        "thickness": 1.6,
-        "width": 5,
-    }
 
 
 def by_land(

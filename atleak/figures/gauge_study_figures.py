@@ -25,20 +25,13 @@ def by_part_and_operator(study: GaugeStudy, say: Wording) -> Figure:
     count = len(readings.operators)
     for number, operator in enumerate(readings.operators):
         colour, beside = colours[number % len(colours)], (number - (count - 1) / 2) * 0.6 / count
-        places = [place + beside for place in range(len(readings.parts)) for _ in range(readings.trials)]
-        marker = {"color": colour, "symbol": _SYMBOLS[number % len(_SYMBOLS)], "size": 8, "opacity": 0.75}
-        figure.add_scatter(
-            x=places, y=apart[:, number].ravel(), mode="markers", name=operator, legendgroup=operator, marker=marker
+        places = [place + beside for place in range(len(readings.parts))]
+        own, each = apart[:, number], [place for place in places for _ in range(readings.trials)]
+        mark = (colour, _SYMBOLS[number % len(_SYMBOLS)], 8, 0.0)
+        figure.marks(
+            own.ravel(), each, operator, mark, upright=True, legendgroup=operator, opacity=0.75, hover="%{y:.2f} µm"
         )
-        figure.add_scatter(
-            x=[place + beside for place in range(len(readings.parts))],
-            y=apart[:, number].mean(axis=1),
-            mode="lines",
-            name=operator,
-            legendgroup=operator,
-            showlegend=False,
-            line={"color": colour, "width": 1.5},
-        )
+        figure.line(places, own.mean(axis=1), colour, 1.5, legendgroup=operator)
     figure.add_hline(y=0.0, line={"color": SCREEN.rule, "width": 1})
     figure.update_xaxes(
         title=say("gauge_study_names.part"), tickvals=list(range(len(readings.parts))), ticktext=list(readings.parts)
@@ -55,15 +48,10 @@ def components(study: GaugeStudy, say: Wording) -> Figure:
         shares.append(("of_tolerance", CURVES["ochre"], "/"))
     for name, colour, pattern in shares:
         values = [getattr(study.of(component), name) or 0.0 for component in _BARS]
-        figure.add_bar(
-            x=[say(f"gauge_study_names.{component}") for component in _BARS],
-            y=[value * PERCENT for value in values],
-            text=[say.percent(value) for value in values],
-            textposition="outside",
-            cliponaxis=False,
-            name=say(f"gauge_study.{name}"),
-            marker={"color": colour, "pattern": {"shape": pattern}},
-        )
+        names = [say(f"gauge_study_names.{component}") for component in _BARS]
+        said = {"text": list(map(say.percent, values)), "textposition": "outside", "cliponaxis": False}
+        named, look = say(f"gauge_study.{name}"), (colour, pattern)
+        figure.bars(values, names, named, look, factor=PERCENT, upright=True, hover="%{x}: %{text}", **said)
     for limit, dash in ((ACCEPTED, "dot"), (MARGINAL, "dash")):
         figure.add_hline(y=limit * PERCENT, line={"color": SCREEN.rule, "dash": dash, "width": 1.5})
     figure.update_yaxes(title="%", rangemode="tozero")

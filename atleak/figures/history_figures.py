@@ -9,12 +9,12 @@ import numpy as np
 
 from atleak.catalogue.limits import Level
 from atleak.figures.figure import Figure
-from atleak.figures.frame import error_bars, framed
+from atleak.figures.frame import framed
 from atleak.history.land_wear import LandWear
 from atleak.history.series import Point
 from atleak.history.totals import TotalOverMileage
 from atleak.history.visits import Visit
-from atleak.look import HATCHING, SCREEN, look_of
+from atleak.look import SCREEN, look_of
 from atleak.verdicts import Verdict
 from atleak.wear_line import COVERAGE, FARTHEST, WearLine
 from atleak.wording import Wording
@@ -24,7 +24,6 @@ _AHEAD = 100_000.0  # [km] that a line is drawn on, where no limit is reached la
 _WHOLE = 10  # units up to which an axis names each number
 _STEPS = 41  # of the band, whose edges are no straight lines
 _BAND = "rgba(42, 134, 209, 0.18)"
-_HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 _DEVIATE = 1.6448536269514722  # of the interval of a single point, as wide as that of the line
 
 
@@ -71,23 +70,9 @@ def _band(figure: Figure, line: WearLine, first: float, end: float, say: Wording
     mileages = np.linspace(first, end, _STEPS)
     edges = np.array([line.band(float(each)) for each in mileages]) * um
     shown = say.convert(mileages, "distance")
-    figure.add_scatter(
-        x=[*shown, *shown[::-1]],
-        y=[*edges[:, 1], *edges[::-1, 0]],
-        fill="toself",
-        fillcolor=_BAND,
-        line={"width": 0},
-        name=say("history.band", coverage=say.percent(COVERAGE, 0)),
-        hoverinfo="skip",
-    )
-    figure.add_scatter(
-        x=[shown[0], shown[-1]],
-        y=[line.at(first) * um, line.at(end) * um],
-        mode="lines",
-        name=say("history.line"),
-        line={"color": SCREEN.leakage, "width": 2},
-        hovertemplate=_hover(say),
-    )
+    figure.band(shown, edges[:, 0], edges[:, 1], say("history.band", coverage=say.percent(COVERAGE, 0)), _BAND)
+    ends = [line.at(first) * um, line.at(end) * um]
+    figure.line([shown[0], shown[-1]], ends, SCREEN.leakage, 2, name=say("history.line"), hover=_hover(say))
 
 
 def _points(
@@ -95,19 +80,18 @@ def _points(
 ) -> None:
     if not points:
         return
-    um = say.convert(UM, "clearance")
     values = [point.clearance for point in points]
     reach = [_DEVIATE * point.standard_uncertainty for point in points]
-    intervals = [(value - each, value + each) for value, each in zip(values, reach, strict=True)]
-    figure.add_scatter(
-        x=[say.convert(point.mileage, "distance") for point in points],
-        y=[value * um for value in values],
-        mode="markers",
-        name=name,
-        marker={"color": SCREEN.leakage, "symbol": symbol, "size": 11, "line": {"width": 2}},
-        error_y=error_bars(values, intervals, um),
-        customdata=[say("history.when_new") if point.visit is None else visits[point.visit].label for point in points],
-        hovertemplate=f"%{{customdata}}<br>{_hover(say)}",
+    figure.marks(
+        values,
+        [say.convert(point.mileage, "distance") for point in points],
+        name,
+        (SCREEN.leakage, symbol, 11, 2.0),
+        factor=say.convert(UM, "clearance"),
+        spans=[(value - each, value + each) for value, each in zip(values, reach, strict=True)],
+        upright=True,
+        told=[say("history.when_new") if point.visit is None else visits[point.visit].label for point in points],
+        hover=f"%{{customdata}}<br>{_hover(say)}",
     )
 
 
@@ -127,25 +111,10 @@ def total_over_mileage(total: TotalOverMileage, say: Wording) -> Figure:
     figure = Figure()
     low, median, high = (np.array(each) * PERCENT for each in (total.low, total.median, total.high))
     mileages = [say.convert(each, "distance") for each in total.mileages]
-    figure.add_scatter(
-        x=[*mileages, *mileages[::-1]],
-        y=[*high, *low[::-1]],
-        fill="toself",
-        fillcolor=_BAND,
-        line={"width": 0},
-        name=say.percent(COVERAGE, 0),
-        hoverinfo="skip",
-    )
-    figure.add_scatter(
-        x=mileages,
-        y=median,
-        mode="lines",
-        name=say("history.total"),
-        line={"color": SCREEN.leakage, "width": 3},
-        customdata=np.column_stack([low, high]),
-        hovertemplate=f"%{{x:,.0f}} {say.unit('distance')}: "
-        "%{y:.1f} % (%{customdata[0]:.1f} – %{customdata[1]:.1f})<extra></extra>",
-    )
+    figure.band(mileages, low, high, say.percent(COVERAGE, 0), _BAND)
+    hover = f"%{{x:,.0f}} {say.unit('distance')}: %{{y:.1f}} % (%{{customdata[0]:.1f}} – %{{customdata[1]:.1f}})"
+    told, name = np.column_stack([low, high]), say("history.total")
+    figure.line(mileages, median, SCREEN.leakage, 3, name=name, told=told, hover=hover)
     top = max(float(high[np.isfinite(high)].max(initial=1.0)), 1.0)
     for limit in total.limits:
         if limit.share * PERCENT <= 1.5 * top:
@@ -170,17 +139,9 @@ def pareto(names: Sequence[str], counts: Sequence[int], of: int, what: str, say:
     total = sum(counts)
     passed = [sum(counts[: place + 1]) / total * PERCENT if total else math.nan for place in range(len(counts))]
     figure = Figure()
-    figure.add_bar(
-        y=names,
-        x=counts,
-        orientation="h",
-        name=say(f"history.{what}"),
-        marker={"color": look_of(Verdict.WATCH).screen, "pattern": {**_HATCH, "shape": look_of(Verdict.WATCH).pattern}},
-        text=[say("history.of", count=count, of=of) for count in counts],
-        textposition="outside",
-        customdata=passed,
-        hovertemplate=f"%{{y}}: %{{text}}; %{{customdata:.0f}} % {say('history.with_those_above')}<extra></extra>",
-    )
+    hover = f"%{{y}}: %{{text}}; %{{customdata:.0f}} % {say('history.with_those_above')}"
+    said = {"text": [say("history.of", count=count, of=of) for count in counts], "textposition": "outside"}
+    figure.bars(counts, names, say(f"history.{what}"), look_of(Verdict.WATCH), told=passed, hover=hover, **said)
     most = max(counts, default=1)
     figure.update_xaxes(title=say(f"history.{what}"), dtick=1 if most <= _WHOLE else None, range=[0.0, 1.25 * most])
     figure.update_yaxes(type="category", categoryorder="array", categoryarray=list(reversed(names)))
@@ -189,10 +150,8 @@ def pareto(names: Sequence[str], counts: Sequence[int], of: int, what: str, say:
 
 def _hover(say: Wording) -> str:
     """Return what a point says of itself: a clearance at a mileage."""
-    return (
-        f"%{{x:,.0f}} {say.unit('distance')}: %{{y:.{say.digits('clearance', 1)}f}} {say.unit('clearance')}"
-        "<extra></extra>"
-    )
+    digits, unit = say.digits("clearance", 1), say.unit("clearance")
+    return f"%{{x:,.0f}} {say.unit('distance')}: %{{y:.{digits}f}} {unit}"
 
 
 def _mileage(say: Wording) -> str:

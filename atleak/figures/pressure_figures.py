@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from atleak.catalogue.limits import Level
 from atleak.figures.figure import Figure
-from atleak.figures.frame import error_bars, framed
-from atleak.look import CURVES, HATCHING, SCREEN, look_of
+from atleak.figures.frame import framed
+from atleak.look import CURVES, SCREEN, Look, look_of
 from atleak.verdicts import Verdict
 from atleak.views.pressures import HeldPressure, PressuresAt
 from atleak.views.pump_speed import Demand, PumpOverSpeed
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import DM3_MIN, KPA, RPM
 
-_HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
+_BARS = {"repaired": "after_repair", "now": "now", "new": "new"}  # and how each is called
 _COLOURS = tuple(CURVES.values())
 _DASHES = ("dot", "dash", "longdash", "dashdot", "longdashdot")
 _BAR = 26  # pixels of a bar
@@ -31,47 +32,32 @@ def pump_over_speed(data: PumpOverSpeed, say: Wording | None = None) -> Figure:
     say = say or wording("en")
     figure, scale = Figure(), say.convert(DM3_MIN, "flow")
     rpm, unit = say.unit("engine_speed"), say.unit("flow")
-    figure.add_scatter(
-        x=data.speeds * RPM,
-        y=data.supply * scale,
-        mode="lines",
-        name=say("flows.pump"),
-        line={"color": SCREEN.pump, "width": 4},
-        hovertemplate=f"%{{x:.0f}} {rpm}: {say('figures.pump_supplies')} %{{y:.1f}} {unit}<extra></extra>",
-    )
+    hover = f"%{{x:.0f}} {rpm}: {say('figures.pump_supplies')} %{{y:.1f}} {unit}"
+    figure.line(data.speeds * RPM, data.supply * scale, SCREEN.pump, 4, name=say("flows.pump"), hover=hover)
     last = float(data.speeds[-1]) * RPM
     for number, demand in enumerate(data.demands):
-        colour = SCREEN.leakage if demand.of_condition else _COLOURS[-1 - number % len(_COLOURS)]
-        flow = demand.flow * scale
-        dash = "solid" if demand.of_condition else _DASHES[number % len(_DASHES)]
-        figure.add_scatter(
-            x=[0.0, last],
-            y=[flow, flow],
-            mode="lines",
-            name=say("figures.taken_at", temperature=say.plain_quantity(demand.temperature, "temperature")),
-            line={"color": colour, "width": 3 if demand.of_condition else 1.5, "dash": dash},
-            hovertemplate=_parts(demand, say),
-        )
+        look = (_COLOURS[-1 - number % len(_COLOURS)], 1.5, _DASHES[number % len(_DASHES)])
+        colour, width, dash = (SCREEN.leakage, 3.0, "solid") if demand.of_condition else look
+        name = say("figures.taken_at", temperature=say.plain_quantity(demand.temperature, "temperature"))
+        flows = [demand.flow * scale] * 2
+        figure.line([0.0, last], flows, colour, width, dash, name=name, hover=_parts(demand, say))
     crossing = [each for each in data.demands if math.isfinite(each.crossing)]
-    own = data.demand
-    figure.add_scatter(
-        x=[each.crossing * RPM for each in crossing],
-        y=[each.flow * scale for each in crossing],
-        mode="markers+text",
-        name=say("figures.covered_from_here"),
-        text=[
-            f"<b>{say.quantity(each.crossing * RPM, 'engine_speed')}</b>" if each is own else "" for each in crossing
-        ],
+    mine = [each is data.demand for each in crossing]
+    speeds = [f"<b>{say.quantity(each.crossing * RPM, 'engine_speed')}</b>" for each in crossing]
+    figure.marks(
+        [each.crossing for each in crossing],
+        [each.flow * scale for each in crossing],
+        say("figures.covered_from_here"),
+        (SCREEN.share, "circle", [13 if own else 8 for own in mine], 0.0),
+        factor=RPM,
+        spans=[data.interval if own else None for own in mine],
+        text=[speed if own else "" for speed, own in zip(speeds, mine, strict=True)],
         textposition="top left",
-        marker={"symbol": "circle", "size": [13 if each is own else 8 for each in crossing], "color": SCREEN.share},
-        error_x=error_bars(
-            [each.crossing for each in crossing], [data.interval if each is own else None for each in crossing], RPM
-        ),
-        customdata=[
+        told=[
             say("figures.covered_at", temperature=say.plain_quantity(each.temperature, "temperature"))
             for each in crossing
         ],
-        hovertemplate=f"%{{customdata}} %{{x:.0f}} {rpm}<extra></extra>",
+        hover=f"%{{customdata}} %{{x:.0f}} {rpm}",
     )
     for number, (label, speed) in enumerate(data.marked):
         figure.add_vline(
@@ -90,7 +76,7 @@ def _parts(demand: Demand, say: Wording) -> str:
     parts = {name: say.value(getattr(demand, name) * DM3_MIN, "flow") for name in ("leakage", "slip", "consumers")}
     flow = say.quantity(demand.flow * DM3_MIN, "flow")
     temperature = say.plain_quantity(demand.temperature, "temperature")
-    return f"{say('figures.taken_parts', temperature=temperature, flow=flow, **parts)}<extra></extra>"
+    return say("figures.taken_parts", temperature=temperature, flow=flow, **parts)
 
 
 def circuit_pressures(at: PressuresAt, say: Wording | None = None) -> Figure:
@@ -105,57 +91,27 @@ def circuit_pressures(at: PressuresAt, say: Wording | None = None) -> Figure:
     held = at.applied
     names = [name_of(each, say) for each in held]
     figure = Figure()
+
+    def bar(of: str, shown: Sequence[HeldPressure], look: Look | tuple[str, str], named: str = "", **more: Any) -> None:
+        what, names = say(f"figures.{_BARS[of]}"), [name_of(each, say) for each in shown]
+        more = {"offsetgroup": of, "hover": f"{number} {what}", **more}
+        figure.bars([getattr(each, of) for each in shown], names, f"{what}{named}", look, factor=scale, **more)
+
     repaired = [each for each in held if each.repaired is not None]
     if repaired:
-        figure.add_bar(
-            x=[(each.repaired or 0.0) * scale for each in repaired],
-            y=[name_of(each, say) for each in repaired],
-            orientation="h",
-            name=say("figures.after_repair"),
-            offsetgroup="repaired",
-            marker={"color": SCREEN.leakage, "pattern": _HATCH | {"shape": "-"}},
-            hovertemplate=f"{number} {say('figures.after_repair')}<extra></extra>",
-        )
+        bar("repaired", repaired, (SCREEN.leakage, "-"))
     for verdict in (*Verdict, None):
         these = [each for each in held if each.verdict == verdict]
         if these:
-            look = None if verdict is None else look_of(verdict)
-            figure.add_bar(
-                x=[each.now * scale for each in these],
-                y=[name_of(each, say) for each in these],
-                orientation="h",
-                name=say("figures.now") if verdict is None else f"{say('figures.now')}: {say.signed(verdict)}",
-                offsetgroup="now",
-                marker={
-                    "color": SCREEN.rule if look is None else look.screen,
-                    "pattern": _HATCH | {"shape": "" if look is None else look.pattern},
-                },
-                error_x=error_bars([each.now for each in these], [each.interval for each in these], scale),
-                hovertemplate=f"{number} {say('figures.now')}<extra></extra>",
-            )
-    figure.add_bar(
-        x=[each.new * scale for each in held],
-        y=names,
-        orientation="h",
-        name=say("figures.new"),
-        offsetgroup="new",
-        marker={"color": "rgba(128,128,128,0.15)", "line": {"color": SCREEN.soft, "width": 1.5}},
-        hovertemplate=f"{number} {say('figures.new')}<extra></extra>",
-    )
+            look = (SCREEN.rule, "") if verdict is None else look_of(verdict)
+            named = "" if verdict is None else f": {say.signed(verdict)}"
+            bar("now", these, look, named, spans=[each.interval for each in these])
+    frame = {"color": "rgba(128,128,128,0.15)", "line": {"color": SCREEN.soft, "width": 1.5}}
+    bar("new", held, ("", ""), marker=frame)
     for mark in _marks(held, say):
-        figure.add_scatter(
-            x=[pressure * scale for _, pressure, _ in mark.places],
-            y=[where for where, _, _ in mark.places],
-            mode="markers",
-            name=mark.name,
-            marker={
-                "symbol": [symbol for _, _, symbol in mark.places],
-                "size": mark.size,
-                "color": mark.colour,
-                "line": {"width": 2.5, "color": mark.colour},
-            },
-            hovertemplate=f"{number}, {mark.name}<extra></extra>",
-        )
+        places, pressures, symbols = (list(each) for each in zip(*mark.places, strict=True))
+        drawn = (mark.colour, symbols, mark.size, 2.5)
+        figure.marks(pressures, places, mark.name, drawn, factor=scale, hover=f"{number}, {mark.name}")
     figure.update_xaxes(title=f"{say('figures.pressure')} [{unit}]", rangemode="tozero")
     figure.update_yaxes(type="category", categoryorder="array", categoryarray=names[::-1])
     groups = 3 if repaired else 2

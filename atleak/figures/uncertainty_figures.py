@@ -10,8 +10,9 @@ from collections.abc import Callable
 
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.operating_point import OperatingPoint
+from atleak.figures.comparison_figures import open_mark
 from atleak.figures.figure import Figure
-from atleak.figures.frame import by_land, error_bars, framed
+from atleak.figures.frame import by_land, framed
 from atleak.look import DECISION_MARKS, SCREEN
 from atleak.rules import LandKey
 from atleak.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
@@ -34,42 +35,32 @@ def clearances(
     chosen = _chosen(unit, lands)
     figure, um, name_of = Figure(), say.convert(UM, "clearance"), say.unit("clearance")
     digits = say.digits("clearance", 1)
-    marks: dict[str, tuple[str, list[float | None]]] = {  # drawn first, open, so that they cover no value
-        say("figures.mounting"): ("line-ns-open", [land.sources.state.land.mounting_high for land in chosen]),
-        say("figures.limit"): ("triangle-down-open", [_clearance_limit(land) for land in chosen]),
-    }
-    for name, (symbol, limits) in marks.items():
-        if any(limit is not None for limit in limits):
-            figure.add_scatter(
-                x=[None if limit is None else limit * um for limit in limits],
-                y=[_name(land) for land in chosen],
-                mode="markers",
-                name=name,
-                marker={"color": SCREEN.rule, "symbol": symbol, "size": 13, "line": {"width": 1.5}},
-                hovertemplate=f"%{{y}}: {name} %{{x:.{digits}f}} {name_of}<extra></extra>",
-            )
+    names, number = list(map(_name, chosen)), f"%{{x:.{digits}f}} {name_of}"
+    new = [land.sources.state.land.mounting_high for land in chosen]
+    open_mark(figure, new, names, say("figures.mounting"), "line-ns-open", um, number)
+    limits = list(map(_clearance_limit, chosen))
+    open_mark(figure, limits, names, say("figures.limit"), "triangle-down-open", um, number)
     for decision in DECISIONS:
         shown = [land for land in chosen if land.decision == decision]
         if not shown:
             continue
-        values = [land.sources.state.radial_clearance for land in shown]
         colour, symbol = DECISION_MARKS[decision]
-        figure.add_scatter(
-            x=[value * um for value in values],
-            y=[_name(land) for land in shown],
-            mode="markers",
-            name=say.get("decisions", decision),
-            marker={"color": colour, "symbol": symbol, "size": 10, "line": {"width": 2}},
-            error_x=error_bars(values, [land.clearance_interval for land in shown], um, colour),
-            customdata=[
+        figure.marks(
+            [land.sources.state.radial_clearance for land in shown],
+            list(map(_name, shown)),
+            say.get("decisions", decision),
+            (colour, symbol, 10, 2.0),
+            factor=um,
+            spans=[land.clearance_interval for land in shown],
+            told=[
                 ((land.u_clearance or 0.0) * um, PERCENT * (land.probability_over_limit or 0.0), advised(land.key))
                 for land in shown
             ],
-            hovertemplate=f"%{{y}}: %{{x:.{digits}f}} {name_of}, u = %{{customdata[0]:.{digits + 1}f}} {name_of}<br>"
-            f"{say('columns.over_limit')}: %{{customdata[1]:.0f}} %<br>%{{customdata[2]}}<extra></extra>",
+            hover=f"%{{y}}: {number}, u = %{{customdata[0]:.{digits + 1}f}} {name_of}<br>"
+            f"{say('columns.over_limit')}: %{{customdata[1]:.0f}} %<br>%{{customdata[2]}}",
         )
     figure.update_xaxes(title=say("figures.clearance", unit=name_of, coverage=_coverage(unit, say)), rangemode="tozero")
-    return by_land(figure, [_name(land) for land in chosen], 24, say)
+    return by_land(figure, list(map(_name, chosen)), 24, say)
 
 
 def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int = 20) -> Figure:
@@ -85,32 +76,22 @@ def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int
     chosen = sorted((land for land in unit.lands if land.conditions), key=lambda land: -land.conditions[0].leakage)
     chosen = chosen[:lands]
     figure, flow, name_of = Figure(), say.convert(DM3_MIN, "flow"), say.unit("flow")
-    ends = [
-        value
-        for land in chosen
-        for value in (land.conditions[0].leakage * flow, land.conditions[0].eccentric[1] * flow, None)
-    ]
-    figure.add_scatter(
-        x=ends,
-        y=[name for land in chosen for name in (_name(land), _name(land), None)],
-        mode="lines",
-        name=say("figures.touching"),
-        line={"color": SCREEN.rule, "width": 1, "dash": "dot"},
-        hoverinfo="skip",
-    )
-    values = [land.conditions[0].leakage for land in chosen]
-    figure.add_scatter(
-        x=[value * flow for value in values],
-        y=[_name(land) for land in chosen],
-        mode="markers",
-        name=say("figures.leakage_interval", coverage=_coverage(unit, say)),
-        marker={"color": SCREEN.leakage, "symbol": "diamond", "size": 9},
-        error_x=error_bars(values, [land.leakage_interval for land in chosen], flow, SCREEN.leakage),
-        customdata=[tuple(end * flow for end in land.leakage_interval or (math.nan, math.nan)) for land in chosen],
-        hovertemplate=f"%{{y}}: %{{x:.3f}} {name_of}, %{{customdata[0]:.3f}} – %{{customdata[1]:.3f}}<extra></extra>",
+    at_first = [land.conditions[0] for land in chosen]
+    ends = [end for each in at_first for end in (each.leakage * flow, each.eccentric[1] * flow, None)]
+    names = [end for land in chosen for end in (_name(land), _name(land), None)]
+    figure.line(ends, names, SCREEN.rule, 1, "dot", name=say("figures.touching"))
+    figure.marks(
+        [each.leakage for each in at_first],
+        list(map(_name, chosen)),
+        say("figures.leakage_interval", coverage=_coverage(unit, say)),
+        (SCREEN.leakage, "diamond", 9, 0.0),
+        factor=flow,
+        spans=[land.leakage_interval for land in chosen],
+        told=[tuple(end * flow for end in land.leakage_interval or (math.nan, math.nan)) for land in chosen],
+        hover=f"%{{y}}: %{{x:.3f}} {name_of}, %{{customdata[0]:.3f}} – %{{customdata[1]:.3f}}",
     )
     figure.update_xaxes(title=say("figures.leakage", unit=name_of, condition=say.condition(at)), rangemode="tozero")
-    return by_land(figure, [_name(land) for land in chosen], 24, say)
+    return by_land(figure, list(map(_name, chosen)), 24, say)
 
 
 def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> Figure:
@@ -126,20 +107,14 @@ def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> Figure:
         (say("columns.of_clearance"), of_clearance, SCREEN.leakage, ""),
         (say("columns.of_share"), of_share, SCREEN.share, "/"),
     ):
-        figure.add_bar(
-            x=[PERCENT * parts.get(name, 0.0) for name in names],
-            y=[say.get("uncertainty_sources", name) for name in names],
-            orientation="h",
-            name=title,
-            marker={"color": colour, "pattern": {"shape": shape}},
-            hovertemplate=f"%{{y}}: %{{x:.1f}} % {title}<extra></extra>",
+        values, named = (
+            [parts.get(name, 0.0) for name in names],
+            [say.get("uncertainty_sources", name) for name in names],
         )
+        figure.bars(values, named, title, (colour, shape), factor=PERCENT, hover=f"%{{y}}: %{{x:.1f}} % {title}")
     figure.update_xaxes(title=say("figures.variance"), rangemode="tozero")
     figure.update_yaxes(type="category")
     return framed(figure, 110 + 30 * max(len(names), 3), barmode="group")
-
-
-# --- shared
 
 
 def _chosen(unit: UnitUncertainty, lands: int) -> list[LandUncertainty]:

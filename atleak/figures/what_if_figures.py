@@ -62,28 +62,15 @@ def _borders(figure: Figure, over: Map, borders: Sequence[tuple[Border, np.ndarr
     for dash, (border, wears) in zip(_DASHES, borders, strict=False):
         if np.isfinite(wears).any():
             named = say("what_if.from_here", level=say.signed(border.level))
-            figure.add_scatter(
-                x=say.convert(over.temperatures, "temperature"),
-                y=_wears(over, wears),
-                mode="lines",
-                line={"color": look_of(border.level).screen, "width": 3, "dash": dash},
-                name=named,
-                connectgaps=False,
-                hovertemplate=f"{named}: %{{x:.0f}} {temperature}, {wear}<extra></extra>",
-            )
+            at, colour = say.convert(over.temperatures, "temperature"), look_of(border.level).screen
+            hover = f"{named}: %{{x:.0f}} {temperature}, {wear}"
+            figure.line(at, _wears(over, wears), colour, 3, dash, name=named, connectgaps=False, hover=hover)
 
 
 def _laid_out(figure: Figure, over: Map, job: Place, tried: Place, say: Wording) -> Figure:
     for place, name, symbol, size in ((job, "the_job", "circle-open", 22), (tried, "tried", "diamond", 11)):
-        figure.add_scatter(
-            x=[float(say.convert(place[0], "temperature"))],
-            y=_wears(over, np.array([place[1]])),
-            mode="markers",
-            marker={"symbol": symbol, "size": size, "color": SCREEN.ink, "line": {"width": 3, "color": SCREEN.ink}},
-            name=say(f"what_if.{name}"),
-            hoverinfo="skip",
-            cliponaxis=False,
-        )
+        wear, at = _wears(over, np.array([place[1]])), [float(say.convert(place[0], "temperature"))]
+        figure.marks(wear, at, say(f"what_if.{name}"), (SCREEN.ink, symbol, size, 3.0), upright=True, cliponaxis=False)
     ends = say.convert(over.temperatures[[0, -1]], "temperature").tolist()
     figure.update_xaxes(title=say("what_if.axis_temperature", unit=say.unit("temperature")), range=ends)
     figure.update_yaxes(title=say(f"what_if.axis_{over.axis}"), range=_wears(over, over.wears[[0, -1]]).tolist())

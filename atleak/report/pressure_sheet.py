@@ -9,15 +9,7 @@ from collections.abc import Iterator
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.controller import Controller
-from atleak.pressure_table import (
-    Cell,
-    Engine,
-    PressureTable,
-    applied,
-    permitted,
-    ranges_of,
-    taps_of,
-)
+from atleak.pressure_table import Cell, Engine, PressureTable, applied, permitted, ranges_of, taps_of
 from atleak.report.paging import HEADER, Tab, Table
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity

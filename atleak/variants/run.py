@@ -235,11 +235,7 @@ def _with_constants(road_test: RoadTest, constants: Mapping[str, float]) -> Road
     channels = dict(road_test.channels)
     for quantity, value in constants.items():
         channels[quantity] = Channel(
-            quantity,
-            time=road_test.time[:1],
-            values=np.array([value]),
-            suspect=np.array([False]),
-            source="constant",
+            quantity, time=road_test.time[:1], values=np.array([value]), suspect=np.array([False]), source="constant"
         )
     return replace(road_test, channels=MappingProxyType(channels), _held={})
 

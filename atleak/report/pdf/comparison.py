@@ -21,12 +21,7 @@ from atleak.report.pdf.compiling import common_data, compile_pdf
 from atleak.report.pictures import write_pictures
 from atleak.report.printed_charts import TwoBars, two_visits_chart
 from atleak.verdicts import Band
-from atleak.views.comparison_words import (
-    differing_sentence,
-    how_sure,
-    visit_caveats,
-    with_uncertainty,
-)
+from atleak.views.comparison_words import differing_sentence, how_sure, visit_caveats, with_uncertainty
 from atleak.views.measured_words import measured_sentence
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import KPA, PERCENT, UM
@@ -383,10 +378,7 @@ class _Page:
 
     def _know(self) -> Iterable[Block]:
         say, comparison = self.say, self.comparison
-        said: Sequence[str | None] = [
-            differing_sentence(comparison, say),
-            *visit_caveats(comparison, say),
-        ]
+        said: Sequence[str | None] = [differing_sentence(comparison, say), *visit_caveats(comparison, say)]
         items = [each for each in said if each is not None]
         if items:
             yield {"kind": "list", "items": items}
