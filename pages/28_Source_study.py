@@ -4,8 +4,8 @@ import pandas as pd
 import streamlit as st
 
 from atleak.errors import AtleakError
-from atleak.figures.variant_figures import figure
-from atleak.variants import charts, tables
+from atleak.figures import variant_figures as figures
+from atleak.variants import tables
 from atleak.variants.article import compare_points
 from atleak.views.diagnosis_record import to_json
 from atleak.views.variant_rows import table_2, table_3, variants_record
@@ -47,18 +47,18 @@ with variants:
         st.subheader(say("study.points"))
         table(tables.point_rows(compare_points(results)), 3)
 with over_time:
-    show.chart(figure(charts.leakage_chart(results, say, gear)), "time")
+    show.chart(figures.leakage_over_time(results, say, gear), "time")
     st.caption(say("study.time_help"))
 with over_temperature:
     log_y = st.toggle(say("study.log_scale"))
-    chart = figure(charts.temperature_chart(curves, say, results, printed=what == STUDY, log_y=log_y))
+    chart = figures.leakage_over_temperature(curves, say, results, printed=what == STUDY, log_y=log_y)
     show.chart(chart, "temperature")
     st.caption(say("study.temperature_help"))
 with share:
     if results[0].computed.share is None:
         st.info(say("study.no_share"))
     else:
-        show.chart(figure(charts.share_chart(results, say, gear)), "share")
+        show.chart(figures.share_over_time(results, say, gear), "share")
         st.caption(say("study.share_help"))
 with physics:
     st.markdown(say("study.physics_is"))

@@ -1,84 +1,221 @@
-"""Draw the source study's charts with plotly; background and text are left to the page's theme."""
+"""Draw the source study: leakage and share of its variants over the test, and leakage over temperature.
+
+Every chart has the article's units (dm³/min, %, °C, s). Dash and symbol tell the lines apart without their colour.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import NamedTuple
 
+import numpy as np
+
+from atleak.engine.extremes import Instant
 from atleak.figures.figure import Figure
-from atleak.variants.charts import Chart, Line
+from atleak.figures.frame import framed
+from atleak.look import CURVES
+from atleak.thinning import thinned
+from atleak.variants.run import TemperatureCurve, VariantResult
+from atleak.wording import Wording
+from atleak.workshop_units import DM3_MIN, PERCENT
 
+MOST_POINTS = 2000  # that a line may have before it is thinned
+_MOST_GEARS = 40  # stretches in one gear that are named
 _HEIGHT, _UPPER = 520, 0.28
 _GRID = "rgba(128,128,128,0.25)"  # seen on white and on black
+_LOOKS = {
+    "W1": (CURVES["blue"], "solid"),
+    "W2": (CURVES["green"], "dash"),
+    "W3": (CURVES["ochre"], "dot"),
+    "W4": (CURVES["red"], "solid"),
+    "W5": (CURVES["grey"], "dashdot"),
+    "W6": (CURVES["teal"], "longdash"),
+    "W7": (CURVES["violet"], "longdashdot"),
+    "W8": (CURVES["rust"], "dash"),
+}
+_MODEL_LOOKS = {
+    "tabulated": (CURVES["blue"], "solid"),
+    "regression": (CURVES["ochre"], "dot"),
+    "d341": (CURVES["red"], "dash"),
+}
 
 
-def figure(chart: Chart) -> Figure:
-    """Return a chart of `atleak.variants.charts` as a plotly figure."""
-    rows = 2 if chart.has_upper else 1
-    drawn = Figure(rows, 0.06, [_UPPER, 1.0 - _UPPER] if rows == 2 else None)
-    for line in chart.lines:
-        drawn.add_scatter(1 if line.panel == "upper" else rows, **_properties(line))
-    for mark in chart.marks:
-        drawn.add_vline(mark.x, {"color": mark.color, "dash": mark.dash, "width": 1.5})
-        key = {"color": mark.color, "dash": mark.dash, "width": 1.5}
-        drawn.add_scatter(rows, x=[None], y=[None], mode="lines", name=mark.text, line=key)
-    _draw_spans(drawn, chart)
-    drawn.update_xaxes(gridcolor=_GRID, zeroline=False)
-    drawn.update_yaxes(gridcolor=_GRID, zerolinecolor=_GRID)
-    drawn.update_xaxes(title=chart.x_label, row=rows)
-    drawn.update_yaxes(title=chart.y_label, type="log" if chart.log_y else "linear", row=rows)
-    if not chart.log_y:
-        drawn.update_yaxes(rangemode="tozero")
-    if rows == 2:
-        drawn.update_yaxes(title=chart.upper_label, row=1)
-    drawn.update_layout(
-        height=_HEIGHT if rows == 1 else _HEIGHT + 140,
-        margin={"l": 10, "r": 10, "t": 30, "b": 10},
-        legend={
-            "orientation": "h",
-            "yref": "container",
-            "yanchor": "bottom",
-            "y": 0.0,
-            "x": 0.0,
-            "groupclick": "togglegroup",
-        },
-        paper_bgcolor="rgba(0,0,0,0)",
-        plot_bgcolor="rgba(0,0,0,0)",
-        meta={"description": chart.description},
+class _Point(NamedTuple):
+    """A named instant, with its symbol and the value drawn there."""
+
+    word: str
+    symbol: str
+    instant: Instant
+    value: float
+
+
+def leakage_over_time(results: Sequence[VariantResult], say: Wording, gear: np.ndarray | None = None) -> Figure:
+    """Draw the leakage of every variant and pump flow over time (the article's Figure 13).
+
+    ``gear`` is the road test's, shape (samples,). Upright lines are the instants of least and most leakage of the
+    variant that leaks most; triangles show each variant's own.
+    """
+    first, pump = results[0], results[0].computed.pump_capacity
+    drawn = Figure() if pump is None else Figure(2, 0.06, [_UPPER, 1.0 - _UPPER])
+    if pump is not None:
+        _line(drawn, say("study.pump_capacity"), *_course(first.time, pump * DM3_MIN), CURVES["slate"], "solid", row=1)
+        drawn.update_yaxes(title=say("study.axis_pump"), row=1)
+    for result in results:
+        run = result.computed
+        least, most = run.min_leakage, run.max_leakage
+        points = (
+            _Point(say("study.least"), "triangle-down", least, least.leakage * DM3_MIN),
+            _Point(say("study.most"), "triangle-up", most, most.leakage * DM3_MIN),
+        )
+        _variant(drawn, result, run.leakage * DM3_MIN, points, say)
+    leading = max(results, key=lambda result: result.computed.max_leakage.leakage).computed
+    _instant(drawn, leading.min_leakage, "least_leakage", CURVES["green"], "dash", say)
+    _instant(drawn, leading.max_leakage, "most_leakage", CURVES["red"], "dot", say)
+    _gears(drawn, first.time, gear, say)
+    return _laid_out(drawn, say("study.axis_time"), say("study.axis_leakage"))
+
+
+def share_over_time(results: Sequence[VariantResult], say: Wording, gear: np.ndarray | None = None) -> Figure:
+    """Draw the leakage share of every variant over time: largest at idle, not at the instant of most leakage.
+
+    Raises
+    ------
+    ValueError
+        where the road test has no engine speed and so no share.
+    """
+    drawn, largest = Figure(), []
+    for result in results:
+        run = result.computed
+        worst, most = run.max_share, run.max_leakage
+        if run.share is None or worst is None or worst.share is None or most.share is None:
+            raise ValueError("a road test without engine speed has no leakage share")
+        points = (
+            _Point(say("study.largest"), "circle", worst, worst.share * PERCENT),
+            _Point(say("study.leaks_most"), "triangle-up", most, most.share * PERCENT),
+        )
+        _variant(drawn, result, run.share * PERCENT, points, say)
+        largest.append((most.leakage, worst, most))
+    _, worst, most = max(largest, key=lambda each: each[0])
+    _instant(drawn, worst, "largest_share", CURVES["red"], "dash", say)
+    _instant(drawn, most, "most_leakage", CURVES["green"], "dot", say)
+    _gears(drawn, results[0].time, gear, say)
+    return _laid_out(drawn, say("study.axis_time"), say("study.axis_share"))
+
+
+def leakage_over_temperature(
+    curves: Sequence[TemperatureCurve],
+    say: Wording,
+    results: Sequence[VariantResult] = (),
+    *,
+    wear: float = 0.5,
+    printed: bool = True,
+    log_y: bool = False,
+) -> Figure:
+    """Draw the largest leakage against temperature at one wear (the article's Figure 14), by viscosity model.
+
+    ``results`` adds the variants of that wear as computed and, where ``printed``, as Table 3 prints them.
+    """
+    drawn = Figure()
+    for curve in curves:
+        name = say.get("study_words", curve.label)
+        _line(drawn, name, curve.temperature, curve.max_leakage * DM3_MIN, *_MODEL_LOOKS[curve.model])
+    of_wear = sorted(
+        (result for result in results if result.variant.wear == wear), key=lambda result: result.variant.temperature
     )
+    at, names = [each.variant.temperature for each in of_wear], [each.variant.name for each in of_wear]
+    if of_wear and printed:
+        values = [float(each.variant.printed_max_leakage) for each in of_wear]
+        _points(drawn, say("study.table_3"), at, values, CURVES["grey"], "square-open")
+    if of_wear:
+        values = [each.computed.max_leakage.leakage * DM3_MIN for each in of_wear]
+        words = {"text": names, "textposition": "top center"}
+        _points(drawn, say("study.computed"), at, values, CURVES["blue"], "circle", **words)
+    return _laid_out(drawn, say("study.axis_temperature"), say("study.axis_most"), log_y=log_y)
+
+
+def _variant(drawn: Figure, result: VariantResult, values: np.ndarray, points: Sequence[_Point], say: Wording) -> None:
+    """Draw a variant over time, and its points."""
+    name, (colour, dash) = result.variant.name, _LOOKS[result.variant.name]
+    keep = [int(np.argmin(np.abs(result.time - point.instant.time))) for point in points]
+    x, y = _course(result.time, values, keep)
+    _line(drawn, variant_label(result, say), x, y, colour, dash, legendgroup=name)
+    for point in points:
+        legend = {"legendgroup": name, "showlegend": False}
+        _points(drawn, f"{name} {point.word}", [point.instant.time], [point.value], colour, point.symbol, **legend)
+
+
+def _line(
+    drawn: Figure,
+    name: str,
+    x: np.ndarray,
+    y: np.ndarray,
+    colour: str,
+    dash: str,
+    row: int | None = None,
+    **more: object,
+) -> None:
+    at = drawn.rows if row is None else row
+    hover = f"{name}<br>%{{x:.4g}}: %{{y:.4g}}"
+    drawn.line(x, y, colour, 1.8, dash, name=name, hover=hover, connectgaps=False, row=at, **more)
+
+
+def _points(
+    drawn: Figure, name: str, x: Sequence[float], y: Sequence[float], colour: str, symbol: str, **more: object
+) -> None:
+    look = (colour, symbol, 13, 2.0) if symbol.endswith("-open") else (colour, symbol, 9, 0.0)
+    hover = f"{name}<br>%{{x:.4g}}: %{{y:.4g}}"
+    drawn.marks(y, x, name, look, upright=True, cliponaxis=False, hover=hover, row=drawn.rows, **more)
+
+
+def variant_label(result: VariantResult, say: Wording) -> str:
+    """Return a label such as ``W4: 80 °C, +50 %``; fresh oil and no wear are not mentioned."""
+    variant = result.variant
+    oil = f", {say('study.used_oil')}" if variant.used_oil and not variant.wear else ""
+    worn = f", +{say.plain(variant.wear * PERCENT)} %" if variant.wear else ""
+    return f"{variant.name}: {say.plain(variant.temperature)} °C{oil}{worn}"
+
+
+def _instant(drawn: Figure, instant: Instant, word: str, colour: str, dash: str, say: Wording) -> None:
+    """Draw an instant as an upright line, and name it in the legend."""
+    line = {"color": colour, "dash": dash, "width": 1.5}
+    drawn.add_vline(instant.time, line)
+    name = say(f"study.{word}", time=say.plain(instant.time))
+    drawn.add_scatter(drawn.rows, x=[None], y=[None], mode="lines", name=name, line=line)
+
+
+def _gears(drawn: Figure, time: np.ndarray, gear: np.ndarray | None, say: Wording) -> None:
+    """Name the stretches in one gear above the figure; none without a gear channel, or where they are too many."""
+    if gear is None or not len(time):
+        return
+    known = np.nan_to_num(gear, nan=np.inf)  # one stretch without a gear is one stretch
+    edges = np.flatnonzero(known[1:] != known[:-1]) + 1
+    starts, stops = [0, *edges.tolist()], [*edges.tolist(), len(time) - 1]
+    spans = [each for each in zip(starts, stops, strict=True) if np.isfinite(gear[each[0]])]
+    if len(starts) > _MOST_GEARS:
+        return
+    for number, (start, stop) in enumerate(spans):
+        place = {"x": 0.5 * float(time[start] + time[stop]), "y": 1.0, "xref": "x", "yref": "paper"}
+        drawn.add_annotation(
+            **place, yanchor="bottom", text=say("study.gear", gear=f"{gear[start]:g}"), font={"size": 12}
+        )
+        if number:
+            drawn.add_vline(float(time[start]), {"color": "rgba(128,128,128,0.5)", "width": 1, "dash": "dot"})
+
+
+def _laid_out(drawn: Figure, x_title: str, y_title: str, *, log_y: bool = False) -> Figure:
+    framed(drawn, _HEIGHT + 140 * (drawn.rows - 1), 30)
+    legend = {"orientation": "h", "yref": "container", "yanchor": "bottom", "y": 0.0, "x": 0.0}
+    drawn.update_layout(legend=legend | {"groupclick": "togglegroup"})
+    drawn.update_xaxes(gridcolor=_GRID)
+    drawn.update_yaxes(gridcolor=_GRID, zeroline=True, zerolinecolor=_GRID)
+    drawn.update_xaxes(title=x_title, row=drawn.rows)
+    scale = {"type": "log"} if log_y else {"rangemode": "tozero"}
+    drawn.update_yaxes(**scale)
+    drawn.update_yaxes(title=y_title, row=drawn.rows)
     return drawn
 
 
-def _properties(line: Line) -> dict[str, Any]:
-    """Return plotly's properties of a line's trace."""
-    modes = [word for word, wanted in (("lines", line.dash), ("markers", line.symbol), ("text", line.text)) if wanted]
-    stroke = {"color": line.color, "dash": line.dash, "width": line.width} if line.dash else None
-    marker = None
-    if line.symbol:
-        shape = line.symbol if line.filled else f"{line.symbol}-open"
-        edge = 0 if line.filled else 2
-        marker = {"color": line.color, "symbol": shape, "size": 9 if line.filled else 13, "line": {"width": edge}}
-    return {
-        "x": line.x,
-        "y": line.y,
-        "name": line.name,
-        "mode": "+".join(modes),
-        "line": stroke,
-        "marker": marker,
-        "text": line.text or None,
-        "textposition": "top center",
-        "legendgroup": line.group or None,
-        "showlegend": line.in_legend,
-        "connectgaps": False,
-        "cliponaxis": line.dash is not None,
-        "hovertemplate": f"{line.name}<br>%{{x:.4g}}: %{{y:.4g}}<extra></extra>",
-    }
-
-
-def _draw_spans(drawn: Figure, chart: Chart) -> None:
-    for start, stop, text in chart.spans:
-        drawn.add_annotation(
-            x=0.5 * (start + stop), y=1.0, yref="paper", xref="x", yanchor="bottom", text=text,
-            font={"size": 12},
-        )  # fmt: skip
-    for start, _, _ in chart.spans[1:]:
-        drawn.add_vline(start, {"color": "rgba(128,128,128,0.5)", "width": 1, "dash": "dot"})
+def _course(x: np.ndarray, y: np.ndarray, keep: Sequence[int] = ()) -> tuple[np.ndarray, np.ndarray]:
+    """Choose the points of a line that are drawn."""
+    index = thinned([y], MOST_POINTS, keep)
+    return x[index], y[index]
