@@ -1,17 +1,23 @@
 """Compare the source study's tables and figures with the engine, and show where the article contradicts itself."""
 
-import pandas as pd
 import streamlit as st
 
 from atleak.errors import AtleakError
 from atleak.figures import variant_figures as figures
-from atleak.variants import tables
 from atleak.variants.article import compare_points
 from atleak.views.diagnosis_record import to_json
-from atleak.views.variant_rows import table_2, table_3, variants_record
+from atleak.views.variant_rows import (
+    errata_table,
+    option_share_table,
+    option_table,
+    point_table,
+    table_2,
+    table_3,
+    variants_record,
+)
 from pages.shared import panel, reader, show
 from pages.shared.cases import result_key
-from pages.shared.study import CITED, computed, said, table
+from pages.shared.study import CITED, computed
 
 STUDY, JOB = "of_study", "of_job"
 case, diagnosis = panel.shown()
@@ -39,13 +45,13 @@ with variants:
     st.markdown(say("study.table_3_is"))
     show.table(table_3(results, say), height="content")
     st.caption(say("study.table_3_help"))
-    noted = {each.variant.name: each.variant.note for each in results if each.variant.note}
-    st.markdown("\n".join(f"- **{name}** {show.plain(note)}" for name, note in said(noted).items()))
+    notes = {each.variant.name: say.get("study_words", each.variant.note) for each in results if each.variant.note}
+    st.markdown("\n".join(f"- **{name}** {show.plain(note)}" for name, note in notes.items()))
     record = to_json(variants_record(results, controller, road_test))
     st.download_button(say("study.download"), record, "variants.json", "application/json", on_click="ignore")
     if what == STUDY:
         st.subheader(say("study.points"))
-        table(tables.point_rows(compare_points(results)), 3)
+        show.table(point_table(compare_points(results), say), height="content")
 with over_time:
     show.chart(figures.leakage_over_time(results, say, gear), "time")
     st.caption(say("study.time_help"))
@@ -62,8 +68,8 @@ with share:
         st.caption(say("study.share_help"))
 with physics:
     st.markdown(say("study.physics_is"))
-    table(tables.option_changes(options), 2, signed=True)
+    show.table(option_table(options, say), height="content")
     st.markdown(say("study.physics_share"))
-    table(tables.option_rows(options, "share_at_max_leakage"))
+    show.table(option_share_table(options, say), height="content")
 with errata:
-    st.table(pd.DataFrame([said(row) for row in tables.errata_rows()]), hide_index=True)
+    st.table(errata_table(say).frame(), hide_index=True)

@@ -8,17 +8,17 @@ that the article's Table 2 prints; they differ in W3 and W4.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid, ViscosityModel, load_fluid
-from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import with_wear
@@ -32,6 +32,7 @@ from atleak.system.files import shipped
 FRESH_FLUID = "hipol_atf_iid"
 USED_FLUID = "hipol_atf_iid_used"
 USED_VISCOSITY = 8.40e-6  # [m²/s] at 80 °C after 106 315 km
+_WEAR = 0.5  # of the curves over temperature
 
 
 @dataclass(frozen=True)
@@ -62,19 +63,8 @@ class Variant:
         return self.viscosity_of_results != self.kinematic_viscosity
 
 
-def _variant(
-    name: str,
-    temperature: float,
-    wear: float,
-    nu: float,
-    rho: float,
-    q: str,
-    u: str,
-    *,
-    used_oil: bool = False,
-    note: str = "",
-) -> Variant:
-    return Variant(name, temperature, wear, nu * 1e-6, rho * 1e3, Decimal(q), Decimal(u), used_oil, note)
+def _variant(name: str, temperature: float, wear: float, nu: float, rho: float, q: str, u: str, **more: Any) -> Variant:
+    return Variant(name, temperature, wear, nu * 1e-6, rho * 1e3, Decimal(q), Decimal(u), **more)
 
 
 _USED_OIL_NOTE = (
@@ -130,13 +120,7 @@ class VariantResult:
     messages: tuple[Message, ...]
 
 
-def run_variants(
-    controller: Controller,
-    road_test: RoadTest,
-    *,
-    profile: Profile = PAPER,
-    mounted: Sequence[LandClearance] | None = None,
-) -> tuple[VariantResult, ...]:
+def run_variants(controller: Controller, road_test: RoadTest, *, profile: Profile = PAPER) -> tuple[VariantResult, ...]:
     """Run W1-W8 for a controller and a road test.
 
     Parameters
@@ -149,8 +133,6 @@ def run_variants(
     profile
         the options of the engine. With ``viscosity = "tabulated"``, as the ``paper`` profile has it, viscosity and
         density are the variant's own; else those of the study's fluid, fresh or used, by that model.
-    mounted
-        the clearances that count as 0 % wear; the controller's mounting clearances unless given.
 
     Returns
     -------
@@ -162,18 +144,17 @@ def run_variants(
     RoadTestError
         a log without main pressure, or without a usable sample.
     """
-    states = tuple(mounted) if mounted is not None else clearances(None, controller)
-    log = _StudyLog.of(controller, states, road_test)
+    log = _StudyLog.of(controller, road_test)
     results = []
     for variant in VARIANTS:
         fluid = variant_fluid(variant)
-        if not _covers(fluid, variant.temperature, profile.viscosity):
+        computed = log.run(variant, fluid, profile)
+        if computed is None:
             continue
-        worn = with_wear(states, variant.wear)
-        tabulated = computed = log.run(LeakageModel(controller, worn, fluid, profile), variant.temperature)
+        tabulated: RoadLeakage | None = computed
         if variant.misprinted_viscosity:
-            fresh = variant_fluid(variant, as_tabulated=True)
-            tabulated = log.run(LeakageModel(controller, worn, fresh, profile), variant.temperature)
+            tabulated = log.run(variant, variant_fluid(variant, as_tabulated=True), profile)
+        assert tabulated is not None  # the table has a row for every variant
         results.append(
             VariantResult(
                 variant=variant,
@@ -244,29 +225,38 @@ def _with_constants(road_test: RoadTest, constants: Mapping[str, float]) -> Road
 class _StudyLog:
     """The road test that every variant runs over, with constants for what the log does not hold."""
 
+    controller: Controller
+    states: tuple[LandClearance, ...]  # that count as 0 % wear
     road_test: RoadTest
-    assumed: OperatingPoint
     messages: tuple[Message, ...]
 
     @classmethod
-    def of(cls, controller: Controller, states: tuple[LandClearance, ...], road_test: RoadTest) -> _StudyLog:
+    def of(cls, controller: Controller, road_test: RoadTest) -> _StudyLog:
         """Check a log by running W1 over it as any job is run: an unusable log is refused, assumptions are reported."""
-        assumed, first = controller.operating_points[0], VARIANTS[0]
+        states, assumed, first = clearances(None, controller), controller.operating_points[0], VARIANTS[0]
         model = LeakageModel(controller, states, variant_fluid(first), PAPER)
-        road_leakage = evaluate_road_test(model, variant_road_test(road_test, first.temperature), assumed)
+        messages = evaluate_road_test(model, variant_road_test(road_test, first.temperature), assumed).messages
         constants = {"converter_pressure": assumed.converter_pressure, "gear": float(assumed.gear)}
         missing = {name: value for name, value in constants.items() if road_test.values(name) is None}
-        return cls(_with_constants(road_test, missing), assumed, road_leakage.messages)
+        return cls(controller, states, _with_constants(road_test, missing), messages)
 
-    def leakage(self, model: LeakageModel, temperature: float) -> np.ndarray:
-        main, converter, gear = (
-            self.road_test.values(name) for name in ("main_pressure", "converter_pressure", "gear")
-        )
-        return leakage_series(model, main, converter, temperature, gear).total
+    def model(self, wear: float, fluid: Fluid, profile: Profile) -> LeakageModel:
+        return LeakageModel(self.controller, with_wear(self.states, wear), fluid, profile)
 
-    def run(self, model: LeakageModel, temperature: float) -> RoadLeakage:
-        road_leakage = evaluate_road_test(model, variant_road_test(self.road_test, temperature), self.assumed)
-        return replace(road_leakage, sections={})  # not needed, and those of ten runs over a long log take much memory
+    def largest(self, model: LeakageModel, temperature: float) -> float:
+        """Return the largest leakage at one temperature [m³/s]; NaN where the viscosity's model does not cover it."""
+        if not _covers(model.fluid, temperature, model.profile.viscosity):
+            return float("nan")
+        main, converter, gear = map(self.road_test.values, ("main_pressure", "converter_pressure", "gear"))
+        return float(np.nanmax(leakage_series(model, main, converter, temperature, gear).total))
+
+    def run(self, variant: Variant, fluid: Fluid, profile: Profile) -> RoadLeakage | None:
+        """Return a variant over the log; None where the viscosity's model does not cover its temperature."""
+        if not _covers(fluid, variant.temperature, profile.viscosity):
+            return None
+        test, assumed = variant_road_test(self.road_test, variant.temperature), self.controller.operating_points[0]
+        run = evaluate_road_test(self.model(variant.wear, fluid, profile), test, assumed)
+        return replace(run, sections={})  # not needed, and those of ten runs over a long log take much memory
 
 
 # --- what the better physics is worth ---------------------------------------------------------------------------
@@ -278,9 +268,7 @@ class OptionRow:
 
     label: str
     profile: Profile
-    max_leakage: dict[str, float | None]  # variant → [m³/s]
-    share_at_max_leakage: dict[str, float | None]
-    max_share: dict[str, float | None]
+    runs: Mapping[str, RoadLeakage | None]  # by variant
 
 
 #: label → options set on top of ``paper``; the last two set everything
@@ -294,36 +282,16 @@ OPTION_STEPS: tuple[tuple[str, dict[str, object]], ...] = (
 )
 
 
-def compare_options(
-    controller: Controller, road_test: RoadTest, *, mounted: Sequence[LandClearance] | None = None
-) -> tuple[OptionRow, ...]:
+def compare_options(controller: Controller, road_test: RoadTest) -> tuple[OptionRow, ...]:
     """Compute W1-W8 with ``paper``, with one option at a time, and with ``workshop`` without entry loss and with it."""
     profiles = [(label, PAPER.with_options(**options)) for label, options in OPTION_STEPS]
     profiles.append(("workshop: the four above without entry loss", WORKSHOP.with_options(entry_loss="off")))
     profiles.append(("workshop with entry loss", WORKSHOP.with_options(entry_loss="on")))
-    states = tuple(mounted) if mounted is not None else clearances(None, controller)
-    log = _StudyLog.of(controller, states, road_test)
-    rows = []
-    for label, profile in profiles:
-        runs = {}
-        for variant in VARIANTS:
-            fluid = variant_fluid(variant)
-            if _covers(fluid, variant.temperature, profile.viscosity):
-                model = LeakageModel(controller, with_wear(states, variant.wear), fluid, profile)
-                runs[variant.name] = log.run(model, variant.temperature)
-        names = [variant.name for variant in VARIANTS]
-        tops = {name: runs[name].max_leakage if name in runs else None for name in names}
-        worst = {name: runs[name].max_share if name in runs else None for name in names}
-        rows.append(
-            OptionRow(
-                label=label,
-                profile=profile,
-                max_leakage={name: top.leakage if top else None for name, top in tops.items()},
-                share_at_max_leakage={name: top.share if top else None for name, top in tops.items()},
-                max_share={name: top.share if top else None for name, top in worst.items()},
-            )
-        )
-    return tuple(rows)
+    log = _StudyLog.of(controller, road_test)
+    return tuple(
+        OptionRow(label, profile, {each.name: log.run(each, variant_fluid(each), profile) for each in VARIANTS})
+        for label, profile in profiles
+    )
 
 
 @dataclass(frozen=True)
@@ -343,37 +311,15 @@ _MODEL_LABELS: dict[ViscosityModel, str] = {
 }
 
 
-def temperature_curves(
-    controller: Controller,
-    road_test: RoadTest,
-    *,
-    wear: float = 0.5,
-    temperatures: Iterable[float] | None = None,
-    models: Sequence[ViscosityModel] = ("tabulated", "regression", "d341"),
-    mounted: Sequence[LandClearance] | None = None,
-) -> tuple[TemperatureCurve, ...]:
-    """Compute the largest leakage against temperature for the study's fresh fluid, by viscosity model.
+def temperature_curves(controller: Controller, road_test: RoadTest) -> tuple[TemperatureCurve, ...]:
+    """Compute the largest leakage at −40 to 100 °C for the study's fresh fluid, by viscosity model.
 
-    All else is as in the ``paper`` profile.
-
-    Parameters
-    ----------
-    wear
-        of every land, as a fraction; the article's Figure 14 has 0.5.
-    temperatures
-        [°C]; −40 to 100 in steps of 5 unless given.
-    models
-        viscosity models to compare.
-    mounted
-        see `run_variants`.
+    All else is as in the ``paper`` profile, and every land is worn by a half, as in the article's Figure 14.
     """
-    grid = np.array(list(np.arange(-40.0, 101.0, 5.0) if temperatures is None else temperatures), dtype=float)
-    states = tuple(mounted) if mounted is not None else clearances(None, controller)
-    log, worn = _StudyLog.of(controller, states, road_test), with_wear(states, wear)
-    fluid = load_fluid(FRESH_FLUID)
+    grid, log, fluid = np.arange(-40.0, 101.0, 5.0), _StudyLog.of(controller, road_test), load_fluid(FRESH_FLUID)
     curves = []
-    for name in models:
-        model = LeakageModel(controller, worn, fluid, PAPER.with_options(viscosity=name))
-        tops = [np.nanmax(log.leakage(model, t)) if _covers(fluid, t, name) else np.nan for t in grid.tolist()]
-        curves.append(TemperatureCurve(name, _MODEL_LABELS[name], grid, np.array(tops)))
+    for name, label in _MODEL_LABELS.items():
+        model = log.model(_WEAR, fluid, PAPER.with_options(viscosity=name))
+        largest = np.array([log.largest(model, temperature) for temperature in grid.tolist()])
+        curves.append(TemperatureCurve(name, label, grid, largest))
     return tuple(curves)

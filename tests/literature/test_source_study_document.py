@@ -11,7 +11,8 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.intake.road_test import read_road_test
 from atleak.variants import compare_options, run_variants
-from atleak.variants.tables import option_changes, option_rows
+from atleak.views.variant_rows import option_share_table, option_table
+from atleak.wording import wording
 
 DM3_MIN = 6e4
 
@@ -46,8 +47,10 @@ def test_table_3_of_the_document(text: str, four_speed: Controller, sample_log: 
 
 def test_options_of_the_document(text: str, four_speed: Controller, sample_log: Path) -> None:
     options = compare_options(four_speed, read_road_test(sample_log))
-    changes = {row.pop("options"): row for row in option_changes(options)}
-    shares = {row.pop("options"): row for row in option_rows(options, "share_at_max_leakage")}
+    changes, shares = (
+        {row.pop("options"): row for row in table(options, wording("en")).records()}
+        for table in (option_table, option_share_table)
+    )
     for label in shares:
         written = rows(text, re.escape(label))
         expected = [shares[label]] if label not in changes else [changes[label], shares[label]]
