@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from atleak.diagnosis import Diagnosis
 from atleak.verdicts import Verdict
 from atleak.views.condition_record import finite
+from atleak.views.gauge_rows import permissible_text
 from atleak.views.pressures import HeldPressure, Interval, PressuresAt
 from atleak.views.sentences import land_in_words, permissible_words
 from atleak.views.table import VERDICT, Column, Table
@@ -42,14 +43,21 @@ def condition_table(conditions: Sequence[PressuresAt], say: Wording) -> Table:
     return Table("pressures", columns, conditions, say)
 
 
-def held_table(diagnosis: Diagnosis, at: PressuresAt, say: Wording) -> Table:
-    """Return a row for the line and every circuit that is applied at a condition."""
+def held_table(diagnosis: Diagnosis, conditions: Sequence[PressuresAt], say: Wording) -> Table:
+    """Return a row for the line and every circuit that is applied, at each of some conditions."""
+    where = {id(held): at.projection.condition for at in conditions for held in at.applied}
 
     def costly(held: HeldPressure) -> str | None:
         costs = (
             f"{land_in_words(diagnosis, key, say)}: {say.quantity(loss * KPA, 'pressure')}" for key, loss in held.costly
         )
         return "; ".join(costs) or None
+
+    def decision(held: HeldPressure) -> str | None:
+        if held.decided is None:
+            return None
+        words, chance = say.get("decisions", held.decided.decision), held.decided.probability_over_limit
+        return f"{words} ({say.percent(chance, 0)})"
 
     columns = (
         Column("verdict", VERDICT, width=92),
@@ -60,11 +68,13 @@ def held_table(diagnosis: Diagnosis, at: PressuresAt, say: Wording) -> Table:
         Column("lands_that_cost", width=300, of=costly),
         Column("held_repaired", "pressure", of="repaired", times=KPA),
         Column("set_pressure", "pressure", times=KPA),
+        Column("permissible", words_of="pressure", of=lambda each: permissible_text(each.permissible, say)),
         Column("held_low", "pressure", of=lambda each: _end(each.interval, 0), times=KPA),
         Column("held_high", "pressure", of=lambda each: _end(each.interval, 1), times=KPA),
-        Column("decision", of=lambda each: each.decided and say.get("decisions", each.decided.decision)),
+        Column("decision", width=100, of=decision),
     )
-    return Table("circuits", columns, at.applied, say)
+    rows = [held for at in conditions for held in at.applied]
+    return Table("circuits", columns, rows, say, group=lambda held: say.condition(where[id(held)]))
 
 
 def _end(interval: Interval | None, end: int) -> float | None:

@@ -67,7 +67,7 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     st.markdown(f"{plain(pressure_sentence(at, say))}  \n{plain(reserve_sentence(at, say))}")
     show.chart(figures.circuit_pressures(at, say), "circuits")
     if at.circuits:
-        show.table(held_table(diagnosis, at, say))
+        show.table(held_table(diagnosis, [at], say))
         vented = ", ".join(say.name(each.circuit.name) for each in at.circuits if each.vented and each.circuit)
         empty = say("circuits.vented", circuits=vented) if vented else ""
         st.caption(plain(f"{say('circuits.lost')} {empty}".rstrip()))

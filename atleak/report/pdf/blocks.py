@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 from atleak.verdicts import Band, Verdict
 from atleak.views.section import Facts, Part, Picture, Points, Section, Text
@@ -138,64 +138,6 @@ def _cell(column: Column, interval: tuple[Column, Column] | None, item: Any, say
     low, high = (each.text(item, say) for each in interval) if interval else ("–", "–")
     text = text if low == "–" else f"{text}\n({low}–{high})"
     return text if level is None else {"sign": level.verdict if isinstance(level, Band) else level, "text": text}
-
-
-@dataclass(frozen=True)
-class PrintedColumn:
-    """One column of a table: its title, the content of its cells and how it is set.
-
-    ``cell`` turns the item of a row into the content of the cell: a text, or a dictionary with ``sign`` and ``text``
-    for a verdict. ``width`` is the column's share of the remaining width (0: as narrow as its content). ``side`` is
-    left, centred or right, or the decimal signs below one another.
-    """
-
-    title: str
-    cell: Callable[[Any], Any]
-    unit: str = ""
-    width: int = 0
-    side: Literal["l", "c", "r", "d"] = "l"
-
-    @property
-    def name(self) -> str:
-        """Return the title with the unit below it; words begin with a capital letter, a symbol stays as it is."""
-        title = begun(self.title) if self.title[:2].isalpha() else self.title
-        return f"{title}\n{self.unit}" if self.unit else title
-
-
-def table(
-    columns: Sequence[PrintedColumn],
-    items: Iterable[Any],
-    *,
-    empty: bool = True,
-    whole: bool = False,
-    told: Callable[[Any], str] | None = None,
-) -> Block:
-    """Return a table with one row per item; with ``empty`` False, empty columns are left out.
-
-    One that is ``whole`` stands on one page, and is to be short. What is ``told`` of an item stands below its row,
-    across all columns.
-    """
-    items = list(items)
-    rows = [[column.cell(item) for column in columns] for item in items]
-    kept = [
-        index for index in range(len(columns)) if rows and (empty or any(row[index] not in ("", "–") for row in rows))
-    ]
-    if not kept:
-        return {}
-    made: Block = {
-        "kind": "table",
-        "names": [columns[index].name for index in kept],
-        "rows": [[row[index] for index in kept] for row in rows],
-        "widths": [columns[index].width for index in kept],
-        "aligned": "".join(columns[index].side for index in kept),
-        "whole": whole,
-    }
-    if told is not None:
-        groups: list[list[list[Any]]] = [
-            [row, [{"told": said}]] if said else [row] for row, said in zip(made["rows"], map(told, items), strict=True)
-        ]
-        made |= {"rows": [row for group in groups for row in group], "groups": _held([*map(len, groups)])}
-    return made
 
 
 def _held(sizes: list[int]) -> list[int]:

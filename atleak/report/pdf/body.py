@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
+from math import isfinite
 from typing import Any
 
 from atleak.catalogue.fluid import USED_THINNER
@@ -14,6 +15,7 @@ from atleak.errors import Message, unknown
 from atleak.job.doubts import record_doubts
 from atleak.job.record import RepairDecision, Scratch
 from atleak.land_diagnosis import LandDiagnosis
+from atleak.look import look_of
 from atleak.phrases import PART_WORDS
 from atleak.report.estimate_words import open_words
 from atleak.report.pdf.annex import Annex
@@ -36,10 +38,11 @@ from atleak.report.pdf.gauges import gauge_blocks
 from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import Part, PrintedNames
 from atleak.report.pdf.road import RoadTestSection
-from atleak.report.printed_charts import Bar, shares_chart
+from atleak.report.printed_charts.charts import drawn as printed_chart
 from atleak.sentence import Sentence
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
+from atleak.views.charts import Layer, RowChart
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.drawing import controller_svg, shortened
 from atleak.views.land_names import component_words
@@ -181,14 +184,34 @@ class Body(Part):
         if at.leakage <= 0.0 or at.pump_capacity <= 0.0:
             return
         top, condition = self.diagnosis.drawing_most[:BARS], names.condition(at.condition)
-        drawn = shares_chart(list(map(self._bar, top)), say("charts.share_of_pump", condition=condition), say)
         lands = joined(f"{names.land_name(land)} {say.percent(land.share, 2)}" for land in top)
+        drawn = printed_chart(self._share_chart(top, say("charts.share_of_pump", condition=condition)), say)
         yield picture(drawn, say("charts.shares_alt", lands=lands), say("charts.caption_shares", condition=condition))
 
-    def _bar(self, land: LandDiagnosis) -> Bar:
-        low, high = (land.uncertainty.share_interval if land.uncertainty else None) or (None, None)
-        ends = (None if end is None else end * PERCENT for end in (low, high))
-        return Bar(shortened(self.names.land_name(land), _LABEL), land.share * PERCENT, land.verdict, *ends)
+    def _share_chart(self, lands: Sequence[LandDiagnosis], axis: str) -> RowChart:
+        """Return the lands that leak most as bars with their intervals, each in the shade of its verdict."""
+        say = self.say
+        intervals = [land.uncertainty.share_interval if land.uncertainty else None for land in lands]
+        spans = [tuple(end * PERCENT for end in each) if each and isfinite(each[0]) else None for each in intervals]
+        ends = [end for land, span in zip(lands, spans, strict=True) for end in (land.share * PERCENT, *(span or ()))]
+        right = max(filter(isfinite, ends), default=1.0)  # the interval of a pump that may deliver nothing has no end
+        said = [
+            say.number(land.share * PERCENT, 2)
+            + ("" if span is None else f" ({say.number(span[0], 2)}–{say.number(span[1], 2)})")
+            for land, span in zip(lands, spans, strict=True)
+        ]
+        layers = [
+            Layer(
+                say.level(verdict),
+                look_of(verdict),
+                [land.share * PERCENT if land.verdict is verdict else None for land in lands],
+                spans=[None if span is None else (span[0], min(span[1], right)) for span in spans],
+                thick=0.68,
+            )
+            for verdict in VERDICTS
+            if any(land.verdict is verdict for land in lands)
+        ]
+        return RowChart([shortened(self.names.land_name(land), _LABEL) for land in lands], layers, axis, said)
 
     def _repair(self) -> Iterable[Block]:
         say, controller = self.say, self.diagnosis.controller

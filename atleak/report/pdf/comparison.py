@@ -4,32 +4,34 @@ from __future__ import annotations
 
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 from atleak.comparison import Comparison, ConditionComparison, LandComparison
+from atleak.comparison.results import SIDES
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.job.record import Job, RepairDecision
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.own_font import OwnFont
-from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
+from atleak.report.pdf.blocks import Block, bullets, joined, listed, named_facts, picture, signatures, text
 from atleak.report.pdf.compiling import common_data, compile_pdf
 from atleak.report.pictures import write_pictures
 from atleak.report.printed_charts import TwoBars, two_visits_chart
-from atleak.verdicts import Band
+from atleak.verdicts import Band, Verdict
 from atleak.views.comparison_words import differing_sentence, how_sure, visit_caveats, with_uncertainty
 from atleak.views.measured_words import measured_sentence
+from atleak.views.table import VERDICT, Column, span
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import KPA, PERCENT, UM
 
 PAIRS = range(12, 2, -1)  # how many pairs the page lists, as many as fit; the report of each job has them all
 LEFT = 6  # most pairs that it names as still to be repaired
 BARS = 2  # most conditions in the picture
-_CHART = "totals"
 _MOVED = 5e3  # [Pa] that a pressure must have moved to be named to a customer: choice of this project
 
 
@@ -81,7 +83,6 @@ def write_comparison_pdf(
             "sides": page.sides(),
             "lengths": len(page.lengths),
             "sections": [section for section in page.sections() if section["blocks"]],
-            "charts": page.charts(),
         }
         return compile_pdf("comparison", Path(folder), data, after.date, say, font)
 
@@ -103,37 +104,26 @@ class _Page:
         """Return whose car it is, of which unit, and when the two visits were; what nobody filled in is left out."""
         say, (before, after) = self.say, self.jobs
 
-        def either(*path: str) -> str:
-            for job in (after, before):
-                value: Any = job
-                for name in path:
-                    value = getattr(value, name)
-                if value:
-                    return str(value)
-            return ""
+        def either(path: str) -> str:
+            return next((str(value) for job in (after, before) if (value := attrgetter(path)(job))), "")
 
-        rows = [
-            ("customer", either("customer", "name")),
-            ("vehicle", joined([either("vehicle", name) for name in ("make", "model", "year")], " ")),
-            ("registration", either("vehicle", "registration")),
-            ("vin", either("vehicle", "vin")),
-            ("transmission", joined([either("transmission", name) for name in ("maker", "code")], " ")),
-            ("serial", either("transmission", "serial")),
-            ("controller", say.name(self.comparison.after.controller.name)),
-        ]
-        visits = [[say(f"comparison.{side}"), self._visit(number)] for number, side in enumerate(("before", "after"))]
-        return [[say(f"facts.{name}"), value] for name, value in rows if value] + [row for row in visits if row[1]]
+        facts = {
+            "customer": either("customer.name"),
+            "vehicle": joined(map(either, ("vehicle.make", "vehicle.model", "vehicle.year")), " "),
+            "registration": either("vehicle.registration"),
+            "vin": either("vehicle.vin"),
+            "transmission": joined(map(either, ("transmission.maker", "transmission.code")), " "),
+            "serial": either("transmission.serial"),
+            "controller": say.name(self.comparison.after.controller.name),
+        }
+        rows: list[list[str]] = named_facts("facts", say, **facts)["rows"]
+        visits = map(self._visit, self.jobs, self.diagnoses)
+        return rows + [[say(f"comparison.{side}"), visit] for side, visit in zip(SIDES, visits, strict=True) if visit]
 
-    def _visit(self, number: int) -> str:
-        job = self.jobs[number]
-        mileage = job.mileage_or(self.diagnoses[number].mileage)
-        return joined(
-            (
-                job.number,
-                self.say.date(job.date) if job.date else "",
-                "" if mileage is None else self.say("texts.mileage", value=self.say.value(mileage, "distance", 0)),
-            )
-        )
+    def _visit(self, job: Job, diagnosis: Diagnosis) -> str:
+        mileage, say = job.mileage_or(diagnosis.mileage), self.say
+        at = "" if mileage is None else say("texts.mileage", value=say.value(mileage, "distance", 0))
+        return joined((job.number, say.date(job.date) if job.date else "", at))
 
     def sides(self) -> list[dict[str, str]]:
         """Return both verdicts, each with what was or is past a limit."""
@@ -142,56 +132,59 @@ class _Page:
                 "key": diagnosis.verdict,
                 "name": self.say(f"comparison.{side}"),
                 "word": self.say.level(diagnosis.verdict).capitalize(),
-                "sentence": self._past(diagnosis),
+                "sentence": self.say(
+                    "comparison.past" if diagnosis.judged else "comparison.past_unmeasured",
+                    flagged=len(diagnosis.flagged),
+                    measured=diagnosis.judged,
+                ),
             }
-            for side, diagnosis in zip(("before", "after"), self.diagnoses, strict=True)
+            for side, diagnosis in zip(SIDES, self.diagnoses, strict=True)
         ]
-
-    def _past(self, diagnosis: Diagnosis) -> str:
-        if not diagnosis.judged:
-            return self.say("comparison.past_unmeasured")
-        return self.say("comparison.past", flagged=len(diagnosis.flagged), measured=diagnosis.judged)
 
     def sections(self) -> Iterable[dict[str, Any]]:
         """Yield the sections in their order; one without anything to say has no blocks."""
-        for name, blocks in (
-            ("wrong", self._wrong()),
-            ("done", self._done()),
-            ("result", self._result()),
-            ("pairs", self._pairs()),
-            ("totals", self._totals()),
-            ("know", self._know()),
-        ):
+        for name in ("wrong", "done", "result", "pairs", "totals", "know"):
+            blocks: Iterable[Block] = getattr(self, f"_{name}")()
             yield {"title": self.say(f"comparison.{name}"), "blocks": [block for block in blocks if block]}
-        yield {"title": "", "blocks": [self._signatures()]}
+        before, after = self.jobs
+        people = {
+            "technician": after.technician or before.technician,
+            "customer": after.customer.name or before.customer.name,
+        }
+        yield {"title": "", "blocks": [signatures(people.items(), self.say)]}
 
     # --- in plain words
 
     def _wrong(self) -> Iterable[Block]:
-        diagnosis, say = self.comparison.before, self.say
+        diagnosis, say, flagged = self.comparison.before, self.say, self.comparison.before.flagged
         complaint = joined(dict.fromkeys(job.complaint for job in self.jobs if job.complaint), " · ")
         said = [say("comparison.wrong_complaint", complaint=complaint)] if complaint else []
         if not diagnosis.judged:
             said.append(say("comparison.wrong_unmeasured"))
-        elif diagnosis.flagged:
-            repair = sum(land.verdict.calls_for_repair for land in diagnosis.flagged)
-            watch = len(diagnosis.flagged) - repair
-            counted = say("comparison.wrong_lands", measured=diagnosis.judged, repair=repair, watch=watch)
-            said.append(f"{say('customer.seal')} {counted}")
+        elif flagged:
+            repair = sum(land.verdict.calls_for_repair for land in flagged)
+            counts = {"measured": diagnosis.judged, "repair": repair, "watch": len(flagged) - repair}
+            said.append(f"{say('customer.seal')} {say('comparison.wrong_lands', **counts)}")
         else:
             said.append(say("comparison.wrong_none", measured=diagnosis.judged))
-        said += filter(None, [measured_sentence(diagnosis, say)])
-        leading = self.comparison.leading
-        if leading is not None and leading.before is not None and leading.share is not None:
-            said.append(
-                say(
-                    "comparison.wrong_total",
-                    condition=say.condition(leading.before.condition),
-                    share=say.percent(leading.share.before),
-                    new=say.percent(diagnosis.new_at(leading.before).share),
-                )
-            )
+        said += filter(None, [measured_sentence(diagnosis, say), self._leading("wrong_total")])
         yield text(" ".join(said))
+
+    def _leading(self, key: str) -> str | None:
+        """Say what the total was where it was worst before, and is; None where no total can be compared."""
+        leading, say = self.comparison.leading, self.say
+        if leading is None or leading.before is None or leading.share is None:
+            return None
+        before = say.percent(leading.share.before)
+        return say(
+            f"comparison.{key}",
+            condition=say.condition(leading.before.condition),
+            share=before,
+            before=before,
+            new=say.percent(self.comparison.before.new_at(leading.before).share),
+            after=say.percent(leading.share.after),
+            how=how_sure(leading.share, say),
+        )
 
     def _done(self) -> Iterable[Block]:
         """Yield the work that is noted as done, each kind with its pairs, and below what was not."""
@@ -200,11 +193,8 @@ class _Page:
         for each in decisions:
             if each.decision == "done":
                 works[each.work or each.repair or say("estimate.as_new")].append(self._named(each.component, each.land))
-        if works:
-            items = [say("comparison.done_item", work=work, pairs=joined(pairs, "; ")) for work, pairs in works.items()]
-            yield {"kind": "list", "items": items}
-        else:
-            yield text(say("comparison.done_none"))
+        items = [say("comparison.done_item", work=work, pairs=joined(pairs, "; ")) for work, pairs in works.items()]
+        yield bullets(items) or text(say("comparison.done_none"))
         left = [each for each in decisions if each.decision in ("declined", "deferred")]
         if left:
             yield text(say("comparison.not_done", items=joined(map(self._left, left), "; ")), small=True)
@@ -229,31 +219,18 @@ class _Page:
         return self.say("comparison.not_done_item", work=said, decision=how)
 
     def _result(self) -> Iterable[Block]:
-        comparison, say = self.comparison, self.say
-        after = comparison.after
-        if not after.judged:
-            said = [say("comparison.result_unmeasured")]
-        elif after.flagged:
-            said = [say("comparison.result_lands", flagged=len(after.flagged), measured=after.judged)]
-        else:
-            said = [say("comparison.result_ok", measured=after.judged)]
-        said += filter(None, [measured_sentence(after, say), self._still_to_repair()])
+        comparison, say, after = self.comparison, self.say, self.comparison.after
+        key = "unmeasured" if not after.judged else "lands" if after.flagged else "ok"
         changed, compared = len(comparison.changed), len(comparison.compared)
-        if compared:
-            said.append(say("comparison.result_changed", changed=changed, compared=compared))
-        leading = comparison.leading
-        if leading is not None and leading.before is not None and leading.share is not None:
-            said.append(
-                say(
-                    "comparison.result_total",
-                    condition=say.condition(leading.before.condition),
-                    before=say.percent(leading.share.before),
-                    after=say.percent(leading.share.after),
-                    how=how_sure(leading.share, say),
-                )
-            )
-        said += filter(None, [self._pressure()])
-        yield text(" ".join(said))
+        said = (
+            say(f"comparison.result_{key}", flagged=len(after.flagged), measured=after.judged),
+            measured_sentence(after, say),
+            self._still_to_repair(),
+            say("comparison.result_changed", changed=changed, compared=compared) if compared else None,
+            self._leading("result_total"),
+            self._pressure(),
+        )
+        yield text(" ".join(filter(None, said)))
 
     def _still_to_repair(self) -> str | None:
         """Name the pairs that are to be repaired still, the costliest first; None where there are none."""
@@ -294,20 +271,31 @@ class _Page:
         if not flagged:
             yield text(say("comparison.pairs_none"))
             return
-        sides = ("before", "after")
-        columns = [
-            PrintedColumn(say("printed.pair"), lambda land: self._named(*land.key), width=1),
-            PrintedColumn(say("comparison.new"), self._mounting, say.unit("clearance"), side="r"),
+
+        def clearance(side: str, compared: LandComparison) -> float | None:
+            land: LandDiagnosis | None = getattr(compared, side)
+            return land.state.radial_clearance if land and land.state.measured else None
+
+        def verdict(side: str, compared: LandComparison) -> Verdict | None:
+            land: LandDiagnosis | None = getattr(compared, side)
+            return land and land.verdict
+
+        columns = (
+            Column("pair", width=50, of=lambda land: self._named(*land.key)),
+            Column("comparison.new", words_of="clearance", of=self._mounting),
             *(
-                PrintedColumn(
-                    say(f"comparison.clearance_{side}"), partial(self._clearance, side), say.unit("clearance"), side="r"
+                Column(
+                    "", "clearance", words=say(f"comparison.clearance_{side}"), of=partial(clearance, side), times=UM
                 )
-                for side in sides
+                for side in SIDES
             ),
-            PrintedColumn(say("comparison.change"), self._change, say.unit("clearance"), side="r"),
-            *(PrintedColumn(say(f"comparison.verdict_{side}"), partial(self._verdict, side)) for side in sides),
-        ]
-        yield {"shortened": [table(columns, flagged[:length]) for length in self.lengths]}
+            Column("comparison.change", words_of="clearance", of=self._change),
+            *(
+                Column("", VERDICT, words=say(f"comparison.verdict_{side}"), of=partial(verdict, side))
+                for side in SIDES
+            ),
+        )
+        yield {"shortened": [listed(say, flagged[:length], *columns) for length in self.lengths]}
         notes = [self._pairs_note(len(flagged) - length) for length in self.lengths]
         yield {"shortened": [text(note, small=True) for note in notes]}
 
@@ -318,21 +306,12 @@ class _Page:
     def _mounting(self, land: LandComparison) -> str:
         newest = land.after or land.before
         assert newest is not None
-        return "–".join(self.say.value(end * UM, "clearance", 1) for end in newest.state.land.mounting_ends)
-
-    def _clearance(self, side: str, compared: LandComparison) -> str:
-        land: LandDiagnosis | None = getattr(compared, side)
-        value = land.state.radial_clearance * UM if land and land.state.measured else None
-        return self.say.value(value, "clearance", 1)
+        return span((end * UM for end in newest.state.land.mounting_ends), "clearance", self.say)
 
     def _change(self, land: LandComparison) -> str:
         if land.change is not None and not land.significant:
             return self.say("comparison.uncertain")
         return with_uncertainty(land.change, self.say)
-
-    def _verdict(self, side: str, compared: LandComparison) -> dict[str, str] | str:
-        land: LandDiagnosis | None = getattr(compared, side)
-        return "–" if land is None else {"sign": land.verdict, "text": self.say.level(land.verdict)}
 
     def _totals(self) -> Iterable[Block]:
         rows = self._bars()
@@ -348,12 +327,8 @@ class _Page:
             for row in rows
         )
         alt = self.say("comparison.chart_alt", conditions=said)
-        yield {"kind": "image", "file": _CHART, "alt": alt, "caption": self.say("comparison.caption")}
-
-    def charts(self) -> dict[str, str]:
-        """Return the picture of the totals as SVG."""
-        rows = self._bars()
-        return {_CHART: two_visits_chart(rows, self.say("comparison.axis"), self.say)} if rows else {}
+        drawn = two_visits_chart(rows, self.say("comparison.axis"), self.say)
+        yield picture(drawn, alt, self.say("comparison.caption"))
 
     def _bars(self) -> list[TwoBars]:
         return [bars for each in self.shown if (bars := self._two_bars(each)) is not None]
@@ -378,22 +353,7 @@ class _Page:
 
     def _know(self) -> Iterable[Block]:
         say, comparison = self.say, self.comparison
-        said: Sequence[str | None] = [differing_sentence(comparison, say), *visit_caveats(comparison, say)]
-        items = [each for each in said if each is not None]
-        if items:
-            yield {"kind": "list", "items": items}
-
-    def _signatures(self) -> Block:
-        say, (before, after) = self.say, self.jobs
-        return {
-            "kind": "signatures",
-            "room": 9,  # [mm]
-            "line": say("texts.sign_place"),
-            "people": [
-                [say("texts.sign_technician"), after.technician or before.technician],
-                [say("texts.sign_customer"), after.customer.name or before.customer.name],
-            ],
-        }
+        yield bullets(filter(None, [differing_sentence(comparison, say), *visit_caveats(comparison, say)]))
 
 
 def _band(diagnosis: Diagnosis, at: Projection) -> Band:

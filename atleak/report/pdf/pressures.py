@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from atleak.report.pdf.blocks import Block, ends, joined, picture, printed, text
 from atleak.report.pdf.printed_names import Part
@@ -12,13 +12,14 @@ from atleak.report.printed_charts import pressures_chart, pump_chart
 from atleak.uncertainty import RuleDecision
 from atleak.views.flow_diagram import FlowDiagram, flow_diagram, flow_words
 from atleak.views.flow_svg import flow_svg
-from atleak.views.gauge_rows import permissible_text
 from atleak.views.land_names import land_number
+from atleak.views.pressure_tables import held_table
 from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
 from atleak.views.pump_speed import PumpOverSpeed, pump_over_speed
 from atleak.views.pump_words import pump_sentence
 from atleak.views.sentences import circuit_sentence
-from atleak.views.table import VERDICT, Column, Judged, Table
+from atleak.views.table import Column, Judged, Table
+from atleak.wording import begun
 from atleak.workshop_units import DM3_MIN, KPA, RPM
 
 _DRAWN = 4  # lands drawn by themselves where the flow goes
@@ -33,12 +34,10 @@ class Pressures(Part):
         """Return the line and the pump at every condition, then the circuits of each, and their drawings."""
         say, diagnosis, plan = self.say, self.diagnosis, self.names.plan
         solved = diagnosis.profile.circuits == "on"
-        ends = plan.ends if plan.steps else ()
-        conditions = [pressures_at(diagnosis, each, ends) for each in diagnosis.presented]
+        repaired = plan.ends if plan.steps else ()
+        conditions = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
         first = lowest_first(diagnosis)[0]  # at which a pressure or the reserve is judged worst
         lowest = next(each for each in conditions if each.projection is first)
-        if solved:
-            yield self._line(conditions)
         yield self._pump(conditions)
         measured = pump_sentence(diagnosis, say)
         if measured is not None:
@@ -46,11 +45,10 @@ class Pressures(Part):
         yield text(say("texts.held") if solved else say("held.not_solved"), small=True)
         if not solved:
             return
+        yield from self._held(conditions)
         speeds = pump_over_speed(diagnosis, first, say)
         yield self._drawing("pump", pump_chart(speeds, say), self._crossings(speeds), lowest)
         if diagnosis.controller.circuits:
-            for at in conditions:
-                yield from self._circuits(at)
             yield text(say("texts.circuits"), small=True)
             held = (circuit_sentence(diagnosis, each, say) for each in lowest.applied)
             yield self._drawing("pressures", pressures_chart(lowest, say), f"{joined(held, '. ')}.", lowest)
@@ -92,43 +90,17 @@ class Pressures(Part):
     def _condition(self, at: PressuresAt) -> str:
         return self.names.condition(at.projection.condition)
 
-    def _table(self, rows: Iterable[Any], columns: Iterable[Column], **more: Any) -> Block:
-        """Return a table without the columns on repairs and limits, where none is planned and none is set."""
-        whole = Table("", tuple(columns), list(rows), self.say, **more)
-        kept = {column.key for column in whole.filled.columns}
-        optional = {"held_repaired", "reserve_repaired", "band", "reserve_decision"}
-        return printed(whole.without(*(optional - kept)))
+    def _held(self, conditions: Sequence[PressuresAt]) -> Iterator[Block]:
+        """Yield what the line and every circuit hold at each condition, and which circuits are not applied there."""
+        held = held_table(self.diagnosis, conditions, self.say).without("lands_that_cost").filled
+        yield printed(replace(held, told=self._told))
+        for at in conditions:
+            vented = joined(self.names.section(each.id) for each in at.circuits if each.vented)
+            if vented:
+                said = self.say("texts.vented", circuits=vented)
+                yield text(f"{begun(self._condition(at))}: {said}", small=True)
 
-    def _held(self, of: Callable[[Any], HeldPressure]) -> list[Column]:
-        """Return the columns of what is held, with its interval below it, when new and with the planned repairs."""
-
-        held = Column("held", "pressure", of=lambda item: of(item).now, times=KPA)
-        return [
-            held,
-            *ends(lambda item: of(item).interval, held),
-            Column("held_new", "pressure", of=lambda item: of(item).new, times=KPA),
-            Column("held_repaired", "pressure", of=lambda item: of(item).repaired, times=KPA),
-        ]
-
-    def _judged(self, of: Callable[[Any], HeldPressure]) -> list[Column]:
-        return [
-            Column("verdict", VERDICT, of=lambda item: of(item).verdict),
-            Column("decision", width=100, of=lambda item: self._decision(of(item).decided)),
-        ]
-
-    def _line(self, conditions: Iterable[PressuresAt]) -> Block:
-        def line(at: PressuresAt) -> HeldPressure:
-            return at.line
-
-        columns = [
-            Column("required", "pressure", of=lambda at: at.projection.condition.main_pressure, times=KPA),
-            *self._held(line),
-            Column("permissible", words_of="pressure", of=lambda at: permissible_text(at.line.permissible, self.say)),
-            *self._judged(line),
-        ]
-        return self._table(conditions, columns, group=self._condition, told=lambda at: self._told(at.line))
-
-    def _pump(self, conditions: Iterable[PressuresAt]) -> Block:
+    def _pump(self, conditions: Sequence[PressuresAt]) -> Block:
         def band(at: PressuresAt) -> Judged:
             rule, verdict = at.reserve_rule, at.reserve_verdict
             if rule is None or verdict is None:
@@ -155,25 +127,9 @@ class Pressures(Part):
                 of=lambda at: self._decision(at.reserve_decided),
             ),
         ]
-        return self._table(conditions, columns, group=self._condition)
-
-    def _circuits(self, at: PressuresAt) -> Iterable[Block]:
-        def itself(each: HeldPressure) -> HeldPressure:
-            return each
-
-        say, section = self.say, self.names.section
-        columns = [
-            Column("circuit", width=150, of=lambda each: section(each.id)),
-            *self._held(itself),
-            Column("set_pressure", "pressure", times=KPA),
-            Column("lost", "pressure", of="loss", times=KPA),
-            *self._judged(itself),
-        ]
-        yield text(say("texts.circuits_at", condition=self._condition(at)), leads=True)
-        yield self._table((each for each in at.circuits if not each.vented), columns, told=self._told)
-        vented = joined(section(each.id) for each in at.circuits if each.vented)
-        if vented:
-            yield text(say("texts.vented", circuits=vented), small=True)
+        whole = Table("", tuple(columns), conditions, self.say, group=self._condition)
+        kept = {column.key for column in whole.filled.columns}
+        return printed(whole.without(*({"reserve_repaired", "band", "reserve_decision"} - kept)))
 
     def _decision(self, decided: RuleDecision | None) -> str | None:
         return None if decided is None else self.names.decided(decided.decision, decided.probability_over_limit)

@@ -1,4 +1,4 @@
-"""Draw the charts of bars: shares of lands, two visits side by side, pressures held."""
+"""Draw the charts of bars: two visits side by side, pressures held."""
 
 from __future__ import annotations
 
@@ -18,17 +18,6 @@ from atleak.workshop_units import KPA
 
 
 @dataclass(frozen=True)
-class Bar:
-    """One land in the chart of shares, in percent; ``low`` and ``high`` where the uncertainty is known."""
-
-    label: str
-    share: float
-    verdict: Verdict
-    low: float | None = None
-    high: float | None = None
-
-
-@dataclass(frozen=True)
 class TwoBars:
     """One condition in the chart of two visits, shares in percent."""
 
@@ -42,30 +31,6 @@ class TwoBars:
 
 def _largest(ends: Sequence[float]) -> float:
     return max((end for end in ends if math.isfinite(end)), default=1.0)
-
-
-def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
-    """Draw the lands that leak most, the largest on top, each in the shade of its verdict."""
-    right = _largest([end for bar in bars for end in (bar.share, bar.high or 0.0)])
-    said = [_with_interval(bar, say) for bar in bars]
-    with rows_of([bar.label for bar in bars], 15.0, right, widest(said) + 10.0, label, say) as (figure, axes):
-        for place, bar, told in zip(places(bars), bars, said, strict=True):
-            bar_of(axes, bar.share, place, 0.68, look_of(bar.verdict))
-            end = bar.share
-            if bar.low is not None and bar.high is not None and math.isfinite(bar.low):
-                high = min(bar.high, right)  # the interval of a pump that may deliver nothing has no end
-                interval(axes, bar.low, high, place)
-                end = max(end, high)
-            words(axes, (end, place), told, (5.0, 0.0))
-        return plotting.svg(figure)
-
-
-def _with_interval(bar: Bar, say: Wording) -> str:
-    """Return the share with the interval at whose end it stands."""
-    share = say.number(bar.share, 2)
-    if bar.low is None or bar.high is None or not math.isfinite(bar.low):
-        return share
-    return f"{share} ({say.number(bar.low, 2)}–{say.number(bar.high, 2)})"
 
 
 def two_visits_chart(visits: Sequence[TwoBars], label: str, say: Wording) -> str:

@@ -6,14 +6,19 @@ import math
 import re
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import pytest
 
 from atleak.diagnosis import Diagnosis
+from atleak.job.record import Job
 from atleak.look import PAPER
 from atleak.repair import plan_repairs
-from atleak.report.printed_charts import Bar, pressures_chart, pump_chart, road_chart, shares_chart
+from atleak.report.pdf.body import Body
+from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.printed_charts import pressures_chart, pump_chart, road_chart
+from atleak.report.printed_charts.charts import drawn
 from atleak.verdicts import Band, Verdict
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_speed import pump_over_speed
@@ -77,28 +82,42 @@ def test_names_from_a_file_stay_text_in_charts(worn_clutch: Diagnosis, hostile: 
         replace(each, circuit=replace(each.circuit, name=name)) for each, name in zip(at.circuits, names, strict=False)
     ]:
         circuits = (*named, *at.circuits[len(named) :])
-        drawn = ElementTree.fromstring(pressures_chart(replace(at, circuits=circuits), wording("en")))
-        assert {element.tag for element in drawn.iter()} == usual, "no name became an element of the drawing"
+        shown = ElementTree.fromstring(pressures_chart(replace(at, circuits=circuits), wording("en")))
+        assert {element.tag for element in shown.iter()} == usual, "no name became an element of the drawing"
     marked = tuple((name, 10.0 + number) for number, name in enumerate(hostile))
     data = replace(pump_over_speed(worn_clutch, worn_clutch.hot_idle), marked=marked)
     ElementTree.fromstring(pump_chart(data, wording("en")))
 
 
-@pytest.mark.parametrize("low", [3.0, math.inf])
-def test_shares_of_a_pump_that_may_deliver_nothing_are_drawn_to_the_edge(low: float) -> None:
-    bars = [Bar("8/1", 9.0, Verdict.CRITICAL, low, math.inf), Bar("25/1", 4.0, Verdict.OK, 3.0, 5.0)]
-    said = words(shares_chart(bars, "share [%]", wording("en")))
+def shares_of(worn: Diagnosis, *lands: SimpleNamespace) -> str:
+    say = wording("en")
+    chart = Body(PrintedNames(worn, Job(), say), None, {})._share_chart(lands, "share [%]")
+    return words(drawn(chart, say))
+
+
+def leaking(key: tuple[str, int], share: float, verdict: Verdict, *interval: float) -> SimpleNamespace:
+    return SimpleNamespace(
+        key=key, share=share, verdict=verdict, uncertainty=SimpleNamespace(share_interval=interval or None)
+    )
+
+
+@pytest.mark.parametrize("low", [0.03, math.inf])
+def test_shares_of_a_pump_that_may_deliver_nothing_are_drawn_to_the_edge(worn: Diagnosis, low: float) -> None:
+    said = shares_of(
+        worn,
+        leaking(("8", 1), 0.09, Verdict.CRITICAL, low, math.inf),
+        leaking(("25", 1), 0.04, Verdict.OK, 0.03, 0.05),
+    )
     assert "9.00" in said
     assert "4.00" in said
 
 
 def test_bars_of_shares_are_sorted_by_what_they_show_and_end_in_their_intervals(worn: Diagnosis) -> None:
-    drawn = [land.share for land in worn.drawing_most]
-    assert drawn == sorted(drawn, reverse=True)
-    assert min(drawn) > 0.0
+    drawing = [land.share for land in worn.drawing_most]
+    assert drawing == sorted(drawing, reverse=True)
+    assert min(drawing) > 0.0
     assert {land.key for land in worn.drawing_most} == {land.key for land in worn.lands if land.share > 0.0}
-    said = words(shares_chart([Bar("25/1", 3.21, Verdict.REPLACE, 2.52, 7.2)], "share [%]", wording("en")))
-    assert "3.21 (2.52–7.20)" in said
+    assert "3.21 (2.52–7.20)" in shares_of(worn, leaking(("25", 1), 0.0321, Verdict.REPLACE, 0.0252, 0.072))
 
 
 @pytest.mark.parametrize("share", [True, False])
@@ -107,11 +126,11 @@ def test_leakage_pump_and_share_are_each_drawn_over_an_axis_of_their_own(worn: D
     if not share:
         known = {name: values for name, values in series.columns.items() if name not in NEEDS_PUMP}
         series = replace(series, columns=known)
-    drawn = road_chart(series, [(1.0, 2.0, 10.0)], [(Band.RED, 5.0)], say)
-    said = words(drawn)
+    chart = road_chart(series, [(1.0, 2.0, 10.0)], [(Band.RED, 5.0)], say)
+    said = words(chart)
     titles = [say(f"charts.{name}", unit=say.unit("flow")) for name in ("leakage_in", "capacity_in", "share")]
     assert [title in said for title in titles] == [True, share, share]
-    curves = [path for path in ElementTree.fromstring(drawn).iter(f"{SVG}path") if path.attrib["d"].count("L") > 15]
+    curves = [path for path in ElementTree.fromstring(chart).iter(f"{SVG}path") if path.attrib["d"].count("L") > 15]
     heights = [[float(y) for y in re.findall(r"[ML] \S+ ([\d.]+)", path.attrib["d"])] for path in curves]
     assert len(heights) == (3 if share else 1)
     assert all(max(above) < min(below) for above, below in pairwise(heights)), "no curve reaches into another field"
