@@ -134,6 +134,18 @@ SPREADS_ON_SCREEN = ("rgba(42, 134, 209, 0.18)", "rgba(42, 134, 209, 0.38)")  # 
 OK_IN_PART = replace(  # units that are ok as far as they were measured, which is not green
     LOOKS[Verdict.OK], screen="#b9c2ca", fill="#E4E8EC", line="#7A858F", on_fill="#4A545E"
 )
+# what a unit holds or draws when new and once repaired, what nobody judges, and marks of what is stated
+AS_NEW = replace(
+    LOOKS[Verdict.OK], screen="rgba(128,128,128,0.3)", fill="#FFFFFF", line=PAPER.ink, pattern="", hatch=""
+)
+REPAIRED = replace(AS_NEW, screen=SCREEN.leakage, fill=PAPER.rule, pattern="-")
+NOT_JUDGED = replace(AS_NEW, screen=SCREEN.rule, fill=PAPER.metal)
+STATED = replace(
+    AS_NEW, screen=SCREEN.share, fill=PAPER.ink, marker="line-ns",
+    shape=SignShape(((-0.12, -2.6), (0.12, -2.6), (0.12, 2.6), (-0.12, 2.6))),
+)  # fmt: skip
+LEAST = replace(STATED, marker="triangle-right", shape=SignShape(((-0.8, -0.9), (0.9, 0.0), (-0.8, 0.9))))
+MOST = replace(STATED, marker="triangle-left", shape=SignShape(((0.8, -0.9), (-0.9, 0.0), (0.8, 0.9))))
 EDGE = "#C5CDD5"  # of a drawing's card without a flagged land
 CLEAR = "rgba(0,0,0,0)"  # a figure's ground on the screen: the page's own
 HATCHING = "rgba(255,255,255,0.7)"  # strokes of a pattern on the screen

@@ -104,7 +104,7 @@ def _marks(layer: Layer, here: Sequence[int]) -> dict[str, Any]:
             "symbol": [f"{symbol}-open" if each else symbol for each in is_open],
             "size": 10,
             "color": colour,
-            "line": {"width": 2 if layer.open else 1, "color": colour},
+            "line": {"width": 2 if layer.open or symbol == "line-ns" else 1, "color": colour},
         },
     }
 

@@ -5,9 +5,9 @@ Numbers are in the reader's units, but for those of spreads, which their kind of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from atleak.look import Look
 from atleak.spreads import Spread
@@ -26,7 +26,7 @@ class Layer:
     told: Sequence[str] = ()  # what is told of each where somebody points at it
     inside: Sequence[str] = ()  # words in each bar, where they find room
     thick: float = 0.0  # of a bar, part of its row's height; 0: a mark
-    lift: float = 0.0  # of a mark above its row's middle, part of the row's height
+    lift: float = 0.0  # above its row's middle, part of the row's height
     open: Sequence[bool] = ()  # whether each mark is an outline alone
 
 
@@ -72,3 +72,13 @@ class ClassChart:
 
 
 Chart = RowChart | ClassChart | Sequence[ClassChart]
+LayerOf = tuple[str, Look, Sequence[float | None], dict[str, Any]]
+
+
+def layers_of(named: Iterable[LayerOf]) -> list[Layer]:
+    """Return layers by their names, looks, values and what else is to be said of them; one without a value is none."""
+    return [
+        Layer(name, look, values, **more)
+        for name, look, values, more in named
+        if any(value is not None for value in values)
+    ]

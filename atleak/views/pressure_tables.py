@@ -1,17 +1,21 @@
-"""Show the pressures of a unit as tables: line and reserve at every condition, and every circuit at one."""
+"""Show the pressures of a unit as tables and a chart: line, reserve and circuits at some conditions."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
+from atleak.catalogue.limits import Level
 from atleak.diagnosis import Diagnosis
+from atleak.look import AS_NEW, LEAST, MOST, NOT_JUDGED, REPAIRED, STATED, Look, look_of
 from atleak.verdicts import Verdict
+from atleak.views.charts import LayerOf, RowChart, layers_of
 from atleak.views.condition_record import finite
 from atleak.views.gauge_rows import permissible_text
 from atleak.views.pressures import HeldPressure, Interval, PressuresAt
 from atleak.views.sentences import land_in_words, permissible_words
 from atleak.views.table import VERDICT, Column, Table
-from atleak.wording import Wording
+from atleak.wording import Wording, isolated
 from atleak.workshop_units import KPA, RPM
 
 
@@ -79,3 +83,53 @@ def held_table(diagnosis: Diagnosis, conditions: Sequence[PressuresAt], say: Wor
 
 def _end(interval: Interval | None, end: int) -> float | None:
     return None if interval is None else interval[end]
+
+
+def pressure_chart(at: PressuresAt, say: Wording) -> RowChart:
+    """Return what the line and every applied circuit hold: new, now with its interval, and with the planned repairs.
+
+    Marks are the limits that apply: where a loss is judged worse, what a regulator is set to, and the permissible
+    main pressure.
+    """
+    held, scale, unit = at.applied, say.convert(KPA, "pressure"), say.unit("pressure")
+    names = [say("held.line") if each.circuit is None else isolated(say.name(each.circuit.name)) for each in held]
+
+    def layer(
+        name: str, look: Look, of: Callable[[HeldPressure], float | None], lift: float | None = None, **more: Any
+    ) -> LayerOf:
+        values = [None if (value := of(each)) is None or value <= 0.0 else value * scale for each in held]
+        shown = [say.number(value, say.digits("pressure", 0)) for value in values]
+        told = [f"{row}: {value} {unit} {name}" for row, value in zip(names, shown, strict=True)]
+        bar = {} if lift is None else {"thick": 0.24, "lift": lift}
+        return name, look, values, {"told": told, **bar, **more}
+
+    def now(verdict: Verdict | None) -> LayerOf:
+        name = say("figures.now") if verdict is None else f"{say('figures.now')}: {say.signed(verdict)}"
+        look = NOT_JUDGED if verdict is None else look_of(verdict)
+        spans = [each.interval and (each.interval[0] * scale, each.interval[1] * scale) for each in held]
+        return layer(name, look, lambda each: each.now if each.verdict is verdict else None, 0.0, spans=spans)
+
+    def limit(level: Level) -> LayerOf:
+        name = say("figures.from_here_down", level=say.signed(level))
+        return layer(name, look_of(level), lambda each: dict(each.limits).get(level) if each.circuit else None)
+
+    def permitted(end: str) -> Callable[[HeldPressure], float | None]:
+        return lambda each: None if each.permissible is None else getattr(each.permissible, end)
+
+    layers = layers_of(
+        (
+            layer(say("figures.new"), AS_NEW, lambda each: each.new, 0.26),
+            *map(now, (*Verdict, None)),
+            layer(say("figures.after_repair"), REPAIRED, lambda each: each.repaired, -0.26),
+            *map(limit, dict.fromkeys(level for each in held for level, _ in each.limits)),
+            layer(say("figures.set_or_required"), STATED, lambda each: each.set_pressure),
+            layer(say("figures.permissible"), LEAST, permitted("low")),
+            layer(say("figures.permissible"), MOST, permitted("high")),
+        )
+    )
+    said = [say.value(each.now * KPA, "pressure", 0) for each in held]
+    said = [
+        words if each.verdict is None else f"{words} {say.level(each.verdict)}"
+        for words, each in zip(said, held, strict=True)
+    ]
+    return RowChart(names, layers, f"{say('figures.pressure')} [{unit}]", said)

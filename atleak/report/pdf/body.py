@@ -42,7 +42,7 @@ from atleak.report.printed_charts.charts import drawn as printed_chart
 from atleak.sentence import Sentence
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
-from atleak.views.charts import Layer, RowChart
+from atleak.views.charts import LayerOf, RowChart, layers_of
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.drawing import controller_svg, shortened
 from atleak.views.land_names import component_words
@@ -200,17 +200,13 @@ class Body(Part):
             + ("" if span is None else f" ({say.number(span[0], 2)}–{say.number(span[1], 2)})")
             for land, span in zip(lands, spans, strict=True)
         ]
-        layers = [
-            Layer(
-                say.level(verdict),
-                look_of(verdict),
-                [land.share * PERCENT if land.verdict is verdict else None for land in lands],
-                spans=[None if span is None else (span[0], min(span[1], right)) for span in spans],
-                thick=0.68,
-            )
-            for verdict in VERDICTS
-            if any(land.verdict is verdict for land in lands)
-        ]
+        shown = [span and (span[0], min(span[1], right)) for span in spans]
+
+        def bar(verdict: Verdict) -> LayerOf:
+            values = [land.share * PERCENT if land.verdict is verdict else None for land in lands]
+            return say.level(verdict), look_of(verdict), values, {"spans": shown, "thick": 0.68}
+
+        layers = layers_of(map(bar, VERDICTS))
         return RowChart([shortened(self.names.land_name(land), _LABEL) for land in lands], layers, axis, said)
 
     def _repair(self) -> Iterable[Block]:

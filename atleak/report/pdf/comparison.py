@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
@@ -16,13 +17,15 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.job.record import Job, RepairDecision
 from atleak.land_diagnosis import LandDiagnosis
+from atleak.look import STATED, look_of
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.own_font import OwnFont
 from atleak.report.pdf.blocks import Block, bullets, joined, listed, named_facts, picture, signatures, text
 from atleak.report.pdf.compiling import common_data, compile_pdf
 from atleak.report.pictures import write_pictures
-from atleak.report.printed_charts import TwoBars, two_visits_chart
+from atleak.report.printed_charts.charts import drawn as printed_chart
 from atleak.verdicts import Band, Verdict
+from atleak.views.charts import LayerOf, RowChart, layers_of
 from atleak.views.comparison_words import differing_sentence, how_sure, visit_caveats, with_uncertainty
 from atleak.views.measured_words import measured_sentence
 from atleak.views.table import VERDICT, Column, span
@@ -314,50 +317,61 @@ class _Page:
         return with_uncertainty(land.change, self.say)
 
     def _totals(self) -> Iterable[Block]:
-        rows = self._bars()
+        say = self.say
+        rows = [(each, each.before) for each in self.shown if each.before and each.alike and each.share]
         if not rows:
             return
-        said = " ".join(
-            self.say(
+        said = [
+            say(
                 "comparison.chart_condition",
-                condition=row.label,
-                before=self.say.percent(row.shares[0] / PERCENT),
-                after=self.say.percent(row.shares[1] / PERCENT),
+                condition=say.condition(before.condition),
+                before=say.percent(each.share and each.share.before),
+                after=say.percent(each.share and each.share.after),
             )
-            for row in rows
-        )
-        alt = self.say("comparison.chart_alt", conditions=said)
-        drawn = two_visits_chart(rows, self.say("comparison.axis"), self.say)
-        yield picture(drawn, alt, self.say("comparison.caption"))
+            for each, before in rows
+        ]
+        drawn = printed_chart(self._chart([each for each, _ in rows]), say)
+        yield picture(drawn, say("comparison.chart_alt", conditions=" ".join(said)), say("comparison.caption"))
 
-    def _bars(self) -> list[TwoBars]:
-        return [bars for each in self.shown if (bars := self._two_bars(each)) is not None]
+    def _chart(self, shown: Sequence[ConditionComparison]) -> RowChart:
+        """Return the total before and after at each condition, in the shade of its band, beside that of the unit new.
 
-    def _two_bars(self, each: ConditionComparison) -> TwoBars | None:
-        comparison = self.comparison
-        if each.before is None or each.alike is None or each.share is None:
-            return None
-        before, after = (comparison.before, each.before), (comparison.alike, each.alike)
-        return TwoBars(
-            label=self.say.condition(each.before.condition),
-            shares=(each.share.before * PERCENT, each.share.after * PERCENT),
-            verdicts=(_band(*before).verdict, _band(*after).verdict),
-            intervals=(_interval(*before), _interval(*after)),
-            new=comparison.before.new_at(each.before).share * PERCENT,
-            levels=tuple(
-                (Band(name), limit * PERCENT) for name, limit in comparison.before.total_rule(each.before).steps.levels
-            ),
-        )
+        Signs show where a band begins. An interval without an end reaches as far as anything that has one.
+        """
+        say, unit, alike = self.say, self.comparison.before, self.comparison.alike
+        rows = [
+            (each, side, diagnosis, at)
+            for each in shown
+            for side, diagnosis, at in (("before", unit, each.before), ("after", alike, each.alike))
+            if at is not None
+        ]
+        shares = [at.share * PERCENT for *_, at in rows]
+        new = [unit.new_at(each.projection).share * PERCENT for each, *_ in rows]
+        spans = [_interval(diagnosis, at) for _, _, diagnosis, at in rows]
+        ends = (*shares, *new, *(end for span in spans for end in span or ()))
+        right = max(filter(math.isfinite, ends), default=1.0)
+        drawn = [span and (min(span[0], right), min(span[1], right)) for span in spans]
+        bands = [diagnosis.band(at) or Band.GREEN for _, _, diagnosis, at in rows]
+        steps = [None if each.before is None else unit.total_rule(each.before).steps for each, *_ in rows]
+
+        def bar(band: Band) -> LayerOf:
+            values = [min(share, right) if own is band else None for share, own in zip(shares, bands, strict=True)]
+            return say.level(band), look_of(band), values, {"spans": drawn, "thick": 0.6}
+
+        def begins(band: Band) -> LayerOf:
+            limits = [None if each is None else each.limit_of(band) for each in steps]
+            values = [None if each is None or each * PERCENT >= right else each * PERCENT for each in limits]
+            return say.level(band), look_of(band), values, {"lift": -0.5}
+
+        layers = layers_of((*map(bar, Band), (say("comparison.new"), STATED, new, {}), *map(begins, Band)))
+        names = [f"{say.condition(each.projection.condition)}, {say(f'comparison.{side}').lower()}" for each, side, *_ in rows]
+        return RowChart(names, layers, say("comparison.axis"), [f"{say.number(share, 1)} %" for share in shares])
 
     # --- below
 
     def _know(self) -> Iterable[Block]:
         say, comparison = self.say, self.comparison
         yield bullets(filter(None, [differing_sentence(comparison, say), *visit_caveats(comparison, say)]))
-
-
-def _band(diagnosis: Diagnosis, at: Projection) -> Band:
-    return diagnosis.band(at) or Band.GREEN
 
 
 def _interval(diagnosis: Diagnosis, at: Projection) -> tuple[float, float] | None:

@@ -8,12 +8,13 @@ from functools import partial
 
 from atleak.report.pdf.blocks import Block, ends, joined, picture, printed, text
 from atleak.report.pdf.printed_names import Part
-from atleak.report.printed_charts import pressures_chart, pump_chart
+from atleak.report.printed_charts import pump_chart
+from atleak.report.printed_charts.charts import drawn
 from atleak.uncertainty import RuleDecision
 from atleak.views.flow_diagram import FlowDiagram, flow_diagram, flow_words
 from atleak.views.flow_svg import flow_svg
 from atleak.views.land_names import land_number
-from atleak.views.pressure_tables import held_table
+from atleak.views.pressure_tables import held_table, pressure_chart
 from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
 from atleak.views.pump_speed import PumpOverSpeed, pump_over_speed
 from atleak.views.pump_words import pump_sentence
@@ -51,7 +52,7 @@ class Pressures(Part):
         if diagnosis.controller.circuits:
             yield text(say("texts.circuits"), small=True)
             held = (circuit_sentence(diagnosis, each, say) for each in lowest.applied)
-            yield self._drawing("pressures", pressures_chart(lowest, say), f"{joined(held, '. ')}.", lowest)
+            yield self._drawing("pressures", drawn(pressure_chart(lowest, say), say), f"{joined(held, '. ')}.", lowest)
             flows = flow_diagram(diagnosis, first, leaks_only=True, lands=_DRAWN, say=say)
             words = self._flows(flows)
             yield self._drawing("flows", flow_svg(flows, words, say), words, lowest)

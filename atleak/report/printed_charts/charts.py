@@ -100,15 +100,15 @@ def _drawn(axes: Axes, layer: Layer, number: int, place: int, begin: float, poin
         sign(axes, layer.look, value, at)
         return 0.0
     if value:
-        bar_of(axes, end, place, layer.thick, layer.look, begin)
+        bar_of(axes, end, at, layer.thick, layer.look, begin)
     said = layer.inside[number] if layer.inside else ""
     if said and width_of(said, SIZE) + 5.0 < value * point:  # strokes of a hatch stand back from them
         ground = {"boxstyle": "square,pad=0.12", "fc": layer.look.fill, "ec": "none"} if layer.look.hatch else None
-        middle = 0.5 * (begin + end), place
+        middle = 0.5 * (begin + end), at
         words(axes, middle, said, ha="center", color=layer.look.on_fill, bbox=ground, zorder=4)
     span = layer.spans[number] if layer.spans else None
     if span is not None:
-        interval(axes, *span, place)
+        interval(axes, *span, at)
     return max(end, span[1]) if span is not None else end
 
 

@@ -14,9 +14,8 @@ import pytest
 from atleak.comparison import Comparison, compare
 from atleak.diagnosis import diagnose
 from atleak.job.record import Job
-from atleak.report.pdf.comparison import write_comparison_pdf
-from atleak.report.printed_charts import TwoBars, two_visits_chart
-from atleak.verdicts import Band, Verdict
+from atleak.report.pdf.comparison import _Page, write_comparison_pdf
+from atleak.report.printed_charts.charts import drawn
 from atleak.views import comparison_words
 from atleak.wording import languages, wording
 
@@ -117,13 +116,8 @@ def test_many_flagged_pairs_stay_on_one_page_and_are_counted(worn) -> None:
     assert len(worn.flagged) - 12 <= int(more[1]) < len(worn.flagged)
 
 
-def test_bars_of_a_pump_that_delivers_nothing_can_be_drawn() -> None:
-    row = TwoBars(
-        label="idle",
-        shares=(float("inf"), 10.0),
-        verdicts=(Verdict.CRITICAL, Verdict.OK),
-        intervals=((20.0, float("inf")), None),
-        new=8.0,
-        levels=((Band.AMBER, 12.0),),
-    )
-    assert "10.0 %" in two_visits_chart([row], "share", wording("en"))
+def test_bars_of_a_pump_that_delivers_nothing_can_be_drawn(repaired: Comparison) -> None:
+    (first, *_) = repaired.on_both_sides
+    dry = replace(first, before=replace(first.before, pump_capacity=0.0))
+    page = _Page(repaired, BEFORE, AFTER, wording("en"))
+    assert f"{100.0 * first.alike.share:.1f} %" in drawn(page._chart([dry]), wording("en"))

@@ -17,9 +17,10 @@ from atleak.look import PAPER
 from atleak.repair import plan_repairs
 from atleak.report.pdf.body import Body
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.report.printed_charts import pressures_chart, pump_chart, road_chart
+from atleak.report.printed_charts import pump_chart, road_chart
 from atleak.report.printed_charts.charts import drawn
 from atleak.verdicts import Band, Verdict
+from atleak.views.pressure_tables import pressure_chart
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_speed import pump_over_speed
 from atleak.views.road_series import road_series
@@ -54,13 +55,13 @@ def test_every_applied_circuit_stands_with_its_pressure_and_the_word_of_its_verd
 ) -> None:
     say = wording(language)
     at = pressures_at(worn_clutch, worn_clutch.hot_idle, plan_repairs(worn_clutch).ends)
-    said = words(pressures_chart(at, say))
+    said = words(drawn(pressure_chart(at, say), say))
     for each in at.applied:
         name = say("held.line") if each.circuit is None else each.circuit.name
         assert name in said
         assert f"{each.now / 1e3:.0f} {say.level(each.verdict)}" in said
     assert "clutch C2" not in said  # empty in this gear
-    assert say("charts.pressure") in said
+    assert say("figures.pressure") in said
 
 
 def test_repaired_bars_are_drawn_only_with_a_plan(worn_clutch: Diagnosis) -> None:
@@ -70,19 +71,24 @@ def test_repaired_bars_are_drawn_only_with_a_plan(worn_clutch: Diagnosis) -> Non
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
     planned = pressures_at(worn_clutch, worn_clutch.hot_idle, plan_repairs(worn_clutch).ends)
     say = wording("en")
-    assert bars(pressures_chart(at, say)) == 0
-    assert bars(pressures_chart(planned, say)) == len(at.applied)
+    assert bars(drawn(pressure_chart(at, say), say)) == 0
+    assert bars(drawn(pressure_chart(planned, say), say)) == len(at.applied)
 
 
 def test_names_from_a_file_stay_text_in_charts(worn_clutch: Diagnosis, hostile: tuple[str, ...]) -> None:
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
-    usual = {element.tag for element in ElementTree.fromstring(pressures_chart(at, wording("en"))).iter()}
+    usual = {
+        element.tag
+        for element in ElementTree.fromstring(drawn(pressure_chart(at, wording("en")), wording("en"))).iter()
+    }
     names = iter(hostile)
     while named := [
         replace(each, circuit=replace(each.circuit, name=name)) for each, name in zip(at.circuits, names, strict=False)
     ]:
         circuits = (*named, *at.circuits[len(named) :])
-        shown = ElementTree.fromstring(pressures_chart(replace(at, circuits=circuits), wording("en")))
+        shown = ElementTree.fromstring(
+            drawn(pressure_chart(replace(at, circuits=circuits), wording("en")), wording("en"))
+        )
         assert {element.tag for element in shown.iter()} == usual, "no name became an element of the drawing"
     marked = tuple((name, 10.0 + number) for number, name in enumerate(hostile))
     data = replace(pump_over_speed(worn_clutch, worn_clutch.hot_idle), marked=marked)
