@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -34,15 +34,9 @@ def differing_choices(before: Diagnosis, after: Diagnosis) -> tuple[DifferingCho
 
 
 def _differing(before: Diagnosis, after: Diagnosis) -> Iterator[DifferingChoice]:
-    if _fluid(before) != _fluid(after):
-        yield DifferingChoice("fluid", *_told_apart(_in_state(before), _in_state(after)))
-    if before.limits.origin.sha256 != after.limits.origin.sha256:
-        yield DifferingChoice("limits", *_told_apart(*(_named(Name(each.limits.name)) for each in (before, after))))
-    if before.profile.options != after.profile.options:
-        yield DifferingChoice("profile", *_told_apart(*(_named(each.profile.label) for each in (before, after))))
-    if not same_condition(before.projection.condition, after.projection.condition):
-        conditions = (_named(each.projection.condition) for each in (before, after))
-        yield DifferingChoice("condition", *_told_apart(*conditions))
+    for name, what, said in _CHOICES:
+        if what(before) != what(after):
+            yield DifferingChoice(name, *_told_apart(said(before), said(after)))
     if before.uncertainty is not None and after.uncertainty is not None:
         assumed = [
             {**each.assumptions.settings, "guard band": each.guard_factor}
@@ -55,10 +49,6 @@ def _differing(before: Diagnosis, after: Diagnosis) -> Iterator[DifferingChoice]
                 for each in assumed
             )
             yield DifferingChoice("assumptions", _named(first), _named(second))
-
-
-def _fluid(diagnosis: Diagnosis) -> tuple[str, str, bool]:
-    return diagnosis.fluid.origin.sha256, diagnosis.fluid.state, diagnosis.fluid.estimated
 
 
 def _in_state(diagnosis: Diagnosis) -> Sentence:
@@ -78,7 +68,19 @@ def _told_apart(before: Sentence, after: Sentence) -> tuple[Sentence, Sentence]:
 
 def same_condition(before: OperatingPoint, after: OperatingPoint) -> bool:
     """Tell whether two operating points are one and the same; how they are called and who states them aside."""
-    return replace(before, label="", source="") == replace(after, label="", source="")
+    return _bare(before) == _bare(after)
+
+
+def _bare(condition: OperatingPoint) -> OperatingPoint:
+    return replace(condition, label="", source="")
+
+
+_CHOICES: tuple[tuple[ChoiceName, Callable[[Diagnosis], object], Callable[[Diagnosis], Sentence]], ...] = (
+    ("fluid", lambda job: (job.fluid.origin.sha256, job.fluid.state, job.fluid.estimated), _in_state),
+    ("limits", lambda job: job.limits.origin.sha256, lambda job: _named(Name(job.limits.name))),
+    ("profile", lambda job: job.profile.options, lambda job: _named(job.profile.label)),
+    ("condition", lambda job: _bare(job.projection.condition), lambda job: _named(job.projection.condition)),
+)
 
 
 def judged_as(after: Diagnosis, before: Diagnosis) -> Diagnosis:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from atleak.catalogue.operating_point import OperatingPoint
 from atleak.comparison.changes import Change, change_between, clearance_change
 from atleak.comparison.choices import differing_choices, judged_as, same_condition
 from atleak.comparison.logs import compared_logs
@@ -18,7 +17,6 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.sentence import Sentence
 from atleak.uncertainty.assess import COVERAGE
 from atleak.uncertainty.paired import ChangeSpread, Visit, changes
-from atleak.uncertainty.results import Interval
 
 
 def compare(before: Diagnosis, after: Diagnosis) -> Comparison:
@@ -96,12 +94,12 @@ def _conditions(before: Diagnosis, after: Diagnosis, alike: Diagnosis) -> Iterat
         own = _like(after, first)
         seen.append(own)
         if second is None:
-            yield _alone(first.condition, before=first, after=own)
+            yield ConditionComparison(first, own)
         else:
             yield _condition(first, own, second, spreads.get(first.condition.name))
     for projection in after.projections:
         if not any(projection is each for each in seen):
-            yield _alone(projection.condition, after=projection)
+            yield ConditionComparison(None, projection)
 
 
 def _spreads(
@@ -126,28 +124,21 @@ def _like(diagnosis: Diagnosis, other: Projection) -> Projection | None:
     return next((each for each in diagnosis.projections if same_condition(each.condition, other.condition)), None)
 
 
-def _alone(
-    at: OperatingPoint, before: Projection | None = None, after: Projection | None = None
-) -> ConditionComparison:
-    return ConditionComparison(at.name, at.label, before, after, None, None, None, None, None, ())
-
-
 def _condition(
     before: Projection, after: Projection | None, alike: Projection, spread: ChangeSpread | None
 ) -> ConditionComparison:
-    def change(value: Callable[[Projection], float], interval: Callable[[ChangeSpread], Interval]) -> Change | None:
-        return change_between(value(before), value(alike), None if spread is None else interval(spread))
+    def change(name: str, value: str = "") -> Change | None:
+        first, second = (getattr(each, value or name) for each in (before, alike))
+        return change_between(first, second, None if spread is None else getattr(spread, name))
 
     return ConditionComparison(
-        name=before.condition.name,
-        label=before.condition.label,
-        before=before,
-        after=after,
-        alike=alike,
-        share=change(lambda at: at.share, lambda spread: spread.share),
-        leakage=change(lambda at: at.leakage, lambda spread: spread.leakage),
-        reserve=change(lambda at: at.reserve, lambda spread: spread.reserve),
-        main_pressure=change(lambda at: at.main_pressure_held, lambda spread: spread.main_pressure),
+        before,
+        after,
+        alike,
+        share=change("share"),
+        leakage=change("leakage"),
+        reserve=change("reserve"),
+        main_pressure=change("main_pressure", "main_pressure_held"),
         circuits=tuple(_circuits(before, alike, spread)),
     )
 
@@ -157,10 +148,7 @@ def _circuits(before: Projection, after: Projection, spread: ChangeSpread | None
     later = {each.circuit.id: each for each in after.circuits}
     for state in before.circuits:
         other = later.get(state.circuit.id)
-        if other is None:
-            continue
-        change = None
-        if not (state.vented or other.vented):
+        if other is not None:
             interval = None if spread is None else spread.circuits.get(state.circuit.id)
             change = change_between(state.pressure, other.pressure, interval)
-        yield CircuitComparison(state.circuit, state, other, change)
+            yield CircuitComparison(state.circuit, state, other, None if state.vented or other.vented else change)

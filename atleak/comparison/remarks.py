@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from atleak.comparison.choices import ChoiceName, DifferingChoice
-from atleak.comparison.results import SIDES, Comparison, LandComparison, Side
+from atleak.comparison.results import SIDES, Comparison, LandComparison
 from atleak.errors import Message
 from atleak.sentence import Sentence, in_a_row, some
 
@@ -37,19 +37,25 @@ def remarks(found: Comparison) -> Iterator[Message]:
         yield Message("warning", "same_sheet", text)
     yield from _missing_lands(found)
     alone = {side: [each.projection.condition for each in found.conditions if each.only_on(side)] for side in SIDES}
-    if alone["before"]:
-        text = Sentence(
-            "Judged before only, as the job after has no such operating point: {conditions}",
-            conditions=in_a_row(alone["before"]),
-        )
-        yield Message("info", "conditions_on_one_side", text)
-    if alone["after"]:
-        text = Sentence(
-            "Judged after only, as the job before has no such operating point: {conditions}",
-            conditions=in_a_row(alone["after"]),
-        )
-        yield Message("info", "conditions_on_one_side", text)
+    for side, conditions in alone.items():
+        if conditions:
+            text = Sentence(_JUDGED_ONLY[side].template, conditions=in_a_row(conditions))
+            yield Message("info", "conditions_on_one_side", text)
     yield from _missing_logs(found)
+
+
+_JUDGED_ONLY: dict[Side, Sentence] = {
+    "before": Sentence("Judged before only, as the job after has no such operating point: {conditions}"),
+    "after": Sentence("Judged after only, as the job before has no such operating point: {conditions}"),
+}
+_DESCRIBED_ONLY: dict[Side, Sentence] = {
+    "before": Sentence("Only the valve body's file of the job before has these lands: {lands}"),
+    "after": Sentence("Only the valve body's file of the job after has these lands: {lands}"),
+}
+_MEASURED_ONLY: dict[Side, Sentence] = {
+    "before": Sentence("Measured before and not after: {lands}. {counts}"),
+    "after": Sentence("Measured after and not before: {lands}. {counts}"),
+}
 
 
 def _differing(choice: DifferingChoice) -> Sentence:
@@ -74,17 +80,16 @@ def _missing_lands(found: Comparison) -> Iterator[Message]:
     for side in SIDES:
         absent = [each for each in found.lands if each.described_only_on(side)]
         if absent:
-            text = (
-                Sentence("Only the valve body's file of the job before has these lands: {lands}", lands=_names(absent))
-                if side == "before"
-                else Sentence(
-                    "Only the valve body's file of the job after has these lands: {lands}", lands=_names(absent)
-                )
+            yield Message(
+                "warning", f"land_only_{side}", Sentence(_DESCRIBED_ONLY[side].template, lands=_names(absent))
             )
-            yield Message("warning", f"land_only_{side}", text)
         alone = [each for each in found.lands if each.only_on(side) and not each.described_only_on(side)]
         if alone:
-            yield Message("warning", f"measured_only_{side}", _measured_only(side, alone))
+            several = Sentence("On the other side they count as new in totals and pressures")
+            one = Sentence("On the other side it counts as new in totals and pressures")
+            counts = several if len(alone) > 1 else one
+            text = Sentence(_MEASURED_ONLY[side].template, lands=_names(alone), counts=counts)
+            yield Message("warning", f"measured_only_{side}", text)
     half = [land for land in found.compared if land.half]
     if half:
         text = Sentence(
@@ -103,17 +108,6 @@ def _without_sheet(found: Comparison) -> Sentence | None:
     if found.after.readings is None:
         return Sentence("No measuring sheet in the job after: no clearance can be compared")
     return None
-
-
-def _measured_only(side: Side, lands: Sequence[LandComparison]) -> Sentence:
-    counts = (
-        Sentence("On the other side they count as new in totals and pressures")
-        if len(lands) > 1
-        else Sentence("On the other side it counts as new in totals and pressures")
-    )
-    if side == "before":
-        return Sentence("Measured before and not after: {lands}. {counts}", lands=_names(lands), counts=counts)
-    return Sentence("Measured after and not before: {lands}. {counts}", lands=_names(lands), counts=counts)
 
 
 def _names(lands: Sequence[LandComparison]) -> Sentence:

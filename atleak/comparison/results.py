@@ -35,31 +35,31 @@ class LandComparison:
 
     def only_on(self, side: Side) -> bool:
         """Return whether it was measured at that visit alone."""
-        measured = {name: each is not None and each.state.measured for name, each in self._sides}
-        return measured.pop(side) and not any(measured.values())
+        measured = [name for name, each in self._sides.items() if each is not None and each.state.measured]
+        return measured == [side]
 
     def described_only_on(self, side: Side) -> bool:
         """Return whether only the valve body's file of that visit has it."""
-        return any(each is None for name, each in self._sides if name != side)
+        return any(each is None for name, each in self._sides.items() if name != side)
 
     @property
-    def _sides(self) -> tuple[tuple[Side, LandDiagnosis | None], ...]:
-        return ("before", self.before), ("after", self.after)
+    def _sides(self) -> dict[Side, LandDiagnosis | None]:
+        return {"before": self.before, "after": self.after}
 
     @property
     def half(self) -> bool:
         """Return whether one of its parts was not measured at one of the visits, and is taken as nominal."""
-        return any(each is not None and each.state.status != "measured" for each in (self.before, self.after))
+        return any(each is not None and each.state.status != "measured" for each in self._sides.values())
 
     @property
     def flagged(self) -> bool:
         """Return whether it has reached a limit at either visit."""
-        return any(each is not None and each.verdict.flagged for each in (self.before, self.after))
+        return any(each is not None and each.verdict.flagged for each in self._sides.values())
 
     @property
     def order(self) -> tuple[int, int]:
         """Return what orders lands by their verdicts: the worst before comes first, of these what is best now."""
-        before, after = (0 if each is None else each.verdict.rank for each in (self.before, self.after))
+        before, after = (0 if each is None else each.verdict.rank for each in self._sides.values())
         return -before, after
 
 
@@ -81,16 +81,19 @@ class ConditionComparison:
     ``before`` to ``alike``. Each is None where that job was not judged at this very operating point.
     """
 
-    name: str
-    label: str
     before: Projection | None
     after: Projection | None
-    alike: Projection | None
-    share: Change | None  # of the pump's flow, as a fraction
-    leakage: Change | None  # [m³/s]
-    reserve: Change | None
-    main_pressure: Change | None  # [Pa] that holds
-    circuits: tuple[CircuitComparison, ...]
+    alike: Projection | None = None
+    share: Change | None = None  # of the pump's flow, as a fraction
+    leakage: Change | None = None  # [m³/s]
+    reserve: Change | None = None
+    main_pressure: Change | None = None  # [Pa] that holds
+    circuits: tuple[CircuitComparison, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Return the name of the operating point in the valve body's file."""
+        return self.projection.condition.name
 
     @property
     def projection(self) -> Projection:

@@ -6,7 +6,7 @@ Every chart has the article's units (dm³/min, %, °C, s). Dash and symbol tell 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -152,7 +152,7 @@ def _line(
     colour: str,
     dash: str,
     row: int | None = None,
-    **more: object,
+    **more: Any,
 ) -> None:
     at = drawn.rows if row is None else row
     hover = f"{name}<br>%{{x:.4g}}: %{{y:.4g}}"
@@ -160,7 +160,7 @@ def _line(
 
 
 def _points(
-    drawn: Figure, name: str, x: Sequence[float], y: Sequence[float], colour: str, symbol: str, **more: object
+    drawn: Figure, name: str, x: Sequence[float], y: Sequence[float], colour: str, symbol: str, **more: Any
 ) -> None:
     look = (colour, symbol, 13, 2.0) if symbol.endswith("-open") else (colour, symbol, 9, 0.0)
     hover = f"{name}<br>%{{x:.4g}}: %{{y:.4g}}"
@@ -209,8 +209,7 @@ def _laid_out(drawn: Figure, x_title: str, y_title: str, *, log_y: bool = False)
     drawn.update_xaxes(gridcolor=_GRID)
     drawn.update_yaxes(gridcolor=_GRID, zeroline=True, zerolinecolor=_GRID)
     drawn.update_xaxes(title=x_title, row=drawn.rows)
-    scale = {"type": "log"} if log_y else {"rangemode": "tozero"}
-    drawn.update_yaxes(**scale)
+    drawn.update_yaxes(type="log" if log_y else None, rangemode=None if log_y else "tozero")
     drawn.update_yaxes(title=y_title, row=drawn.rows)
     return drawn
 

@@ -69,7 +69,7 @@ def _borders(figure: Figure, over: Map, borders: Sequence[tuple[Border, np.ndarr
 
 def _laid_out(figure: Figure, over: Map, job: Place, tried: Place, say: Wording) -> Figure:
     for place, name, symbol, size in ((job, "the_job", "circle-open", 22), (tried, "tried", "diamond", 11)):
-        wear, at = _wears(over, np.array([place[1]])), [float(say.convert(place[0], "temperature"))]
+        wear, at = _wears(over, np.array([place[1]])).tolist(), [float(say.convert(place[0], "temperature"))]
         figure.marks(wear, at, say(f"what_if.{name}"), (SCREEN.ink, symbol, size, 3.0), upright=True, cliponaxis=False)
     ends = say.convert(over.temperatures[[0, -1]], "temperature").tolist()
     figure.update_xaxes(title=say("what_if.axis_temperature", unit=say.unit("temperature")), range=ends)

@@ -65,7 +65,7 @@ def _side_of_land(diagnosis: Diagnosis, land: LandDiagnosis | None) -> dict[str,
 def _condition(comparison: Comparison, each: ConditionComparison) -> dict[str, Any]:
     record = {
         "name": each.name,
-        "label": each.label,
+        "label": each.projection.condition.label,
         "before": _side(comparison.before, each.before),
         "after": _side(comparison.after, each.after),
         "alike": _side(comparison.alike, each.alike) if comparison.differing else None,

@@ -281,7 +281,7 @@ class _Page:
 
         def verdict(side: str, compared: LandComparison) -> Verdict | None:
             land: LandDiagnosis | None = getattr(compared, side)
-            return land and land.verdict
+            return None if land is None else land.verdict
 
         columns = (
             Column("pair", width=50, of=lambda land: self._named(*land.key)),
@@ -318,19 +318,20 @@ class _Page:
 
     def _totals(self) -> Iterable[Block]:
         say = self.say
-        rows = [(each, each.before) for each in self.shown if each.before and each.alike and each.share]
-        if not rows:
+        shown = [each for each in self.shown if each.before and each.alike and each.share]
+        if not shown:
             return
         said = [
             say(
                 "comparison.chart_condition",
-                condition=say.condition(before.condition),
-                before=say.percent(each.share and each.share.before),
-                after=say.percent(each.share and each.share.after),
+                condition=say.condition(each.projection.condition),
+                before=say.percent(each.share.before),
+                after=say.percent(each.share.after),
             )
-            for each, before in rows
+            for each in shown
+            if each.share is not None
         ]
-        drawn = printed_chart(self._chart([each for each, _ in rows]), say)
+        drawn = printed_chart(self._chart(shown), say)
         yield picture(drawn, say("comparison.chart_alt", conditions=" ".join(said)), say("comparison.caption"))
 
     def _chart(self, shown: Sequence[ConditionComparison]) -> RowChart:
@@ -364,7 +365,10 @@ class _Page:
             return say.level(band), look_of(band), values, {"lift": -0.5}
 
         layers = layers_of((*map(bar, Band), (say("comparison.new"), STATED, new, {}), *map(begins, Band)))
-        names = [f"{say.condition(each.projection.condition)}, {say(f'comparison.{side}').lower()}" for each, side, *_ in rows]
+        names = [
+            f"{say.condition(each.projection.condition)}, {say(f'comparison.{side}').lower()}"
+            for each, side, *_ in rows
+        ]
         return RowChart(names, layers, say("comparison.axis"), [f"{say.number(share, 1)} %" for share in shares])
 
     # --- below
