@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from atleak.comparison.choices import ChoiceName, DifferingChoice
-from atleak.comparison.results import SIDES, Comparison, LandComparison
+from atleak.comparison.results import SIDES, Comparison, LandComparison, Side
 from atleak.errors import Message
 from atleak.sentence import Sentence, in_a_row, some
 
