@@ -33,7 +33,7 @@ from atleak.measuring.plan import DIRECTIONS
 from atleak.report.printed_charts import plotting
 from atleak.report.printed_charts.curves import pump_chart
 from atleak.verdicts import Verdict
-from atleak.views.drawing import measuring_svg, sign_svg, svg_head, svg_text
+from atleak.views.drawing import sign_svg, spool_svg, svg_head, svg_text
 from atleak.views.pressures import HeldPressure, pressures_at
 from atleak.views.pump_speed import pump_over_speed
 from atleak.what_if import WhatIf, tried
@@ -346,7 +346,7 @@ def circuit() -> str:
 
 def spool_measuring() -> str:
     """Draw the dashboard's picture of where a spool is measured, with its planes and directions."""
-    own = measuring_svg(four_speed().controller, PAIR[0], DIRECTIONS)
+    own = spool_svg(four_speed().controller, PAIR[0], directions=DIRECTIONS)
     width, height = (float(each) for each in re.findall(r'(?:width|height)="([\d.]+)"', own)[:2])
     drawing = Drawing(width, height + 56.0, "Where a spool is measured")
     drawing.parts.append(own)

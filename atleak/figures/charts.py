@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from atleak.figures.figure import Figure
-from atleak.figures.frame import error_bars, framed
-from atleak.look import FAINT_GRID, HATCHING, SCREEN, SPREADS_ON_SCREEN, Look
+from atleak.figures.figure import HATCH, Figure, error_bars
+from atleak.figures.frame import framed
+from atleak.look import FAINT_GRID, SCREEN, SPREADS_ON_SCREEN, Look
 from atleak.spreads import Spread
 from atleak.views.charts import Chart, ClassChart, Field, Layer, RowChart
 from atleak.wording import Wording
 
-_HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 _WIDTH = 0.86  # of a box, of its class
 _ABOVE = 0.27  # the middle of a row, parts of its height: where its name stands
 _THICK = 0.7  # of a bar here, of what it is on paper, where its name stands beside it
@@ -111,7 +110,7 @@ def _marks(layer: Layer, here: Sequence[int]) -> dict[str, Any]:
 
 def shade(look: Look) -> dict[str, Any]:
     """Return the colour of a level's bars, and the pattern that tells it without colour."""
-    return {"color": look.screen, "pattern": {**_HATCH, "shape": look.pattern}}
+    return {"color": look.screen, "pattern": HATCH | {"shape": look.pattern}}
 
 
 # --- classes

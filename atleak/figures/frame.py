@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from atleak.figures.figure import Figure, error_bars
+from atleak.figures.figure import Figure
 from atleak.look import CLEAR, FAINT_GRID
 from atleak.wording import Wording, wording
-
-__all__ = ["by_land", "error_bars", "framed"]
 
 
 def framed(figure: Figure, height: int, top: int = 36, **layout: object) -> Figure:

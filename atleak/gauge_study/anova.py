@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -82,7 +82,7 @@ class GaugeStudy:
     table: tuple[AnovaRow, ...]  # with the interaction
     pooled: bool  # whether the interaction was added to repeatability
     components: tuple[Component, ...]
-    messages: tuple[Message, ...]
+    messages: tuple[Message, ...] = ()
 
     def of(self, name: str) -> Component:
         """Return a component by its name."""
@@ -162,9 +162,8 @@ def analysed(readings: StudyReadings, *, tolerance: float | None = None, alpha: 
     variances["total"] = variances["grr"] + variances["part"]
     order = ("grr", "repeatability", "reproducibility", "operator", "interaction", "part", "total")
     components = tuple(Component(name, variances[name], variances["total"], tolerance) for name in order)
-    study = GaugeStudy(readings, alpha, tolerance, table, pooled, components, ())
-    messages = (*readings.messages, *_messages(study, negative))
-    return GaugeStudy(readings, alpha, tolerance, table, pooled, components, messages)
+    study = GaugeStudy(readings, alpha, tolerance, table, pooled, components)
+    return replace(study, messages=(*readings.messages, *_messages(study, negative)))
 
 
 def _table(values: np.ndarray) -> tuple[AnovaRow, ...]:
@@ -175,27 +174,21 @@ def _table(values: np.ndarray) -> tuple[AnovaRow, ...]:
     by_part, by_operator = cells.mean(axis=1), cells.mean(axis=0)
     beside = cells - by_part[:, None] - by_operator[None, :]
     within = values - cells[:, :, None]
-    squares = {
-        "part": operators * trials * float((by_part**2).sum()),
-        "operator": parts * trials * float((by_operator**2).sum()),
-        "interaction": trials * float((beside**2).sum()),
-        "repeatability": float((within**2).sum()),
-    }
     smallest = 1e-24 * values.size  # [m²] a picometre each: what rounding leaves of readings that are all the same
-    squares = {name: each if each > smallest else 0.0 for name, each in squares.items()}
-    freedom = {
-        "part": parts - 1,
-        "operator": operators - 1,
-        "interaction": (parts - 1) * (operators - 1),
-        "repeatability": parts * operators * (trials - 1),
+    found = {
+        "part": (operators * trials * float((by_part**2).sum()), parts - 1),
+        "operator": (parts * trials * float((by_operator**2).sum()), operators - 1),
+        "interaction": (trials * float((beside**2).sum()), (parts - 1) * (operators - 1)),
+        "repeatability": (float((within**2).sum()), parts * operators * (trials - 1)),
     }
+    found = {name: (squares if squares > smallest else 0.0, freedom) for name, (squares, freedom) in found.items()}
     rows = []
     for source, against in (("part", "interaction"), ("operator", "interaction"), ("interaction", "repeatability")):
-        ratio = _ratio(squares[source] / freedom[source], squares[against] / freedom[against])
-        probability = _by_chance(ratio, freedom[source], freedom[against])
-        rows.append(AnovaRow(source, squares[source], freedom[source], ratio, probability))
-    rows.append(AnovaRow("repeatability", squares["repeatability"], freedom["repeatability"]))
-    rows.append(AnovaRow("total", sum(squares.values()), values.size - 1))
+        (squares, upper), (other, lower) = found[source], found[against]
+        ratio = _ratio(squares / upper, other / lower)
+        rows.append(AnovaRow(source, squares, upper, ratio, _by_chance(ratio, upper, lower)))
+    rows.append(AnovaRow("repeatability", *found["repeatability"]))
+    rows.append(AnovaRow("total", sum(squares for squares, _ in found.values()), values.size - 1))
     return tuple(rows)
 
 

@@ -15,7 +15,7 @@ from atleak.look import look_of
 from atleak.measuring.doubts import Judged
 from atleak.measuring.plan import Cell
 from atleak.measuring.typed import Typed
-from atleak.views.drawing import measuring_svg, on_dark
+from atleak.views.drawing import on_dark, spool_svg
 from atleak.views.land_names import component_words, has_number
 from atleak.views.sentences import wear_words
 from atleak.wording import Wording
@@ -99,7 +99,7 @@ def _component(grid: Grid, name: str, say: Wording, dark: bool) -> dict[str, Any
     lands = [land for land in grid.controller.lands_of(name) if land.key in grid.asked]
     angles = sorted({cell.direction for cell in grid.cells if cell.component == name and cell.direction is not None})
     verdicts = {key: land.verdict for key, land in grid.finished.items()}
-    drawing = measuring_svg(grid.controller, name, angles, verdicts, say)
+    drawing = spool_svg(grid.controller, name, verdicts, say, directions=angles)
     return {
         "name": name,
         "label": name if has_number(grid.controller, name) else say.name(grid.controller.components[name]),

@@ -132,53 +132,29 @@ def spool_svg(
     component: str,
     verdicts: Mapping[tuple[str, int], str] | None = None,
     say: Wording | None = None,
+    *,
+    directions: Sequence[float] = (),
 ) -> str:
     """Draw one spool in its sleeve with the planes it is measured in, numbered as on the measuring sheet.
 
-    Its name is left to the page, which has room for it. English unless ``say`` is given.
-
-    Raises
-    ------
-    KeyError
-        a component without lands.
-    """
-    return _measured_spool(controller, component, verdicts or {}, (), say or wording("en"))
-
-
-def measuring_svg(
-    controller: Controller,
-    component: str,
-    directions: Sequence[float],
-    verdicts: Mapping[tuple[str, int], str] | None = None,
-    say: Wording | None = None,
-) -> str:
-    """Draw the same with the directions of measuring beside it, seen along the axis.
-
-    Every plane bears its name as ``data-plane`` and every direction its angle as ``data-direction``, so that a page can
-    light the ones that are measured now.
+    Its name is left to the page, which has room for it. Every plane bears its name as ``data-plane`` and every
+    direction its angle as ``data-direction``, so that a page can light the ones that are measured now.
 
     Parameters
     ----------
-    directions
-        [°] round the axis, 0 is upright.
+    verdicts
+        by (component, land).
     say
         the reader's words and units; English and metric unless given.
+    directions
+        of measuring [°] round the axis, 0 is upright: seen along the axis, beside the spool.
 
     Raises
     ------
     KeyError
         a component without lands.
     """
-    return _measured_spool(controller, component, verdicts or {}, directions, say or wording("en"))
-
-
-def _measured_spool(
-    controller: Controller,
-    component: str,
-    verdicts: Mapping[tuple[str, int], str],
-    directions: Sequence[float],
-    say: Wording,
-) -> str:
+    say, verdicts = say or wording("en"), verdicts or {}
     lands = controller.lands_of(component)
     if not lands:
         raise KeyError(component)

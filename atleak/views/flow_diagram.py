@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from atleak.catalogue.circuits import Circuit, Consumer, Leak
 from atleak.diagnosis import Diagnosis
 from atleak.engine.flows import Flow, Kind, Place, flows_at
 from atleak.engine.line import LINE
@@ -215,30 +216,20 @@ def _columns(flows: Sequence[Flow]) -> dict[Place, int]:
     return columns | moved
 
 
+@dataclass(frozen=True)
 class _Words:
     """The words of the places."""
 
-    def __init__(
-        self, diagnosis: Diagnosis, pressures: Mapping[str, float], count: dict[Place, int], say: Wording
-    ) -> None:
-        self.diagnosis, self.pressures, self.count, self.say = diagnosis, pressures, count, say
-        controller = diagnosis.controller
-        self.names = {
-            (kind, each.id): each.name
-            for kind, described in (
-                (Kind.SECTION, controller.circuits),
-                (Kind.LEAK, controller.leaks),
-                (Kind.CONSUMER, controller.consumers),
-            )
-            for each in described
-        }
+    diagnosis: Diagnosis
+    pressures: Mapping[str, float]
+    count: Mapping[Place, int]
+    say: Wording
 
     def short(self, place: Place) -> str:
         """Return the words beside a place."""
-        own_land = place.kind is Kind.LAND and place not in self.count
-        if not own_land:
-            return self.name(place)
         controller = self.diagnosis.controller
+        if place.kind is not Kind.LAND or place in self.count:
+            return self.name(place)
         if not has_number(controller, place.name):
             return land_number(controller, (place.name, place.land), self.say)
         return f"{place.name} · {place.land}"
@@ -252,15 +243,18 @@ class _Words:
 
     def name(self, place: Place) -> str:
         """Return the name of a place."""
-        say = self.say
+        say, controller = self.say, self.diagnosis.controller
         if place in self.count:
             return say("flows.others", count=self.count[place])
         if place.kind is Kind.LAND:
-            controller = self.diagnosis.controller
-            if not has_number(controller, place.name):
-                return self.short(place)
-            return f"{place.name} · {place.land} {isolated(say.name(controller.components[place.name]))}"
-        if place.kind in (Kind.SECTION, Kind.LEAK, Kind.CONSUMER):
-            known = self.names.get((place.kind, place.name))
+            named = isolated(say.name(controller.components[place.name]))
+            return f"{self.short(place)} {named}" if has_number(controller, place.name) else self.short(place)
+        described: dict[Kind, Sequence[Circuit | Leak | Consumer]] = {
+            Kind.SECTION: controller.circuits,
+            Kind.LEAK: controller.leaks,
+            Kind.CONSUMER: controller.consumers,
+        }
+        if place.kind in described:
+            known = next((each.name for each in described[place.kind] if each.id == place.name), "")
             return isolated(say.name(known) if known else say.get("pressures", place.name))
         return say(f"flows.{place.kind}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from atleak.gauge_study.anova import CATEGORY, SPREAD, Component, GaugeStudy
+from atleak.gauge_study.anova import CATEGORY, SPREAD, GaugeStudy
 from atleak.version import __version__
 from atleak.views.diagnosis_record import FORMAT
 from atleak.views.message_record import message_record
@@ -25,7 +25,7 @@ def component_rows(study: GaugeStudy) -> list[dict[str, Any]]:
             **({} if study.tolerance is None else {"of_tolerance_percent": _percent(component.of_tolerance)}),
         }
         for component in study.components
-        if not _is_pooled(study, component)
+        if not (study.pooled and component.name == "interaction")
     ]
 
 
@@ -107,10 +107,6 @@ def result_sentence(study: GaugeStudy, say: Wording) -> str:
     )
     judged = say(f"gauge_study.{study.judged}")
     return say(f"gauge_study.{key}", grr=say.percent(share), judged=judged, categories=categories)
-
-
-def _is_pooled(study: GaugeStudy, component: Component) -> bool:
-    return study.pooled and component.name == "interaction"
 
 
 def _percent(fraction: float | None) -> float | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.limits import Level, RuleKind
@@ -28,12 +29,12 @@ class HeldPressure:
     repaired: float | None  # with repairs made; None where none is asked for
     set_pressure: float | None  # of the circuit's regulator; what is required of the line
     vented: bool  # not applied in this gear
-    permissible: PermissiblePressure | None  # of the line
-    low: float | None  # [Pa] the least permissible pressure by which the line is judged
     rule: Rule | None  # that judges it; None where no such limit is set, and of a vented circuit
     decided: RuleDecision | None
     verdict: Verdict | None  # ``not_measured`` where nothing was measured and no limit is passed
     causes: Mapping[LandKey, float]  # [Pa] that it would gain with one of these lands new
+    permissible: PermissiblePressure | None = None  # of the line
+    low: float | None = None  # [Pa] the least permissible pressure by which the line is judged
 
     @property
     def id(self) -> str:
@@ -110,10 +111,15 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, repaired: Sequenc
         diagnosis.pressure_rule(projection, kind) for kind in (RuleKind.RESERVE, RuleKind.PERMISSIBLE_PRESSURE)
     )
 
+    def held(rule: Rule | None, **values: Any) -> HeldPressure:
+        decided = None if rule is None else diagnosis.decided(rule)
+        return HeldPressure(rule=rule, decided=decided, verdict=diagnosis.verdict_on(rule), **values)
+
     def circuit(state: CircuitState) -> HeldPressure:
         circuit = state.circuit
         rule = diagnosis.pressure_rule(projection, RuleKind.CIRCUIT_LOSS, circuit)
-        return HeldPressure(
+        return held(
+            rule,
             circuit=circuit,
             now=state.pressure,
             interval=total.circuit_intervals.get(circuit.id) if total else None,
@@ -121,15 +127,11 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, repaired: Sequenc
             repaired=after.get(circuit.id),
             set_pressure=state.set_pressure,
             vented=state.vented,
-            permissible=None,
-            low=None,
-            rule=rule,
-            decided=diagnosis.decided(rule) if rule else None,
-            verdict=diagnosis.verdict_on(rule),
             causes={} if rule in diagnosis.pump.lacking else losses.get(circuit.id, {}),
         )
 
-    line = HeldPressure(
+    line = held(
+        permissible,
         circuit=None,
         now=projection.main_pressure_held,
         interval=total.main_pressure_interval if total else None,
@@ -139,9 +141,6 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, repaired: Sequenc
         vented=False,
         permissible=projection.permissible,
         low=permissible_low(projection),
-        rule=permissible,
-        decided=diagnosis.decided(permissible) if permissible else None,
-        verdict=diagnosis.verdict_on(permissible),
         causes={} if any(each in diagnosis.pump.lacking for each in (permissible, reserve)) else losses.get(LINE, {}),
     )
     circuits = tuple(circuit(state) for state in projection.circuits)
