@@ -153,11 +153,15 @@ def gauge_table(check: PressureCheck, say: Wording) -> Table:
     """Return a row for every reading: what was shown, permitted, expected, and the verdict; no column is empty."""
     repeated = any(each.reading.repeat > 1 for each in check.readings)
     circuits = any(each.cell.tap != LINE for each in check.readings)
+
+    def tap(each: CheckedReading) -> str:
+        return say("permissible.line") if each.cell.tap == LINE else say.name(each.tap_name)
+
     shown = (
         Column("verdict", VERDICT, width=92, of=lambda each: each.verdict or say("texts.not_judged")),
         Column("range", of=lambda each: each.cell.range),
         Column("engine_state", width=150, of=lambda each: say.sentence(each.cell.engine.label)),
-        Column("tap", width=150, of=lambda each: _tap(each, say) if circuits else None),
+        Column("tap", width=150, of=lambda each: tap(each) if circuits else None),
         Column("reading_number", digits=0, width=44, of=lambda each: each.reading.repeat if repeated else None),
         Column("gauge", "pressure", _typed_places(check), of=lambda each: each.reading.pressure, times=KPA),
         Column("permitted", words_of="pressure", of=lambda each: permissible_text(each.permissible, say)),
@@ -174,10 +178,6 @@ def _typed_places(check: PressureCheck) -> int:
     """Return how many decimal places of a kPa were typed; one of another unit seldom has a whole number of them."""
     decimals = [len(f"{each.reading.pressure * KPA:.9g}".partition(".")[2]) for each in check.readings]
     return max((places for places in decimals if places <= MOST_TYPED), default=0)
-
-
-def _tap(each: CheckedReading, say: Wording) -> str:
-    return say("permissible.line") if each.cell.tap == LINE else say.name(each.tap_name)
 
 
 def _between(each: CheckedReading, say: Wording) -> str | None:

@@ -23,11 +23,11 @@ PER = 1e4  # [km], or miles where people read those, for which they read a rate
 
 def soonest_first(history: WearHistory) -> tuple[LandWear, ...]:
     """Return the lands by the mileage at which they reach their next limit, those past one first, unknown ones last."""
-    return tuple(sorted(history.lands, key=lambda land: (-_past(land), _soonest(land))))
 
+    def order(land: LandWear) -> tuple[int, tuple[float, float]]:
+        return -max((limit.level.rank for limit in land.limits if limit.past), default=0), _soonest(land)
 
-def _past(land: LandWear) -> int:
-    return max((limit.level.rank for limit in land.limits if limit.past), default=0)
+    return tuple(sorted(history.lands, key=order))
 
 
 def _soonest(land: LandWear) -> tuple[float, float]:

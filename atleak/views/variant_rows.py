@@ -177,11 +177,12 @@ def _variant(result: VariantResult) -> dict[str, Any]:
 
 
 def _run(run: RoadLeakage) -> dict[str, Any]:
+    pump = run.max_leakage.pump_capacity
     return {
         "max_leakage_dm3_min": run.max_leakage.leakage * DM3_MIN,
         "max_leakage_time_s": run.max_leakage.time,
         "gear_at_max_leakage": gear_at_most_leakage(run),
-        "pump_capacity_at_max_leakage_dm3_min": _pump(run.max_leakage),
+        "pump_capacity_at_max_leakage_dm3_min": None if pump is None else pump * DM3_MIN,
         "share_at_max_leakage_percent": _share(run.max_leakage),
         "min_leakage_dm3_min": run.min_leakage.leakage * DM3_MIN,
         "min_leakage_time_s": run.min_leakage.time,
@@ -194,13 +195,5 @@ def _share(instant: Instant | None) -> float | None:
     return None if instant is None or instant.share is None else instant.share * PERCENT
 
 
-def _pump(instant: Instant) -> float | None:
-    return None if instant.pump_capacity is None else instant.pump_capacity * DM3_MIN
-
-
 def _unique(results: Sequence[VariantResult]) -> list[Message]:
-    messages: dict[tuple[str, str], Message] = {}
-    for result in results:
-        for message in result.messages:
-            messages.setdefault((message.code, message.text), message)
-    return list(messages.values())
+    return list({(each.code, each.text): each for result in results for each in result.messages}.values())

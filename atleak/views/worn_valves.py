@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
@@ -101,20 +100,22 @@ def worn_valves(diagnosis: Diagnosis, choice: Choice) -> tuple[WornValve, ...]:
                 lands,
                 _paths(diagnosis, keys),
                 tuple(complaint for complaint, behind in explained.items() if keys & behind),
-                tuple((each, loss) for each in past if (loss := _cost(each.costly, keys)) > 0.0),
+                tuple(
+                    (each, loss) for each in past if (loss := sum(own for key, own in each.costly if key in keys)) > 0.0
+                ),
                 alone,
             )
         )
-    return tuple(sorted(valves, key=lambda each: (-each.verdict.rank, -_saved(each))))
+
+    def order(valve: WornValve) -> tuple[int, float]:
+        return -valve.verdict.rank, -max((each.saving for each in valve.alone), default=0.0)
+
+    return tuple(sorted(valves, key=order))
 
 
 def _gained(at: RepairedAt, rule: Rule) -> float:
     held = LINE if rule.circuit is None else rule.circuit.id
     return at.after.pressures[held] - at.before.pressures[held]
-
-
-def _saved(valve: WornValve) -> float:
-    return max((each.saving for each in valve.alone), default=0.0)
 
 
 def _paths(diagnosis: Diagnosis, keys: set[LandKey]) -> tuple[Path, ...]:
@@ -129,8 +130,3 @@ def _end(gap: Gap) -> str | End:
     if gap.into_sump:
         return End.SUMP
     return gap.low.section if gap.low.section is not None and gap.low.is_section else End.ANOTHER_SECTION
-
-
-def _cost(costly: tuple[tuple[LandKey, float], ...], keys: set[LandKey]) -> float:
-    losses: Mapping[LandKey, float] = dict(costly)
-    return sum(losses[key] for key in keys & set(losses))

@@ -104,7 +104,9 @@ def printed(content: Table, *, whole: bool = False) -> Block:
         "kind": "table",
         "names": [_name(column, say) for column in shown],
         "rows": rows,
-        "widths": [_share(column) for column in shown],
+        "widths": [  # what is left of the page is shared by words, in parts of 50 pixels of the screen
+            0 if column.is_number or column.kind == VERDICT else (column.width or 0) // 50 for column in shown
+        ],
         "aligned": "".join("d" if column.is_number or column.words_of else "l" for column in shown),
         "whole": whole,
     }
@@ -123,11 +125,6 @@ def _name(column: Column, say: Wording) -> str:
     unit = column.unit(say)
     title = begun(title) if title[:2].isalpha() else title
     return f"{title}\n{unit}" if unit else title
-
-
-def _share(column: Column) -> int:
-    """Return a column's share of the width that is left, in parts of 50 pixels of the screen."""
-    return 0 if column.is_number or column.kind == VERDICT else (column.width or 0) // 50
 
 
 def _cell(column: Column, interval: tuple[Column, Column] | None, item: Any, say: Wording) -> Any:

@@ -11,7 +11,7 @@ from typing import Any
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
-from atleak.errors import Message, unknown
+from atleak.errors import unknown
 from atleak.job.doubts import record_doubts
 from atleak.job.record import RepairDecision, Scratch
 from atleak.land_diagnosis import LandDiagnosis
@@ -314,7 +314,10 @@ class Body(Part):
             fluid=fluid_in_state(diagnosis, say),
             viscosity=joined(viscosities, "; "),
             profile=profile.label,
-            options=joined(f"{name} = {_option(value)}" for name, value in profile.options.items()),
+            options=joined(
+                f"{name} = {('off', 'on')[value] if isinstance(value, bool) else value}"
+                for name, value in profile.options.items()
+            ),
             measured=f"{diagnosis.measured} / {len(diagnosis.lands)}",
             measuring_temperature=measuring_temperature(diagnosis, say),
             instruments=joined(instruments, "; "),
@@ -323,20 +326,20 @@ class Body(Part):
 
     def _limits(self) -> Iterable[Block]:
         say, limits = self.say, self.diagnosis.limits
+
+        def source(steps: Steps) -> str | dict[str, str]:  # what the workshop set, it says in its own words
+            own = steps.origin is LimitOrigin.WORKSHOP
+            return steps.source if own else passage(steps.source, CATALOGUE_LANGUAGE, say)
+
         yield listed(
             say,
             limits.rules.items(),
             Column("rule", width=150, of=lambda rule: say(f"rules.{rule[0]}")),
             Column("limit", width=200, of=lambda rule: self._levels(*rule)),
             Column("origin", width=100, of=lambda rule: say.get("origins", rule[1].origin)),
-            Column("source", width=300, of=lambda rule: self._source_of(rule[1])),
+            Column("source", width=300, of=lambda rule: source(rule[1])),
         )
         yield text(f"{isolated(say.name(limits.name))}. {say('texts.limit_note')}", small=True)
-
-    def _source_of(self, steps: Steps) -> str | dict[str, str]:
-        """Return the source of a limit: what the workshop set, it says in its own words."""
-        own = steps.origin is LimitOrigin.WORKSHOP
-        return steps.source if own else passage(steps.source, CATALOGUE_LANGUAGE, self.say)
 
     def _levels(self, kind: RuleKind, steps: Steps) -> str:
         say = self.say
@@ -402,18 +405,15 @@ class Body(Part):
         return joined(self.say.get("value_names", key) for key in keys)
 
     def _messages(self) -> Iterable[Block]:
+        say = self.say
         messages = (*record_doubts(self.job, self.diagnosis), *self.diagnosis.messages)
+        said = (each for each in messages if each.code not in _SAID_ELSEWHERE and each.level in ("warning", "info"))
         yield bullets(
-            self._said(message)
-            for level in ("warning", "info")
-            for message in messages
-            if message.level == level and message.code not in _SAID_ELSEWHERE
+            f"{say.sentence(each.text)} ({say.sentence(each.place.sentence)})"
+            if each.place
+            else say.sentence(each.text)
+            for each in sorted(said, key=lambda each: each.level != "warning")
         )
-
-    def _said(self, message: Message) -> str:
-        """Return a message, with its place where it has one."""
-        said = self.say.sentence(message.text)
-        return f"{said} ({self.say.sentence(message.place.sentence)})" if message.place else said
 
     def _method(self) -> Iterable[Block]:
         say, profile, diagnosis = self.say, self.diagnosis.profile, self.diagnosis
@@ -468,7 +468,3 @@ def _begins(steps: Steps, level: Level) -> str:
     if steps.falling:
         return "level_under"
     return "level_over" if steps.limit_of(level) == 0.0 and steps.has_limit(level) else "level"
-
-
-def _option(value: Any) -> str:
-    return {True: "on", False: "off"}[value] if isinstance(value, bool) else str(value)

@@ -60,7 +60,11 @@ class Budget(Part):
         yield listed(
             say,
             [*lines, None],
-            Column("annex.source", width=250, of=of(self._source, say("annex.combined"))),
+            Column(
+                "annex.source",
+                width=250,
+                of=of(lambda line: say.get("uncertainty_sources", line.source.label), say("annex.combined")),
+            ),
             Column("annex.distribution", width=150, of=of(self._distribution)),
             Column("annex.degrees", digits=0, of=of(self._degrees)),
             Column("", digits=0, words="u(x)", of=of(self._input)),
@@ -72,9 +76,6 @@ class Budget(Part):
         said = [self._of_wear(land, its), self._of_share(its)]
         if any(said):
             yield text(" ".join(filter(None, said)), small=True)
-
-    def _source(self, line: BudgetLine) -> str:
-        return self.say.get("uncertainty_sources", line.source.label)
 
     def _distribution(self, line: BudgetLine) -> str:
         return f"{self.say(f'annex.{line.source.shape}')}, {'A' if line.statistical else 'B'}"

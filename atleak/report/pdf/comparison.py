@@ -15,7 +15,7 @@ from atleak.comparison import Comparison, ConditionComparison, LandComparison
 from atleak.comparison.results import SIDES
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
-from atleak.job.record import Job, RepairDecision
+from atleak.job.record import Job
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.look import STATED, look_of
 from atleak.paper import DEFAULT_PAPER, find_paper
@@ -191,7 +191,9 @@ class _Page:
 
     def _done(self) -> Iterable[Block]:
         """Yield the work that is noted as done, each kind with its pairs, and below what was not."""
-        say, decisions = self.say, self._decisions()
+        say = self.say
+        latest = {(each.component, each.land, each.work): each for job in self.jobs for each in job.repair_decisions}
+        decisions = latest.values()  # of those of both records on one pair and work the later record's counts
         works: dict[str, list[str]] = defaultdict(list)
         for each in decisions:
             if each.decision == "done":
@@ -200,12 +202,15 @@ class _Page:
         yield bullets(items) or text(say("comparison.done_none"))
         left = [each for each in decisions if each.decision in ("declined", "deferred")]
         if left:
-            yield text(say("comparison.not_done", items=joined(map(self._left, left), "; ")), small=True)
-
-    def _decisions(self) -> list[RepairDecision]:
-        """Return the decisions of both records; of those on one pair and work the later record's counts."""
-        latest = {(each.component, each.land, each.work): each for job in self.jobs for each in job.repair_decisions}
-        return list(latest.values())
+            refused = (
+                say(
+                    "comparison.not_done_item",
+                    work=joined((self._named(each.component, each.land), each.work), ": "),
+                    decision=joined((say.get("job_decisions", each.decision or ""), each.reason), ": "),
+                )
+                for each in left
+            )
+            yield text(say("comparison.not_done", items=joined(refused, "; ")), small=True)
 
     def _named(self, component: str, land: int | None) -> str:
         """Name a pair as a customer reads it: by its name, with its number only where several bear that name."""
@@ -215,11 +220,6 @@ class _Page:
         called = f"{component} {said}" if list(names.values()).count(name) > 1 else said
         several = sum(each.key[0] == component for each in self.comparison.lands) > 1
         return self.say("comparison.land", name=called, land=land) if land and several else called
-
-    def _left(self, decision: RepairDecision) -> str:
-        how = joined((self.say.get("job_decisions", decision.decision or ""), decision.reason), ": ")
-        said = joined((self._named(decision.component, decision.land), decision.work), ": ")
-        return self.say("comparison.not_done_item", work=said, decision=how)
 
     def _result(self) -> Iterable[Block]:
         comparison, say, after = self.comparison, self.say, self.comparison.after
@@ -299,12 +299,9 @@ class _Page:
             ),
         )
         yield {"shortened": [listed(say, flagged[:length], *columns) for length in self.lengths]}
-        notes = [self._pairs_note(len(flagged) - length) for length in self.lengths]
-        yield {"shortened": [text(note, small=True) for note in notes]}
-
-    def _pairs_note(self, more: int) -> str:
-        left = [self.say("comparison.more", count=more)] if more > 0 else []
-        return " ".join([*left, self.say("comparison.pairs_note")])
+        more = [len(flagged) - length for length in self.lengths]
+        left = [say("comparison.more", count=count) if count > 0 else "" for count in more]
+        yield {"shortened": [text(f"{each} {say('comparison.pairs_note')}".strip(), small=True) for each in left]}
 
     def _mounting(self, land: LandComparison) -> str:
         newest = land.after or land.before

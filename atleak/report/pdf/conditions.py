@@ -84,13 +84,17 @@ class Conditions(Part):
     def repair_order(self) -> Iterable[Block]:
         """Return the repairs in their order, with what each brings at every condition, and where they end."""
         say, plan = self.say, self.names.plan
+
+        def helps(step: RepairStep) -> str:
+            return say.condition(step.at.condition) if step.helps else no_help(step, say)
+
         if plan.steps:
             yield text(say("texts.repair_order_by_options" if plan.cost else "texts.repair_order"), leads=True)
             columns = (
                 Column("", digits=0, words="", of=lambda step: step[0]),
                 Column("pair", width=250, of=lambda step: self.names.land_name(step[1].land)),
                 Column("verdict", VERDICT, of=lambda step: step[1].land.verdict),
-                Column("helps_at", width=200, of=lambda step: self._helps(step[1])),
+                Column("helps_at", width=200, of=lambda step: helps(step[1])),
                 Column("before", "percent", of=lambda step: step[1].at.before.share, times=PERCENT),
                 Column("after", "percent", of=lambda step: step[1].at.after.share, times=PERCENT),
                 Column("replace_at", width=100, of=lambda step: replace_at(step[1].land, say)),
@@ -123,9 +127,6 @@ class Conditions(Part):
         )
         yield text(say("texts.repair_options"), leads=True)
         yield printed(Table("", columns, rows, say, told=lands).filled)
-
-    def _helps(self, step: RepairStep) -> str:
-        return self.names.condition(step.at.condition) if step.helps else no_help(step, self.say)
 
     def _totals_after(self, steps: Sequence[RepairStep]) -> Iterable[Block]:
         """Return the total after every step at every condition."""

@@ -81,6 +81,10 @@ class PrintedNames:
 
     def of_lands(self, *keys: str) -> list[Column]:
         """Return columns of lands by their names."""
+
+        def decision(land: LandDiagnosis) -> str | None:
+            return land.decision and self.decided(land.decision, land.probability_over_limit)
+
         every = (
             Column("pair", width=150, of=self.pair),
             Column("land", of=lambda land: str(land.key[1])),
@@ -88,14 +92,18 @@ class PrintedNames:
             Column("sleeve", "length", 4, of=lambda land: land.state.sleeve_diameter, times=MM),
             Column("spool", "length", 4, of=lambda land: land.state.spool_diameter, times=MM),
             Column("clearance", "clearance", of=self._clearance),
-            Column("mounting", words_of="clearance", of=self._mounting),
+            Column(
+                "mounting",
+                words_of="clearance",
+                of=lambda land: span((end * UM for end in land.state.land.mounting_ends), "clearance", self.say),
+            ),
             Column("wear", "percent", of=lambda land: wear_words(land, self.say, unit=False)),
             Column("effective", "clearance", 1, of="effective_clearance", times=UM),
             Column("leakage", "flow", 3, times=DM3_MIN),
             Column("interval", words_of="flow", of=self._leakage_interval),
             Column("share", "percent", 2, times=PERCENT),
             Column("share_largest", "percent", 2, of=self._share_largest, times=PERCENT),
-            Column("decision", width=100, of=self._decision),
+            Column("decision", width=100, of=decision),
         )
         by_key = {column.key: column for column in every}
         return [by_key[key] for key in keys]
@@ -108,9 +116,6 @@ class PrintedNames:
             return value
         return f"{value} ± {self.say.value((interval[1] - interval[0]) / 2.0 * UM, 'clearance', 1)}"
 
-    def _mounting(self, land: LandDiagnosis) -> str:
-        return span((end * UM for end in land.state.land.mounting_ends), "clearance", self.say)
-
     def _leakage_interval(self, land: LandDiagnosis) -> str | None:
         interval = land.uncertainty.leakage_interval if land.uncertainty else None
         known = interval is not None and land.leakage > 0.0
@@ -122,9 +127,6 @@ class PrintedNames:
 
     def _worst(self, land: LandDiagnosis) -> LandAtCondition:
         return MatrixRow.of(land, self.diagnosis, self.diagnosis.projections).worst
-
-    def _decision(self, land: LandDiagnosis) -> str | None:
-        return land.decision and self.decided(land.decision, land.probability_over_limit)
 
     def decided(self, decision: Decision, probability: float | None) -> str:
         """Return the words of a decision with the probability that the true value is past the limit."""
