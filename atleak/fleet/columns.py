@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal, get_args
+from typing import Any, Literal, cast, get_args
 
 import pyarrow as pa
 
@@ -137,6 +137,24 @@ class Rows:
     reference: str
     verdict: Verdict | None  # None of an error
     tables: Mapping[DataSet, pa.Table]
+
+    @property
+    def error(self) -> ErrorKind | None:
+        """Return why there is no result; None of a result."""
+        errors = self.tables.get("errors")
+        return None if errors is None else cast(ErrorKind, errors.column("kind")[0].as_py())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel as Arrow's own bytes, without columns, which both sides know."""
+        batches = {data_set: table.combine_chunks().to_batches() for data_set, table in self.tables.items()}
+        written = {data_set: batch.serialize().to_pybytes() for data_set, (batch,) in batches.items()}
+        return _arrived, (self.controller, self.input_sha256, self.reference, self.verdict, written)
+
+
+def _arrived(controller: str | None, sha256: str, reference: str, verdict: Verdict | None, written: Any) -> Rows:
+    batches = {name: pa.ipc.read_record_batch(pa.py_buffer(each), columns_of(name)) for name, each in written.items()}
+    tables = {data_set: pa.Table.from_batches([batch]) for data_set, batch in batches.items()}
+    return Rows(controller, sha256, reference, verdict, tables)
 
 
 @cache

@@ -8,13 +8,12 @@ import json
 import os
 import re
 import secrets
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote, unquote
 
 import pyarrow as pa
-import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from atleak.errors import InputError
@@ -28,7 +27,6 @@ _NOT_KNOWN = "not-known"  # in a folder's name, in the place of a valve body's i
 _COLUMNS = "schema.parquet"  # without a row, for those who read a data set to which nothing was written yet
 _LONGEST = 200  # characters of a valve body's id
 _WITH = b"atleak.with"  # in a part of `units`: the data sets of which a part was written with it
-_TOGETHER = 20_000  # rows that are written at a time
 _NAME = re.compile(r"part-(\d{8}T\d{6}\.\d{6})Z-[0-9a-f]{8}\.parquet")
 _STAMP = "%Y%m%dT%H%M%S.%f"
 UNFINISHED = ".atleak-*.part"  # files of a process that ended in the midst of writing
@@ -119,13 +117,9 @@ def write_part(folder: Path, part: Part, tables: Iterable[pa.Table], beside: Seq
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise not_written(path.parent, error) from error
-    with (
-        replacing(path) as new,
-        new.open("wb") as stream,
-        pq.ParquetWriter(stream, schema, compression="zstd", write_page_checksum=True) as writer,
-    ):
-        for table in _together(tables):
-            writer.write_table(table)
+    whole = pa.concat_tables([schema.empty_table(), *tables])
+    with replacing(path) as new, new.open("wb") as stream:
+        pq.write_table(whole, stream, compression="zstd", write_page_checksum=True)
 
 
 def write_columns(folder: Path, data_set: DataSet, *, anew: bool) -> None:
@@ -173,41 +167,9 @@ def settle(folders: Iterable[Path]) -> None:
                 os.close(handle)
 
 
-def _together(tables: Iterable[pa.Table]) -> Iterator[pa.Table]:
-    """Yield small tables as larger ones, in the same order."""
-    gathered: list[pa.Table] = []
-    for table in tables:
-        gathered.append(table)
-        if sum(each.num_rows for each in gathered) >= _TOGETHER:
-            yield pa.concat_tables(gathered)
-            gathered = []
-    if gathered:
-        yield pa.concat_tables(gathered)
-
-
 def _grown(table: pa.Table, field: pa.Field, rows: int) -> pa.ChunkedArray:
-    """Return a column as it is written today; null where an earlier version did not write it."""
+    """Return a column as it is written today; null where an earlier version did not write it, or a part of it."""
     if field.name not in table.schema.names:
         return pa.chunked_array([pa.nulls(rows, field.type)])
-    return pa.chunked_array([_as(chunk, field.type) for chunk in table[field.name].chunks], field.type)
-
-
-def _as(array: pa.Array, kind: pa.DataType) -> pa.Array:
-    if array.type == kind:
-        return array
-    if pa.types.is_struct(kind) and pa.types.is_struct(array.type):
-        there = {field.name for field in array.type}
-        parts = [
-            _as(pc.struct_field(array, field.name), field.type)
-            if field.name in there
-            else pa.nulls(len(array), field.type)
-            for field in kind
-        ]
-        return pa.StructArray.from_arrays(parts, fields=list(kind), mask=array.is_null())
-    if pa.types.is_list(kind) and pa.types.is_list(array.type):
-        lengths = pc.fill_null(pc.list_value_length(array), 0)
-        ends = pc.cumulative_sum(lengths)
-        offsets = pa.concat_arrays([pa.array([0], pa.int32()), ends.cast(pa.int32())])
-        items = _as(array.flatten(), kind.value_type)
-        return pa.ListArray.from_arrays(offsets, items, type=kind, mask=array.is_null())
-    return array.cast(kind)
+    column = table[field.name]
+    return column if column.type == field.type else pa.chunked_array([pa.array(column.to_pylist(), field.type)])

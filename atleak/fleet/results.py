@@ -12,10 +12,10 @@ import contextlib
 import hashlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import compress
+from itertools import compress, repeat
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import NamedTuple, Self
 
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -44,9 +44,15 @@ from atleak.system.reasons import reason_of
 _SMALL = 1000  # units: a part with fewer is merged with others
 _TRIES = 20  # at reading while a run puts other parts in place of those that were there
 
-Standing = tuple[str, str | None]
-"""The reference and the group under which a unit stands in the results."""
 Counts = Sequence[bool]  # of the rows of a part of `units` or `errors`
+
+
+class Standing(NamedTuple):
+    """As what a unit stands in the results."""
+
+    reference: str
+    group: str | None
+    failed: bool  # whether it has an error and no result
 
 
 @dataclass(frozen=True)
@@ -142,23 +148,22 @@ class Results:
             if self._made:
                 remove_empty(self.folder)
 
-    def done(self) -> set[str]:
-        """Return the hashes of all units that have a result or an error."""
-        return {sha256 for part, counts in self._counting() for sha256 in compress(self._known[part].hashes, counts)}
-
     def standing(self) -> dict[str, Standing]:
         """Return, by the hash of every unit that has a result or an error, as what it stands there."""
         found: dict[str, Standing] = {}
         for part, counts in self._counting():
             units = self._known[part]
-            all_rows = zip(units.hashes, zip(units.references, units.groups, strict=True), strict=True)
-            found.update(compress(all_rows, counts))
+            standing = zip(units.references, units.groups, repeat(part.data_set == "errors"))
+            found.update(compress(zip(units.hashes, map(Standing._make, standing), strict=True), counts))
         return found
+
+    def done(self) -> set[str]:
+        """Return the hashes of all units that have a result or an error."""
+        return set(self.standing())
 
     def failed(self) -> set[str]:
         """Return the hashes of all units that have an error."""
-        errors = [(part, counts) for part, counts in self._counting() if part.data_set == "errors"]
-        return {sha256 for part, counts in errors for sha256 in compress(self._known[part].hashes, counts)}
+        return {sha256 for sha256, each in self.standing().items() if each.failed}
 
     def controllers(self) -> tuple[str, ...]:
         """Return the ids of all valve bodies of which there is a result."""

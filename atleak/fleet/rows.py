@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import pyarrow as pa
 
@@ -12,6 +12,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.road_bands import TemperatureClass
 from atleak.fleet.columns import HASH, DataSet, ErrorKind, Rows, columns_of
 from atleak.fleet.parts import folder_of
+from atleak.fleet.units import FleetUnit
 from atleak.job.issued import result_sha256
 from atleak.job.record import Job
 from atleak.verdicts import Verdict, worst
@@ -26,30 +27,8 @@ _INSTANTS = {  # of the record of a road test: the columns of `units` that stand
 }
 
 
-class Named(Protocol):
-    """What tells a unit from others, as `atleak.fleet.units.FleetUnit` does."""
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def reference(self) -> str: ...
-
-    @property
-    def group(self) -> str | None: ...
-
-    @property
-    def labels(self) -> tuple[tuple[str, str], ...]: ...
-
-    @property
-    def choices(self) -> str: ...
-
-    @property
-    def input_sha256(self) -> str: ...
-
-
 def rows_of(
-    unit: Named,
+    unit: FleetUnit,
     diagnosis: Diagnosis,
     job: Job | None = None,
     *,
@@ -111,7 +90,7 @@ def rows_of(
     )
 
 
-def error_rows(unit: Named, kind: ErrorKind, message: str, *, tries: int = 1, controller: str | None = None) -> Rows:
+def error_rows(unit: FleetUnit, kind: ErrorKind, message: str, *, tries: int = 1) -> Rows:
     """Return the row of a unit without a result.
 
     Parameters
@@ -124,12 +103,10 @@ def error_rows(unit: Named, kind: ErrorKind, message: str, *, tries: int = 1, co
         what a person would have been told.
     tries
         how often it was begun.
-    controller
-        id of its valve body, where that is known.
     """
     row = {**_named(unit, tries), "kind": kind, "message": message}
     tables: dict[DataSet, pa.Table] = {"errors": _table("errors", [row])}
-    return Rows(controller, unit.input_sha256, unit.reference, None, tables)
+    return Rows(None, unit.input_sha256, unit.reference, None, tables)
 
 
 def _table(data_set: DataSet, rows: Sequence[Mapping[str, Any]]) -> pa.Table:
@@ -139,7 +116,7 @@ def _table(data_set: DataSet, rows: Sequence[Mapping[str, Any]]) -> pa.Table:
     return pa.Table.from_arrays(whole.flatten(), schema=columns)
 
 
-def _named(unit: Named, tries: int) -> dict[str, Any]:
+def _named(unit: FleetUnit, tries: int) -> dict[str, Any]:
     return {
         HASH: unit.input_sha256,
         "reference": unit.reference,

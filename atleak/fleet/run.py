@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -14,18 +14,11 @@ if TYPE_CHECKING:
     from atleak.fleet.columns import ErrorKind
     from atleak.fleet.results import Results
     from atleak.fleet.running import Run
+    from atleak.fleet.sources import FoundUnits
     from atleak.fleet.units import FleetUnit
 
 TIME_LIMIT = 1800.0  # [s] for one unit
 _SAID_EVERY = 0.5  # [s]
-
-
-class Units(Protocol):
-    """Units of which it is known how many there are, each made when its turn comes: a list, or `FoundUnits`."""
-
-    def __len__(self) -> int: ...
-
-    def __iter__(self) -> Iterator[FleetUnit]: ...
 
 
 @dataclass(frozen=True)
@@ -67,7 +60,7 @@ class Finished:
 
 
 def run_fleet(
-    units: Units,
+    units: Sequence[FleetUnit] | FoundUnits,
     results: Results,
     client: Client,
     *,
@@ -84,7 +77,7 @@ def run_fleet(
     Parameters
     ----------
     units
-        as `find_units` gives them.
+        each made when its turn comes.
     results
         opened for writing.
     client
@@ -107,10 +100,7 @@ def run_fleet(
 
     begun = time.monotonic()
     results.tidy()
-    known = results.standing()
-    for sha256 in results.failed() if retry_errors else ():
-        del known[sha256]
-
+    known = {sha256: each for sha256, each in results.standing().items() if not (retry_errors and each.failed)}
     said = begun
 
     def say(run: Run, *, at_once: bool = False) -> None:

@@ -6,30 +6,28 @@ along. One that took too long was named before its worker left, and is tried aga
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import datetime as dt
 import itertools
+import pickle
 import queue
 import secrets
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import CancelledError
-from concurrent.futures import Future as Awaited
 from dataclasses import dataclass, replace
 from typing import Any
 
-from distributed import Client, Future
+from distributed import Client, Future, as_completed
 from distributed.scheduler import KilledWorker
-from tornado.platform.asyncio import BaseAsyncIOLoop
 
 from atleak.doors import unexpected
 from atleak.errors import FleetError, InputError, Message, Place
 from atleak.fleet.columns import ErrorKind
 from atleak.fleet.results import Results, Standing
 from atleak.fleet.rows import Rows, error_rows
-from atleak.fleet.task import BEGUN, OVERDUE, OtherVersionError, Packed, on_worker, packed_unit
+from atleak.fleet.task import BEGUN, OVERDUE, OtherVersionError, on_worker
 from atleak.fleet.units import FleetUnit
 from atleak.sentence import Sentence
 from atleak.version import __version__
@@ -44,11 +42,9 @@ TOLD_AFTER, TOLD_EVERY = 10.0, 60.0  # [s] without any worker
 _NO_ANSWER = 60.0  # [s] without an answer of a scheduler that seems to be there
 _TICK = 0.5  # [s]
 _LOOK = 2.0  # [s] between two looks at which workers there are
-_AT_ONCE = 64  # units that are taken back before others are handed out
+_MOMENT = 0.005  # [s] between two looks at whether a unit is done
 _MEMORY = "worker-restart-memory"  # dask's topic of workers that took more memory than they may
 _TOLD_WITHIN = 1.0  # [s] after such a worker has ended
-
-Fetched = Awaited[list[Packed]]
 
 
 @dataclass(frozen=True)
@@ -99,15 +95,13 @@ class Run:
         self.workers = 0
         self._results, self._client, self._time_limit, self._say = results, client, time_limit, say
         self._tell = tell
-        assert isinstance(client.loop, BaseAsyncIOLoop)
-        self._loop = client.loop.asyncio_loop
         self._units, self._all_seen = iter(units), False
         self._known = known
         self.met: set[str] = set()  # hashes of the units that had their turn
         self._waiting: deque[_Try] = deque()  # to be handed out next
         self._alone: deque[_Try] = deque()  # to be handed out once all others are done
         self._under_way: dict[Future, _Try] = {}
-        self._happened: queue.SimpleQueue[tuple[Future, Fetched | None]] = queue.SimpleQueue()
+        self._done = as_completed(loop=client.loop, with_results=True, raise_errors=False)
         self._overdue: queue.SimpleQueue[dict[str, str]] = queue.SimpleQueue()
         self._begun: dict[str, float] = {}  # name of a try alone → when its worker said that it begins
         self._left: set[str] = set()  # addresses of workers that left because a unit took too long
@@ -191,7 +185,7 @@ class Run:
         named = [replace(each, name=next(self._names)) for each in handed]
         futures = self._client.map(
             on_worker,
-            [packed_unit(each.unit) for each in named],
+            [pickle.dumps(each.unit, protocol=pickle.HIGHEST_PROTOCOL) for each in named],
             [each.name for each in named],
             [each.tries for each in named],
             key=[("unit", each.name) for each in named],
@@ -202,7 +196,7 @@ class Run:
         )
         for future, each in zip(futures, named, strict=True):
             self._under_way[future] = each
-            future.add_done_callback(self._done)
+        self._done.update(futures)
 
     @property
     def _room(self) -> int:
@@ -218,49 +212,38 @@ class Run:
                 self._all_seen = True
             elif unit.input_sha256 not in self.met:  # else it is the same as another one
                 self.met.add(unit.input_sha256)
-                if self._known.get(unit.input_sha256) == (unit.reference, unit.group):
+                if self._stands(unit):
                     self.before += 1
                 else:
                     self._waiting.append(_Try(unit))
+
+    def _stands(self, unit: FleetUnit) -> bool:
+        known = self._known.get(unit.input_sha256)
+        return known is not None and (known.reference, known.group) == (unit.reference, unit.group)
 
     # --- taking back
 
     def _take_back(self) -> None:
         """Wait a little for units that are done, one way or another, and see what became of them."""
-        happened = []
-        with contextlib.suppress(queue.Empty):
-            happened.append(self._happened.get(timeout=_TICK))
-            while len(happened) < _AT_ONCE:
-                happened.append(self._happened.get_nowait())
+        done, until = self._done, time.monotonic() + _TICK
+        while not done.has_ready() and time.monotonic() < until:
+            time.sleep(_MOMENT)
         self._take_out_overdue()
-        for future, fetched in happened:
+        for future, rows in done.next_batch(block=False):
             if future not in self._under_way:
                 continue
-            if fetched is not None and (packed := fetched.result()):
-                self._take(future, packed[0])
-            elif future.status == "error":
+            if future.status == "error":
                 self._sort_out(future)
-            elif future.status == "cancelled":
+            elif isinstance(rows, Rows):
+                self._take(future, rows)
+            else:
                 raise OSError("the scheduler has let go of the units")
-            elif fetched is None:
-                self._fetch(future)
-            else:  # its worker ended in that moment, and another one does it again
-                future.add_done_callback(self._done)
 
-    def _done(self, future: Future) -> None:
-        self._happened.put((future, None))
-
-    def _fetch(self, future: Future) -> None:
-        """Begin to fetch the rows of a unit; nothing waits for it, as a library may keep the worker from answering."""
-        gathering = self._client.gather([future], errors="skip", asynchronous=True)
-        fetching = asyncio.run_coroutine_threadsafe(gathering, self._loop)
-        fetching.add_done_callback(lambda fetched: self._happened.put((future, fetched)))
-
-    def _take(self, future: Future, packed: Packed) -> None:
-        if packed.error == "ended" and self._under_way[future].alone < TRIES_ALONE:
+    def _take(self, future: Future, rows: Rows) -> None:
+        if rows.error == "ended" and self._under_way[future].alone < TRIES_ALONE:
             self._again_alone(future)
         else:
-            self._keep(future, packed.rows, packed.error)
+            self._keep(future, rows)
 
     def _sort_out(self, future: Future) -> None:
         """Decide what becomes of a unit whose task ended in an error, which none does by itself."""
@@ -336,13 +319,13 @@ class Run:
 
     def _fail(self, future: Future, kind: ErrorKind, error: InputError) -> None:
         each = self._under_way[future]
-        self._keep(future, error_rows(each.unit, kind, str(error), tries=each.tries), kind)
+        self._keep(future, error_rows(each.unit, kind, str(error), tries=each.tries))
 
-    def _keep(self, future: Future, rows: Rows, error: ErrorKind | None) -> None:
+    def _keep(self, future: Future, rows: Rows) -> None:
         del self._under_way[future]
         self._finished.append(rows)
-        if error is not None:
-            self.errors[error] += 1
+        if rows.error is not None:
+            self.errors[rows.error] += 1
         elif rows.verdict is not None:
             self.verdicts[rows.verdict.value] += 1
 

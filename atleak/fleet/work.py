@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from atleak.doors import unexpected
@@ -19,14 +17,6 @@ from atleak.job.case import Case, Choice, Reader, Slot
 from atleak.job.of_sheet import with_sheet
 
 _KEPT = 64  # entries of the catalogue
-
-
-@dataclass(frozen=True)
-class Room:
-    """What a unit may take of the machine that it is evaluated on."""
-
-    memory: int | None = None  # bytes; None: as much as is free
-    folder: Path | None = None  # where the files of a job are unpacked; None: with temporary files
 
 
 _ENTRIES: dict[tuple[str, str, str], Any] = {}
@@ -63,15 +53,7 @@ class _Reader(Reader):
         return entry
 
 
-@contextmanager
-def _reading(room: Room) -> Iterator[tuple[_Reader, Path]]:
-    """Give what reads the files of one unit, and a folder to unpack it in; nothing of either stays on the disk."""
-    folders = tempfile.TemporaryDirectory(prefix="atleak-", dir=room.folder, ignore_cleanup_errors=True)
-    with folders as folder:
-        yield _Reader(room.memory), Path(folder)
-
-
-def evaluate(unit: FleetUnit, *, tries: int = 1, room: Room | None = None) -> Rows:
+def evaluate(unit: FleetUnit, *, tries: int = 1, memory: int | None = None, folder: Path | None = None) -> Rows:
     """Return the rows of a unit: those of its diagnosis, or the one row that says why there is none; never raises.
 
     A unit for which the memory did not suffice is of the kind ``ended``, as one whose worker was ended for it.
@@ -82,14 +64,16 @@ def evaluate(unit: FleetUnit, *, tries: int = 1, room: Room | None = None) -> Ro
         to be diagnosed, exactly as `atleak.job.case.Case.diagnose` does.
     tries
         how many times it was begun, this time with it.
-    room
-        what it may take.
+    memory
+        that it may take [bytes]; unless given, as much as is free.
+    folder
+        where the files of a job are unpacked; unless given, with temporary files. Nothing of them stays there.
     """
     begun = time.perf_counter()
     try:
-        with _reading(room or Room()) as (reader, folder):
-            case, job = unit.opened(folder)
-            diagnosis = case.diagnose(reader)
+        with TemporaryDirectory(prefix="atleak-", dir=folder, ignore_cleanup_errors=True) as unpacked:
+            case, job = unit.opened(Path(unpacked))
+            diagnosis = case.diagnose(_Reader(memory))
             job = with_sheet(job, diagnosis.readings) or job
             return rows_of(unit, diagnosis, job, seconds=time.perf_counter() - begun, tries=tries)
     except AtleakError as error:

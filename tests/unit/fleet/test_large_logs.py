@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,7 +14,7 @@ from atleak.fleet import task
 from atleak.fleet.rows import Rows
 from atleak.fleet.table_units import TableUnits
 from atleak.fleet.units import FleetUnit
-from atleak.fleet.work import Room, evaluate
+from atleak.fleet.work import evaluate
 from atleak.intake.road_test.channels import assign
 from atleak.intake.road_test.channels.assign import BESIDE
 from atleak.job import file as job_file
@@ -41,11 +42,11 @@ def the(rows: Rows, data_set: str) -> dict[str, Any]:
 
 
 def test_a_log_that_takes_more_than_a_unit_may_is_refused_with_what_to_do(unit: FleetUnit) -> None:
-    whole, refused = evaluate(unit), evaluate(unit, room=Room(LITTLE))
+    whole, refused = evaluate(unit), evaluate(unit, memory=LITTLE)
     assert the(refused, "errors")["kind"] == "refused"
     assert "would take 0.2 GB of memory" in the(refused, "errors")["message"]
     assert "--every" in the(refused, "errors")["message"]
-    some = evaluate(replace(unit, case=replace(unit.case, every=50)), room=Room(LITTLE))
+    some = evaluate(replace(unit, case=replace(unit.case, every=50)), memory=LITTLE)
     assert the(some, "units")["road_rows"] == -(-the(whole, "units")["road_rows"] // 50)
     assert some.input_sha256 != whole.input_sha256
 
@@ -54,10 +55,10 @@ def test_a_worker_gives_a_unit_what_it_has(tmp_path: Path, monkeypatch: pytest.M
     memory = SimpleNamespace(memory_limit=LITTLE)
     worker = SimpleNamespace(memory_manager=memory, local_directory=str(tmp_path))
     monkeypatch.setattr(task, "get_worker", lambda: worker)
-    packed = task.packed_unit(unit)
+    packed = pickle.dumps(unit)
     for limit, data_set in ((LITTLE, "errors"), (LITTLE + (1 << 30), "units"), (0, "units")):
         memory.memory_limit = limit
-        assert data_set in task.on_worker(packed, "unit", 1, None, __version__).rows.tables
+        assert data_set in task.on_worker(packed, "unit", 1, None, __version__).tables
     assert list(tmp_path.iterdir()) == []
 
 
@@ -65,7 +66,7 @@ def test_the_choice_counts_for_the_rows_of_a_table(tmp_path: Path, sample_readin
     table = tmp_path / "fleet.csv"
     table.write_text(f"Sheet;Log\n{sample_readings};{sample_log}\n", encoding="utf-8")
     (unit,) = TableUnits(table, Case(remember=False, every=50))
-    assert the(evaluate(unit, room=Room(LITTLE)), "units")["road_rows"] < 100
+    assert the(evaluate(unit, memory=LITTLE), "units")["road_rows"] < 100
 
 
 def test_a_large_log_of_a_job_file_is_unpacked_to_the_disk(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pyarrow as pa
@@ -250,10 +251,10 @@ def test_of_a_batch_for_which_the_disk_has_no_space_nothing_stays(
 ) -> None:
     writer = pq.ParquetWriter.write_table
 
-    def full(self: pq.ParquetWriter, table: pa.Table) -> None:
+    def full(self: pq.ParquetWriter, table: pa.Table, **options: Any) -> None:
         if "tries" in table.schema.names:  # of the units, when the others are written
             raise OSError(errno.ENOSPC, "No space left on device")
-        writer(self, table)
+        writer(self, table, **options)
 
     with Results.open(folder, for_writing=True) as writing:
         files = sorted(folder.rglob("*"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import pickle
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,9 +16,8 @@ from atleak.catalogue.entries import catalogue_files
 from atleak.errors import InputError
 from atleak.fleet import work
 from atleak.fleet.columns import DATA_SETS
-from atleak.fleet.task import Packed
 from atleak.fleet.units import FleetUnit
-from atleak.fleet.work import Room, evaluate
+from atleak.fleet.work import evaluate
 from atleak.job.case import Case, SourceFile
 from atleak.job.file import write_job_file
 from atleak.job.issued import issued_record
@@ -131,14 +131,13 @@ def test_a_lack_of_memory_is_known_behind_the_package_s_own_error(monkeypatch: p
 
 def test_rows_travel_as_they_are() -> None:
     rows = evaluate(small_unit(3))
-    packed = Packed.of(rows)
-    assert packed.error is None
-    arrived = packed.rows
+    arrived = pickle.loads(pickle.dumps(rows))
+    assert (arrived.error, arrived.verdict, arrived.reference) == (None, rows.verdict, rows.reference)
     assert {name: table.to_pylist() for name, table in arrived.tables.items()} == {
         name: table.to_pylist() for name, table in rows.tables.items()
     }
     assert set(arrived.tables) <= set(DATA_SETS)
-    assert Packed.of(evaluate(bad_unit(1))).error == "refused"
+    assert pickle.loads(pickle.dumps(evaluate(bad_unit(1)))).error == "refused"
 
 
 def test_a_refusal_is_told_where_a_file_that_is_still_open_cannot_be_deleted(
@@ -147,11 +146,11 @@ def test_a_refusal_is_told_where_a_file_that_is_still_open_cannot_be_deleted(
     def kept(*_: object, **__: object) -> None:
         raise PermissionError
 
-    def read() -> None:
-        with work._reading(Room(folder=tmp_path)) as (_, folder):
-            (folder / "log.csv").write_bytes(b"")
-            monkeypatch.setattr(os, "unlink", kept)
-            raise InputError(Sentence("the refusal"))
+    def opened(unit: FleetUnit, folder: Path) -> None:
+        (folder / "log.csv").write_bytes(b"")
+        monkeypatch.setattr(os, "unlink", kept)
+        raise InputError(Sentence("the refusal"))
 
-    with pytest.raises(InputError, match="the refusal"):
-        read()
+    monkeypatch.setattr(FleetUnit, "opened", opened)
+    (row,) = evaluate(small_unit(1), folder=tmp_path).tables["errors"].to_pylist()
+    assert (row["kind"], row["message"]) == ("refused", "the refusal")
