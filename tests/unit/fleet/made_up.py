@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import datetime as dt
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -15,6 +18,9 @@ from atleak.catalogue.controller_reading import load_controller
 from atleak.fleet.columns import ERROR_KINDS, HASH, DataSet, columns_of
 from atleak.fleet.results import Results
 from atleak.fleet.rows import Rows
+from atleak.fleet.summary import summed_up
+from atleak.fleet.summed import FleetSummary
+from atleak.rules import LandKey
 from atleak.verdicts import BANDS, Verdict
 from atleak.version import __version__
 
@@ -30,7 +36,46 @@ ERRORS = 4  # one of each kind
 _BEGUN = dt.datetime(2026, 4, 1, 18, tzinfo=dt.UTC)
 
 
-def made_up_results(folder: Path, units: int = 200, seed: int = 18) -> Results:
+@dataclass(frozen=True)
+class Fleet:
+    """What a made-up fleet is like; units of `varied` ones are measured in part or not, and decided in other ways."""
+
+    controllers: Sequence[str] = CONTROLLERS
+    suppliers: Sequence[str] = SUPPLIERS
+    keys: Sequence[LandKey] | None = None  # of all lands; unless given, those of the valve body
+    lands: int | None = None  # so many of them alone
+    logs: bool = True
+    mileage: bool = True
+    flagged: bool = True
+    errors: bool = True
+    name: str = "{group}/unit_{number:05}.zip"
+    varied: bool = False
+
+    def worn(self, controller: str) -> tuple[Sequence[LandKey], np.ndarray]:
+        """The lands of a valve body, and the largest clearance of each when new [µm]."""
+        if self.keys is not None:
+            return self.keys[: self.lands], np.full(len(self.keys[: self.lands]), 20.0)
+        lands = load_controller(controller).lands[: self.lands]
+        return [land.key for land in lands], np.array([land.mounting_high * 1e6 for land in lands])
+
+
+@cache
+def summary(
+    controllers: tuple[str, ...] = ("four_speed_2023",),
+    *,
+    units: int = 200,
+    groups: tuple[str, ...] = GROUPS,
+    **more: Any,
+) -> FleetSummary:
+    """The summary of a varied fleet by supplier; each valve body has so many units."""
+    fleet = Fleet(controllers, groups, varied=True, **more)
+    with TemporaryDirectory(prefix="atleak-test-") as folder:
+        results = made_up_results(Path(folder) / "results of week 17", units * len(controllers), fleet=fleet)
+        made = summed_up(results, by="supplier" if groups else None)
+    return replace(made, folder="/hall/results of week 17")
+
+
+def made_up_results(folder: Path, units: int = 200, seed: int = 18, fleet: Fleet = Fleet()) -> Results:
     """Write the results of a fleet, open for reading: two valve bodies, three groups, two suppliers, some errors.
 
     Wear grows with the mileage, of every land at its own rate; units of the group `WORSE` are worn more, and
@@ -38,24 +83,28 @@ def made_up_results(folder: Path, units: int = 200, seed: int = 18) -> Results:
     """
     random = np.random.default_rng(seed)
     rows: list[Rows] = []
-    for number, controller in enumerate(CONTROLLERS):
-        rows += _of_controller(controller, units // 2 + (units % 2) * (1 - number), len(rows), random)
-    rows += [_error(number, kind) for number, kind in enumerate(ERROR_KINDS)]
+    each, more = divmod(units, len(fleet.controllers))
+    for number, controller in enumerate(fleet.controllers):
+        rows += _of_controller(controller, each + (number < more), len(rows), random, fleet)
+    rows += [_error(number, kind) for number, kind in enumerate(ERROR_KINDS)] if fleet.errors else []
     with Results.open(folder, for_writing=True) as results:
         results.add(rows)
     return Results.open(folder)
 
 
-def _of_controller(controller: str, units: int, first: int, random: np.random.Generator) -> list[Rows]:
-    lands = load_controller(controller).lands
-    keys = [land.key for land in lands]
+def _of_controller(controller: str, units: int, first: int, random: np.random.Generator, fleet: Fleet) -> list[Rows]:
+    keys, mounting = fleet.worn(controller)
     group = random.choice(GROUPS, units)
     mileage = np.where(random.random(units) < 0.05, np.nan, random.uniform(20e3, 320e3, units))
     rate = random.uniform(2.0, 25.0, len(keys))  # [%] per 100 000 km of each land
     driven = np.where(np.isnan(mileage), 150e3, mileage)[:, None] / 100e3
     wear = driven * rate * random.lognormal(0.0, 0.25, (units, len(keys))) + WORSE_BY * (group == WORSE)[:, None]
     wear[random.random(wear.shape) < 0.02] = np.nan
-    mounting = np.array([land.mounting_high * 1e6 for land in lands])
+    if fleet.varied:
+        wear[7::17] = np.nan  # units of which nothing was measured
+        wear[::3, :1] = np.nan if len(keys) > 1 else wear[::3, :1]
+    if not fleet.flagged:
+        wear *= 0.0
     clearance = mounting * (1.0 + np.nan_to_num(wear) / 100.0)
     verdicts = _level(wear, (45.0, 70.0, 110.0), list(Verdict)[1:])
     verdicts[np.isnan(wear)] = Verdict.NOT_MEASURED
@@ -67,9 +116,12 @@ def _of_controller(controller: str, units: int, first: int, random: np.random.Ge
     worst = ranks.argmax(axis=1)
     each = np.arange(units)
     hashes = [hashlib.sha256(f"{controller} {first + number}".encode()).hexdigest() for number in range(units)]
-    supplier = random.choice(SUPPLIERS, units)
+    supplier = random.choice(fleet.suppliers or [""], units)
     verdict = verdicts[each, worst]
     decided = ranks[each, worst] > Verdict.OK.rank
+    number = np.arange(units)
+    kind = np.where(decided, np.where(fleet.varied & (number % 9 == 4), "total", "land"), None)
+    by_land = kind == "land"
     of_lands = np.repeat(hashes, len(keys))
     of_points = np.repeat(hashes, len(POINTS))
     of_classes = np.repeat(hashes, len(CLASSES))
@@ -84,7 +136,7 @@ def _of_controller(controller: str, units: int, first: int, random: np.random.Ge
             {
                 HASH: hashes,
                 "reference": [f"file:/fleet/{group[n]}/unit_{first + n:05}.zip" for n in range(units)],
-                "name": [f"{group[n]}/unit_{first + n:05}.zip" for n in range(units)],
+                "name": [fleet.name.format(group=group[n], number=first + n) for n in range(units)],
                 "group": group,
                 "labels": [[("supplier", str(name)), ("batch", f"B{n % 7}")] for n, name in enumerate(supplier)],
                 "atleak": __version__,
@@ -94,21 +146,22 @@ def _of_controller(controller: str, units: int, first: int, random: np.random.Ge
                 "number": [f"2026-{first + n:05}" for n in range(units)],
                 "date": [dt.date(2026, 1, 1) + dt.timedelta(days=n % 90) for n in range(units)],
                 "serial": [f"S{first + n:06}" for n in range(units)],
-                "mileage_km": mileage,
+                "mileage_km": mileage if fleet.mileage else np.full(units, np.nan),
                 "controller_name": controller.replace("_", " "),
                 "controller_sha256": hashlib.sha256(controller.encode()).hexdigest(),
                 "fluid": "hipol_atf_iid",
+                "fluid_sha256": [f"{n % 2 * fleet.varied}" for n in range(units)],
                 "limits": "project_default",
                 "profile": "workshop",
                 "lands_measured": len(keys) - np.isnan(wear).sum(axis=1),
                 "lands_total": len(keys),
                 "verdict": verdict,
                 "decision": levels["decision"],
-                "provisional": False,
-                "decided_by_kind": np.where(decided, "land", None),
-                "decided_by_component": np.where(decided, [keys[at][0] for at in worst], None),
-                "decided_by_land": [keys[at][1] if yes else None for at, yes in zip(worst, decided, strict=True)],
-                "road_rows": 1200,
+                "provisional": fleet.varied & (number % 10 == 3),
+                "decided_by_kind": kind,
+                "decided_by_component": np.where(by_land, [keys[at][0] for at in worst], None),
+                "decided_by_land": [keys[at][1] if yes else None for at, yes in zip(worst, by_land, strict=True)],
+                "road_rows": 1200 if fleet.logs else None,
                 "road_duration_s": 120.0,
                 "road_in_pieces": False,
                 "max_leakage_dm3_min": total[:, 0] * 1.1,
@@ -173,6 +226,8 @@ def _of_controller(controller: str, units: int, first: int, random: np.random.Ge
             },
         ),
     }
+    if not fleet.logs:
+        del tables["temperatures"]
     heads = [tables["units"].slice(n, 1) for n in range(units)]
     size = {data_set: table.num_rows // units for data_set, table in tables.items()}
     return [

@@ -27,7 +27,7 @@ from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.views.charts import Chart
 from atleak.wording import Wording, wording
 
-from .made_up_summary import summary
+from .made_up import summary
 
 SAY = wording("en")
 US = wording("en", "us")

@@ -23,7 +23,7 @@ from atleak.fleet.summed import FleetSummary
 from atleak.verdicts import FLAGGED, Verdict
 from atleak.wording import languages, wording
 
-from .made_up_summary import summary
+from .made_up import summary
 
 FROZEN = {
     "verdicts": 2, "pairs": 3, "deciders": 2, "wear": 3, "latest": 3, "temperatures": 3, "conditions": 2,
@@ -148,7 +148,7 @@ def test_units_that_are_ok_in_part_stand_apart_in_the_chart_of_verdicts() -> Non
 
 def test_nothing_that_somebody_typed_is_a_formula_or_a_link() -> None:
     typed = ["=1+1", "http://example.org", "\x07bell", "'quoted"]
-    made = summary(groups=typed[:2], units=30, lands=3, name="=HYPERLINK(1)/{}")
+    made = summary(groups=tuple(typed[:2]), units=30, lands=3, name="=HYPERLINK(1)/{number}")
     listed = replace(made, by="=by", folder=typed[2])
     book = openpyxl.load_workbook(io.BytesIO(write_summary_workbook(listed)))
     cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row if cell.value is not None]
@@ -182,8 +182,8 @@ def test_another_program_reads_every_language_and_unit(language: str, units: str
         {"units": 1, "groups": (), "errors": False},
         {"units": 6, "logs": False, "mileage": False, "groups": ("a", "b")},
         {"units": 40, "flagged": False, "groups": ("only",)},
-        {"units": 400, "groups": [f"batch {number:02}" for number in range(12)]},
-        {"controllers": ("nowhere",), "units": 9, "keys": [(f"valve_{'long_' * 30}{n}", 1) for n in range(60)]},
+        {"units": 400, "groups": tuple(f"batch {number:02}" for number in range(12))},
+        {"controllers": ("nowhere",), "units": 9, "keys": tuple((f"valve_{'long_' * 30}{n}", 1) for n in range(60))},
     ],
 )
 def test_whatever_a_fleet_is_it_can_be_read_back(case: dict[str, Any]) -> None:
