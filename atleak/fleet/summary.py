@@ -86,13 +86,13 @@ def summed_up(
 def _body(results: Results, controller: str, visits: Visits, lands: Lands) -> ValveBody:
     units = visits.counted
     of_units = lands.at(visits.rows["counts"].to_numpy())
-    counts = counts_of(units)
+    counts, deciders = counts_of(units), deciders_of(units)
     return ValveBody(
         controller=controller,
         visits=len(visits.rows),
         counts=counts,
-        deciders=deciders_of(units),
-        pairs=troubles_of(units, of_units, counts.judged),
+        deciders=deciders,
+        pairs=troubles_of(of_units, deciders, counts.judged),
         wear=wear_over_mileage(visits, lands),
         temperatures=temperatures_of(results, controller, visits),
         conditions=conditions_of(results, controller, visits),

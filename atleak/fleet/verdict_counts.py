@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from atleak.fleet.lands import Lands
@@ -60,40 +60,32 @@ def groups_of(units: pd.DataFrame) -> tuple[Group, ...]:
     )
 
 
-def troubles_of(units: pd.DataFrame, lands: Lands, judged: int) -> tuple[PairTrouble, ...]:
+def troubles_of(lands: Lands, deciders: Iterable[Decider], judged: int) -> tuple[PairTrouble, ...]:
     """Return how often each land is flagged and past *replace* and decides, the most often past *replace* first.
 
     Parameters
     ----------
-    units
-        of one valve body, a row each.
     lands
-        of the same rows.
+        of the units of one valve body.
+    deciders
+        of the same.
     judged
         how many of the units have a verdict.
     """
     measured, flagged = lands.measured.sum(axis=0), lands.rank >= FLAGGED[0].rank
     replace = (lands.measured & (lands.rank >= Verdict.REPLACE.rank)).sum(axis=0)
     by_both, by_one = (lands.measured & flagged).sum(axis=0), (~lands.measured & flagged).sum(axis=0)
-    deciding = _deciding(units, lands)
+    deciding = {(each.component, each.land): each.units.count for each in deciders}
     troubles = (
         PairTrouble(
             key=key,
             flagged=rate(by_both[place], measured[place]),
             replace=rate(replace[place], measured[place]),
-            deciding=rate(deciding[place], judged),
-            not_measured=len(units) - int(measured[place]),
+            deciding=rate(deciding.get(key, 0), judged),
+            not_measured=len(lands.measured) - int(measured[place]),
             flagged_by_one_part=int(by_one[place]),
         )
         for place, key in enumerate(lands.keys)
     )
     # sorted keeps the order of components where all are even
     return tuple(sorted(troubles, key=lambda each: (-each.replace.count, -each.flagged.count, -each.deciding.count)))
-
-
-def _deciding(units: pd.DataFrame, lands: Lands) -> np.ndarray:
-    """Return how many units each land gave their verdict."""
-    decided = units[units["verdict"].isin(FLAGGED) & units["decided_by_land"].notna()]
-    keys = zip(decided["decided_by_component"], decided["decided_by_land"].astype(int), strict=True)
-    counted = pd.Series(list(keys), dtype=object).value_counts()
-    return np.array([counted.get(key, 0) for key in lands.keys])

@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import streamlit as st
 
 from atleak.errors import AtleakError
-from atleak.fleet.kept_unit import KeptUnit, kept_unit
+from atleak.fleet.kept_unit import KeptUnit, Row, kept_unit
 from atleak.fleet.known import KnownFolder
 from atleak.fleet.results import Results
 from atleak.fleet.summary_tables import FleetTables
@@ -18,8 +17,8 @@ from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summed import GROUP, SummedUnit
 from atleak.fleet.units import BOOK
 from atleak.uncertainty import DECISIONS
-from atleak.verdicts import BANDS, Verdict, level_named
-from atleak.views.table import Column, Table
+from atleak.verdicts import Verdict, level_named
+from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording
 from pages.shared import fields, reader, show
 from pages.shared.book import open_from_book
@@ -36,26 +35,6 @@ _UNIT_COLUMNS = (
     *("number", "serial", "vin", "date", "body", "visits"),
 )
 _IF_STATED = ("group", "number", "serial", "vin", "date")
-_LANDS = (
-    Column("verdict", "verdict", width=92),
-    Column("pair", width=150),
-    Column("clearance", "clearance"),
-    Column("uncertainty", "clearance"),
-    Column("wear", "percent"),
-    Column("share", "percent"),
-    Column("leakage", "flow"),
-    Column("decision"),
-)
-_CONDITIONS = (
-    Column("verdict", "verdict", width=92),
-    Column("condition", width=190),
-    Column("share", "percent"),
-    Column("leakage", "flow"),
-    Column("held", "pressure"),
-    Column("required", "pressure"),
-    Column("reserve", digits=2),
-    Column("decision"),
-)
 
 
 # --- the list
@@ -216,10 +195,9 @@ def draw(folder: KnownFolder, unit: SummedUnit, words: FleetWords) -> None:
             st.error(f"**{say('fleet.not_opened')}** {show.plain(fault)}\n\n{say('fleet.still_held')}")
         st.markdown(_facts(kept, unit, words))
         st.caption(say("fleet.as_evaluated", when=f"{kept.unit['evaluated_at']:%Y-%m-%d %H:%M}"))
-        if kept.lands:
-            show.rows_table([_land(row, unit, words) for row in kept.lands], _LANDS)
-        if kept.conditions:
-            show.rows_table([_condition(row, say) for row in kept.conditions], _CONDITIONS)
+        for table in (_lands(kept, unit, words), _conditions(kept, say)):
+            if table.rows:
+                show.table(table, empty=True)
 
 
 @st.cache_resource(max_entries=8, show_spinner=False)
@@ -253,31 +231,38 @@ def _facts(kept: KeptUnit, unit: SummedUnit, words: FleetWords) -> str:
     return " · ".join([*lines, measured])
 
 
-def _land(row: Any, unit: SummedUnit, words: FleetWords) -> dict[str, Any]:
-    return {
-        "verdict": level_named(row["verdict"]) if row["verdict"] else None,
-        "pair": words.land(unit.controller, (row["component"], row["land"])),
-        "clearance": row["radial_clearance_um"],
-        "uncertainty": row["uncertainty_um"],
-        "wear": row["wear_percent"],
-        "share": row["share_percent"],
-        "leakage": row["leakage_dm3_min"],
-        "decision": words.say.get("decisions", row["decision"]) if row["decision"] else None,
-    }
+def _lands(kept: KeptUnit, unit: SummedUnit, words: FleetWords) -> Table:
+    return _of_rows(
+        kept.lands,
+        "verdict",
+        Column("pair", width=150, of=lambda row: words.land(unit.controller, (row["component"], row["land"]))),
+        Column("clearance", "clearance", of="radial_clearance_um"),
+        Column("uncertainty", "clearance", of="uncertainty_um"),
+        Column("wear", "percent", of="wear_percent"),
+        Column("share", "percent", of="share_percent"),
+        Column("leakage", "flow", of="leakage_dm3_min"),
+    )
 
 
-def _condition(row: Any, say: Wording) -> dict[str, Any]:
-    band = row["band"]
-    return {
-        "verdict": level_named(band) if band in BANDS else None,
-        "condition": say.name(row["label"] or row["name"]),
-        "share": row["share_percent"],
-        "leakage": row["leakage_dm3_min"],
-        "held": row["p_g_held_kpa"],
-        "required": row["p_g_kpa"],
-        "reserve": row["reserve"],
-        "decision": say.get("decisions", row["decision"]) if row["decision"] else None,
-    }
+def _conditions(kept: KeptUnit, say: Wording) -> Table:
+    return _of_rows(
+        kept.conditions,
+        "band",
+        Column("condition", width=190, of=lambda row: say.name(row["label"] or row["name"])),
+        Column("share", "percent", of="share_percent"),
+        Column("leakage", "flow", of="leakage_dm3_min"),
+        Column("held", "pressure", of="p_g_held_kpa"),
+        Column("required", "pressure", of="p_g_kpa"),
+        Column("reserve", digits=2),
+    )
+
+
+def _of_rows(rows: Sequence[Row], level: str, *columns: Column) -> Table:
+    """Return rows of the results with the verdict before their columns, and how sure it is behind them."""
+    say = reader.say()
+    verdict = Column("verdict", VERDICT, width=92, of=lambda row: level_named(row[level]) if row[level] else None)
+    sure = Column("decision", of=lambda row: say.get("decisions", row["decision"]) if row["decision"] else None)
+    return Table("", (verdict, *columns, sure), rows, say)
 
 
 def _open(kept: KeptUnit, folder: KnownFolder) -> None:
