@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from atleak.errors import AtleakError, InputError, Message, Place
@@ -23,6 +24,7 @@ _JOB_FILE = ".zip"
 _ID = 8  # characters of the id of a job that has no number
 _EXPECTED = Sentence("job files (.zip), folders of job files, or a table of units as CSV, xlsx or Parquet")
 _SOURCE = Sentence("a job file (.zip), or a table of units as CSV, xlsx or Parquet")
+_Source = TableUnits | Callable[[], FleetUnit]  # of many units, or of one; each is made when its turn comes
 
 
 @dataclass
@@ -32,7 +34,7 @@ class FoundUnits:
     Going through them again begins anew.
     """
 
-    sources: Sequence[_JobFile | TableUnits | _BookJob]
+    sources: Sequence[_Source]
     messages: tuple[Message, ...]  # what was left aside, and how tables were understood
     twice: list[tuple[str, str]] = field(default_factory=list)  # names of units that came before, and as what
     seen: dict[str, str] = field(default_factory=dict)  # hash → name of each unit that had its turn
@@ -51,7 +53,7 @@ class FoundUnits:
         self.twice.clear()
         self.seen.clear()
         for source in self.sources:
-            for unit in source if isinstance(source, TableUnits) else (source.unit(),):
+            for unit in source if isinstance(source, TableUnits) else (source(),):
                 known = _with_hash(unit)
                 first = self.seen.get(known.input_sha256)
                 if first is None:
@@ -123,7 +125,7 @@ def _referred_to(reference: str, choices: str) -> FleetUnit:
             raise InputError(
                 gone, place=Place(file=str(path)), expected=Sentence("the job file where the run found it")
             )
-        return _JobFile(path, None).unit()
+        return _job_file(path)
     if reference.startswith(TABLE):
         name, _, key = reference.removeprefix(TABLE).rpartition("#")
         if not Path(name).is_file():
@@ -136,7 +138,7 @@ def _referred_to(reference: str, choices: str) -> FleetUnit:
             )
         return unit
     if reference.startswith(BOOK):
-        return _BookJob(open_book(), reference.removeprefix(BOOK), "").unit()
+        return _book_job(open_book(), reference.removeprefix(BOOK))
     expected = Sentence("one that begins with {names}", names=(FILE, TABLE, BOOK))
     raise InputError(Sentence("is no reference of a unit"), value=reference, expected=expected)
 
@@ -153,35 +155,23 @@ def _with_hash(unit: FleetUnit) -> FleetUnit:
 # --- what is found ----------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class _JobFile:
-    path: Path  # as it was given
-    group: str | None
-
-    def unit(self) -> FleetUnit:
-        """Return the unit of a job file."""
-        reference = f"{FILE}{self.path.absolute()}"
-        try:
-            return FleetUnit(str(self.path), reference, self.group, job_file=travelling(self.path))
-        except AtleakError as error:
-            return FleetUnit(str(self.path), reference, self.group, fault=error)
+def _job_file(path: Path, group: str | None = None) -> FleetUnit:
+    """Return the unit of a job file."""
+    name, reference = str(path), f"{FILE}{path.absolute()}"
+    try:
+        return FleetUnit(name, reference, group, job_file=travelling(path))
+    except AtleakError as error:
+        return FleetUnit(name, reference, group, fault=error)
 
 
-@dataclass(frozen=True)
-class _BookJob:
-    book: Book
-    id: str
-    number: str
-
-    def unit(self) -> FleetUnit:
-        """Return the unit of a job of the book, without its pictures."""
-        reference = f"{BOOK}{self.id}"
-        name = self.number or self.id[:_ID]
-        try:
-            file = self.book.load(self.id).file
-        except AtleakError as error:
-            return FleetUnit(name, reference, fault=error)
-        return FleetUnit(file.job.number or name, reference, case=file.case, job=file.job.with_pictures({}))
+def _book_job(book: Book, id: str, number: str = "") -> FleetUnit:
+    """Return the unit of a job of the book, without its pictures."""
+    name, reference = number or id[:_ID], f"{BOOK}{id}"
+    try:
+        file = book.load(id).file
+    except AtleakError as error:
+        return FleetUnit(name, reference, fault=error)
+    return FleetUnit(file.job.number or name, reference, case=file.case, job=file.job.with_pictures({}))
 
 
 class _Finder:
@@ -189,7 +179,7 @@ class _Finder:
 
     def __init__(self, defaults: Case) -> None:
         self._defaults = defaults
-        self.sources: list[_JobFile | TableUnits | _BookJob] = []
+        self.sources: list[_Source] = []
         self.messages: list[Message] = []
         self._seen: set[str] = set()  # files, as they are reached in different ways
 
@@ -228,7 +218,7 @@ class _Finder:
         taken = [row for row in rows if not row.sample]
         if not taken:
             raise InputError(Sentence("no job of the job book fits"), place=Place(file=book.name))
-        self.sources += [_BookJob(book, row.id, row.number) for row in taken]
+        self.sources += [partial(_book_job, book, row.id, row.number) for row in taken]
 
     def _add_file(self, path: Path, group: str | None = None) -> None:
         key = os.path.normcase(path.absolute())
@@ -236,7 +226,7 @@ class _Finder:
             return
         self._seen.add(key)
         if _is_job_file(path):
-            self.sources.append(_JobFile(path, group))
+            self.sources.append(partial(_job_file, path, group))
         elif is_unit_table(path, _first_bytes(path)):
             self._add_table(path)
         else:
