@@ -95,6 +95,9 @@ def run(options: argparse.Namespace) -> int:
         else:
             sections = FleetSections(FleetWords(summary, wording("en")), TERMINAL)
             print_sections([sections.head(), *sections.all()])
+            if summary.by is None and summary.headings:
+                headings = ", ".join(summary.headings)
+                print(f"Groups of units can be compared by {headings}: --by {summary.headings[0]}")
     outputs.say_written()
     return 0
 

@@ -20,6 +20,7 @@ from atleak.report.printed_charts.plotting import (
     places,
     rows_of,
     sign,
+    upright_title,
     widest,
     words,
 )
@@ -142,7 +143,7 @@ def _small_charts(charts: Sequence[ClassChart], say: Wording) -> str:
             if last:
                 axes.set_xlabel(chart.thousands)
             if column == 0:
-                _title(axes, field.title)
+                upright_title(axes, field.title, _LEFT)
             name = fitting(chart.name, SIZE, wide / _BOLD)
             words(axes, (low, top), name, (0.0, _UNITS + 6.0), fontweight="bold", va="center")
             for edge, spread in zip(chart.edges, field.spreads, strict=True):
@@ -180,14 +181,6 @@ def _reach(
     return (low if low == 0.0 else low - room), high + room
 
 
-def _title(axes: Axes, title: str) -> None:
-    """Write what an upright axis shows along it, at the edge of the paper."""
-    axes.annotate(
-        title, (0.0, 0.5), xycoords="axes fraction", xytext=(8.0 - _LEFT, 0.0), textcoords="offset points",
-        rotation=90, ha="center", va="center", fontsize=SIZE,
-    )  # fmt: skip
-
-
 def _spread(axes: Axes, edge: tuple[float, float], spread: Spread | None, scale: float = 1.0) -> None:
     """Draw how values of units are spread, over a stretch of the axis; ``scale`` is from their unit to the axis'."""
     if spread is None:
@@ -222,7 +215,7 @@ def _fields(chart: ClassChart, say: Wording, scale: float) -> str:
             axes.set_xlim(*_ends([chart]))
             plotting.number_axes(axes, say, "x", most=10)
             plotting.number_axes(axes, say, "y", most=max(int(height / 18.0), 2))
-            _title(axes, field.title)
+            upright_title(axes, field.title, _LEFT)
             axes.tick_params(labelbottom=field is chart.fields[-1], bottom=field is chart.fields[-1])
             above += height + _GAP
         axes.set_xlabel(chart.axis)

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from atleak.look import PAPER
 from atleak.report.printed_charts import plotting
-from atleak.report.printed_charts.plotting import BELOW, SIZE, WIDTH, interval, widest, words
+from atleak.report.printed_charts.plotting import BELOW, SIZE, WIDTH, interval, upright_title, widest, words
 from atleak.report.printed_fonts import fitting, width_of
 from atleak.verdicts import Band
 from atleak.views.pump_speed import PumpOverSpeed
@@ -61,7 +61,7 @@ def road_chart(series: RoadSeries, marks: Sequence[Mark], bands: Sequence[tuple[
             axes.set_ylim(0.0, top)
             axes.set_xlim(float(time[0]), max(float(time[-1]), float(time[0]) + 1.0))
             plotting.number_axes(axes, say, "x", "y", most=max(int(height / 18.0), 2))
-            _title(axes, title, left)
+            upright_title(axes, title, left)
             axes.tick_params(labelbottom=False, bottom=False)
             fields.append(axes)
             above += height + _BETWEEN
@@ -85,14 +85,6 @@ def _left_of(tops: Sequence[float], say: Wording) -> float:
     """Return the room for a title and for the values beside axes that end there."""
     digits = [f"{10.0 ** math.floor(math.log10(top)):g}" for top in tops]
     return 26.0 + widest([say.plain(2.5 * float(each), 5) for each in digits], SIZE)
-
-
-def _title(axes: Axes, title: str, left: float) -> None:
-    """Write what an upright axis shows along it, at the edge of the paper."""
-    axes.annotate(
-        title, (0.0, 0.5), xycoords="axes fraction", xytext=(8.0 - left, 0.0), textcoords="offset points",
-        rotation=90, ha="center", va="center", fontsize=SIZE,
-    )  # fmt: skip
 
 
 def _bands(axes: Axes, bands: Sequence[tuple[Band, float]], say: Wording) -> None:
@@ -142,7 +134,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
             _marked_speed(axes, speed * RPM, number, f"{label}: {say.number(speed * RPM, 0)} 1/min")
         _crossing(axes, data, say)
         axes.set_xlabel(say("charts.speed"))
-        _title(axes, say("charts.flow"), _left_of([highest], say))
+        upright_title(axes, say("charts.flow"), _left_of([highest], say))
         plotting.number_axes(axes, say, "x", "y")
         figure.legend(
             loc="upper left", ncols=columns, frameon=False, fontsize=SIZE, borderaxespad=0.0, bbox_to_anchor=(0.0, 1.0)

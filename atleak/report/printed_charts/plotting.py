@@ -104,6 +104,14 @@ def words(axes: Axes, at: tuple[float, float], text: str, off: tuple[float, floa
     axes.annotate(text, at, xytext=off, textcoords="offset points", annotation_clip=False, **look)
 
 
+def upright_title(axes: Axes, title: str, left: float) -> None:
+    """Write what an upright axis shows along it, at the edge of the paper, so far left of the field [pt]."""
+    axes.annotate(
+        title, (0.0, 0.5), xycoords="axes fraction", xytext=(8.0 - left, 0.0), textcoords="offset points",
+        rotation=90, ha="center", va="center", fontsize=SIZE,
+    )  # fmt: skip
+
+
 def name_row(axes: Axes, name: str, place: float, width: float) -> None:
     """Write the name of a row to the left of the axis, no wider than so many points."""
     words(axes, (0.0, place), fitting(name, SIZE, width), (-5.0, 0.0), ha="right")
