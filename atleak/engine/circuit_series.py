@@ -9,9 +9,8 @@ processor's cache.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -27,22 +26,10 @@ from atleak.engine.leakage import GapGeometry, LeakageModel
 _PART = 8192  # samples worked on at a time
 
 
-@dataclass(frozen=True)
-class CircuitFlows:
-    """Pressures and flows at some samples; arrays of shape (samples,)."""
-
-    balance: Balance
-    drawn: Mapping[str, Any]  # [m³/s] from the pump, by the section or circuit that it leaves
-    reversed_drops: Mapping[str, np.ndarray]  # by section: where the drop of a gap is negative and leaks nothing
-
-
-@dataclass(frozen=True)
-class _Joined:
-    """Gaps between the same two pressures: the sum of their polynomials."""
-
-    gap: Gap  # the first of them, which stands for all
-    counts: bool  # as drawn from the pump
-    polynomial: np.ndarray  # of μ times the conductance, shape (5,)
+#: Of some samples: the balance of the circuits, what is drawn from the pump by the section or circuit that it leaves
+#: [m³/s], and by section where the drop of a gap is negative and leaks nothing; arrays of shape (samples,).
+Flows = tuple[Balance, dict[str, Any], dict[str, np.ndarray]]
+_Joined = tuple[Gap, bool, np.ndarray]  # gaps between the same two pressures: one for all, and their polynomials' sum
 
 
 @dataclass(frozen=True)
@@ -71,32 +58,31 @@ class CircuitLog:
         gaps = [geometry for geometry in model.geometries if not geometry.follows_sections]
         if not (gaps or controller.circuits or controller.leaks):
             return None
+        if not gaps:
+            return cls(model, assumed, (), ())
         inside = np.clip(temperature, *model.fluid.span(model.profile.viscosity))
-        lossless = without_entry_loss(model, gaps, np.full(len(gaps), highest), temperature) if gaps else []
-        joined = np.array(lossless, bool)
-        if gaps:
-            joined &= follows_polynomial(gaps, model.law, *inside)
+        joined = np.array(without_entry_loss(model, gaps, np.full(len(gaps), highest), temperature), bool)
+        joined &= follows_polynomial(gaps, model.law, *inside)
         in_sums, alone = (
-            tuple(gap for gap, chosen in zip(gaps, joined, strict=True) if chosen is np.bool_(kind))
+            tuple(gap for gap, chosen in zip(gaps, joined.tolist(), strict=True) if chosen is kind)
             for kind in (True, False)
         )
         return cls(model, assumed, in_sums, alone)
 
-    def joined(self, gear: int) -> list[_Joined]:
-        """Return the gaps of a gear that follow their polynomials, added up."""
+    def _joined(self, gear: int) -> list[_Joined]:
+        """Return the gaps of a gear that follow their polynomials, added up where drawn from the pump alike."""
         sums: dict[Any, _Joined] = {}
         for geometry in self.in_sums:
-            gap = geometry.gap
+            gap, counts = geometry.gap, geometry.drawn_from_pump
             if gear in gap.gears:
-                own = np.array(polynomial(geometry, self.model.law))
-                key = gap.high, gap.low, gap.into_sump, geometry.drawn_from_pump
-                before = sums.get(key, _Joined(gap, geometry.drawn_from_pump, np.zeros(DEGREES)))
-                sums[key] = replace(before, polynomial=before.polynomial + own)
+                key = gap.high, gap.low, gap.into_sump, counts
+                first, _, before = sums.get(key, (gap, counts, np.zeros(DEGREES)))
+                sums[key] = first, counts, before + np.array(polynomial(geometry, self.model.law))
         return list(sums.values())
 
     def parts(
         self, gear: int, samples: np.ndarray, main_pressure: np.ndarray, converter: np.ndarray, temperature: np.ndarray
-    ) -> Iterator[tuple[np.ndarray, CircuitFlows]]:
+    ) -> Iterator[tuple[np.ndarray, Flows]]:
         """Solve some samples of one gear, in parts: yield which samples and what flows there.
 
         Parameters
@@ -106,21 +92,21 @@ class CircuitLog:
         main_pressure, converter, temperature
             of the whole log [Pa, Pa, °C], shape (samples,).
         """
-        joined = self.joined(gear)
+        joined = self._joined(gear)
         for start in range(0, len(samples), _PART):
             part = samples[start : start + _PART]
             yield part, self._flows(gear, joined, main_pressure[part], converter[part], temperature[part])
 
     def _flows(
         self, gear: int, joined: list[_Joined], main: np.ndarray, converter: np.ndarray, temperature: np.ndarray
-    ) -> CircuitFlows:
+    ) -> Flows:
         model = self.model
         dynamic = model.dynamic_viscosity(temperature)
         density = model.fluid.density(temperature, model.profile.viscosity)
         kinematic = dynamic / density
         rises = np.ones((DEGREES, len(temperature)))
         powers(temperature, rises)
-        gaps = [(each.gap, restrictions.Gap(each.polynomial @ rises / dynamic), each.counts) for each in joined]
+        gaps = [(gap, restrictions.Gap(summed @ rises / dynamic), counts) for gap, counts, summed in joined]
         for geometry in self.alone:
             if gear in geometry.gap.gears:
                 mean = geometry.effective_clearance(temperature)
@@ -132,19 +118,15 @@ class CircuitLog:
         network = circuits.network(model.controller, point, gaps, kinematic, density, solves=solves)
         sections = model.controller.section_pressures(main, converter)
         balance = network.balance({name: np.maximum(pressure, 0.0) for name, pressure in sections.items()})
-        drawn: dict[str, Any] = dict.fromkeys(self.names, 0.0)
+        names = (*SECTIONS, *(circuit.id for circuit in model.controller.circuits))
+        drawn: dict[str, Any] = dict.fromkeys(names, 0.0)
         for branch in network.branches:
             if branch.counts:
                 section = branch.high.section or ""
                 drawn[section] = drawn[section] + network.flow(branch, balance.pressures)
         for name, relief in balance.relief.items():
             drawn[name] = drawn[name] + relief
-        return CircuitFlows(balance, drawn, _reversed(network, balance))
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """Return the sections and circuits."""
-        return (*SECTIONS, *(circuit.id for circuit in self.model.controller.circuits))
+        return balance, drawn, _reversed(network, balance)
 
 
 def _reversed(network: circuits.Network, balance: Balance) -> dict[str, np.ndarray]:

@@ -42,7 +42,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -58,6 +58,7 @@ _CHUNK = 32_768  # samples worked on at a time: the work arrays of one chunk sta
 
 _RUNS = 32  # runs of one gear in a chunk, above which masks are quicker than slices
 
+_Any = TypeVar("_Any")
 _Drop = tuple[tuple[str, float], ...]  # (section, coefficient) …
 
 
@@ -88,7 +89,6 @@ def leakage_series(
     *,
     sections: bool = False,
     assumed: OperatingPoint | None = None,
-    ends: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
 ) -> LeakageSeries:
     """Compute the leakage of every sample of a log.
 
@@ -107,15 +107,12 @@ def leakage_series(
     assumed
         The operating point whose set pressures hold, where they go by point or current; the controller's first unless
         given.
-    ends
-        Lowest and highest main pressure, converter pressure and temperature of the log of which these samples are a
-        part; their own unless given. They decide which gaps are computed with entry loss.
     """
     arrays = [np.asarray(array, dtype=float) for array in (main_pressure, converter_pressure, temperature, gear)]
     size = np.broadcast_shapes(*(array.shape for array in arrays), (1,))[0]
     log = _Log(*(np.broadcast_to(array, (size,)) for array in arrays))
     series = LeakageSeries(np.empty(size), {name: np.empty(size) for name in SECTIONS} if sections else {})
-    spanned = log.ends if ends is None else _Log(*ends, log.gear)
+    spanned = log.ends
     sums = _gear_sums(model, spanned)
     rows = np.ones((8, min(_CHUNK, size)))
     for start in range(0, size, _CHUNK):
@@ -144,35 +141,30 @@ def _add_circuits(circuits: CircuitLog, log: _Log, series: LeakageSeries) -> Non
     channels = log.main_pressure, log.converter_pressure, log.temperature
     for gear in controller.gears:
         samples = np.flatnonzero(usable & (log.gear == gear))
-        for part, flows in circuits.parts(gear, samples, *channels):
+        for part, (balance, drawn, reversed_drops) in circuits.parts(gear, samples, *channels):
             for name, pressures in series.circuits.items():
-                pressures[part] = flows.balance.pressures[name]
-            for name, flow in flows.drawn.items():
+                pressures[part] = balance.pressures[name]
+            for name, flow in drawn.items():
                 series.total[part] += flow
                 if series.sections:
                     series.sections[name][part] += flow
-            for name, reverse in flows.reversed_drops.items():
+            for name, reverse in reversed_drops.items():
                 series.reversed_samples[name] = series.reversed_samples.get(name, 0) + int(np.count_nonzero(reverse))
-            series.unbalanced += len(part) - int(np.count_nonzero(np.broadcast_to(flows.balance.converged, len(part))))
+            series.unbalanced += len(part) - int(np.count_nonzero(np.broadcast_to(balance.converged, len(part))))
 
 
 # --- the gaps of one gear, added up
 
 
-@dataclass(frozen=True)
-class _Term:
-    """One gap as a polynomial times a pressure drop: ``μ q = drop · P(τ)``."""
+#: One gap as a polynomial times a pressure drop, ``μ q = drop · P(τ)``: the gap; its section, and its drop divided by
+#: the size of the first coefficient; and of π D c³/12l times that size the coefficients of τ⁰ … τ⁴.
+_Term = tuple[GapGeometry, tuple[str, _Drop], tuple[float, ...]]
 
-    geometry: GapGeometry
-    group: tuple[str, _Drop]  # its section, and its drop divided by the size of the first coefficient
-    polynomial: tuple[float, ...]  # of π D c³/12l times that size: coefficients of τ⁰ … τ⁴
 
-    @classmethod
-    def of(cls, geometry: GapGeometry, law: GapLaw) -> _Term:
-        """Expand π D c³/12l in powers of τ."""
-        size = abs(geometry.drop_coefficients[0][1])
-        drop = tuple((section, round(value / size, 12)) for section, value in geometry.drop_coefficients)
-        return cls(geometry, (geometry.gap.section, drop), polynomial(geometry, law, size))
+def _term(geometry: GapGeometry, law: GapLaw) -> _Term:
+    size = abs(geometry.drop_coefficients[0][1])
+    drop = tuple((section, round(value / size, 12)) for section, value in geometry.drop_coefficients)
+    return geometry, (geometry.gap.section, drop), polynomial(geometry, law, size)
 
 
 @dataclass(frozen=True)
@@ -187,14 +179,14 @@ class _GearSum:
     @cached_property
     def groups(self) -> tuple[tuple[str, _Drop], ...]:
         """Return section and drop of each group, in the order in which the controller names their first gap."""
-        return tuple(dict.fromkeys(term.group for term in self.terms))
+        return tuple(dict.fromkeys(group for _, group, _ in self.terms))
 
     @cached_property
     def polynomials(self) -> np.ndarray:
         """Return the polynomials of the gaps of each group, added up: shape (groups, 5)."""
         sums, number = np.zeros((len(self.groups), 5)), {group: row for row, group in enumerate(self.groups)}
         if self.terms:
-            np.add.at(sums, [number[term.group] for term in self.terms], [term.polynomial for term in self.terms])
+            np.add.at(sums, [number[group] for _, group, _ in self.terms], [own for _, _, own in self.terms])
         return sums
 
     @cached_property
@@ -206,14 +198,17 @@ class _GearSum:
         """Return these gaps with those set apart that close somewhere between the given temperatures [°C]."""
         if self.always_open or not self.terms:
             return self
-        open_ = follows_polynomial([term.geometry for term in self.terms], self.law, *_span(temperature))
-        if open_.all():
+        open_ = follows_polynomial([geometry for geometry, *_ in self.terms], self.law, *_span(temperature)).tolist()
+        if all(open_):
             return self
-        return _GearSum(
-            self.law,
-            tuple(term for term, keep in zip(self.terms, open_, strict=True) if keep),
-            (*self.alone, *(term.geometry for term, keep in zip(self.terms, open_, strict=True) if not keep)),
-        )
+        terms, closing = _parted(self.terms, open_)
+        return _GearSum(self.law, tuple(terms), (*self.alone, *(geometry for geometry, *_ in closing)))
+
+
+def _parted(each: Sequence[_Any], chosen: Sequence[bool]) -> tuple[list[_Any], list[_Any]]:
+    """Return those that are chosen, and the others."""
+    pairs = list(zip(each, chosen, strict=True))
+    return [one for one, keep in pairs if keep], [one for one, keep in pairs if not keep]
 
 
 def _gear_sums(model: LeakageModel, ends: _Log) -> dict[int, _GearSum]:
@@ -223,30 +218,20 @@ def _gear_sums(model: LeakageModel, ends: _Log) -> dict[int, _GearSum]:
         for geometry in model.geometries
         if geometry.drawn_from_pump and geometry.drop_coefficients and geometry.follows_sections
     ]
-    in_groups = _without_entry_loss(model, gaps, ends)
-    terms = [_Term.of(geometry, model.law) for geometry, keep in zip(gaps, in_groups, strict=True) if keep]
-    alone = [geometry for geometry, keep in zip(gaps, in_groups, strict=True) if not keep]
-    always_open = bool(
-        follows_polynomial(
-            [term.geometry for term in terms], model.law, *model.fluid.span(model.profile.viscosity)
-        ).all()
-    )
+    drops = [[dict(gap.drop_coefficients).get(section, 0.0) for section in SECTIONS] for gap in gaps]
+    largest = np.max(np.array(drops).reshape(-1, len(SECTIONS), 1) * ends.sections(model), axis=2).sum(axis=1)
+    in_groups, alone = _parted(gaps, without_entry_loss(model, gaps, largest, ends.temperature))
+    terms = [_term(geometry, model.law) for geometry in in_groups]
+    always_open = bool(follows_polynomial(in_groups, model.law, *model.fluid.span(model.profile.viscosity)).all())
     return {
         gear: _GearSum(
             model.law,
-            tuple(term for term in terms if gear in term.geometry.gap.gears),
+            tuple(term for term in terms if gear in term[0].gap.gears),
             tuple(geometry for geometry in alone if gear in geometry.gap.gears),
             always_open,
         )
         for gear in model.controller.gears
     }
-
-
-def _without_entry_loss(model: LeakageModel, gaps: Sequence[GapGeometry], ends: _Log) -> list[bool]:
-    """Return which gaps are computed without entry loss over the whole log."""
-    drops = [[dict(gap.drop_coefficients).get(section, 0.0) for section in SECTIONS] for gap in gaps]
-    largest = np.max(np.array(drops).reshape(-1, len(SECTIONS), 1) * ends.sections(model), axis=2).sum(axis=1)
-    return without_entry_loss(model, gaps, largest, ends.temperature)
 
 
 # --- the samples
