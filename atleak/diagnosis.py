@@ -15,12 +15,12 @@ from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import Repair
-from atleak.driven import classes_over, driven, evaluated
+from atleak.driven import driven, evaluated
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP, Profile
-from atleak.engine.projection import Projection, model_new, model_unworn, project, project_each_beside
+from atleak.engine.projection import BesideNew, Projection, project
 from atleak.engine.repaired import Losses, pressure_losses
-from atleak.engine.road_bands import TemperatureClass
+from atleak.engine.road_bands import TemperatureClass, temperature_classes
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.gauges.check import PressureCheck, check_pressures
@@ -33,7 +33,7 @@ from atleak.replace_mileage import NO_RATE, replace_mileage, without_rate
 from atleak.result_messages import messages_of
 from atleak.road_findings import RoadFindings
 from atleak.road_test import RoadTest
-from atleak.rules import Rule, cannot_be, unit_rules
+from atleak.rules import Rule, UnitRules, cannot_be, unit_rules
 from atleak.sheet_checks import sheet_messages
 from atleak.uncertainty import (
     DECISIONS,
@@ -125,21 +125,25 @@ class Diagnosis:
         condition = self.worst_total.condition
         return self.projection if condition is None else self.at(condition)
 
+    def _place(self, projection: Projection) -> int:
+        """Return the place of a condition among those that were judged; its name is its own."""
+        return [each.condition.name for each in self.projections].index(projection.condition.name)
+
     def total_rule(self, projection: Projection) -> Rule:
         """Return the rule of the total at the condition of one of the projections."""
-        return next(rule for rule in self.total_rules if rule.condition == projection.condition)
+        return self.total_rules[self._place(projection)]
 
     def unworn_at(self, projection: Projection) -> Projection:
         """Return the projection of the unit as it may have been when new at the condition of one of the projections."""
-        return next(each for each in self.unworn_projections if each.condition == projection.condition)
+        return self.unworn_projections[self._place(projection)]
 
     def new_at(self, projection: Projection) -> Projection:
         """Return the projection of the same unit new at the condition of one of the projections."""
-        return next(each for each in self.new_projections if each.condition == projection.condition)
+        return self.new_projections[self._place(projection)]
 
     def losses_at(self, projection: Projection) -> Losses:
         """Return which lands cost the line and every circuit what at one of the conditions [Pa]."""
-        return self.losses[self.projections.index(projection)]
+        return self.losses[self._place(projection)]
 
     def loss_by(self, land: LandDiagnosis, projection: Projection) -> float | None:
         """Return what a land costs the circuit that loses most by it [Pa]; None where no pressure is solved."""
@@ -168,7 +172,7 @@ class Diagnosis:
 
     def at(self, condition: OperatingPoint) -> Projection:
         """Return the projection at one of the conditions that were judged."""
-        return next(each for each in self.projections if each.condition == condition)
+        return next(each for each in self.projections if each.condition.name == condition.name)
 
     def over(self, road_test: RoadTest) -> RoadLeakage:
         """Compute the leakage over a road test, or a part of one, with the same model.
@@ -183,7 +187,9 @@ class Diagnosis:
     @property
     def temperature_classes(self) -> tuple[TemperatureClass, ...]:
         """Return for how long the log stays in each class of fluid temperature, and what it holds there."""
-        return classes_over(self.road, self.as_unworn if self.judged else None, self.limits)
+        if self.road is None:
+            return ()
+        return temperature_classes(self.road, self.limits.total_share, self.as_unworn if self.judged else None)
 
     def band(self, projection: Projection) -> Band | None:
         """Return the band that the total share of one of the projections has reached; None where nothing was measured.
@@ -483,69 +489,34 @@ def diagnose(
     measured_at = None if readings is None else readings.measured_at(measuring_temperature)
     temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
     states = clearances(readings, controller, temperature=temperature, instruments=instruments)
-    model = LeakageModel(controller, states, fluid, profile)
-    conditions = [condition]
-    conditions += [point for point in controller.operating_points if point != condition]
-    projections = [project(model, point) for point in conditions]
-    as_new = model_new(states, model)
+    unit = BesideNew.of(LeakageModel(controller, states, fluid, profile), states, condition)
+    drive = driven(road_test, unit.model, condition, limits, assumptions, guard_factor)
     measured = [state.land.key for state in states if state.measured]
-    when_new = project_each_beside(as_new, projections)
-    as_unworn = model_unworn(states, model)
-    unworn = project_each_beside(as_unworn, projections)
-    idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
-    drive = None
-    if road_test is not None:
-        drive = driven(road_test, model, condition, limits, assumptions, guard_factor)
-    log, road = None if drive is None else drive.log, None if drive is None else drive.road
-    rules = unit_rules(states, projections, unworn, limits, controller.operating_points)
-    uncertainty: UnitUncertainty | None = None
-    of_sheet: tuple[Message, ...] = ()
-    if readings is not None and measured_at is not None:
-        uncertainty = assess(
-            model,
-            states,
-            projections,
-            rules,
-            readings=readings,
-            instants={at: project(model, road.condition_at(at)) for at in road.instants} if road else {},
-            instruments=instruments,
-            assumptions=assumptions,
-            guard_factor=guard_factor,
-            # carried through for these readings before, where nothing but the conditions has changed since
-            known=kept_with(readings, "spreads", (model, limits, instruments, assumptions), dict, most=1),
-        )
-        if pump_new is not None and pump_new.uncertainty is not None:  # a worn pump makes no land worn
-            uncertainty = uncertainty.with_lands_of(pump_new.uncertainty)
-        rules = uncertainty.judged(rules)
-        test = None if log is None else log.road_test
-        of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], test)
+    rules, uncertainty = _judged(unit, limits, drive.road, pump_new, readings, instruments, assumptions, guard_factor)
+    better = pump_new.unit_rules if pump_new else ()
     checked = (
         None
         if pressures is None
         else check_pressures(
             pressures,
-            model,
+            unit.model,
             limits,
-            projections=projections,
+            projections=unit.now,
             readings=readings,
             instruments=instruments,
             assumptions=assumptions,
             guard_factor=guard_factor,
         )
     )
-    lands = tuple(diagnosed_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
-    messages = messages_of(readings, controller, fluid, profile, projections, idle, drive, states, unworn)
-    messages = [*messages, *limits.doubts]
-    if checked is not None:
-        messages += checked.messages
-    if drive is not None and drive.without is not None:
-        messages += [*drive.log.road_test.messages, drive.without]
+    messages = messages_of(readings, controller, fluid, profile, unit.now, drive, states, unit.unworn)
+    messages += [*limits.doubts, *(checked.messages if checked else ()), *drive.messages]
     if fluid_state_assumed:
         messages.append(fresh_assumed(fluid))
-    if uncertainty is not None:
-        rateless = without_rate(uncertainty.lands, mileage)
-        of_sheet += () if rateless is None else (rateless,)
-        messages = list(dict.fromkeys([*messages, *of_sheet, *uncertainty.messages]))
+    if uncertainty is not None and readings is not None and measured_at is not None:
+        sources = [land.sources for land in uncertainty.lands]
+        messages += sheet_messages(readings, measured_at, sources, drive.log.road_test if drive.log else None)
+        messages += [rateless] if (rateless := without_rate(uncertainty.lands, mileage)) else []
+        messages = list(dict.fromkeys([*messages, *uncertainty.messages]))
     return Diagnosis(
         readings=readings,
         measured_at=measured_at,
@@ -555,27 +526,59 @@ def diagnose(
         limits=limits,
         profile=profile,
         mileage=mileage,
-        model=model,
-        as_new=as_new,
-        as_unworn=as_unworn,
-        lands=lands,
-        projections=tuple(projections),
-        new_projections=when_new,
-        unworn_projections=unworn,
-        losses=tuple(pressure_losses(model, as_new, point, measured) for point in conditions),
-        road=road,
-        log=log,
+        model=unit.model,
+        as_new=unit.as_new,
+        as_unworn=unit.as_unworn,
+        lands=tuple(diagnosed_land(state, unit.now, unit.new, rules, mileage, uncertainty) for state in states),
+        projections=unit.now,
+        new_projections=unit.new,
+        unworn_projections=unit.unworn,
+        losses=tuple(pressure_losses(unit.model, unit.as_new, each.condition, measured) for each in unit.now),
+        road=drive.road,
+        log=drive.log,
         pressures=checked,
         uncertainty=uncertainty,
         total_rules=rules.totals,
         pressure_rules=rules.pressures,
-        pump=diagnosed_pump(
-            controller.pump, rules, pump_new.unit_rules if pump_new else (), assumptions.pump_clearance, guard_factor
-        ),
+        pump=diagnosed_pump(controller.pump, rules, better, assumptions.pump_clearance, guard_factor),
         pump_new=pump_new,
         complaint=complaint,
         messages=tuple(messages),
     )
+
+
+def _judged(
+    unit: BesideNew,
+    limits: Limits,
+    road: RoadLeakage | None,
+    pump_new: Diagnosis | None,
+    readings: Readings | None,
+    instruments: Instruments | None,
+    assumptions: Assumptions,
+    guard_factor: float,
+) -> tuple[UnitRules, UnitUncertainty | None]:
+    """Judge every rule of a unit; with readings by what is likely, and return how sure that is."""
+    rules = unit_rules(unit.states, unit.now, unit.unworn, limits, unit.model.controller.operating_points)
+    if readings is None:
+        return rules, None
+    model = unit.model
+    rests_on = model, limits, instruments, assumptions
+    uncertainty = assess(
+        model,
+        unit.states,
+        unit.now,
+        rules,
+        readings=readings,
+        instants={at: project(model, road.condition_at(at)) for at in road.instants} if road else {},
+        instruments=instruments,
+        assumptions=assumptions,
+        guard_factor=guard_factor,
+        # carried through for these readings before, where nothing but the conditions has changed since
+        known=kept_with(readings, "spreads", rests_on, dict, most=1),
+    )
+    if pump_new is not None and pump_new.uncertainty is not None:  # a worn pump makes no land worn
+        uncertainty = uncertainty.with_lands_of(pump_new.uncertainty)
+    return uncertainty.judged(rules), uncertainty
 
 
 def _farthest_first(rules: Iterable[Rule]) -> list[Rule]:

@@ -8,7 +8,6 @@ from typing import Any
 from atleak.catalogue.limits import Limits
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.road_bands import TemperatureClass, temperature_classes
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message, RoadTestError
 from atleak.keeping import kept_with
@@ -23,22 +22,22 @@ _LOGGED = ("main_pressure", "converter_pressure", "atf_temperature", "gear")  # 
 
 @dataclass(frozen=True)
 class Driven:
-    """What is known of a unit's road test."""
+    """What is known of a unit's road test; nothing where none was driven."""
 
-    log: RoadFindings  # what it says by itself
-    road: RoadLeakage | None  # None where no leakage can be computed over it
-    without: Message | None  # why
+    log: RoadFindings | None = None  # what it says by itself
+    road: RoadLeakage | None = None  # None where no leakage can be computed over it
+    messages: tuple[Message, ...] = ()  # of a log without leakage over it: its own, and why
 
 
 def driven(
-    road_test: RoadTest,
+    road_test: RoadTest | None,
     model: LeakageModel,
     condition: OperatingPoint,
     limits: Limits,
     assumptions: Assumptions,
     guard_factor: float,
 ) -> Driven:
-    """Evaluate a road test.
+    """Evaluate a road test, if there is one.
 
     Parameters
     ----------
@@ -49,14 +48,16 @@ def driven(
     limits, assumptions, guard_factor
         by which the log is judged, and what is uncertain.
     """
+    if road_test is None:
+        return Driven()
     log = road_findings(model.controller, road_test, limits, assumptions, guard_factor)
     try:
-        return Driven(log, evaluated(model, road_test, condition), None)
+        return Driven(log, evaluated(model, road_test, condition))
     except RoadTestError as error:
         text = Sentence(
             "No leakage is computed over {file}: {problem}.", file=log.road_test.file, problem=error.problem
         )
-        return Driven(log, None, Message("warning", NO_LEAKAGE, text))
+        return Driven(log, None, (*log.road_test.messages, Message("warning", NO_LEAKAGE, text)))
 
 
 def evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoint) -> RoadLeakage:
@@ -79,10 +80,3 @@ def evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoin
     return RoadLeakage(
         road_test=road_test, assumed=condition, **kept_with(road_test, "leakage", rests_on, made, most=1)
     )
-
-
-def classes_over(road: RoadLeakage | None, unworn: LeakageModel | None, limits: Limits) -> tuple[TemperatureClass, ...]:
-    """Return the classes of fluid temperature that a log passes through; none without leakage over it."""
-    if road is None:
-        return ()
-    return temperature_classes(road, limits.total_share, unworn)

@@ -127,7 +127,7 @@ def diagnosed_pump(
 
 def diagnosed_land(
     state: LandClearance,
-    projections: list[Projection],
+    projections: Sequence[Projection],
     when_new: Sequence[Projection],
     rules: UnitRules,
     mileage: float | None,

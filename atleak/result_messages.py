@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from atleak.catalogue.controller import Controller, NewOrigin
 from atleak.catalogue.fluid import Fluid
-from atleak.catalogue.operating_point import OperatingPoint
+from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.driven import Driven
 from atleak.engine.leakage import narrow_gap_messages
@@ -155,9 +155,8 @@ def messages_of(
     controller: Controller,
     fluid: Fluid,
     profile: Profile,
-    projections: list[Projection],
-    idle: Projection | None,
-    drive: Driven | None,
+    projections: Sequence[Projection],
+    drive: Driven,
     states: Iterable[LandClearance],
     unworn: Iterable[Projection],
 ) -> list[Message]:
@@ -165,10 +164,10 @@ def messages_of(
 
     Parameters
     ----------
-    projections, idle
-        at every condition that is judged, and that at hot idle, where the controller states one.
+    projections
+        at every condition that is judged.
     drive
-        what is known of a road test; None without one.
+        what is known of a road test.
     states
         the clearance of every land.
     unworn
@@ -210,8 +209,8 @@ def messages_of(
     for state in states:
         messages += state.messages
     temperatures = [projection.condition.temperature for projection in projections]
-    road = None if drive is None else drive.road
-    if drive is not None and road is not None:
+    road = drive.road
+    if drive.log is not None and road is not None:
         temperatures += drive.log.temperatures or ()
     messages += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
     messages += narrow_gap_messages(gap for projection in projections for gap in projection.gaps)
@@ -223,7 +222,7 @@ def messages_of(
                 condition=projection.condition,
             )
             messages.append(Message("warning", "pump_delivers_nothing", text))
-    if idle is None:
+    if all(projection.condition.name != HOT_IDLE for projection in projections):
         text = Sentence(
             "{controller} states no operating point hot_idle, where a worn unit fails first.",
             controller=Name(controller.name),

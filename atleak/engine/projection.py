@@ -311,19 +311,6 @@ def model_new(states: Iterable[LandClearance], model: LeakageModel) -> LeakageMo
     return replace(model, controller=model.controller.with_new_pump, clearances=clearances)
 
 
-def project_beside(model: LeakageModel, now: Projection) -> Projection:
-    """Project another state of a unit for comparison with it as it is: its pump counts in pressures and reserve.
-
-    Shares are those of the flow that the pump delivers now: a valve body's share does not grow by a worn pump.
-    """
-    return replace(project(model, now.condition), pump_capacity=now.pump_capacity)
-
-
-def project_each_beside(model: LeakageModel, projections: Iterable[Projection]) -> tuple[Projection, ...]:
-    """Project another state of a unit beside each projection of it as it is, as `project_beside` does."""
-    return tuple(project_beside(model, each) for each in projections)
-
-
 def model_unworn(states: Iterable[LandClearance], model: LeakageModel) -> LeakageModel:
     """Return the model of the same unit with every land as wide as it may have been when new, given its reading.
 
@@ -339,11 +326,40 @@ def model_unworn(states: Iterable[LandClearance], model: LeakageModel) -> Leakag
     return replace(model, controller=model.controller.with_new_pump, clearances=tuple(clearances))
 
 
+def project_beside(model: LeakageModel, projections: Iterable[Projection]) -> tuple[Projection, ...]:
+    """Project another state of a unit for comparison with it as it is: its pump counts in pressures and reserve.
+
+    Shares are those of the flow that the pump delivers now: a valve body's share does not grow by a worn pump.
+    """
+    return tuple(replace(project(model, now.condition), pump_capacity=now.pump_capacity) for now in projections)
+
+
 def project_unworn(
     states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
 ) -> tuple[Projection, ...]:
     """Project the unit of `model_unworn` beside the same unit as it is."""
-    return project_each_beside(model_unworn(states, model), projections)
+    return project_beside(model_unworn(states, model), projections)
+
+
+@dataclass(frozen=True)
+class BesideNew:
+    """A unit as measured, new, and as it may have been when new, at every condition; the stated one first."""
+
+    model: LeakageModel  # as measured
+    as_new: LeakageModel
+    as_unworn: LeakageModel
+    states: tuple[LandClearance, ...]
+    now: tuple[Projection, ...]
+    new: tuple[Projection, ...]
+    unworn: tuple[Projection, ...]
+
+    @classmethod
+    def of(cls, model: LeakageModel, states: tuple[LandClearance, ...], condition: OperatingPoint) -> BesideNew:
+        """Compute the unit of a model with the clearances as measured, at a condition and the valve body's own."""
+        others = (point for point in model.controller.operating_points if point != condition)
+        now = tuple(project(model, point) for point in (condition, *others))
+        new, unworn = model_new(states, model), model_unworn(states, model)
+        return cls(model, new, unworn, states, now, project_beside(new, now), project_beside(unworn, now))
 
 
 def _with_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:
