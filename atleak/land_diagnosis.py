@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.pump import Pump
 from atleak.engine.projection import Projection
-from atleak.equations.uncertainty import probability_over
 from atleak.errors import Message
 from atleak.readings import LandClearance
 from atleak.replace_mileage import replace_mileage
 from atleak.rules import LandKey, Rule, UnitRules, pump_rules
 from atleak.uncertainty import Decision, LandUncertainty, RuleDecision, UnitUncertainty
-from atleak.uncertainty.decision import decide_rule
+from atleak.uncertainty.decision import decide_normal
 from atleak.verdicts import Verdict, worst
 from atleak.wear_line import Crossing
 
@@ -112,17 +111,13 @@ def diagnosed_pump(
     A pump within its own limits is not worn, whatever the unit lacks. ``uncertainty`` is that of a measured
     clearance [m].
     """
-    decisions, u = [], uncertainty
-    for rule in pump_rules(pump):
-        limits = [limit for _, limit in rule.steps.levels]
-        over = tuple(probability_over(rule.value, limits, (u,) * len(limits)).tolist())
-        decisions.append(decide_rule(rule, (u,) * len(limits), over, guard_factor, skewed=False))
+    decisions = tuple(decide_normal(rule, uncertainty, guard_factor) for rule in pump_rules(pump))
     if not any(decided.rule.verdict.flagged for decided in decisions):
-        return PumpDiagnosis(tuple(decisions), ())
+        return PumpDiagnosis(decisions, ())
     better = {rule.id: rule.verdict.rank for rule in with_new}
     unit = sorted(rules.of_unit, key=lambda rule: rule.kind is not RuleKind.PERMISSIBLE_PRESSURE)  # what drivers feel
     lacking = [rule for rule in unit if rule.verdict.rank > better.get(rule.id, rule.verdict.rank)]
-    return PumpDiagnosis(tuple(decisions), tuple(sorted(lacking, key=lambda rule: -rule.verdict.rank)))
+    return PumpDiagnosis(decisions, tuple(sorted(lacking, key=lambda rule: -rule.verdict.rank)))
 
 
 def diagnosed_land(

@@ -56,13 +56,9 @@ _RESTS_ON: dict[RuleKind, set[Basis]] = {
     RuleKind.TOTAL_SHARE: {*_SHARE, Basis.MOUNTING_CLEARANCE},
     RuleKind.RESERVE: _HELD,
     RuleKind.CIRCUIT_LOSS: _HELD,
-    RuleKind.BELOW_LINE: set(),
     RuleKind.BELOW_EXPECTED: _HELD,
     RuleKind.PERMISSIBLE_PRESSURE: {*_HELD, Basis.PERMISSIBLE_PRESSURE},
-    RuleKind.COMMANDED_PRESSURE: set(),
-    RuleKind.PUMP_SIDE: set(),
-    RuleKind.PUMP_TIP: set(),
-}
+}  # the others are measured on both sides
 _OF_LANDS = {
     Basis.MOUNTING_CLEARANCE: "mounting_clearance_um",
     Basis.CONTACT_LENGTH: "contact_length_mm",
@@ -108,7 +104,7 @@ def representative_bases(
     of_tables = dict(_representative_tables(controller, _of_pump(controller, uses_slip)))
     bases: set[Basis] = set()
     for rule, lands in rules:
-        rests_on = _RESTS_ON[rule.kind]
+        rests_on = _RESTS_ON.get(rule.kind, set())
         if rule.kind is RuleKind.CLEARANCE and any(land.key in without_sleeve for land in lands):
             rests_on = {*rests_on, Basis.MOUNTING_CLEARANCE}
         if rule.condition is None and rule.kind is RuleKind.PERMISSIBLE_PRESSURE:  # gauges or a log measured it

@@ -18,14 +18,13 @@ from atleak.engine.road_pressure import (
     compare_with_commanded,
     judge_pressure,
 )
-from atleak.equations.uncertainty import normal_cdf
 from atleak.events import ConverterSlip, Event, converter_slip, events
 from atleak.keeping import kept_with
 from atleak.road_test import RoadTest
 from atleak.rules import Rule
 from atleak.sentence import Sentence
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, RuleDecision
-from atleak.uncertainty.decision import decide_rule
+from atleak.uncertainty.decision import decide_normal
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,7 @@ def road_findings(
         temperatures=_span(road_test.values("atf_temperature")),
         pressure=pressure,
         commanded=commanded,
-        decisions=tuple(_decided(rule, u, guard_factor) for rule, u in judged),
+        decisions=tuple(decide_normal(rule, u, guard_factor) for rule, u in judged),
         slip=kept_with(road_test, "slip", "", lambda: converter_slip(road_test)),
     )
 
@@ -131,18 +130,6 @@ def _lowest_at(gear: int, state: State, time: float) -> Sentence:
     if state == "stall":
         return Sentence("gear {gear}, stall, at {time:.1f} s of the road test", gear=gear, time=time)
     return Sentence("gear {gear}, driving, at {time:.1f} s of the road test", gear=gear, time=time)
-
-
-def _decided(rule: Rule, standard_uncertainty: float, guard_factor: float) -> RuleDecision:
-    """Decide a rule whose value is normally distributed."""
-    limits = [limit for _, limit in rule.steps.levels]
-    over = tuple(
-        float(normal_cdf((rule.value - limit) / standard_uncertainty))
-        if standard_uncertainty > 0.0
-        else float(rule.value > limit)
-        for limit in limits
-    )
-    return decide_rule(rule, (standard_uncertainty,) * len(limits), over, guard_factor, skewed=False)
 
 
 def _gears(road_test: RoadTest) -> dict[int, float]:

@@ -67,13 +67,8 @@ class Rule:
     @property
     def growth(self) -> float | None:
         """Return how much the share has grown over that of a new one, as a fraction; None where that is no number."""
-        if (
-            self.new is None
-            or "share" not in self.kind
-            or not (0.0 < self.new < math.inf and math.isfinite(self.value))
-        ):
-            return None
-        return self.value / self.new - 1.0
+        known = self.new is not None and self.kind.is_share and math.isfinite(self.value)
+        return self.value / self.new - 1.0 if known and self.new and 0.0 < self.new < math.inf else None
 
     @property
     def severity(self) -> float:
@@ -110,7 +105,7 @@ class Rule:
         """Return the rule's name in records, with the unit of its value: ``share_hot_idle_percent``."""
         circuit = self.circuit.id if self.circuit else ""
         at = "" if self.condition is None else self.condition.name
-        return "_".join(filter(None, (_IDS[self.kind], circuit, at, self.kind.suffix)))
+        return "_".join(filter(None, (_IDS.get(self.kind, str(self.kind)), circuit, at, self.kind.suffix)))
 
 
 _LABELS = {
@@ -127,19 +122,11 @@ _LABELS = {
     RuleKind.PUMP_SIDE: Sentence("side clearance of the pump"),
     RuleKind.PUMP_TIP: Sentence("tip clearance of the pump"),
 }
-_IDS = {
-    RuleKind.WEAR: "wear",
-    RuleKind.CLEARANCE: "radial_clearance",
+_IDS = {  # of those whose name in records is not that of the kind
     RuleKind.PAIR_SHARE: "share",
-    RuleKind.TOTAL_SHARE: "total_share",
-    RuleKind.RESERVE: "reserve",
-    RuleKind.CIRCUIT_LOSS: "circuit_loss",
-    RuleKind.BELOW_LINE: "below_line",
     RuleKind.BELOW_EXPECTED: "below_expected_pressure",
     RuleKind.PERMISSIBLE_PRESSURE: "below_permissible_pressure",
     RuleKind.COMMANDED_PRESSURE: "off_commanded_pressure",
-    RuleKind.PUMP_SIDE: "pump_side_clearance",
-    RuleKind.PUMP_TIP: "pump_tip_clearance",
 }
 
 

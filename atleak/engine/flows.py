@@ -12,7 +12,7 @@ from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.circuits import Balance, Network
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.line import LINE, hold, wanted
+from atleak.engine.line import LINE, Operation, wanted
 
 _ROUNDING = 1e-9  # relative to the pump's flow: less than that is no flow
 
@@ -105,9 +105,8 @@ def flows_at(model: LeakageModel, point: OperatingPoint) -> Flows:
     DomainError
         temperature outside the fluid's data.
     """
-    network, controller = model.network(point), model.controller
-    viscosity = model.dynamic_viscosity(point.temperature)
-    held = hold(network, point, model.pump, viscosity)
+    at, controller = Operation.of(model, point), model.controller
+    network, viscosity, held = at.network, at.viscosity, at.held
     sums = _Sums()
     for ends in (*_through(model, network, held.balance), *_fed(network, held.balance)):
         sums.add(*ends)

@@ -6,8 +6,9 @@ or not, and the consumers, but for those behind the line's regulator: these get 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.balance import Balance
 from atleak.engine.circuits import Network
-from atleak.engine.leakage import PumpFlow
+from atleak.engine.leakage import LeakageModel, PumpFlow
 
 LINE = "p_g"  # the section that supplies all others
 _EXACT = 1e-12  # of the pressure, or of the flow that is lacking: at which a search for the line pressure ends
@@ -39,6 +40,69 @@ class Held:
     def falls(self) -> Any:
         """Return whether less holds than is required."""
         return self.main_pressure < self.required * (1.0 - SURELY_LESS)
+
+
+@dataclass(frozen=True)
+class Operation:
+    """A unit at one condition, or at many of them at once: arrays of one shape wherever anything was one."""
+
+    model: LeakageModel
+    point: OperatingPoint
+    network: Network
+    viscosity: Any  # [Pa·s]
+
+    @classmethod
+    def of(
+        cls, model: LeakageModel, point: OperatingPoint, temperature: Any = None, network: Network | None = None
+    ) -> Operation:
+        """Return a unit at a condition.
+
+        Parameters
+        ----------
+        temperature
+            [°C] in place of the condition's; arrays, like clearances that are arrays, give arrays.
+        network
+            that of the condition, where its gaps are others than the model's.
+
+        Raises
+        ------
+        DomainError
+            a temperature outside the fluid's data.
+        """
+        given = network or model.network(point, temperature)
+        return cls(
+            model, point, given, model.dynamic_viscosity(point.temperature if temperature is None else temperature)
+        )
+
+    @cached_property
+    def sections(self) -> dict[str, Any]:
+        """Return the pressures of the sections at the required line pressure [Pa]."""
+        return self.model.controller.section_pressures(self.point.main_pressure, self.point.converter_pressure)
+
+    @cached_property
+    def demanded(self) -> Balance:
+        """Return the balance of the circuits at the required line pressure."""
+        return self.network.balance(self.sections)
+
+    @cached_property
+    def leakage(self) -> Any:
+        """Return what is drawn from the pump at the required line pressure [m³/s]."""
+        return self.network.drawn_from_pump(self.demanded)
+
+    @cached_property
+    def held(self) -> Held:
+        """Return the line pressure that holds, and all pressures with it."""
+        return hold(self.network, self.point, self.model.pump, self.viscosity, self.demanded)
+
+    def pressures(self, names: Iterable[str], shape: tuple[int, ...]) -> dict[str, np.ndarray]:
+        """Return what the line, as p_g, and some circuits hold [Pa], arrays of a shape."""
+        held = {LINE: self.held.main_pressure} | {name: self.held.balance.pressures[name] for name in names}
+        return {name: spread_over(pressure, shape) for name, pressure in held.items()}
+
+
+def spread_over(value: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """Return numbers as an array of a shape."""
+    return np.broadcast_to(np.asarray(value, float), shape)
 
 
 def sections_held(controller: Controller, main_pressure: Any, converter_pressure: Any) -> dict[str, Any]:

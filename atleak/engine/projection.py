@@ -14,7 +14,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import STATED, OperatingPoint
 from atleak.engine.circuits import Balance, Network, leaks_both_ways
 from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
-from atleak.engine.line import SURELY_LESS, Held, consumed, hold
+from atleak.engine.line import SURELY_LESS, Held, Operation, consumed
 from atleak.equations.clearance import worn_clearance
 from atleak.errors import InputError, Message, one_of
 from atleak.readings import LandClearance
@@ -131,10 +131,9 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     DomainError
         temperature outside the fluid's data.
     """
-    network, controller = model.network(condition), model.controller
+    at, controller = Operation.of(model, condition), model.controller
+    network, demanded, held = at.network, at.demanded, at.held
     where = (condition.main_pressure, condition.temperature)
-    sections = controller.section_pressures(condition.main_pressure, condition.converter_pressure)
-    demanded = network.balance(sections)
     gaps = model.gaps(condition, demanded.pressures, network)
     drawn = [gap for gap in gaps if gap.drawn_from_pump]
     leaks, relieved = _leak_flows(network, demanded), float(sum(demanded.relief.values()))
@@ -143,7 +142,6 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     capacity = float(model.pump_capacity(condition.engine_speed, *where))
     required = (condition.main_pressure, condition.main_pressure)
     consumers = consumed(network, *required)
-    held = hold(network, condition, model.pump, model.dynamic_viscosity(condition.temperature), demanded)
     left = capacity - leakage - consumed(network, *required, after_line=False)
     main_held = float(held.main_pressure)
     return Projection(

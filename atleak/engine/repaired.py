@@ -6,7 +6,6 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.line import LINE, hold
+from atleak.engine.line import Operation, spread_over
 from atleak.engine.restrictions import Branch, Gap
 
 WORTH_NAMING = 100.0  # [Pa] that a land costs a circuit at least, to be named as a cause: choice of this project
@@ -83,24 +82,11 @@ class LandStates:
             lands=tuple(land.with_restriction(each) for land, each in zip(lands, restricted, strict=True)),
         )
 
-    @cached_property
-    def sections(self) -> dict[str, float]:
-        """Return the pressures of the sections at the required line pressure [Pa]."""
-        return self.model.controller.section_pressures(self.point.main_pressure, self.point.converter_pressure)
-
     def repaired(self, choices: Sequence[Mapping[LandKey, int]]) -> Repaired:
         """Compute the unit for several choices of the states of its lands."""
-        network, model = self.network(choices), self.model
-        required = network.balance(self.sections)
-        held = hold(network, self.point, model.pump, model.dynamic_viscosity(self.point.temperature), required)
-        leakage = network.drawn_from_pump(required)
-        names = (circuit.id for circuit in model.controller.circuits)
-        pressures = {LINE: held.main_pressure, **{name: held.balance.pressures[name] for name in names}}
-
-        def each(value: Any) -> np.ndarray:
-            return np.broadcast_to(np.asarray(value, float), (len(choices),))
-
-        return Repaired(each(leakage), {name: each(pressure) for name, pressure in pressures.items()})
+        at, shape = Operation.of(self.model, self.point, network=self.network(choices)), (len(choices),)
+        circuits = (circuit.id for circuit in self.model.controller.circuits)
+        return Repaired(spread_over(at.leakage, shape), at.pressures(circuits, shape))
 
 
 def with_new(

@@ -19,7 +19,6 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import LINE as LINE_SECTION
 from atleak.engine.projection import Projection, project
-from atleak.equations.uncertainty import normal_cdf
 from atleak.errors import DomainError, Message, Place
 from atleak.gauges.patterns import Pattern, Standing, Stands, find_patterns
 from atleak.keeping import kept_with
@@ -42,7 +41,7 @@ from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule, permissible_steps
 from atleak.sentence import Sentence, in_a_row
 from atleak.uncertainty import Assumptions, RuleDecision
-from atleak.uncertainty.decision import decide_rule
+from atleak.uncertainty.decision import decide_normal, decide_rule
 from atleak.uncertainty.posterior import MOST_RISE, Lost, Shown, Unit, losses
 from atleak.uncertainty.sources import find_sources
 from atleak.unit_systems import Quantity
@@ -374,9 +373,7 @@ class _Checker:
         return replace(checked, unjudged=reason or _NOTHING_PERMITTED)
 
     def _decide(self, rule: Rule, u: float) -> RuleDecision:
-        levels = rule.steps.levels
-        over = tuple(_probability_over(rule.value, limit, u) for _, limit in levels)
-        return decide_rule(rule, (u,) * len(levels), over, self.guard_factor, skewed=False)
+        return decide_normal(rule, u, self.guard_factor)
 
     def _line(self, reading: GaugeReading) -> float | None:
         """Return the pressure that a circuit should reach by the line's gauge [Pa]; None where it cannot be told.
@@ -395,7 +392,9 @@ class _Checker:
         projection, tap = None if point is None else self._projected(point), reading.cell.tap
         if projection is None:
             return None
-        return projection.main_pressure_held if tap == LINE else self._of_circuit(projection, tap)
+        if tap == LINE:
+            return projection.main_pressure_held
+        return next((each.pressure for each in projection.circuits if each.circuit.id == tap), None)
 
     def _projected(self, point: OperatingPoint) -> Projection | None:
         if point not in self.at_hand:
@@ -405,9 +404,6 @@ class _Checker:
                 self.outside.append(error)
                 return None
         return self.at_hand[point]
-
-    def _of_circuit(self, projection: Projection, tap: str) -> float | None:
-        return next((each.pressure for each in projection.circuits if each.circuit.id == tap), None)
 
     def _point(self, reading: GaugeReading) -> OperatingPoint | None:
         """Return the operating point of the same gear and state, at the temperature and speed that were stated.
@@ -527,7 +523,3 @@ def _reached(circuit: Circuit, gear: int | None, line: float) -> float | None:
     if stated.gears is not None:
         return min(line, stated.gears.get(gear, 0.0))
     return None if stated.number is None else min(line, stated.number)
-
-
-def _probability_over(value: float, limit: float, u: float) -> float:
-    return float(normal_cdf((value - limit) / u)) if u > 0.0 else float(value > limit)

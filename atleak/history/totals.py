@@ -14,6 +14,7 @@ from atleak.catalogue.limits import Level, reaches
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel
+from atleak.engine.line import Operation, spread_over
 from atleak.engine.projection import repaired
 from atleak.errors import Message
 from atleak.history.land_wear import LandWear, WearHistory
@@ -136,10 +137,8 @@ def _worn(diagnosis: Diagnosis, drawn: Mapping[LandKey, Draws]) -> LeakageModel:
 
 def _total(diagnosis: Diagnosis, model: LeakageModel, place: int, mileages: Draws) -> TotalOverMileage:
     now = diagnosis.projections[place]
-    network = model.network(now.condition)
-    sections = model.controller.section_pressures(now.condition.main_pressure, now.condition.converter_pressure)
-    leakage = network.drawn_from_pump(network.balance(sections))
-    flows = np.broadcast_to(leakage, (_DRAWS * mileages.size,)).reshape(_DRAWS, mileages.size)
+    flows = spread_over(Operation.of(model, now.condition).leakage, (_DRAWS * mileages.size,))
+    flows = flows.reshape(_DRAWS, mileages.size)
     share = flows / now.pump_capacity if now.pump_capacity > 0.0 else np.full(flows.shape, np.inf)
     low, median, high = np.quantile(share, _PARTS, axis=0)
     rule = diagnosis.total_rule(now)

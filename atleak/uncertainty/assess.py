@@ -12,13 +12,13 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.extremes import Instant
 from atleak.engine.leakage import LeakageModel, named_land
 from atleak.engine.projection import Projection
-from atleak.equations.uncertainty import normal_quantile, probability_over
+from atleak.equations.uncertainty import normal_quantile
 from atleak.errors import InputError, Message
 from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule, UnitRules
 from atleak.sentence import Name, Sentence
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
-from atleak.uncertainty.decision import GUARD_FACTOR, RuleDecision, decide_rule
+from atleak.uncertainty.decision import GUARD_FACTOR, RuleDecision, decide_normal, decide_rule
 from atleak.uncertainty.points import rounded_up
 from atleak.uncertainty.pressures import PressureSpread
 from atleak.uncertainty.propagation import (
@@ -211,16 +211,13 @@ def _decided(
     guard_factor: float,
 ) -> RuleDecision:
     """Decide a land's rule: clearance and wear by closed forms, a share by the draws at its condition."""
-    reached = [limit for _, limit in rule.steps.levels]
     if rule.kind is RuleKind.PAIR_SHARE:
         assert rule.condition is not None
         share = spreads[rule.condition].share_spread
         likely = share.probabilities if land.grown else tuple(min(p, _OPEN) for p in share.probabilities)
         return decide_rule(rule, share.level_uncertainties, likely, guard_factor, skewed=True)
     worn = rule.kind is RuleKind.WEAR
-    us = _wear_uncertainties(land, limits) if worn else (land.standard_uncertainty,) * len(reached)
-    each = tuple(probability_over(rule.value, reached, us).tolist())
-    return decide_rule(rule, us, each, guard_factor, skewed=False)
+    return decide_normal(rule, _wear_uncertainties(land, limits) if worn else land.standard_uncertainty, guard_factor)
 
 
 def _wear_uncertainties(land: LandSources, limits: Limits) -> tuple[float, ...]:

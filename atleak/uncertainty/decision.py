@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Literal
 
 from atleak.catalogue.limits import Level, reaches
-from atleak.equations.uncertainty import guard_band, normal_cdf
+from atleak.equations.uncertainty import guard_band, normal_cdf, probability_over
 from atleak.rules import Rule
 
 Decision = Literal["pass", "conditional_pass", "conditional_fail", "fail"]
@@ -169,6 +169,14 @@ def _risk_of(guard_factor: float) -> float:
 def _number_of(limit: float, levels: Sequence[LevelDecision]) -> int:
     """Return the place of the worst level that begins at a limit."""
     return max(number for number, level in enumerate(levels) if level.limit == limit)
+
+
+def decide_normal(rule: Rule, uncertainty: float | tuple[float, ...], guard_factor: float) -> RuleDecision:
+    """Decide a rule whose value is normal, with one standard uncertainty or another at each of its levels."""
+    limits = [limit for _, limit in rule.steps.levels]
+    us = uncertainty if isinstance(uncertainty, tuple) else (uncertainty,) * len(limits)
+    over = tuple(probability_over(rule.value, limits, us).tolist())
+    return decide_rule(rule, us, over, guard_factor, skewed=False)
 
 
 def decide_rule(

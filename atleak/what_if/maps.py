@@ -14,7 +14,7 @@ from atleak.catalogue.limits import Level
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel, PumpFlow
-from atleak.engine.line import LINE, hold
+from atleak.engine.line import LINE, Operation, spread_over
 from atleak.engine.projection import model_unworn
 from atleak.rules import permissible_steps
 from atleak.what_if.settings import Axis, WhatIf
@@ -126,52 +126,39 @@ def map_over(diagnosis: Diagnosis, settings: WhatIf, temperatures: ArrayLike, we
         whole[known] = values
         return whole
 
-    now, new = _held(tried, model.pump, point, warm), _held(model_unworn(states, model), model.pump, point, at[known])
+    share, pressures = _held(tried, model.pump, point, warm)
+    new_share, new_pressures = _held(model_unworn(states, model), model.pump, point, at[known])
     borders = {
         name: tuple(Border(level, over_temperatures(value)) for level, value in each)
-        for name, each in _pressure_limits(diagnosis, point, new.pressures).items()
+        for name, each in _pressure_limits(diagnosis, point, new_pressures).items()
     }
     return Map(
         axis=axis,
         temperatures=at,
         wears=many,
-        share=mapped(now.share),
-        pressures=MappingProxyType({name: mapped(values) for name, values in now.pressures.items()}),
+        share=mapped(share),
+        pressures=MappingProxyType({name: mapped(values) for name, values in pressures.items()}),
         share_borders=tuple(
-            Border(level, over_temperatures(np.broadcast_to(value, new.share.shape)))
-            for level, value in diagnosis.limits.total_share.over(new.share)
+            Border(level, over_temperatures(np.broadcast_to(value, new_share.shape)))
+            for level, value in diagnosis.limits.total_share.over(new_share)
         ),
         pressure_borders=MappingProxyType(borders),
     )
 
 
-@dataclass(frozen=True)
-class _Held:
-    share: np.ndarray
-    pressures: dict[str, np.ndarray]  # [Pa]
-
-
-def _held(model: LeakageModel, pump: PumpFlow, point: OperatingPoint, temperatures: np.ndarray) -> _Held:
-    """Compute a unit at several temperatures [°C], each with its own clearances; shares are those of ``pump``."""
+def _held(
+    model: LeakageModel, pump: PumpFlow, point: OperatingPoint, temperatures: np.ndarray
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return shares of what ``pump`` delivers and pressures held [Pa], at temperatures [°C] with clearances of each."""
+    shape = temperatures.shape
     if not temperatures.size:
-        nothing = np.array([])
-        return _Held(nothing, {})
-    network, viscosity = model.network(point, temperatures), model.dynamic_viscosity(temperatures)
-    sections = model.controller.section_pressures(point.main_pressure, point.converter_pressure)
-    leakage = network.drawn_from_pump(network.balance(sections))
-    capacity = pump.capacity(point.engine_speed, point.main_pressure, viscosity)
-    held = hold(network, point, model.pump, viscosity)
-
-    def each(value: Any) -> np.ndarray:
-        return np.broadcast_to(np.asarray(value, float), temperatures.shape)
-
-    leakage, capacity = each(leakage), each(capacity)
+        return np.array([]), {}
+    at = Operation.of(model, point, temperatures)
+    capacity = spread_over(pump.capacity(point.engine_speed, point.main_pressure, at.viscosity), shape)
+    leakage = spread_over(at.leakage, shape)
     without_pump = np.where(leakage > 0.0, np.inf, 0.0)
     share = np.divide(leakage, capacity, out=without_pump, where=capacity > 0.0)
-    names = (circuit.id for circuit in network.applied)
-    return _Held(
-        share, {LINE: each(held.main_pressure), **{name: each(held.balance.pressures[name]) for name in names}}
-    )
+    return share, at.pressures((circuit.id for circuit in at.network.applied), shape)
 
 
 def _pressure_limits(
