@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import State
+from atleak.catalogue.circuit_tables import StandingState
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.lasting import CountedSamples
@@ -124,7 +124,7 @@ def _judged(
         yield Rule(kind, None, abs(commanded.difference), steps, where=where), relative * abs(commanded.actual)
 
 
-def _lowest_at(gear: int, state: State, time: float) -> Sentence:
+def _lowest_at(gear: int, state: StandingState, time: float) -> Sentence:
     if state == "idle":
         return Sentence("gear {gear}, idle, at {time:.1f} s of the road test", gear=gear, time=time)
     if state == "stall":

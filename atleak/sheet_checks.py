@@ -90,7 +90,8 @@ def common_shift(lands: Sequence[LandSources]) -> CommonShift | None:
     lands
         the sources of the uncertainty of every land.
     """
-    pairs = [land for land in lands if land.state.status == "measured" and _is_one_number(land)]
+    measured = [land for land in lands if land.state.status == "measured"]
+    pairs = [land for land in measured if len(set(land.state.land.mounting_range)) == 1]
     if len(pairs) < FEWEST_PAIRS:
         return None
     opened = [land.state.radial_clearance - land.state.land.new_clearance for land in pairs]
@@ -107,11 +108,6 @@ def common_shift(lands: Sequence[LandSources]) -> CommonShift | None:
     if shift > 0.0 and (shift < RESOLVED * median(own) or _is_growth(opened, own, new, shift)):
         return None
     return found
-
-
-def _is_one_number(land: LandSources) -> bool:
-    low, high = land.state.land.mounting_range
-    return low == high
 
 
 def _agreed(values: Sequence[float], own: Sequence[float]) -> tuple[float, float]:

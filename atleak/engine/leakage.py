@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -255,9 +255,8 @@ class PumpFlow:
 # --- the whole
 
 
-@dataclass(frozen=True)
-class _Factors:
-    """The factors of the gap law at one condition; arrays have a number for each gap of its gear."""
+class _Factors(NamedTuple):
+    """The factors of the gap law at one condition, in its order; arrays have a number for each gap of its gear."""
 
     diameter: np.ndarray  # [m]
     clearance: np.ndarray  # [m]
@@ -292,23 +291,19 @@ class LeakageModel:
     @cached_property
     def geometries(self) -> tuple[GapGeometry, ...]:
         """List every gap of the controller, in its order, with the clearance of its land."""
-        states = {state.land.key: state for state in self.clearances}
-        rates = {
-            key: state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter) for key, state in states.items()
+        of_lands = {
+            state.land.key: (
+                state.spool_diameter,
+                state.land.contact_length,
+                state.radial_clearance,
+                state.form_moments,
+                state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter),
+            )
+            for state in self.clearances
         }
-        moments = {key: state.form_moments for key, state in states.items()}
         counts_every_gap = self.profile.pump_draw == "all_gaps"
         return tuple(
-            GapGeometry(
-                gap=gap,
-                spool_diameter=states[gap.key].spool_diameter,
-                contact_length=states[gap.key].land.contact_length,
-                radial_clearance=states[gap.key].radial_clearance,
-                form_moments=moments[gap.key],
-                thermal_rate=rates[gap.key],
-                drawn_from_pump=counts_every_gap or gap.into_sump,
-            )
-            for gap in self.controller.gaps
+            GapGeometry(gap, *of_lands[gap.key], counts_every_gap or gap.into_sump) for gap in self.controller.gaps
         )
 
     def gaps_in(self, gear: int) -> tuple[Gap, ...]:
@@ -330,13 +325,7 @@ class LeakageModel:
         """
         temperature = condition.temperature if temperature is None else temperature
         factors = self._factors(condition.gear, temperature)
-        terms = self.law.restriction(
-            factors.diameter,
-            factors.clearance,
-            factors.kinematic_viscosity,
-            factors.density,
-            factors.length,
-        )
+        terms = self.law.restriction(*factors)
         stacked = np.broadcast_arrays(terms.conductance, terms.bend)
         rows = [row if row.ndim > 1 else row.tolist() for row in stacked]
         restricted = (restrictions.Gap(*each) for each in zip(*rows, strict=True))
@@ -432,43 +421,36 @@ class LeakageModel:
             temperature outside the fluid's data.
         """
         factors, geometries = self._factors(condition.gear, condition.temperature), self._in_gear(condition.gear)
-        if network is None:
-            network = self.network(condition)
+        network = network or self.network(condition)
         if pressures is None:
             sections = self.controller.section_pressures(condition.main_pressure, condition.converter_pressure)
             pressures = network.balance(sections).pressures
         drops = [float(each.pressure_drop(pressures)) for each in geometries]
         both_ways = [restrictions.leaks_both_ways(each.gap, network.solved) for each in geometries]
         driving = [drop if back else max(drop, 0.0) for drop, back in zip(drops, both_ways, strict=True)]
-        viscosity, density = factors.kinematic_viscosity, factors.density
-        diameter, clearance, length = (row[:, None] for row in (factors.diameter, factors.clearance, factors.length))
+        diameter, clearance, viscosity, density, length = factors
         positions = np.array([self.law.eccentricity_factor, 1.0, gap_equations.FULLY_ECCENTRIC])
-        given = np.array(driving, float)[:, None], diameter, clearance, viscosity, density, length
-        flows = self.law.flow(*given, positions)
-        reynolds = gap_equations.reynolds_number(flows[:, 0], factors.diameter, viscosity)
-        columns = factors.diameter, factors.length, factors.clearance, reynolds
+        columns = np.array(driving, float)[:, None], diameter[:, None], clearance[:, None], viscosity, density
+        flows = self.law.flow(*columns, length[:, None], positions)
+        reynolds = gap_equations.reynolds_number(flows[:, 0], diameter, viscosity)
+        rows = np.column_stack([diameter, length, clearance, reynolds, flows]).tolist()
         return tuple(
             GapLeakage(
                 gap=geometry.gap,
                 pressure_drop=drop,
                 leaks_back=back,
-                diameter=diameter,
-                contact_length=length,
-                effective_clearance=clearance,
+                diameter=row[0],
+                contact_length=row[1],
+                effective_clearance=row[2],
                 kinematic_viscosity=viscosity,
                 density=density,
-                leakage=flow,
-                concentric_leakage=concentric,
-                touching_leakage=touching,
+                leakage=row[4],
+                concentric_leakage=row[5],
+                touching_leakage=row[6],
                 drawn_from_pump=geometry.drawn_from_pump,
-                reynolds_number=reynolds_number,
+                reynolds_number=row[3],
             )
-            for geometry, drop, back, (flow, concentric, touching), (
-                diameter,
-                length,
-                clearance,
-                reynolds_number,
-            ) in zip(geometries, drops, both_ways, flows.tolist(), np.array(columns).T.tolist(), strict=True)
+            for geometry, drop, back, row in zip(geometries, drops, both_ways, rows, strict=True)
         )
 
     def dynamic_viscosity(self, temperature: Any) -> Any:

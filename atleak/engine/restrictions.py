@@ -81,19 +81,8 @@ class Branch(Generic[AnyRestriction]):
         return self.high.at(pressures) - self.low.at(pressures)
 
 
-class _Ends(Protocol):
-    @property
-    def high(self) -> Pressure: ...
-
-    @property
-    def low(self) -> Pressure: ...
-
-    @property
-    def into_sump(self) -> bool: ...
-
-
-def leaks_both_ways(ends: _Ends, solved: frozenset[str]) -> bool:
-    """Return whether a gap leaks backwards too: between two sections of which one at least is a solved circuit.
+def leaks_both_ways(ends: Any, solved: frozenset[str]) -> bool:
+    """Return whether a gap, or a branch, leaks backwards too: between two sections, one at least a solved circuit.
 
     A drain leaks nothing back, nor does what ends in the sump or is a share of a pressure.
     """

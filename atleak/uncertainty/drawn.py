@@ -72,7 +72,7 @@ class Drawn:
     def restriction(self, land: LandSources, bore: Bore, length: Any, position: Any) -> Restricted:
         """Return what all gaps of a land have in common."""
         law = self.model.law
-        mean = effective_clearance(bore.clearance, land.thermal_rate, self.rise)
+        mean = effective_clearance(bore.clearance, land.state.thermal_rate, self.rise)
         clearance = law.flow_clearance(mean, bore.square, bore.cube)
         diameter = law.diameter(land.state.spool_diameter, mean)
         return law.restriction(diameter, clearance, self.nu, self.rho, length, position)
@@ -171,7 +171,9 @@ class DrawnLands:
     def flows(self, lands: Sequence[LandSources], bore: Bore, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return what `count` does for all lands at once, shapes (lands, columns); so are their bores and lengths."""
         given, law, shape = self.given, self.given.model.law, bore.clearance.shape
-        rates, diameters = np.array([(land.thermal_rate, land.state.spool_diameter) for land in lands]).reshape(-1, 2).T
+        rates, diameters = (
+            np.array([(land.state.thermal_rate, land.state.spool_diameter) for land in lands]).reshape(-1, 2).T
+        )
         mean = effective_clearance(bore.clearance, rates[:, None], given.rise)
         clearance = law.flow_clearance(mean, bore.square, bore.cube)
         restriction = law.restriction(law.diameter(diameters[:, None], mean), clearance, given.nu, given.rho, lengths)

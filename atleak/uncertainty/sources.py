@@ -160,11 +160,6 @@ class LandSources:
         return dict(by_group)
 
     @cached_property
-    def thermal_rate(self) -> float:
-        """Return the growth of the clearance with temperature [m/K]."""
-        return self.state.thermal_rate
-
-    @cached_property
     def own_variance(self) -> float:
         """Return the variance of the errors that no other land shares [m²]."""
         return math.fsum(source.standard_uncertainty**2 for source in self.sources if source.group is None)

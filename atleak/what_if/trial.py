@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from atleak.diagnosis import Diagnosis
@@ -94,10 +93,7 @@ def like_the_study(diagnosis: Diagnosis, settings: WhatIf) -> tuple[StudyTrial, 
     own numbers are of its valve body, and the largest of its road test: they compare with another unit's in how they
     grow from variant to variant, not in size.
     """
-    return tuple(_trials(diagnosis, settings))
-
-
-def _trials(diagnosis: Diagnosis, settings: WhatIf) -> Iterator[StudyTrial]:
+    trials = []
     for variant in VARIANTS:
         as_variant = replace(
             settings,
@@ -108,9 +104,10 @@ def _trials(diagnosis: Diagnosis, settings: WhatIf) -> Iterator[StudyTrial]:
         )
         try:
             here = project(as_variant.model(diagnosis), as_variant.condition(diagnosis))
-            yield StudyTrial(variant, here, Sentence(""))
+            trials.append(StudyTrial(variant, here, Sentence("")))
         except (DomainError, InputError) as error:
-            yield StudyTrial(variant, None, error.sentence)
+            trials.append(StudyTrial(variant, None, error.sentence))
+    return tuple(trials)
 
 
 def is_the_study_s(diagnosis: Diagnosis) -> bool:
