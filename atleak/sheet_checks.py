@@ -187,9 +187,7 @@ def _suspect(lands: Sequence[LandSources], readings: Readings, place: Place) -> 
         named=named,
         more=Sentence("; and {pairs}", pairs=more) if more else "",
     )
-    first, planes = suspects[0].key[0], suspects[0].state.land.planes
-    places = (each.place for each in readings.readings if each.component == first and each.plane in planes)
-    yield Message("warning", "tighter_than_new", text, next(places, place))
+    yield Message("warning", "tighter_than_new", text, _place_of(suspects[0], readings, place))
 
 
 def _slips(lands: Sequence[LandSources], readings: Readings, place: Place) -> Iterator[Message]:
@@ -204,9 +202,13 @@ def _slips(lands: Sequence[LandSources], readings: Readings, place: Place) -> It
                 times=clearance / new if new else math.inf,
                 new=_um(new),
             )
-            component, planes = land.key[0], land.state.land.planes
-            places = (each.place for each in readings.readings if each.component == component and each.plane in planes)
-            yield Message("warning", "clearance_far_open", text, next(places, place))
+            yield Message("warning", "clearance_far_open", text, _place_of(land, readings, place))
+
+
+def _place_of(land: LandSources, readings: Readings, sheet: Place) -> Place:
+    component, planes = land.key[0], land.state.land.planes
+    places = (each.place for each in readings.readings if each.component == component and each.plane in planes)
+    return next(places, sheet)
 
 
 def _unequal_repeats(states: Sequence[LandClearance], place: Place) -> Iterator[Message]:

@@ -318,9 +318,9 @@ def _total(
         new_leakage_interval=spread.new_leakage_interval,
         growth_interval=spread.growth_interval,
         decision=decision,
-        reserve_interval=spread.pressures.reserve.interval,
-        main_pressure_interval=spread.pressures.main_pressure_interval,
-        circuit_intervals={name: each.pressure_interval for name, each in spread.pressures.circuits.items()},
+        reserve_interval=spread.pressures.reserve,
+        main_pressure_interval=spread.pressures.main_pressure,
+        circuit_intervals=spread.pressures.circuits,
         pressures=tuple(
             _pressure_decision(each, spread.pressures, guard_factor)
             for each in rules.pressures
@@ -333,10 +333,7 @@ def _total(
 
 def _pressure_decision(rule: Rule, spread: PressureSpread, guard_factor: float) -> RuleDecision:
     """Decide a rule about the pump's reserve or a pressure by the draws, which follow no normal distribution."""
-    drawn = spread.reserve if rule.kind is RuleKind.RESERVE else spread.below_permissible
-    if rule.circuit is not None:
-        drawn = spread.circuits[rule.circuit.id].moved
-    assert drawn is not None
+    drawn = spread.limited[rule.kind, rule.circuit.id if rule.circuit else None]
     skewed = drawn.standard_uncertainty > 0.0
     us, probabilities = drawn.level_uncertainties, drawn.probabilities
     return decide_rule(rule, us, probabilities, guard_factor, skewed=skewed, interval=drawn.interval)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atleak.engine.leakage import LeakageModel
+from atleak.engine.line import spread_over
 from atleak.engine.projection import Projection
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.drawn import Drawn, DrawnLands, leakiest
@@ -162,7 +163,7 @@ def _held(
         "reserve": unit.reserve(point),
         "main_pressure": main,
     }, {
-        state.circuit.id: np.broadcast_to(np.asarray(pressures[state.circuit.id], float), main.shape)
+        state.circuit.id: spread_over(pressures[state.circuit.id], main.shape)
         for state in projection.circuits
         if not state.vented
     }

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.limits import Limits
+from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.balance import Balance
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel, PumpFlow
-from atleak.engine.line import consumed, fall_to_set_pressure, sections_held
+from atleak.engine.line import consumed, fall_to_set_pressure, sections_held, spread_over
 from atleak.engine.projection import Projection
 from atleak.rules import permissible_steps
 from atleak.uncertainty.spread import Interval, Spread, interval_of, spread_of
@@ -23,21 +23,15 @@ _HALVINGS = 40  # of the pressure that holds
 
 
 @dataclass(frozen=True)
-class CircuitSpread:
-    """The pressure that a circuit holds [Pa], and what it has lost or gained against the same unit unworn."""
-
-    pressure_interval: Interval
-    moved: Spread
-
-
-@dataclass(frozen=True)
 class PressureSpread:
     """The spread of the pump's reserve and of every pressure at one condition."""
 
-    reserve: Spread
-    main_pressure_interval: Interval  # [Pa] that holds of what is required, however well that is known
-    below_permissible: Spread | None  # fraction; None where nothing is permissible or judged
-    circuits: Mapping[str, CircuitSpread]  # by id; without those that are vented
+    reserve: Interval
+    main_pressure: Interval  # [Pa] that holds of what is required, however well that is known
+    circuits: Mapping[str, Interval]  # [Pa] that each holds, by id; without those that are vented
+    #: of what a rule limits, by its kind and circuit: the reserve, how far main pressure is below the permissible, and
+    #: what a circuit has lost or gained against the same unit unworn
+    limited: Mapping[tuple[RuleKind, str | None], Spread]
 
 
 @dataclass(frozen=True)
@@ -69,7 +63,7 @@ class DrawnUnit:
         ``demand_at`` is the part of the leakage at the required line pressure that is left at each fraction of `_GRID`:
         how a demand falls with the pressure is taken from the unit as measured for every draw.
         """
-        main = np.broadcast_to(np.asarray(self.pressures["p_g"], float), self.leakage.shape)
+        main = spread_over(self.pressures["p_g"], self.leakage.shape)
         converter = self.pressures["p_k"]
         if not self.network.solves:
             return main, self.balance.pressures
@@ -124,31 +118,25 @@ def pressure_spread(
     limits
         whose probabilities of having been reached are wanted.
     """
-    point = projection.condition
-    steps = limits.reserve
+    point, steps = projection.condition, limits.reserve
     reserve, when_unworn = now.reserve(point), unworn.reserve(point)
     reached: Sequence[Any] = [limit for _, limit in steps.under(when_unworn)] if steps else ()
+    of_reserve = spread_of(reserve, reached, coverage, falling=True)
+    limited: dict[tuple[RuleKind, str | None], Spread] = {(RuleKind.RESERVE, None): of_reserve}
     shape = demand_shape(model, point)
     main, pressures = now.held(point, shape)
     _, pressures_unworn = unworn.held(point, shape)
-    return PressureSpread(
-        reserve=spread_of(reserve, reached, coverage, falling=True),
-        main_pressure_interval=interval_of(main / now.pressures["p_g"] * point.main_pressure, coverage),
-        below_permissible=_below(projection, main, now.pressures["p_g"], limits, coverage),
-        circuits={
-            state.circuit.id: _circuit(state.circuit.id, pressures, pressures_unworn, main.shape, limits, coverage)
-            for state in projection.circuits
-            if not state.vented
-        },
-    )
-
-
-def _circuit(
-    name: str, now: Mapping[str, Any], unworn: Mapping[str, Any], shape: Any, limits: Limits, coverage: float
-) -> CircuitSpread:
-    pressure, before = (np.broadcast_to(np.asarray(each[name], float), shape) for each in (now, unworn))
-    reached = [limit for _, limit in limits.circuit_loss.levels] if limits.circuit_loss else []
-    return CircuitSpread(interval_of(pressure, coverage), spread_of(np.abs(before - pressure), reached, coverage))
+    below = _below(projection, main, now.pressures["p_g"], limits, coverage)
+    if below is not None:
+        limited[RuleKind.PERMISSIBLE_PRESSURE, None] = below
+    losses = [limit for _, limit in limits.circuit_loss.levels] if limits.circuit_loss else []
+    circuits = {}
+    for name in (state.circuit.id for state in projection.circuits if not state.vented):
+        pressure, before = (spread_over(each[name], main.shape) for each in (pressures, pressures_unworn))
+        circuits[name] = interval_of(pressure, coverage)
+        limited[RuleKind.CIRCUIT_LOSS, name] = spread_of(np.abs(before - pressure), losses, coverage)
+    main_pressure = interval_of(main / now.pressures["p_g"] * point.main_pressure, coverage)
+    return PressureSpread(of_reserve.interval, main_pressure, circuits, limited)
 
 
 def _below(projection: Projection, main: np.ndarray, required: Any, limits: Limits, coverage: float) -> Spread | None:

@@ -41,6 +41,7 @@ from tests.unit.report.sheet_calculator import SheetCalculator
 
 WORN = PumpClearances.of_um(85.0, 160.0)
 DM3_MIN = 60e3
+Judge, SheetOf = Callable[..., Diagnosis], Callable[..., Readings]
 
 
 @pytest.fixture(scope="module")
@@ -144,6 +145,30 @@ def test_a_worn_pump_blames_no_land(sound: Diagnosis, worn_pump: Diagnosis) -> N
     assert [land.wear for land in worn_pump.lands] == [land.wear for land in sound.lands]
 
 
+@pytest.fixture(scope="module")
+def judge(hipol: Fluid, limits: Limits) -> Callable[..., Diagnosis]:
+    """A unit with its sheet and what was measured of its pump [µm]."""
+
+    def judged(unit: Controller, sheet: Readings, side: float | None = None, tip: float | None = None) -> Diagnosis:
+        measured = PumpClearances.of_um(side, tip)
+        return diagnose(unit, hipol, limits, readings=sheet, pump_clearances=measured)
+
+    return judged
+
+
+@pytest.fixture(scope="module")
+def sheet_of(readings_of: Callable[..., Readings]) -> Callable[..., Readings]:
+    """A sheet of new pairs, 1 µm wider than the mean, but for one land that is so many times as wide."""
+
+    def sheet(unit: Controller, times: float = 1.0, key: tuple[str, int] | None = None) -> Readings:
+        worn = key or unit.lands[0].key
+        wide = {land.key: land.new_clearance * (times if land.key == worn else 1.0) + 0.5e-6 for land in unit.lands}
+        diameters = ((land, land.nominal_diameter) for land in unit.lands)
+        return readings_of(unit, {land.key: (d, d + 2.0 * wide[land.key]) for land, d in diameters})
+
+    return sheet
+
+
 SHIPPED = ("ford_4r70w", "gm_4l60e", "jatco_jf506e")
 NEW_UM, LIMIT_UM = 35.0, 50.0
 
@@ -156,28 +181,21 @@ def with_gap(name: str) -> Controller:
     return replace(unit, pump=replace(unit.pump, gaps=gaps, clearances=of_side[0], limits=of_side[1]))
 
 
-def worn_by(unit: Controller, times: float, readings_of: Callable[..., Readings], key: tuple[str, int]) -> Readings:
-    """A sheet of new pairs, 1 µm wider than the mean, but for one land."""
-    wide = {land.key: land.new_clearance * (times if land.key == key else 1.0) + 0.5e-6 for land in unit.lands}
-    return readings_of(
-        unit, {each.key: (each.nominal_diameter, each.nominal_diameter + 2.0 * wide[each.key]) for each in unit.lands}
-    )
+def leakiest(unit: Controller, fluid: Fluid) -> tuple[str, int]:
+    """The land that draws most from the pump when new."""
+    new = project(LeakageModel(unit, clearances(None, unit), fluid, WORKSHOP), unit.operating_points[0])
+    return max(unit.lands, key=lambda land: new.drawn_by(land.key)).key
 
 
 @pytest.mark.parametrize("name", SHIPPED)
 @pytest.mark.parametrize("side_um", [70.0, 100.0])
 def test_a_worn_pump_is_named_first_and_no_unworn_valve(
-    name: str,
-    side_um: float,
-    hipol: Fluid,
-    limits: Limits,
-    readings_of: Callable[..., Readings],
-    capsys: pytest.CaptureFixture[str],
+    name: str, side_um: float, judge: Judge, sheet_of: SheetOf, capsys: pytest.CaptureFixture[str]
 ) -> None:
     unit = with_gap(name)
-    sheet = worn_by(unit, 1.0, readings_of, unit.lands[0].key)
-    assert diagnose(unit, hipol, limits, readings=sheet).verdict == Verdict.OK
-    diagnosis = diagnose(unit, hipol, limits, readings=sheet, pump_clearances=PumpClearances.of_um(side_um, None))
+    sheet = sheet_of(unit)
+    assert judge(unit, sheet).verdict == Verdict.OK
+    diagnosis = judge(unit, sheet, side_um)
     record = diagnosis_record(diagnosis)
     to_json(record)
     assert record["unit"]["decided_by"]["kind"] == "pump"
@@ -201,18 +219,11 @@ def test_a_worn_pump_is_named_first_and_no_unworn_valve(
 
 
 @pytest.mark.parametrize("name", SHIPPED)
-def test_a_worn_land_does_not_hide_behind_a_worn_pump(
-    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
-) -> None:
+def test_a_worn_land_does_not_hide_behind_a_worn_pump(name: str, hipol: Fluid, judge: Judge, sheet_of: SheetOf) -> None:
     unit = with_gap(name)
-    key = max(
-        unit.lands, key=lambda land: project(as_new(unit, hipol), unit.operating_points[0]).drawn_by(land.key)
-    ).key
-    sheet = worn_by(unit, 4.0, readings_of, key)
-    sound, both = (
-        diagnose(unit, hipol, limits, readings=sheet, pump_clearances=PumpClearances.of_um(um, None))
-        for um in (None, 100.0)
-    )
+    key = leakiest(unit, hipol)
+    sheet = sheet_of(unit, 4.0, key)
+    sound, both = (judge(unit, sheet, um) for um in (None, 100.0))
     assert [land.key for land in sound.flagged] == [key]
     for before, after in zip(sound.lands, both.lands, strict=True):
         assert (after.key, after.verdict, after.decision) == (before.key, before.verdict, before.decision)
@@ -223,18 +234,12 @@ def test_a_worn_land_does_not_hide_behind_a_worn_pump(
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_pump_within_its_limit_is_not_worn_and_leads_over_no_worn_land(
-    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings], capsys: pytest.CaptureFixture[str]
+    name: str, hipol: Fluid, judge: Judge, sheet_of: SheetOf, capsys: pytest.CaptureFixture[str]
 ) -> None:
     unit = with_gap(name)
     unit = replace(unit, pump=replace(unit.pump, limits=PumpClearances.of_um(120.0, None)))
-    key = max(
-        unit.lands, key=lambda land: project(as_new(unit, hipol), unit.operating_points[0]).drawn_by(land.key)
-    ).key
-    measured = PumpClearances.of_um(70.0, None)
-    unworn, worn = (
-        diagnose(unit, hipol, limits, readings=worn_by(unit, times, readings_of, key), pump_clearances=measured)
-        for times in (1.0, 4.0)
-    )
+    key = leakiest(unit, hipol)
+    unworn, worn = (judge(unit, sheet_of(unit, times, key), 70.0) for times in (1.0, 4.0))
     for diagnosis in (unworn, worn):
         record = diagnosis_record(diagnosis)
         assert (record["pump"]["verdict"], record["pump"]["repairs"], diagnosis.pump.lacking) == ("ok", [], ())
@@ -252,33 +257,21 @@ def test_a_pump_within_its_limit_is_not_worn_and_leads_over_no_worn_land(
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_new_valves_are_said_to_be_as_short_only_where_they_are_past_a_limit(
-    name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings], capsys: pytest.CaptureFixture[str]
+    name: str, judge: Judge, sheet_of: SheetOf, capsys: pytest.CaptureFixture[str]
 ) -> None:
     unit = with_gap(name)
-    sheet = worn_by(unit, 3.0, readings_of, unit.lands[0].key)
+    sheet = sheet_of(unit, 3.0)
     for side_um in (51.0, 55.0, 60.0, 70.0, 100.0):
-        measured = PumpClearances.of_um(side_um, 20.0)
-        diagnosis = diagnose(unit, hipol, limits, readings=sheet, pump_clearances=measured)
-        new = diagnose(
-            unit,
-            hipol,
-            limits,
-            readings=worn_by(unit, 1.0, readings_of, unit.lands[0].key),
-            pump_clearances=measured,
-        )
+        diagnosis, new = (judge(unit, each, side_um, 20.0) for each in (sheet, sheet_of(unit)))
         past = any(rule.verdict.flagged for rule in new.unit_rules)
         assert past or "With every valve as new" not in first_sentence(diagnosis, wording("en"))
     unit = replace(unit, pump=replace(unit.pump, limits=PumpClearances.of_um(50.0, 30.0)))
-    one = diagnose(unit, hipol, limits, readings=sheet, pump_clearances=PumpClearances.of_um(60.0, 20.0))
+    one = judge(unit, sheet, 60.0, 20.0)
     said = first_sentence(one, wording("en"))
     assert "The pump: side clearance 60\u00a0µm, limit 50\u00a0µm." in said
     assert "tip clearance" not in said
     print_diagnosis(one)
     assert "first.," not in " ".join(capsys.readouterr().out.split())
-
-
-def as_new(unit: Controller, fluid: Fluid) -> LeakageModel:
-    return LeakageModel(unit, clearances(None, unit), fluid, WORKSHOP)
 
 
 def test_a_pump_over_its_limit_is_past_it_whatever_the_valves_do(
