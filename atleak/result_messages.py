@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from atleak.catalogue.controller import Controller, NewOrigin
 from atleak.catalogue.fluid import Fluid
@@ -23,14 +23,8 @@ from atleak.workshop_units import KPA
 
 def _what_new_was(controller: Controller) -> Iterable[Message]:
     """Say what the mounting clearances are, where they are not those of these very pairs when new."""
-    counts = Counter(land.new_origin for land in controller.lands)
-    for origin, text in _new_was(counts, len(controller.lands)).items():
-        if counts[origin]:
-            yield Message("info", f"mounting_clearance_{origin}", text)
-
-
-def _new_was(counts: Mapping[NewOrigin, int], lands: int) -> Mapping[NewOrigin, Sentence]:
-    return {
+    counts, lands = Counter(land.new_origin for land in controller.lands), len(controller.lands)
+    of_origin = {
         NewOrigin.USED_UNIT: Sentence(
             "The mounting clearance of {count} of {lands} lands was measured on a used unit and is taken as new: wear "
             "counts from there.",
@@ -50,6 +44,9 @@ def _new_was(counts: Mapping[NewOrigin, int], lands: int) -> Mapping[NewOrigin, 
             lands=lands,
         ),
     }
+    for origin, text in of_origin.items():
+        if counts[origin]:
+            yield Message("info", f"mounting_clearance_{origin}", text)
 
 
 def _about_pump(pump: Pump, profile: Profile, readings: Readings | None) -> Iterable[Message]:

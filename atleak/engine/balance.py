@@ -102,7 +102,8 @@ def balance(network: Circuits, sections: Mapping[str, Any], after: Balance | Non
                 columns.start_near()
             else:
                 columns.start_from(pressures[:, part])
-            balanced = _solve(columns)
+            still = np.zeros((structure.last, columns.size))
+            balanced = _newton(columns, _STEPS, still, still + np.inf)
         else:
             balanced = np.ones(columns.size, bool)
         converged[part] = balanced & np.isfinite(columns.pressures).all(axis=0)
@@ -502,14 +503,8 @@ class _State:
         return every
 
 
-def _solve(columns: _Columns) -> np.ndarray:
-    """Bring the circuits to the pressures at which they balance, by Newton's steps; return in which columns they do."""
-    still = np.zeros((columns.structure.last, columns.size))
-    return _newton(columns, _STEPS, still, still + np.inf)
-
-
 def _newton(columns: _Columns, steps: int, last: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Take steps from the present pressures, after the given last ones; return in which columns everything balances.
+    """Take Newton's steps from the present pressures, after the given last ones; return which columns then balance.
 
     Columns that balance take one more step, as exact as numbers can be, and are left alone once they are the most. A
     pressure that turns back after the first steps may go half as far as it came, so that no steps go round in circles.

@@ -58,17 +58,14 @@ def temperature_classes(road: RoadLeakage, limits: Steps, unworn: LeakageModel |
     seconds = CountedSamples(road.road_test).steps
     counting = (seconds > 0.0) & np.isfinite(temperature) & np.isfinite(road.leakage)
     numbers = np.floor(np.where(counting, temperature, 0.0) / CLASS_WIDTH).astype(int)
-    pressure = road.road_test.values("main_pressure") if _logged(road) else None
+    channel = road.road_test.channel("main_pressure")
+    logged = channel is not None and channel.source == "logged"
+    pressure = road.road_test.values("main_pressure") if logged else None
     bands = None if unworn is None else _share_bands(road, limits, unworn)
     return tuple(
         _class(number, np.flatnonzero(counting & (numbers == number)), seconds, road, pressure, bands)
         for number in np.unique(numbers[counting]).tolist()
     )
-
-
-def _logged(road: RoadLeakage) -> bool:
-    channel = road.road_test.channel("main_pressure")
-    return channel is not None and channel.source == "logged"
 
 
 def _class(
@@ -116,12 +113,8 @@ def _share_bands(road: RoadLeakage, limits: Steps, unworn: LeakageModel) -> np.n
     if road.share is None or road.pump_capacity is None:
         return None
     channels = channels_of(road.road_test, road.assumed)
-    new = leakage_series(unworn, *channels, assumed=road.assumed).total
-    return bands_of(road.share, new / np.where(road.pump_capacity > 0.0, road.pump_capacity, np.nan), limits)
-
-
-def bands_of(share: np.ndarray, new: np.ndarray, limits: Steps) -> np.ndarray:
-    """Return the place in `BANDS` of every share, beside that of the same unit new; −1 where one is not known."""
+    of_new = leakage_series(unworn, *channels, assumed=road.assumed).total
+    share, new = road.share, of_new / np.where(road.pump_capacity > 0.0, road.pump_capacity, np.nan)
     known = np.isfinite(share) & np.isfinite(new)
     places = np.where(known, BANDS.index(Band.GREEN), -1)
     for level, limit in limits.over(new):

@@ -28,6 +28,7 @@ from atleak.uncertainty.pressures import DrawnUnit
 from atleak.uncertainty.sources import LandSources
 from atleak.uncertainty.spread import flow_ratio
 
+_GIVEN = {None, *SECTIONS}  # pressures that no circuit holds
 _LOWEST_EFFICIENCY = 0.01  # volumetric; lower draws are raised to it
 
 
@@ -105,7 +106,8 @@ class DrawnLands:
         self._restrictions: dict[Any, Restricted] = {}  # of the lands of which the circuits need them
         gaps = []
         for land, *state in lands:
-            touching = [each for each in given.gaps.get(land.key, ()) if _touches_circuit(each[0])]
+            ways = given.gaps.get(land.key, ())
+            touching = [each for each in ways if {each[0].high.section, each[0].low.section} - _GIVEN]
             if touching:
                 self._restrictions[land.key] = restriction = given.restriction(land, *state)
                 gaps += [(gap, restriction, counts) for gap, counts in touching]
@@ -192,11 +194,6 @@ class DrawnLands:
 def leakiest(lands: Sequence[LandSources], projection: Projection) -> LandSources:
     """Return the land that draws most from the pump as measured."""
     return max(lands, key=lambda land: projection.drawn_by(land.key))
-
-
-def _touches_circuit(gap: Gap) -> bool:
-    """Return whether a gap leads from or to a circuit."""
-    return any(end.section is not None and end.section not in SECTIONS for end in (gap.high, gap.low))
 
 
 def _fluid_at(model: LeakageModel, temperature: Any) -> tuple[Any, Any]:

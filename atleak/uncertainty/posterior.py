@@ -178,10 +178,9 @@ class Unit:
         self._shapes = {point: demand_shape(model, point) for point in self.conditions}
         u, controller = assumptions, model.controller
         gears = {point.gear for point in self.conditions}
+        leaking = {gap.key for gap in controller.gaps if not gears.isdisjoint(gap.gears)}
         self._open = [  # lands that nobody measured
-            land
-            for land in sources
-            if not land.state.measured and not land.state.land.seal and self._leaks(land, gears)
+            land for land in sources if not land.state.measured and not land.state.land.seal and land.key in leaking
         ]
         self._fed = [each for each in controller.circuits if each.feeds]
         # what is applied in some gears only is a clutch or a band, and has a seal
@@ -208,9 +207,6 @@ class Unit:
         chance, mean, most = np.array([[max(number, 1e-30) for number in row] for _, *row in gone]).T
         count = len(self.quantities)
         self.prior = _Proposal(np.where(chance > 1e-30, chance, 0.0), mean, most, np.zeros(count), np.ones(count))
-
-    def _leaks(self, land: LandSources, gears: set[int]) -> bool:
-        return any(gap.key == land.key and not gears.isdisjoint(gap.gears) for gap in self.model.controller.gaps)
 
     def draw(self, proposal: _Proposal, draws: int, seed: int) -> _Drawn:
         """Draw units; ``draws`` is a power of two."""
