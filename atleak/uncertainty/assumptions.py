@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import Any
 
 from atleak.equations.uncertainty import rectangular
 from atleak.errors import InputError, unknown
 from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
+
+
+def _in(unit: str, size: float) -> Callable[[float], Any]:
+    """Return what makes a field, its default in SI, of a number that people state in a unit of that size."""
+    return lambda default: field(default=default, metadata={"unit": (unit, size)})
+
+
+_k, _mm, _um, _percent = _in("k", 1.0), _in("mm", 1e-3), _in("um", 1e-6), _in("percent", 1e-2)
 
 
 @dataclass(frozen=True)
@@ -22,38 +29,36 @@ class Assumptions:
     The defaults are a choice of this project. Relative ones are fractions.
     """
 
-    room_temperature: float = 0.5  # [K] half width about the temperature of measuring, any value alike likely
-    contact_length: float = 0.1e-3  # [m] as the valve body's file states it
-    measured_contact_length: float = 0.03e-3  # [m] by calliper on this unit: its error, and both edges
-    mounting_clearance: float = 0.5e-6  # [m] of the catalogue's value, for this one pair
-    nominal_diameter: float = 3.0e-6  # [m] of a part that was not measured
-    unseen_ovality: float = 4.0e-6  # [m] of a part measured in one direction, where no other land shows it
-    form_residual: float = 0.1  # of ovality and taper: what two directions and a few planes do not average out
-    one_sided_wear: float = (
-        1.0  # most of a bore's wear that may lie to one side: none, half of this or this, alike likely
-    )
-    viscosity: float = 0.05  # relative: batch, D341 between two points; fresh or used is asked
-    temperature: float = 1.0  # [K] of the fluid in the gaps
-    main_pressure: float = 0.02  # relative
-    converter_pressure: float = 0.02  # relative
-    volumetric_efficiency: float = 0.02  # where the profile takes it as constant
-    slip_coefficient: float = 0.2  # relative, where the profile lets the pump slip
-    pump_clearance: float = 5e-6  # [m] of each clearance of the pump that was measured in the job
+    room_temperature: float = _k(0.5)  # [K] half width about the temperature of measuring, any value alike likely
+    contact_length: float = _mm(0.1e-3)  # [m] as the valve body's file states it
+    measured_contact_length: float = _mm(0.03e-3)  # [m] by calliper on this unit: its error, and both edges
+    mounting_clearance: float = _um(0.5e-6)  # [m] of the catalogue's value, for this one pair
+    nominal_diameter: float = _um(3.0e-6)  # [m] of a part that was not measured
+    unseen_ovality: float = _um(4.0e-6)  # [m] of a part measured in one direction, where no other land shows it
+    form_residual: float = _percent(0.1)  # of ovality and taper: what two directions and a few planes leave
+    one_sided_wear: float = _percent(1.0)  # most of a bore's wear to one side: none, half of this or this, alike likely
+    viscosity: float = _percent(0.05)  # relative: batch, D341 between two points; fresh or used is asked
+    temperature: float = _k(1.0)  # [K] of the fluid in the gaps
+    main_pressure: float = _percent(0.02)  # relative
+    converter_pressure: float = _percent(0.02)  # relative
+    volumetric_efficiency: float = _percent(0.02)  # where the profile takes it as constant
+    slip_coefficient: float = _percent(0.2)  # relative, where the profile lets the pump slip
+    pump_clearance: float = _um(5e-6)  # [m] of each clearance of the pump that was measured in the job
     # what a unit may be like before gauges are read: which of its parts are worn, and by how much on average
-    worn_lands: float = 0.2  # of those that nobody measured
-    land_wear: float = 12e-6  # [m] exponential
-    most_land_wear: float = 60e-6  # [m]
-    worn_seals: float = 0.1  # of clutches and bands
-    seal_wear: float = 0.3  # leak over what the circuit's feeds can pass, exponential
-    worn_pumps: float = 0.2
-    pump_wear: float = 1.0  # growth of the slip, exponential
-    sticking_regulators: float = 0.05  # of the line
-    regulator_fall: float = 0.1  # of line pressure, exponential
-    line_setting: float = 0.01  # relative, of what the line is set to
-    high_lines: float = 0.1  # that are set higher than the file states
-    line_rise: float = 0.1  # by how much, relative, exponential
-    feed: float = 0.02  # relative, of the flow through a feed orifice
-    gauged_temperature: float = 3.0  # [K] of the fluid while gauges are read
+    worn_lands: float = _percent(0.2)  # of those that nobody measured
+    land_wear: float = _um(12e-6)  # [m] exponential
+    most_land_wear: float = _um(60e-6)  # [m]
+    worn_seals: float = _percent(0.1)  # of clutches and bands
+    seal_wear: float = _percent(0.3)  # leak over what the circuit's feeds can pass, exponential
+    worn_pumps: float = _percent(0.2)
+    pump_wear: float = _percent(1.0)  # growth of the slip, exponential
+    sticking_regulators: float = _percent(0.05)  # of the line
+    regulator_fall: float = _percent(0.1)  # of line pressure, exponential
+    line_setting: float = _percent(0.01)  # relative, of what the line is set to
+    high_lines: float = _percent(0.1)  # that are set higher than the file states
+    line_rise: float = _percent(0.1)  # by how much, relative, exponential
+    feed: float = _percent(0.02)  # relative, of the flow through a feed orifice
+    gauged_temperature: float = _k(3.0)  # [K] of the fluid while gauges are read
 
     @cached_property
     def u_room_temperature(self) -> float:
@@ -103,41 +108,8 @@ class Assumptions:
         return replace(self, **changes)
 
 
-_UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
-    {
-        "room_temperature": ("k", 1.0),
-        "contact_length": ("mm", 1e-3),
-        "measured_contact_length": ("mm", 1e-3),
-        "mounting_clearance": ("um", 1e-6),
-        "nominal_diameter": ("um", 1e-6),
-        "unseen_ovality": ("um", 1e-6),
-        "form_residual": ("percent", 1e-2),
-        "one_sided_wear": ("percent", 1e-2),
-        "viscosity": ("percent", 1e-2),
-        "temperature": ("k", 1.0),
-        "main_pressure": ("percent", 1e-2),
-        "converter_pressure": ("percent", 1e-2),
-        "volumetric_efficiency": ("percent", 1e-2),
-        "slip_coefficient": ("percent", 1e-2),
-        "pump_clearance": ("um", 1e-6),
-        "worn_lands": ("percent", 1e-2),
-        "land_wear": ("um", 1e-6),
-        "most_land_wear": ("um", 1e-6),
-        "worn_seals": ("percent", 1e-2),
-        "seal_wear": ("percent", 1e-2),
-        "worn_pumps": ("percent", 1e-2),
-        "pump_wear": ("percent", 1e-2),
-        "sticking_regulators": ("percent", 1e-2),
-        "regulator_fall": ("percent", 1e-2),
-        "line_setting": ("percent", 1e-2),
-        "high_lines": ("percent", 1e-2),
-        "line_rise": ("percent", 1e-2),
-        "feed": ("percent", 1e-2),
-        "gauged_temperature": ("k", 1.0),
-    }
-)
-
-_MOST: Mapping[str, float] = MappingProxyType({"one_sided_wear": 1.0})  # no more than all wear lies to one side
+_UNITS: dict[str, tuple[str, float]] = {each.name: each.metadata["unit"] for each in fields(Assumptions)}
+_MOST = {"one_sided_wear": 1.0}  # no more than all wear lies to one side
 
 DEFAULTS = Assumptions()
 NOTHING_ELSE = Assumptions(**{field.name: 0.0 for field in fields(Assumptions)})  # only the instruments err
