@@ -181,6 +181,6 @@ def _open(options: argparse.Namespace) -> int:
 def _archive(options: argparse.Namespace) -> int:
     book, back = open_book(), options.action == "bring-back"
     for id in [named_job(book, name) for name in options.jobs]:  # one that is not there stops before the first
-        (book.bring_back if back else book.archive)(id)
+        book.archive(id, back=back)
         print(f"{'brought back' if back else 'archived'}: {id}")
     return 0

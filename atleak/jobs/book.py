@@ -10,6 +10,7 @@ import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import sqlalchemy as sa
@@ -30,15 +31,16 @@ from atleak.jobs.tables import (
     log_tables,
     results,
     search_words,
+    visits,
 )
-from atleak.jobs.units import left_behind, unit_of, visit_for, without_jobs_away
+from atleak.jobs.units import drop_empty, unit_of, visit_for
 from atleak.sentence import Sentence
 from atleak.version import __version__
 
 PICTURE = "picture"  # the slot of a picture
 _TRIES = 3  # at a save that another one crossed
 _DEADLOCK = "40P01"  # PostgreSQL's code of it
-_LAND_COLUMNS = [column.name for column in lands.c if column.name not in ("id", "job", "measured")]
+LAND_COLUMNS = [column.name for column in lands.c if column.name not in ("id", "job", "measured")]
 
 
 @dataclass(frozen=True)
@@ -78,30 +80,35 @@ class JobRow:
 
 
 @dataclass(frozen=True)
-class HeldJob:
-    """What the book keeps of a job: the content of ``job.json``, files by slot, pictures by name, the last result."""
-
-    choices: bytes
-    sources: Mapping[str, bytes]
-    pictures: Mapping[str, bytes]
-    result: dict[str, Any]
-    result_by: str
-
-
-@dataclass(frozen=True)
 class StoredJob:
-    """A job as the book holds it."""
+    """A job as the book holds it: the content of ``job.json``, files by slot, pictures by name, the last result."""
 
     id: str
     version: int
-    file: JobFile  # record, case and the result as it was stored
+    date: dt.date | None  # as the record states it
     made_at: dt.datetime
     made_on: dt.date | None  # that day in the workshop
     changed_at: dt.datetime
     archived_at: dt.datetime | None
-    unit: int
     sample: bool
+    unit: int
+    name: Sentence  # for messages
+    choices: bytes
+    sources: Mapping[str, bytes]
+    pictures: Mapping[str, bytes]
+    result: dict[str, Any]
     result_by: str  # version of atleak that gave the result
+
+    @cached_property
+    def file(self) -> JobFile:
+        """Return record, case and the result as it was stored.
+
+        Raises
+        ------
+        InputError
+            a job that this version cannot open.
+        """
+        return JobFile.of(self.choices, self.sources, self.pictures, self.result, name=self.name)
 
 
 def open_book(url: str | None = None) -> Book:
@@ -220,10 +227,12 @@ class Book:
         pictures = {name: hashlib.sha256(content).hexdigest() for name, content in parts.pictures.items()}
         contents |= {pictures[name]: content for name, content in parts.pictures.items()}
         _keep_files(connection, contents)
-        record, before = parts.job, None if earlier is None else left_behind(connection, earlier.visit)
+        record, before = parts.job, None if earlier is None else earlier.visit
+        unit = sa.select(visits.c.unit).where(visits.c.id == before)
+        left = None if before is None else (before, connection.execute(unit).scalar_one())
         values: dict[str, Any] = {
             "version": saved.version,
-            "visit": visit_for(connection, saved.id, parts, None if before is None else before[0]),
+            "visit": visit_for(connection, saved.id, parts, before),
             "sample": sample,
             "changed_at": now,
             "choices": packed(parts.choices.model_dump_json(exclude_defaults=True).encode()),
@@ -238,12 +247,12 @@ class Book:
             "controller": parts.diagnosis.controller.id,
             "verdict": str(parts.diagnosis.verdict),
         }
-        if before is None:
+        if left is None:
             made = {"made_at": now, "made_on": now.astimezone().date(), **(kept or {})}
             connection.execute(jobs.insert().values(id=saved.id, **made, **values))
         else:
             connection.execute(jobs.update().where(jobs.c.id == saved.id).values(**values))
-            without_jobs_away(connection, *before)
+            drop_empty(connection, left)
         held = [(slot, source.name, source.sha256) for slot, source in parts.sources.items()]
         held += [(PICTURE, name, sha256) for name, sha256 in pictures.items()]
         _keep_list(connection, saved.id, held)
@@ -255,7 +264,7 @@ class Book:
         return saved
 
     def load(self, id: str) -> StoredJob:
-        """Return a job of the book.
+        """Return a job of the book, as it was saved.
 
         Raises
         ------
@@ -264,46 +273,32 @@ class Book:
         """
         with self.reading() as connection:
             row = self._row(connection, id)
-            held = self._held(connection, row)
-            unit = unit_of(connection, row.visit)
-        job_file = JobFile.of(held.choices, held.sources, held.pictures, held.result, name=_called(row))
-        moments = row.made_at, row.made_on, row.changed_at, row.archived_at
-        return StoredJob(id, row.version, job_file, *moments, unit, row.sample, held.result_by)
-
-    def held(self, id: str) -> HeldJob:
-        """Return what the book keeps of a job, as it was saved.
-
-        Raises
-        ------
-        BookError
-            as `load`.
-        """
-        with self.reading() as connection:
-            return self._held(connection, self._row(connection, id))
-
-    def _held(self, connection: sa.Connection, row: Any) -> HeldJob:
-        kept = connection.execute(
-            sa.select(job_files.c.slot, job_files.c.name, files.c.sha256, files.c.content)
-            .join(files, files.c.sha256 == job_files.c.sha256)
-            .where(job_files.c.job == row.id)
-        ).all()
-        result = connection.execute(
-            sa.select(results.c.record, results.c.atleak)
-            .where(results.c.job == row.id)
-            .order_by(results.c.made_at.desc(), results.c.id.desc())
-            .limit(1)
-        ).one_or_none()
-        called = _called(row)
-        if result is None:
-            problem = Sentence("the stored result of {job} is missing", job=called)
-            raise BookError(problem, place=Place(file=self.name))
+            called, unit = _called(row), unit_of(connection, row.visit)
+            kept = connection.execute(
+                sa.select(job_files.c.slot, job_files.c.name, files.c.sha256, files.c.content)
+                .join(files, files.c.sha256 == job_files.c.sha256)
+                .where(job_files.c.job == row.id)
+            ).all()
+            result = connection.execute(
+                sa.select(results.c.record, results.c.atleak)
+                .where(results.c.job == row.id)
+                .order_by(results.c.made_at.desc(), results.c.id.desc())
+                .limit(1)
+            ).one_or_none()
+            if result is None:
+                problem = Sentence("the stored result of {job} is missing", job=called)
+                raise BookError(problem, place=Place(file=self.name))
         contents = {(each.slot, each.name): self._whole(each, called) for each in kept}
-        return HeldJob(
-            self.unpacked(row.choices, called),
-            {slot: content for (slot, _), content in contents.items() if slot != PICTURE},
-            {name: content for (slot, name), content in contents.items() if slot == PICTURE},
-            json.loads(self.unpacked(result.record, called)),
-            result.atleak,
+        names = ("id", "version", "date", "made_at", "made_on", "changed_at", "archived_at", "sample")
+        return StoredJob(
+            **{name: getattr(row, name) for name in names},
+            unit=unit,
+            name=called,
+            choices=self.unpacked(row.choices, called),
+            sources={slot: content for (slot, _), content in contents.items() if slot != PICTURE},
+            pictures={name: content for (slot, name), content in contents.items() if slot == PICTURE},
+            result=json.loads(self.unpacked(result.record, called)),
+            result_by=result.atleak,
         )
 
     def version(self, id: str) -> int:
@@ -342,29 +337,17 @@ class Book:
         with self.reading() as connection:
             return int(connection.execute(counted_by(connection, query or Query())).scalar_one())
 
-    def archive(self, id: str) -> None:
-        """Take a job out of lists and statistics; `bring_back` undoes it.
+    def archive(self, id: str, *, back: bool = False) -> None:
+        """Take a job out of lists and statistics, or put it back.
 
         Raises
         ------
         BookError
             an id that the book does not have.
         """
-        self._set_archived(id, dt.datetime.now(dt.UTC))
-
-    def bring_back(self, id: str) -> None:
-        """Put an archived job back.
-
-        Raises
-        ------
-        BookError
-            an id that the book does not have.
-        """
-        self._set_archived(id, None)
-
-    def _set_archived(self, id: str, moment: dt.datetime | None) -> None:
         with self.writing() as connection:
             self._row(connection, id)
+            moment = None if back else dt.datetime.now(dt.UTC)
             connection.execute(jobs.update().where(jobs.c.id == id).values(archived_at=moment))
 
     def _row(self, connection: sa.Connection, id: str, *, lock: bool = False) -> Any:
@@ -500,7 +483,7 @@ def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.da
         )
     )
     rows = [
-        {name: land[name] for name in _LAND_COLUMNS} | {"measured": land["measured"] == "measured"}
+        {name: land[name] for name in LAND_COLUMNS} | {"measured": land["measured"] == "measured"}
         for land in record["lands"]
     ]
     replace_rows(connection, lands, id, rows)

@@ -14,12 +14,12 @@ import sqlalchemy as sa
 from atleak.errors import AtleakError, BookError, InputError, Place
 from atleak.job.parts import JobParts
 from atleak.jobs.book import Book, JobRow, StoredJob, drop_files, packed
-from atleak.jobs.merge import key_stated, lead, root_of
+from atleak.jobs.merge import lead, root_of
 from atleak.jobs.opening import in_words, kept_before
 from atleak.jobs.rows import replace_rows
 from atleak.jobs.search import Query
 from atleak.jobs.tables import job_files, jobs, key_of, lands, metadata, results, units, visits
-from atleak.jobs.units import drop_empty, left_behind, rows_of_unit, unit_of, without_jobs_away
+from atleak.jobs.units import drop_empty, rows_of_unit, unit_key, unit_of
 from atleak.jobs.without_person import WithoutPerson, result_without_person, without_person
 from atleak.sentence import Sentence
 
@@ -126,12 +126,9 @@ def _without_persons(
 
 
 def _delete(connection: sa.Connection, id: str) -> None:
-    behind = left_behind(connection, connection.execute(sa.select(jobs.c.visit).where(jobs.c.id == id)).scalar_one())
-    held = connection.execute(sa.select(job_files.c.sha256).where(job_files.c.job == id)).scalars()
-    contents = set(held)
+    contents = set(connection.execute(sa.select(job_files.c.sha256).where(job_files.c.job == id)).scalars())
     connection.execute(jobs.delete().where(jobs.c.id == id))
     drop_files(connection, contents)
-    without_jobs_away(connection, *behind)
 
 
 def _erase(book: Book, connection: sa.Connection, id: str, version: int, parts: JobParts, *, sample: bool) -> None:
@@ -176,9 +173,10 @@ def _unname(connection: sa.Connection, unit: int) -> None:
         .where(visits.c.unit.in_([row.id for row in rows]))
     ).all()
     if not left:
+        connection.execute(visits.delete().where(visits.c.unit.in_([row.id for row in rows])))
         connection.execute(units.delete().where(units.c.id.in_([row.id for row in rows])))
         return
-    stated = {key_stated(row.id, serial=row.serial, vin=row.vin, plate=row.plate) for row in left}
+    stated = {unit_key(row.id, row.serial, row.vin, row.plate) for row in left}
     for row in rows:
         if row.key not in stated:
             connection.execute(units.update().where(units.c.id == row.id).values(key=f"erased:{row.id}", serial=""))

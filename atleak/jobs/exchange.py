@@ -19,6 +19,7 @@ from atleak.job.file import OfBook, packed_job, read_exported
 from atleak.job.judged_anew import JudgedOtherwise, differs
 from atleak.job.parts import JobParts, job_parts
 from atleak.jobs.book import PICTURE, Book
+from atleak.jobs.search import Query
 from atleak.jobs.tables import decisions, job_files, jobs, lands, visits
 from atleak.jobs.units import final_unit
 
@@ -49,12 +50,10 @@ def job_file(book: Book, id: str) -> bytes:
     BookError
         an id that the book does not have; a job that was damaged in the database.
     """
-    held = book.held(id)
-    with book.reading() as connection:
-        row = connection.execute(sa.select(jobs).where(jobs.c.id == id)).one()
-    undated = row.made_on if row.date is None else None
-    of_book = OfBook(sample=row.sample, archived_at=row.archived_at, made_on=undated)
-    return packed_job(held.choices, held.sources, held.pictures, held.result, of_book)
+    job = book.load(id)
+    undated = job.made_on if job.date is None else None
+    of_book = OfBook(sample=job.sample, archived_at=job.archived_at, made_on=undated)
+    return packed_job(job.choices, job.sources, job.pictures, job.result, of_book)
 
 
 def tables(book: Book, ids: Iterable[str]) -> dict[str, pd.DataFrame]:
@@ -134,22 +133,9 @@ def export_zip(book: Book, ids: Sequence[str]) -> bytes:
 
 def export_paths(book: Book, ids: Sequence[str]) -> dict[str, Path]:
     """Return the path in an export of every job by its id, and of every table by its file's name."""
-    numbers = _numbers(book, ids)
+    numbers = {row.id: row.number for row in book.rows(Query(archived=None, limit=None))}
     of_jobs = {id: Path(job_file_name(id, numbers.get(id, ""))) for id in ids}
     return {**of_jobs, **{f"{name}.{form}": Path("tables") / f"{name}.{form}" for name in TABLES for form in FORMS}}
-
-
-def _numbers(book: Book, ids: Sequence[str]) -> dict[str, str]:
-    """Return the workshop's numbers of jobs by their ids."""
-    with book.reading() as connection:
-        found = [
-            row
-            for start in range(0, len(ids), _MANY)
-            for row in connection.execute(
-                sa.select(jobs.c.id, jobs.c.number).where(jobs.c.id.in_(ids[start : start + _MANY]))
-            )
-        ]
-    return {row.id: row.number for row in found}
 
 
 # --- in

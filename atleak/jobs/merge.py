@@ -11,7 +11,6 @@ from typing import Literal
 import sqlalchemy as sa
 
 from atleak.errors import BookError, Place
-from atleak.job.record import Job
 from atleak.jobs.book import Book
 from atleak.jobs.tables import jobs, key_of, units, visits
 from atleak.jobs.units import drop_empty, final_unit, rows_of_unit, unit_key
@@ -162,7 +161,7 @@ def _sort(connection: sa.Connection, told: Mapping[str, int], units_of: Mapping[
     held = held.join(visits, visits.c.id == jobs.c.visit).where(visits.c.unit.in_(units_of)).order_by(jobs.c.made_at)
     for job in connection.execute(held).all():
         unit = units_of[job.unit]
-        wanted = told.get(key_stated(job.id, serial=job.serial, vin=job.vin, plate=job.plate), unit)
+        wanted = told.get(unit_key(job.id, job.serial, job.vin, job.plate), unit)
         if wanted != unit:
             visit = connection.execute(sa.select(visits).where(visits.c.id == job.visit)).mappings().one()
             same = sa.select(visits.c.id).where(visits.c.number == visit["number"])
@@ -181,12 +180,6 @@ def merged_rows(book: Book, unit: int) -> list[MergedRow]:
     with book.reading() as connection:
         found = connection.execute(sa.select(units).where(units.c.merged_into == unit).order_by(units.c.id)).all()
     return [MergedRow(row.id, row.key) for row in found]
-
-
-def key_stated(job_id: str, *, serial: str, vin: str, plate: str) -> str:
-    """Return the key by which the unit of a job is told that states so much."""
-    vehicle = {"vin": vin, "registration": plate}
-    return unit_key(job_id, Job.model_validate({"transmission": {"serial": serial}, "vehicle": vehicle}))
 
 
 def root_of(connection: sa.Connection, book: Book, unit: int) -> int:

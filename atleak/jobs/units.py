@@ -11,16 +11,14 @@ from typing import Any
 import sqlalchemy as sa
 
 from atleak.job.parts import JobParts
-from atleak.job.record import Job
 from atleak.jobs.rows import put_once
 from atleak.jobs.tables import jobs, key_of, units, visits
 
 
-def unit_key(job_id: str, record: Job) -> str:
+def unit_key(job_id: str, serial: str, vin: str, plate: str) -> str:
     """Return the key by which a job's unit is told; a serial or VIN without a digit, as "unknown", tells none."""
-    vehicle = record.vehicle
-    plate = key_of(vehicle.registration)
-    return key_of_numbers(record.transmission.serial, vehicle.vin) or (f"plate:{plate}" if plate else f"job:{job_id}")
+    plate = key_of(plate)
+    return key_of_numbers(serial, vin) or (f"plate:{plate}" if plate else f"job:{job_id}")
 
 
 def key_of_numbers(serial: str | None, vin: str | None) -> str | None:
@@ -45,8 +43,9 @@ def visit_for(connection: sa.Connection, job_id: str, parts: JobParts, before: i
         the visit that the job belonged to so far.
     """
     record = parts.job
+    serial, vehicle = record.transmission.serial, record.vehicle
     values = {
-        "unit": _unit(connection, unit_key(job_id, record), record),
+        "unit": _unit(connection, unit_key(job_id, serial, vehicle.vin, vehicle.registration), serial),
         "number": record.number[:80],
         "date": record.date,
         "mileage_km": record.mileage_or(parts.diagnosis.mileage),
@@ -64,42 +63,23 @@ def visit_for(connection: sa.Connection, job_id: str, parts: JobParts, before: i
     return int(known)
 
 
-def _unit(connection: sa.Connection, key: str, record: Job) -> int:
+def _unit(connection: sa.Connection, key: str, serial: str) -> int:
     """Return the row of a unit, made where there is none; that of a merged one is the one it leads to."""
     wanted = sa.select(sa.func.coalesce(units.c.merged_into, units.c.id)).where(units.c.key == key)
     row = connection.execute(wanted).scalar()
     if row is None:
-        put_once(connection, units, {"key": key, "serial": record.transmission.serial[:80]})
+        put_once(connection, units, {"key": key, "serial": serial[:80]})
         row = connection.execute(wanted).scalar_one()
     return int(row)
 
 
-def drop_empty(connection: sa.Connection) -> None:
-    """Delete every visit and unit that no job has."""
-    connection.execute(visits.delete().where(~sa.exists().where(jobs.c.visit == visits.c.id)))
+def drop_empty(connection: sa.Connection, left: tuple[int, int] | None = None) -> None:
+    """Delete every visit and unit that no job has, or of one visit and its unit what corrected typing leaves so."""
     other = units.alias()
+    visit, unit = (True, True) if left is None else (visits.c.id == left[0], units.c.id == left[1])
+    connection.execute(visits.delete().where(visit, ~sa.exists().where(jobs.c.visit == visits.c.id)))
     leads_none = units.c.merged_into.is_(None) & ~sa.exists().where(other.c.merged_into == units.c.id)
-    connection.execute(units.delete().where(leads_none, ~sa.exists().where(visits.c.unit == units.c.id)))
-
-
-def left_behind(connection: sa.Connection, visit: int) -> tuple[int, int]:
-    """Return a visit with its unit, as a job that may be about to leave them has them."""
-    row = connection.execute(sa.select(visits.c.id, visits.c.unit).where(visits.c.id == visit)).one()
-    return row.id, row.unit
-
-
-def without_jobs_away(connection: sa.Connection, visit: int, unit: int) -> None:
-    """Delete a visit and unit that no job has any more, as corrected typing leaves them."""
-    connection.execute(visits.delete().where(visits.c.id == visit, ~sa.exists().where(jobs.c.visit == visit)))
-    other = units.alias()
-    connection.execute(
-        units.delete().where(
-            units.c.id == unit,
-            units.c.merged_into.is_(None),
-            ~sa.exists().where(visits.c.unit == unit),
-            ~sa.exists().where(other.c.merged_into == unit),
-        )
-    )
+    connection.execute(units.delete().where(unit, leads_none, ~sa.exists().where(visits.c.unit == units.c.id)))
 
 
 def final_unit() -> sa.ColumnElement[int]:

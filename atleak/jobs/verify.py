@@ -11,14 +11,12 @@ import sqlalchemy as sa
 from sqlalchemy import exc
 
 from atleak.errors import AtleakError, BookError
-from atleak.jobs.book import Book, StoredJob
+from atleak.jobs.book import LAND_COLUMNS, Book, StoredJob
 from atleak.jobs.opening import in_words, opened_engine, writing
 from atleak.jobs.rows import copy_rows
 from atleak.jobs.tables import jobs, lands, log_tables, results, units
 from atleak.sentence import Sentence
 from atleak.verdicts import level_named
-
-_COMPARED = [column.name for column in lands.c if column.name not in ("id", "job", "measured")]
 
 
 @dataclass(frozen=True)
@@ -118,7 +116,7 @@ def _result_problems(book: Book, stored: StoredJob) -> Iterator[Sentence]:
         of_job = results.c.job == stored.id
         newest = sa.select(results).where(of_job).order_by(results.c.made_at.desc(), results.c.id.desc()).limit(1)
         result = connection.execute(newest).one()
-        columns = [lands.c[name] for name in _COMPARED]
+        columns = [lands.c[name] for name in LAND_COLUMNS]
         kept = connection.execute(sa.select(*columns).where(lands.c.job == stored.id)).mappings().all()
         log = connection.execute(sa.select(log_tables).where(log_tables.c.job == stored.id)).one_or_none()
     if record["verdict"] != result.verdict:
@@ -141,7 +139,7 @@ _OWN = {
 
 
 def _by_land(rows: Any) -> dict[tuple[str, int], tuple[Any, ...]]:
-    return {(row["component"], row["land"]): tuple(row[name] for name in _COMPARED) for row in rows}
+    return {(row["component"], row["land"]): tuple(row[name] for name in LAND_COLUMNS) for row in rows}
 
 
 def _log_problems(log: Any, sha256: str | None) -> Iterator[Sentence]:

@@ -181,7 +181,7 @@ def _done(act: Callable[[], str]) -> None:
 
 def _archived(book: Book, ids: Sequence[str], *, back: bool) -> str:
     for id in ids:
-        (book.bring_back if back else book.archive)(id)
+        book.archive(id, back=back)
     return reader.say()("job_book.brought_back" if back else "job_book.done_archived", count=len(ids))
 
 

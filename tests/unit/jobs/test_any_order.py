@@ -29,9 +29,10 @@ from atleak.jobs.backup import backup, restore
 from atleak.jobs.book import Book
 from atleak.jobs.erase import erase
 from atleak.jobs.exchange import import_job, job_file
-from atleak.jobs.merge import key_stated, merge, part
+from atleak.jobs.merge import merge, part
 from atleak.jobs.search import Query
 from atleak.jobs.tables import metadata, units
+from atleak.jobs.units import unit_key
 from atleak.jobs.verify import verify
 
 Small = Callable[..., JobParts]
@@ -94,7 +95,7 @@ class AnyOrder(RuleBasedStateMachine):
 
     def key(self, id: str) -> str:
         record = self.known[id].record
-        return key_stated(id, serial=record["serial"], vin=record["vin"], plate=record["plate"])
+        return unit_key(id, record["serial"], record["vin"], record["plate"])
 
     def root(self, key: str) -> str:
         return self.root(self.leads[key]) if key in self.leads else key

@@ -20,6 +20,7 @@ from atleak.jobs.book import Book, open_book
 from atleak.jobs.opening import database_url
 from atleak.jobs.search import Query
 from atleak.jobs.tables import files, jobs, lands, log_tables, results, units, visits
+from atleak.jobs.units import unit_of
 from atleak.version import __version__
 
 MakeJob = Callable[..., JobParts]
@@ -158,7 +159,7 @@ def test_the_list_is_newest_first_and_leaves_archived_jobs_out(book_of_two: Book
     assert [row.id for row in book_of_two.rows()] == [other.id]
     assert [row.id for row in book_of_two.rows(Query(archived=True))] == [newest.id]
     assert book_of_two.load(newest.id).archived_at is not None
-    book_of_two.bring_back(newest.id)
+    book_of_two.archive(newest.id, back=True)
     assert book_of_two.count() == 2
     assert [row.id for row in book_of_two.rows(Query(limit=1, offset=1))] == [other.id]
 
@@ -242,14 +243,13 @@ def test_a_job_is_loaded_as_it_was_at_one_moment(
     book: Book, small_job: MakeJob, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     saved = book.save(small_job(11.04, number="before"))
-    held = Book._held
 
-    def saved_meanwhile(self: Book, connection: Any, row: Any) -> Any:
+    def saved_meanwhile(connection: Any, visit: int) -> int:
         monkeypatch.undo()
         book.save(small_job(11.06, number="after"), id=saved.id, version=saved.version)
-        return held(self, connection, row)
+        return unit_of(connection, visit)
 
-    monkeypatch.setattr(Book, "_held", saved_meanwhile)
+    monkeypatch.setattr("atleak.jobs.book.unit_of", saved_meanwhile)
     stored = book.load(saved.id)
     assert stored.file.job.number == "before"
     assert stored.file.case.readings == small_job(11.04).case.readings

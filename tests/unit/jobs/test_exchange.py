@@ -55,7 +55,7 @@ def test_the_same_files_with_another_record_are_another_job(book: Book, small_jo
 
 @pytest.mark.parametrize("database", ["sqlite"], indirect=True)
 def test_a_verdict_that_this_version_does_not_share_is_said(book: Book, small_job: Small) -> None:
-    held = book.held(book.save(small_job()).id)
+    held = book.load(book.save(small_job()).id)
     assert held.result["verdict"] == "watch"
     earlier = packed_job(held.choices, held.sources, held.pictures, {**held.result, "verdict": "critical"})
     taken = import_job(book, earlier)
