@@ -24,7 +24,6 @@ from atleak.written_numbers import INTERVAL, AskedNumber, decimal_number, read_n
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
-    from atleak.job.judged_anew import JudgedOtherwise
     from atleak.report.own_font import OwnFont
     from atleak.road_test import RoadTest
 
@@ -415,7 +414,7 @@ def say_doubts(doubts: Iterable[Message]) -> None:
 _DIFFERENCES = 12  # of a job file from its own result that are printed
 
 
-def say_differences(name: str, result_by: str, differs: Sequence[JudgedOtherwise]) -> None:
+def say_differences(name: str, result_by: str, differs: Sequence[Sentence]) -> None:
     """Print where a job file differs from the result in it, and which version made that; nothing where it does not."""
     if not differs:
         return

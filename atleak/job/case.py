@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import hashlib
 import tempfile
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
-from typing import Any, Protocol, Self, TypedDict, TypeVar
+from typing import Any, BinaryIO, Self, TypeVar
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
@@ -91,10 +92,8 @@ class SourceFile:
         """
         if self.data is not None:
             return self.data
-        try:
-            return Path(self.path or self.name).read_bytes()
-        except OSError as error:
-            raise self._unreadable(error) from error
+        with self._opened() as stream:
+            return stream.read()
 
     @cached_property
     def sha256(self) -> str:
@@ -107,15 +106,17 @@ class SourceFile:
         """
         if self.data is not None or "content" in vars(self) or self.path is None:
             return hashlib.sha256(self.content).hexdigest()
-        try:
-            with self.path.open("rb") as stream:
-                return hashlib.file_digest(stream, "sha256").hexdigest()
-        except OSError as error:
-            raise self._unreadable(error) from error
+        with self._opened() as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
 
-    def _unreadable(self, error: OSError) -> InputError:
-        problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
-        return InputError(problem, place=Place(file=self.name))
+    @contextmanager
+    def _opened(self) -> Iterator[BinaryIO]:
+        try:
+            with Path(self.path or self.name).open("rb") as stream:
+                yield stream
+        except OSError as error:
+            problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
+            raise InputError(problem, place=Place(file=self.name)) from error
 
 
 Choice = str | SourceFile
@@ -155,36 +156,6 @@ SLOTS: Mapping[str, Slot] = MappingProxyType(
 
 
 OWN_FILES = ("readings", "road_test", "pressures")  # of a job, besides what it takes from the catalogue
-
-
-class SheetChoices(TypedDict):
-    """The choices by which a measuring sheet is read, as `read_readings` takes them."""
-
-    sheet: str | None
-    unit: str | None
-    where: dict[str, str]
-    fill_down: bool
-
-
-class LogChoices(TypedDict):
-    """The choices by which a log's columns are read, as `read_road_test` takes them."""
-
-    mapping: dict[str, str]
-    units: dict[str, str]
-    constants: dict[str, float]
-    every: int
-
-
-class Loader(Protocol):
-    """The reader of a job's files; the dashboard passes one that keeps what it has read."""
-
-    def entry(self, slot: Slot, choice: Choice) -> Any: ...
-
-    def readings(self, case: Case, controller: Controller) -> Readings: ...
-
-    def log(self, case: Case) -> Understood: ...
-
-    def pressures(self, case: Case, controller: Controller) -> PressureTable: ...
 
 
 @dataclass(frozen=True)
@@ -254,8 +225,8 @@ class Case:
         return find_profile(self.profile, {name: str(value) for name, value in self.options})
 
     @property
-    def sheet_choices(self) -> SheetChoices:
-        """Return how the measuring sheet is read."""
+    def sheet_choices(self) -> dict[str, Any]:
+        """Return how the measuring sheet is read, as `read_readings` takes it."""
         return {
             "sheet": self.sheet_name,
             "unit": self.sheet_unit,
@@ -264,8 +235,8 @@ class Case:
         }
 
     @property
-    def log_choices(self) -> LogChoices:
-        """Return how the log's columns are read."""
+    def log_choices(self) -> dict[str, Any]:
+        """Return how the log's columns are read, as `read_road_test` takes it."""
         constants = {name: float(value) for name, value in self.constants if value != OPERATING_POINTS}
         return {"mapping": dict(self.columns), "units": dict(self.units), "constants": constants, "every": self.every}
 
@@ -302,7 +273,7 @@ class Case:
             return replace(bare, **differ)
         return replace(bare, point=condition)
 
-    def diagnose(self, loader: Loader | None = None) -> Diagnosis:
+    def diagnose(self, loader: Reader | None = None) -> Diagnosis:
         """Diagnose this job.
 
         Parameters
@@ -323,7 +294,7 @@ class Case:
             problem = Sentence("this job cannot be computed ({reason})", reason=reason_in_short(error))
             raise InputError(problem) from error
 
-    def _diagnosed(self, loader: Loader) -> Diagnosis:
+    def _diagnosed(self, loader: Reader) -> Diagnosis:
         controller, fluid, limits, spool, sleeve = (
             loader.entry(slot, getattr(self, name)) for name, slot in SLOTS.items()
         )
@@ -357,7 +328,7 @@ class Case:
         make = partial(with_assumed_pressure, controller, road_test)
         return kept_with(road_test, "assumed pressure", repr(controller.operating_points), make)
 
-    def measured(self, loader: Loader | None = None) -> tuple[LandSources, ...]:
+    def measured(self, loader: Reader | None = None) -> tuple[LandSources, ...]:
         """Return every land as this job's sheet measured it, with what makes it uncertain; none without a sheet.
 
         It is what `diagnose` rests on, without its draws: a unit's history asks for nothing more of an earlier visit.
@@ -419,7 +390,7 @@ def _one_table(own: PressureTable | None, readings: Readings | None) -> Pressure
 
 
 class Reader:
-    """Read every file of a job anew."""
+    """Read every file of a job anew; the dashboard has one that keeps what it has read."""
 
     def entry(self, slot: Slot, choice: Choice) -> Any:
         """Load a controller, fluid, limit set or instrument by id, path or bytes.
@@ -524,8 +495,3 @@ def differing_options(profile: Profile) -> Pairs:
 def pairs_of(values: Mapping[str, Any] | None) -> Pairs:
     """Return a mapping as the pairs that a case keeps."""
     return tuple((values or {}).items())
-
-
-def settings_of(point: OperatingPoint) -> dict[str, Any]:
-    """Return a condition as plain values, in SI."""
-    return asdict(point)

@@ -4,30 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.verdicts import Verdict, level_named
-
-
-@dataclass(frozen=True)
-class JudgedOtherwise:
-    """One verdict that differs."""
-
-    what: Sentence  # the unit, a land or a condition, as people read it
-    stored: Sentence
-    today: Sentence
-
-    @property
-    def sentence(self) -> Sentence:
-        """Return what is judged otherwise, and how."""
-        return Sentence("{what}: {stored}, today {today}", what=self.what, stored=self.stored, today=self.today)
-
-    def __str__(self) -> str:
-        return str(self.sentence)
-
 
 _NOT_JUDGED = Sentence("not judged")
 _DECISIONS = {
@@ -36,46 +17,6 @@ _DECISIONS = {
     "conditional_fail": Sentence("conditional fail"),
     "fail": Sentence("fail"),
 }
-
-
-def judged_otherwise(stored: Mapping[str, Any], today: Mapping[str, Any]) -> tuple[JudgedOtherwise, ...]:
-    """Compare two results of one job, the verdict of the unit first.
-
-    Parameters
-    ----------
-    stored, today
-        results as ``atleak diagnose --json`` writes them. What only one of them judges counts as *not judged* in the
-        other.
-    """
-    before, now = dict(_verdicts(stored)), dict(_verdicts(today))
-    return tuple(
-        JudgedOtherwise(what, before.get(what, _NOT_JUDGED), now.get(what, _NOT_JUDGED))
-        for what in dict.fromkeys([*before, *now])
-        if before.get(what) != now.get(what)
-    )
-
-
-def differs(stored: Mapping[str, Any], today: Mapping[str, Any]) -> tuple[JudgedOtherwise, ...]:
-    """Compare two results of one job: verdicts, and the numbers of lands and totals of which the verdict is the same.
-
-    Parameters
-    ----------
-    stored, today
-        as of `judged_otherwise`; a file that holds no result differs in nothing.
-    """
-    if not stored:
-        return ()
-    verdicts = judged_otherwise(stored, today)
-    said = {str(each.what) for each in verdicts}
-    before, now = dict(_numbered(stored)), dict(_numbered(today))
-    numbers = (
-        JudgedOtherwise(what, _number(key, before[what][key]), _number(key, now[what][key]))
-        for what in before
-        if what in now and str(what) not in said
-        for key in _NUMBERS
-        if key in before[what] and key in now[what] and not _same(before[what][key], now[what][key])
-    )
-    return (*verdicts, *numbers)
 
 
 _NUMBERS: Mapping[str, tuple[Sentence, str]] = {  # keys of the record: what each is called, and of which kind it is
@@ -90,22 +31,40 @@ _NUMBERS: Mapping[str, tuple[Sentence, str]] = {  # keys of the record: what eac
 _TOLERATED = 1e-6  # relative: another computer's last digits
 
 
-def _numbered(result: Mapping[str, Any]) -> Iterator[tuple[Sentence, Mapping[str, Any]]]:
-    """Return every land and every total of a result with its numbers."""
-    for land in _rows(result, "lands"):
-        yield _pair(land), land
-    for condition in _rows(result, "conditions"):
-        yield _total_at(condition), condition
+def judged_otherwise(
+    stored: Mapping[str, Any], today: Mapping[str, Any], *, numbers: bool = False
+) -> tuple[Sentence, ...]:
+    """Say where two results of one job differ, the verdict of the unit first.
+
+    Parameters
+    ----------
+    stored, today
+        results as ``atleak diagnose --json`` writes them. What only one of them judges counts as *not judged* in the
+        other; where nothing is stored nothing differs.
+    numbers
+        whether the numbers of lands and totals of which the verdict is the same are compared too.
+    """
+    if not stored:
+        return ()
+    before, now = ({what: (said, row) for what, said, row in _judged(result)} for result in (stored, today))
+    verdicts, others = [], []
+    for what in dict.fromkeys([*before, *now]):
+        (was, row), (is_now, again) = (each.get(what, (_NOT_JUDGED, {})) for each in (before, now))
+        if was != is_now:
+            verdicts.append((what, was, is_now))
+        elif numbers:
+            keys = [key for key in _NUMBERS if key in row and key in again and not _same(row[key], again[key])]
+            others += [(what, _number(key, row[key]), _number(key, again[key])) for key in keys]
+    return tuple(
+        Sentence("{what}: {stored}, today {today}", what=what, stored=was, today=is_now)
+        for what, was, is_now in (*verdicts, *others)
+    )
 
 
 def _rows(result: Mapping[str, Any], name: str) -> Iterator[Mapping[str, Any]]:
     """Return the rows of a table; of a file that somebody has changed not all may be rows."""
     table = result.get(name)
     return (row for row in table if isinstance(row, dict)) if isinstance(table, list) else iter(())
-
-
-def _pair(land: Mapping[str, Any]) -> Sentence:
-    return Sentence("{pair}", pair=f"{land.get('component')}/{land.get('land')}")
 
 
 def _number(key: str, value: object) -> Sentence:
@@ -121,33 +80,30 @@ def _same(before: object, now: object) -> bool:
     return before == now
 
 
-def _verdicts(result: Mapping[str, Any]) -> Iterator[tuple[Sentence, Sentence]]:
-    """Return every verdict of a result with its decision, by what is judged."""
+def _judged(result: Mapping[str, Any]) -> Iterator[tuple[Sentence, Sentence, Mapping[str, Any]]]:
+    """Return all that a result judges: what it is, its verdict with its decision, and its numbers."""
     unit = result.get("unit")
     decision = unit.get("decision") if isinstance(unit, dict) else None
-    yield Sentence("the unit"), _words(result.get("verdict"), decision)
+    yield Sentence("the unit"), _words(result.get("verdict"), decision), {}
     for land in _rows(result, "lands"):
-        yield _pair(land), _words(land.get("verdict"), land.get("decision"))
+        pair = Sentence("{pair}", pair=f"{land.get('component')}/{land.get('land')}")
+        yield pair, _words(land.get("verdict"), land.get("decision")), land
     for condition in _rows(result, "conditions"):
         at = Name(condition.get("label") or condition.get("name"))
-        yield _total_at(condition), _words(condition.get("band"), condition.get("decision"))
+        total = Sentence("total at {condition}", condition=at)
+        yield total, _words(condition.get("band"), condition.get("decision")), condition
         for circuit in _rows(condition, "circuits"):
             called = Name(circuit.get("name") or circuit.get("id"))
             said = Sentence("{circuit} at {condition}", circuit=called, condition=at)
-            yield said, _words(circuit.get("verdict"), circuit.get("decision"))
-
-
-def _total_at(condition: Mapping[str, Any]) -> Sentence:
-    return Sentence("total at {condition}", condition=Name(condition.get("label") or condition.get("name")))
+            yield said, _words(circuit.get("verdict"), circuit.get("decision")), {}
 
 
 def _words(verdict: str | None, decision: str | None) -> Sentence:
-    level = _level(str(verdict)) if verdict else _NOT_JUDGED
+    level = _NOT_JUDGED
+    if verdict:
+        known = level_named(str(verdict))
+        measured = known is not Verdict.NOT_MEASURED
+        level = Sentence("{verdict}", verdict=known) if measured else Sentence("not measured")
     if not decision:
         return level
     return Sentence("{verdict} ({decision})", verdict=level, decision=_DECISIONS.get(str(decision), decision))
-
-
-def _level(verdict: str) -> Sentence:
-    level = level_named(verdict)
-    return Sentence("not measured") if level is Verdict.NOT_MEASURED else Sentence("{verdict}", verdict=level)

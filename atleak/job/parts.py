@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -21,7 +21,7 @@ from atleak.doors import own_errors_only
 from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
 from atleak.faults import validated
-from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
+from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name
 from atleak.job.of_sheet import without_plan_as_number
 from atleak.job.photo_notes import without_notes
 from atleak.job.record import (
@@ -238,7 +238,7 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
         job=job,
         profile=diagnosis.profile.name,
         options=diagnosis.profile.options,
-        condition=Condition(**settings_of(diagnosis.projection.condition)),
+        condition=Condition(**asdict(diagnosis.projection.condition)),
         mileage=case.mileage if diagnosis.mileage == head else diagnosis.mileage,
         readings=_reading_choices(case) if sheet else ReadingChoices(),
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,

@@ -92,21 +92,19 @@ def _of_records(before: JobFile, after: JobFile) -> Iterator[Message]:
             before=first.date,
         )
         yield Message("warning", "order_of_dates", text)
-    one, other = first.vehicle.vin, second.vehicle.vin
-    if _differ(one, other):
+    if _differ(first.vehicle.vin, second.vehicle.vin):
         text = Sentence(
             "The two jobs name another VIN: {before} before, {after} after. They may be of two units",
-            before=one,
-            after=other,
+            before=first.vehicle.vin,
+            after=second.vehicle.vin,
         )
         yield Message("warning", "other_unit", text)
-    one, other = first.transmission.serial, second.transmission.serial
-    if _differ(one, other):
+    if _differ(first.transmission.serial, second.transmission.serial):
         text = Sentence(
             "The two jobs name another serial number of the transmission: {before} before, {after} after. "
             "They may be of two units",
-            before=one,
-            after=other,
+            before=first.transmission.serial,
+            after=second.transmission.serial,
         )
         yield Message("warning", "other_unit", text)
 
@@ -121,12 +119,15 @@ def _bare(name: str) -> str:
 
 def _of_results(before: JobFile, after: JobFile, comparison: Comparison) -> Iterator[Message]:
     """Yield which results were given by another version of atleak, and what it said."""
-    sides = ((_kept_before, before, comparison.before), (_kept_after, after, comparison.after))
-    for kept, job_file, diagnosis in sides:
+    for job_file, diagnosis in ((before, comparison.before), (after, comparison.after)):
         version, verdict = job_file.result.get("atleak"), job_file.result.get("verdict")
         if not version or version == __version__:
             continue
-        said = kept(version)
+        said = (
+            Sentence("The result kept with the job before was given by atleak {version}", version=version)
+            if job_file is before
+            else Sentence("The result kept with the job after was given by atleak {version}", version=version)
+        )
         if verdict and verdict != diagnosis.verdict:
             text = Sentence(
                 "{kept} and said {verdict}; by this version it is {today}, which is compared",
@@ -138,11 +139,3 @@ def _of_results(before: JobFile, after: JobFile, comparison: Comparison) -> Iter
         else:
             text = Sentence("{kept}; both jobs are judged anew by {version}", kept=said, version=__version__)
             yield Message("info", "other_version", text)
-
-
-def _kept_before(version: str) -> Sentence:
-    return Sentence("The result kept with the job before was given by atleak {version}", version=version)
-
-
-def _kept_after(version: str) -> Sentence:
-    return Sentence("The result kept with the job after was given by atleak {version}", version=version)

@@ -16,12 +16,13 @@ import pandas as pd
 import sqlalchemy as sa
 
 from atleak.job.file import OfBook, packed_job, read_exported
-from atleak.job.judged_anew import JudgedOtherwise, differs
+from atleak.job.judged_anew import judged_otherwise
 from atleak.job.parts import JobParts, job_parts
 from atleak.jobs.book import PICTURE, Book
 from atleak.jobs.search import Query
 from atleak.jobs.tables import decisions, job_files, jobs, lands, visits
 from atleak.jobs.units import final_unit
+from atleak.sentence import Sentence
 
 TABLES = ("jobs", "lands", "decisions")
 FORMS = ("csv", "parquet")
@@ -149,7 +150,7 @@ class Imported:
     known: bool  # it was in the book already, and nothing was changed
     verdict: str  # of today's version
     result_by: str  # version that wrote the file
-    differs: tuple[JudgedOtherwise, ...]  # from the result that it wrote
+    differs: tuple[Sentence, ...]  # from the result that it wrote
 
 
 def import_job(book: Book, source: str | Path | bytes, *, name: str = "job file") -> Imported:
@@ -168,7 +169,7 @@ def import_job(book: Book, source: str | Path | bytes, *, name: str = "job file"
     known = same_job(book, parts)
     kept = of_book.model_dump(exclude={"sample"}, exclude_defaults=True)
     id = known or book.save(parts, sample=of_book.sample, kept=kept).id
-    otherwise = differs(given.result, parts.result)
+    otherwise = judged_otherwise(given.result, parts.result, numbers=True)
     return Imported(id, known is not None, str(diagnosis.verdict), given.result_by, otherwise)
 
 

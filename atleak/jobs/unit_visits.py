@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from atleak.catalogue.controller import Controller
 from atleak.errors import AtleakError
 from atleak.history.visits import Visit
-from atleak.job.case import SLOTS, Loader, Reader
+from atleak.job.case import SLOTS, Reader
 from atleak.job.decisions import covered, repaired_lands
 from atleak.job.record import RepairDecision, RepairState
 from atleak.jobs.book import Book, StoredJob
@@ -60,7 +60,7 @@ def unit_of_job(book: Book, job: str) -> int | None:
     return None if unit is None else int(unit)
 
 
-def visits_of_unit(book: Book, unit: int, loader: Loader | None = None) -> tuple[VisitedJob, ...]:
+def visits_of_unit(book: Book, unit: int, loader: Reader | None = None) -> tuple[VisitedJob, ...]:
     """Return the jobs of a unit that are not archived, the earliest first.
 
     Parameters
@@ -90,7 +90,7 @@ def visits_of_unit(book: Book, unit: int, loader: Loader | None = None) -> tuple
     return tuple(found)
 
 
-def _visited(stored: StoredJob, mileage: float | None, loader: Loader) -> VisitedJob:
+def _visited(stored: StoredJob, mileage: float | None, loader: Reader) -> VisitedJob:
     job, case = stored.file.job, stored.file.case
     controller: Controller | None = None
     lands: tuple[LandSources, ...] = ()

@@ -13,12 +13,13 @@ from atleak.errors import AtleakError, Message
 from atleak.job.doubts import record_doubts
 from atleak.job.file import read_job_file
 from atleak.job.issued import issued_record
-from atleak.job.judged_anew import JudgedOtherwise, differs
+from atleak.job.judged_anew import judged_otherwise
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER
 from atleak.report.own_font import OwnFont
 from atleak.report.pdf import missing_characters, write_pdf
 from atleak.report.xlsx import write_workbook
+from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.marks import Kind
 from atleak.views.diagnosis_record import diagnosis_record, to_json
@@ -36,7 +37,7 @@ class Reported:
     verdict: Verdict | None = None
     error: AtleakError | None = None
     result_by: str = ""  # the version of atleak by which the job file's result was made
-    differs: tuple[JudgedOtherwise, ...] = ()  # from that result
+    differs: tuple[Sentence, ...] = ()  # from that result
     doubts: tuple[Message, ...] = ()  # about the record
 
 
@@ -90,7 +91,7 @@ def write_reports(
                 tuple(written),
                 diagnosis.verdict,
                 result_by=job_file.result_by,
-                differs=differs(job_file.result, diagnosis_record(diagnosis)),
+                differs=judged_otherwise(job_file.result, diagnosis_record(diagnosis), numbers=True),
                 doubts=(
                     *record_doubts(job_file.job, diagnosis),
                     *(missing_characters([job_file.job], font) if "pdf" in paths else ()),

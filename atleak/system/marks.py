@@ -65,37 +65,13 @@ def sealed(content: bytes) -> bytes:
 
     Any program that saves the workbook again writes at least one part differently, and the digest no longer fits.
     """
-    with zipfile.ZipFile(io.BytesIO(content)) as parts:
-        part = parts.getinfo(_PART)
-        data = parts.read(part).replace(_UNSEALED.encode(), _seal(parts.infolist()).encode())
-    return _with_part(content, part, data)
-
-
-def _with_part(content: bytes, part: zipfile.ZipInfo, data: bytes) -> bytes:
-    """Return an archive with other data in one of its parts; the others stay packed, which takes most of the time.
-
-    The numbers are places in the records of a local file, of the directory and of its end (APPNOTE.TXT, 4.3).
-    """
-    packer = zlib.compressobj(wbits=-zlib.MAX_WBITS)
-    packed = packer.compress(data) + packer.flush()
-    checks = struct.pack("<LLL", zlib.crc32(data), len(packed), len(data))
-    head = part.header_offset
-    start = head + 30 + sum(struct.unpack_from("<HH", content, head + 26))
-    end, grown = start + part.compress_size, len(packed) - part.compress_size
-    size, at = struct.unpack_from("<LL", content, len(content) - 10)
-    directory, last = bytearray(content[at : at + size]), bytearray(content[at + size :])
-    place = 0
-    while place < size:
-        (offset,) = struct.unpack_from("<L", directory, place + 42)
-        if offset == head:
-            directory[place + 16 : place + 28] = checks
-        elif offset > head:
-            struct.pack_into("<L", directory, place + 42, offset + grown)
-        place += 46 + sum(struct.unpack_from("<HHH", directory, place + 28))
-    struct.pack_into("<L", last, 16, at + grown)
-    return b"".join(
-        (content[: head + 14], checks, content[head + 26 : start], packed, content[end:at], directory, last)
-    )
+    target = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(content)) as parts, zipfile.ZipFile(target, "w") as whole:
+        seal = _seal(parts.infolist()).encode()
+        for part in parts.infolist():
+            data = parts.read(part)
+            whole.writestr(part, data.replace(_UNSEALED.encode(), seal) if part.filename == _PART else data)
+    return target.getvalue()
 
 
 def _seal(parts: Iterable[zipfile.ZipInfo]) -> str:

@@ -30,7 +30,7 @@ from atleak.intake.road_test import (
     understand,
 )
 from atleak.intake.road_test.names.memory import RememberedColumns
-from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, LogChoices, Reader, Slot, SourceFile, with_log_choices
+from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, Reader, Slot, SourceFile, with_log_choices
 from atleak.keeping import kept_with
 from atleak.measuring.plan import PARTS
 from atleak.pressure_table import PressureTable
@@ -172,16 +172,16 @@ def _pressures(key: str, _case: Case, _controller: Controller) -> PressureTable:
 
 
 @st.cache_resource(max_entries=6, show_spinner="…")
-def _understood(key: str, _log: SourceFile, _choices: LogChoices, _remembered: bool) -> Understood:
+def _understood(key: str, _log: SourceFile, _choices: dict[str, Any], _remembered: bool) -> Understood:
     return _read(_log, _choices, _remembered)
 
 
 @st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="…")
-def _understood_here(key: str, _log: SourceFile, _choices: LogChoices, _remembered: bool) -> Understood:
+def _understood_here(key: str, _log: SourceFile, _choices: dict[str, Any], _remembered: bool) -> Understood:
     return _read(_log, _choices, _remembered)
 
 
-def _read(log: SourceFile, choices: LogChoices, remembered: bool) -> Understood:
+def _read(log: SourceFile, choices: dict[str, Any], remembered: bool) -> Understood:
     return understand(log.content, name=log.name, remembered=default_path() if remembered else None, **choices)
 
 

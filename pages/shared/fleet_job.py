@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import streamlit as st
 
 from atleak.errors import AtleakError, FleetError, Place
-from atleak.job.judged_anew import differs
+from atleak.job.judged_anew import judged_otherwise
 from atleak.job.of_sheet import with_sheet
 from atleak.sentence import Sentence
 from atleak.views.diagnosis_record import diagnosis_record
@@ -41,7 +41,7 @@ def show_unit(kept: KeptUnit, folder: str, *, done: str = "") -> None:
     given, record = kept.opened()
     case = opened_case(given)
     diagnosis = diagnosis_of(case)
-    otherwise = differs(kept.result, _without_circuits(diagnosis_record(diagnosis)))
+    otherwise = judged_otherwise(kept.result, _without_circuits(diagnosis_record(diagnosis)), numbers=True)
     in_book = InBook(result_by=kept.unit["atleak"], judged_otherwise=otherwise, of_fleet=f"{folder}-{kept.unit[HASH]}")
     steps = way_back(done) if done else Steps()
     show_job(case, with_sheet(record, diagnosis.readings) or record, in_book, steps)

@@ -27,8 +27,8 @@ from atleak.errors import AtleakError, Message
 from atleak.figures.charts import drawn
 from atleak.figures.figure import Figure
 from atleak.gauges.check import PressureCheck
-from atleak.job.judged_anew import JudgedOtherwise
 from atleak.look import DARK, SCREEN, look_of
+from atleak.sentence import Sentence
 from atleak.verdicts import Band, Verdict
 from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.drawing import on_dark
@@ -117,10 +117,10 @@ def error_line(error: AtleakError) -> str:
     return f"{plain(where)}{more}: {say('show.see_head')}"
 
 
-def judged_otherwise(result_by: str, differs: Sequence[JudgedOtherwise]) -> str:
+def judged_otherwise(result_by: str, differs: Sequence[Sentence]) -> str:
     """Say what differs from a result that was kept, made by another version perhaps, as a list."""
     say = reader.say()
-    lines = [plain(each.sentence) for each in differs[:SHOWN]]
+    lines = [plain(each) for each in differs[:SHOWN]]
     if len(differs) > SHOWN:
         lines.append(say("show.more", count=len(differs) - SHOWN))
     return "\n- ".join([say("panel.judged_otherwise", version=plain(result_by)), *lines])

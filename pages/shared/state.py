@@ -21,9 +21,10 @@ from atleak.errors import (
 )
 from atleak.job.case import SLOTS, Choice, SourceFile
 from atleak.job.file import read_job_file
-from atleak.job.judged_anew import JudgedOtherwise, differs
+from atleak.job.judged_anew import judged_otherwise
 from atleak.job.of_sheet import taken_from_sheet, with_sheet
 from atleak.job.record import Job
+from atleak.sentence import Sentence
 from atleak.system.memory import give_back_soon
 from atleak.views.diagnosis_record import diagnosis_record
 from pages.shared import reader
@@ -72,7 +73,7 @@ class InBook:
     page: str = ""  # on which the address was given the id last
     archived: bool = False
     result_by: str = ""  # version of atleak that gave the stored result
-    judged_otherwise: tuple[JudgedOtherwise, ...] = ()  # where this version judges otherwise
+    judged_otherwise: tuple[Sentence, ...] = ()  # where this version judges otherwise
     place: int = field(default_factory=count().__next__)  # part of the keys of its drop zones: each job has its own
 
     @property
@@ -237,7 +238,7 @@ def open_job(name: str, content: bytes) -> bool:
     try:
         job_file = read_job_file(content, name=name)
         case = opened_case(job_file.case)
-        otherwise = differs(job_file.result, diagnosis_record(diagnosis_of(case)))
+        otherwise = judged_otherwise(job_file.result, diagnosis_record(diagnosis_of(case)), numbers=True)
     except AtleakError as error:
         now.refused["job"] = Refusal(name, error)
         return False

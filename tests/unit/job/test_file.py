@@ -27,7 +27,7 @@ from atleak.intake.readings import read_readings
 from atleak.intake.road_test import read_road_test
 from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile
 from atleak.job.file import read_job_file, write_job_file
-from atleak.job.judged_anew import differs
+from atleak.job.judged_anew import judged_otherwise
 from atleak.job.parts import FORMAT, entry_of
 from atleak.job.record import Job
 from atleak.uncertainty import DEFAULTS
@@ -285,7 +285,7 @@ def test_a_job_file_of_a_newer_atleak_is_read_where_nothing_in_it_is_new(content
 
 def test_a_result_that_was_changed_is_told_with_what_differs(diagnosis, content):
     today = diagnosis_record(diagnosis)
-    assert differs(read_job_file(content).result, today) == ()
+    assert judged_otherwise(read_job_file(content).result, today, numbers=True) == ()
     with zipfile.ZipFile(io.BytesIO(content)) as bundle:
         result = json.loads(bundle.read("result.json"))
     land = next(each for each in result["lands"] if (each["component"], each["land"]) == ("8", 1))
@@ -296,7 +296,7 @@ def test_a_result_that_was_changed_is_told_with_what_differs(diagnosis, content)
     other["leakage_dm3_min"] *= 1.0 + 1e-9  # the last digits of another computer
     job_file = read_job_file(changed(content, **{"result.json": json.dumps({**result, "atleak": "0.1.0"}).encode()}))
     assert job_file.result_by == "0.1.0"
-    first, second = differs(job_file.result, today)
+    first, second = judged_otherwise(job_file.result, today, numbers=True)
     assert str(first).startswith(f"8/1: {land['verdict']}")
     assert f"today {kept}" in str(first)
     assert (str(second.what), str(second.stored)) == ("6/1", f"share of the pump's flow {other['share_percent']:.6g} %")
@@ -307,7 +307,7 @@ def test_a_result_that_was_changed_is_told_with_what_differs(diagnosis, content)
 )
 def test_a_result_that_is_none_does_no_harm(content, diagnosis, result):
     job_file = read_job_file(changed(content, **{"result.json": result}))
-    assert all(str(each) for each in differs(job_file.result, diagnosis_record(diagnosis)))
+    assert all(str(each) for each in judged_otherwise(job_file.result, diagnosis_record(diagnosis), numbers=True))
 
 
 def test_photos_leave_without_the_place_where_they_were_taken(unmeasured):

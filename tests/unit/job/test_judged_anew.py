@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from atleak.job.judged_anew import differs, judged_otherwise
+from atleak.job.judged_anew import judged_otherwise
 from atleak.wording import wording
 
 BEFORE = {
@@ -29,7 +29,7 @@ def test_every_verdict_that_differs_is_said_with_both() -> None:
 
 
 def test_it_is_said_in_the_reader_s_language() -> None:
-    assert [wording("de").sentence(each.sentence) for each in judged_otherwise(BEFORE, TODAY)] == [
+    assert [wording("de").sentence(each) for each in judged_otherwise(BEFORE, TODAY)] == [
         "das Gerät: ersetzen (bedingt überschritten), heute nicht gemessen",
         "25/1: beobachten, heute nicht beurteilt",
         "Summe bei „cold start“: rot, heute gelb",
@@ -38,7 +38,8 @@ def test_it_is_said_in_the_reader_s_language() -> None:
 
 def test_a_number_that_differs_is_said_by_name_in_the_reader_s_units() -> None:
     land = {"component": "25", "land": 1, "verdict": "ok", "radial_clearance_um": 12.5, "share_percent": None}
-    (changed,) = differs({"lands": [land]}, {"lands": [land | {"radial_clearance_um": 25.4}]})
+    other = land | {"radial_clearance_um": 25.4}
+    (changed,) = judged_otherwise({"lands": [land]}, {"lands": [other]}, numbers=True)
     assert str(changed) == "25/1: radial clearance 12.5 µm, today radial clearance 25.4 µm"
-    said = wording("de", "us").sentence(changed.sentence)
+    said = wording("de", "us").sentence(changed)
     assert said == "25/1: Radialspiel 0,0004921 in, heute Radialspiel 0,001 in"
