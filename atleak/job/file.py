@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import io
 import json
 import tomllib
@@ -11,14 +10,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any
 
-from pydantic import AwareDatetime, BaseModel, ConfigDict
-
 from atleak.diagnosis import Diagnosis
 from atleak.doors import DAMAGE, own_errors_only, own_line
 from atleak.errors import AtleakError, InputError, Place
 from atleak.faults import validated
 from atleak.job.case import OWN_FILES, SLOTS, Case
-from atleak.job.parts import JobFile, entry_of, job_parts, json_of
+from atleak.job.parts import JobFile, OfBook, entry_of, job_parts, json_of
 from atleak.job.photo_notes import without_notes
 from atleak.job.record import Job, picture_name
 from atleak.sentence import Sentence
@@ -119,16 +116,6 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
     return packed_job(choices, sources, parts.pictures, parts.result)
 
 
-class OfBook(BaseModel):
-    """The content of ``book.json``: what a job book knows of a job beside the job; no such file where it is nothing."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    sample: bool = False
-    archived_at: AwareDatetime | None = None
-    made_on: dt.date | None = None  # the day on which a job without a date was first saved
-
-
 def packed_job(
     choices: bytes,
     sources: Mapping[str, bytes],
@@ -175,23 +162,6 @@ def read_job_file(
     return _job_file(_unpacked(source, name, size_limit, folder), name)
 
 
-@own_errors_only(InputError, "source", "name")
-def read_exported(source: str | Path | bytes, *, name: str = "job file") -> tuple[JobFile, OfBook]:
-    """Read a job from its zip, with what the book that it comes from knew of it.
-
-    Raises
-    ------
-    InputError
-        as `read_job_file`.
-    """
-    name = name if isinstance(source, bytes) else Path(source).name
-    entries = _unpacked(source, name, SIZE_LIMIT, None)
-    called = Sentence("{name}: {file}", name=name, file=_OF_BOOK)
-    content = entries.get(_OF_BOOK, b"{}")
-    assert isinstance(content, bytes)
-    return _job_file(entries, name), validated(OfBook, json_of(content, called), called)
-
-
 def _unpacked(source: str | Path | bytes, name: str, size_limit: int, folder: Path | None) -> dict[str, bytes | Path]:
     """Return the entries of a job's zip by their names."""
     place = Place(file=name)
@@ -224,7 +194,10 @@ def _job_file(entries: dict[str, bytes | Path], name: str) -> JobFile:
     pictures = {
         entry.removeprefix("pictures/"): content for entry, content in held.items() if entry.startswith("pictures/")
     }
-    return JobFile.of(held["job.json"], sources, pictures, result if isinstance(result, dict) else {}, name=name)
+    called = Sentence("{name}: {file}", name=name, file=_OF_BOOK)
+    of_book = validated(OfBook, json_of(held.get(_OF_BOOK, b"{}"), called), called)
+    result = result if isinstance(result, dict) else {}
+    return JobFile.of(held["job.json"], sources, pictures, result, name=name, of_book=of_book)
 
 
 # --- in and out of the zip

@@ -55,20 +55,20 @@ def with_sheet(job: Job | None, readings: Readings | None) -> Job | None:
 
 def taken_from_sheet(before: Job, filled: Job) -> tuple[str, ...]:
     """Return the names of what `with_sheet` brought into a record."""
-    told: tuple[dict[str, Any], ...] = tuple(
-        {
-            "number": job.number,
-            "date": job.date,
-            "vehicle": job.vehicle.model,
-            "vin": job.vehicle.vin,
-            "serial": job.transmission.serial,
-            "mileage": job.vehicle.mileage_km,
-            "technician": job.technician,
-            "instrument": job.instruments,
-        }
-        for job in (before, filled)
-    )
-    return tuple(name for name, value in told[1].items() if value != told[0][name])
+    return tuple(name for name, value in _filled(filled).items() if value != _filled(before)[name])
+
+
+def _filled(job: Job) -> dict[str, Any]:
+    return {
+        "number": job.number,
+        "date": job.date,
+        "vehicle": job.vehicle.model,
+        "vin": job.vehicle.vin,
+        "serial": job.transmission.serial,
+        "mileage": job.vehicle.mileage_km,
+        "technician": job.technician,
+        "instrument": job.instruments,
+    }
 
 
 def sheet_doubts(job: Job, readings: Readings | None, mileage: float | None) -> Iterator[Message]:

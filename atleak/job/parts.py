@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, AwareDatetime, BaseModel, ConfigDict, Field
 
 from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.entries import Origin, catalogue_files
@@ -254,6 +255,14 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
     return JobParts(choices, sources, pictures, case, diagnosis)
 
 
+class OfBook(_Strict):
+    """The content of ``book.json``: what a job book knows of a job beside the job; no such file where it is nothing."""
+
+    sample: bool = False
+    archived_at: AwareDatetime | None = None
+    made_on: dt.date | None = None  # the day on which a job without a date was first saved
+
+
 @dataclass(frozen=True)
 class JobFile:
     """A job that was kept: the record, the case to diagnose anew, and the result as it was when it was kept."""
@@ -262,6 +271,7 @@ class JobFile:
     case: Case
     result: dict[str, Any]
     name: str = "job file"  # for messages
+    of_book: OfBook = field(default_factory=OfBook)
 
     @property
     def result_by(self) -> str:
@@ -292,6 +302,7 @@ class JobFile:
         result: dict[str, Any],
         *,
         name: str,
+        of_book: OfBook | None = None,
     ) -> Self:
         """Put a job together.
 
@@ -307,6 +318,8 @@ class JobFile:
             the result as it was kept.
         name
             what the job is called in messages.
+        of_book
+            what the book that it comes from knew of it.
 
         Raises
         ------
@@ -349,7 +362,7 @@ class JobFile:
             if _version(stated.atleak) > _version(__version__):
                 raise _made_by_newer(data, name) from error  # with a profile or option that this version does not know
             raise
-        return cls(stated.record.with_pictures(pictures), case, result, name)
+        return cls(stated.record.with_pictures(pictures), case, result, name, of_book or OfBook())
 
 
 def name_within(error: InputError, name: str) -> None:

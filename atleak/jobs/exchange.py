@@ -15,9 +15,9 @@ from typing import Any
 import pandas as pd
 import sqlalchemy as sa
 
-from atleak.job.file import OfBook, packed_job, read_exported
+from atleak.job.file import packed_job, read_job_file
 from atleak.job.judged_anew import judged_otherwise
-from atleak.job.parts import JobParts, job_parts
+from atleak.job.parts import JobParts, OfBook, job_parts
 from atleak.jobs.book import PICTURE, Book
 from atleak.jobs.search import Query
 from atleak.jobs.tables import decisions, job_files, jobs, lands, visits
@@ -163,12 +163,12 @@ def import_job(book: Book, source: str | Path | bytes, *, name: str = "job file"
     BookError
         where the book cannot be written.
     """
-    given, of_book = read_exported(source, name=name)
+    given = read_job_file(source, name=name)
     diagnosis = given.diagnose()
     parts = job_parts(diagnosis, given.job, given.case)
     known = same_job(book, parts)
-    kept = of_book.model_dump(exclude={"sample"}, exclude_defaults=True)
-    id = known or book.save(parts, sample=of_book.sample, kept=kept).id
+    kept = given.of_book.model_dump(exclude={"sample"}, exclude_defaults=True)
+    id = known or book.save(parts, sample=given.of_book.sample, kept=kept).id
     otherwise = judged_otherwise(given.result, parts.result, numbers=True)
     return Imported(id, known is not None, str(diagnosis.verdict), given.result_by, otherwise)
 

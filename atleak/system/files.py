@@ -49,7 +49,8 @@ def replace_file(target: str | Path, content: bytes, *, mode: int | None = None)
             with os.fdopen(os.dup(stream), "wb") as output:
                 output.write(content)
         elif earlier is None or stat.S_ISREG(earlier.st_mode):
-            _replace(Path(os.path.realpath(target)), earlier, content, mode)
+            with replacing(target, mode=mode) as beside:
+                beside.write_bytes(content)
         else:
             with target.open("wb") as device:  # a folder is refused here
                 device.write(content)
@@ -74,7 +75,8 @@ def replacing(target: str | Path, *, mode: int | None = None) -> Iterator[Path]:
     Parameters
     ----------
     mode
-        permissions of the file, which is there empty; unless given, whatever writes it makes it as any new file.
+        permissions of the file, which is there empty; unless given, those of the file that it replaces, else those of
+        any new file.
 
     Raises
     ------
@@ -82,19 +84,28 @@ def replacing(target: str | Path, *, mode: int | None = None) -> Iterator[Path]:
         naming the target and why it cannot be written.
     """
     place = Path(os.path.realpath(target))  # a link stays a link
-    beside = _new_name(place)
     try:
-        if mode is not None and place.parent.is_dir():
-            os.close(os.open(beside, os.O_CREAT | os.O_EXCL, mode))
-        yield beside
-        with beside.open("rb+") as stream:
-            os.fsync(stream.fileno())
-        _put_in_place(beside, place)
+        earlier = _status(place)
+        if earlier is not None and not os.access(place, os.W_OK):
+            raise PermissionError(None, Sentence("it is write-protected"))
+        wanted = stat.S_IMODE(earlier.st_mode) if mode is None and earlier is not None else mode
+        beside = _new_name(place)
+        try:
+            _make(beside, _NEW if wanted is None else wanted)
+            if earlier is not None and hasattr(os, "chown"):
+                with contextlib.suppress(OSError):  # another owner's file in a shared folder
+                    os.chown(beside, earlier.st_uid, earlier.st_gid)
+            if wanted is not None:
+                beside.chmod(wanted)  # the umask does not count for a file that was there
+            yield beside
+            with beside.open("rb+") as stream:
+                os.fsync(stream.fileno())
+            _put_in_place(beside, place)
+        finally:
+            with contextlib.suppress(OSError):
+                beside.unlink()
     except OSError as error:
         raise not_written(target, error) from error
-    finally:
-        with contextlib.suppress(OSError):
-            beside.unlink()
 
 
 def _new_name(target: Path) -> Path:
@@ -123,36 +134,13 @@ def _standard_stream(status: os.stat_result) -> int | None:
     return None
 
 
-def _replace(target: Path, earlier: os.stat_result | None, content: bytes, mode: int | None) -> None:
-    if earlier is not None and not os.access(target, os.W_OK):
-        raise PermissionError(None, Sentence("it is write-protected"))
-    wanted = stat.S_IMODE(earlier.st_mode) if mode is None and earlier is not None else mode
-    beside = _new_name(target)
+def _make(beside: Path, mode: int) -> None:
     try:
-        _write_beside(beside, content, _NEW if wanted is None else wanted)
-        if earlier is not None and hasattr(os, "chown"):
-            with contextlib.suppress(OSError):  # another owner's file in a shared folder
-                os.chown(beside, earlier.st_uid, earlier.st_gid)
-        if wanted is not None:
-            beside.chmod(wanted)  # the umask does not count for a file that was there
-        _put_in_place(beside, target)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            beside.unlink()
-        raise
-
-
-def _write_beside(beside: Path, content: bytes, mode: int) -> None:
-    try:
-        stream = open(beside, "xb", opener=lambda path, flags: os.open(path, flags, mode))  # noqa: SIM115
+        os.close(os.open(beside, os.O_CREAT | os.O_EXCL, mode))
     except PermissionError as error:
         folder = Sentence("nothing may be written in its folder, where a new file is made first")
         reason = Sentence("{problem}: {reason}", problem=reason_of(error), reason=folder)
         raise PermissionError(error.errno, reason) from error
-    with stream:
-        stream.write(content)
-        stream.flush()
-        os.fsync(stream.fileno())
 
 
 def _put_in_place(beside: Path, target: Path) -> None:

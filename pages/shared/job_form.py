@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from functools import partial
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, get_args
 
 import pandas as pd
@@ -18,7 +17,6 @@ from atleak.job.decisions import decision_faults
 from atleak.job.record import PICTURE_SUFFIXES, Grade, Job, RepairState
 from atleak.report.pictures import printable_picture
 from atleak.views.land_names import component_words
-from atleak.wording import Wording
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from pages.shared import drop_zone, fields, reader, show
 from pages.shared.state import RECORD, choose, job, job_generation, put_job, remember, session
@@ -26,10 +24,16 @@ from pages.shared.state import RECORD, choose, job, job_generation, put_job, rem
 __all__ = ["draw", "job", "key", "put_job"]
 
 _TEXTS = {
-    "workshop": ("workshop", ("name", "address", "phone", "email", "website", "registration")),
-    "customer": ("customer", ("name", "number", "address", "phone", "email")),
-    "vehicle": ("vehicle", ("make", "model", "year", "engine", "registration", "vin")),
-    "transmission": ("transmission", ("maker", "code", "serial", "note")),
+    "workshop": ("name", "address", "phone", "email", "website", "registration"),
+    "customer": ("name", "number", "address", "phone", "email"),
+    "vehicle": ("make", "model", "year", "engine", "registration", "vin"),
+    "transmission": ("maker", "code", "serial", "note"),
+}
+_LINES = ("number", "technician", "revision", "replaces", "approved_by")
+_NUMBERS = {
+    "measuring_temperature_c": ("measuring_temperature", MEASURING_TEMPERATURE),
+    "pump_side_clearance_um": ("pump_side", PUMP_SIDE_CLEARANCE),
+    "pump_tip_clearance_um": ("pump_tip", PUMP_TIP_CLEARANCE),
 }
 _LONG = {"address", "note"}
 _PARTS = {"spool": "measuring.spool", "piston": "measuring.piston", "sleeve": "measuring.bore"}  # the words of each
@@ -41,44 +45,21 @@ def draw(controller: Controller) -> Job:
     say, record = reader.say(), job()
     values: dict[str, Any] = {name: getattr(record, name) for name in Job.model_fields}
     with fields.fold(say("job_form.who"), key=key("fold-job"), opened=True):
-        first = st.columns(4)
-        values["number"] = first[0].text_input(say("job_form.number"), **fields.kept(key("number"), record.number))
-        values["date"] = first[1].date_input(
-            say("job_form.date"), format="YYYY-MM-DD", **fields.kept(key("date"), record.date)
-        )
-        values["technician"] = first[2].text_input(
-            say("job_form.technician"), **fields.kept(key("technician"), record.technician)
-        )
-        second = st.columns(5)
-        for place, name in zip(second, ("measured_on", "issued_on"), strict=False):
-            values[name] = place.date_input(
-                say(f"job_form.{name}"), format="YYYY-MM-DD", **fields.kept(key(name), getattr(record, name))
-            )
-        for place, name in zip(second[2:], ("revision", "replaces", "approved_by"), strict=True):
-            values[name] = place.text_input(say(f"job_form.{name}"), **fields.kept(key(name), getattr(record, name)))
-        with first[3]:
-            values["measuring_temperature_c"] = fields.number(
-                say("job_form.measuring_temperature"),
-                MEASURING_TEMPERATURE,
-                record.measuring_temperature_c,
-                key=key("measuring-temperature"),
-                optional=True,
-            )
-        third = st.columns(4)
-        for place, (title, (table, names)) in zip(third, _TEXTS.items(), strict=True):
-            place.markdown(f"**{say(f'job_form.{title}')}**")
-            values[table] = getattr(record, table).model_dump() | {
-                name: _text(place, f"{table}-{name}", name, getattr(getattr(record, table), name)) for name in names
-            }
-        with third[-1]:  # the pump is the transmission's
-            for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
-                values[f"pump_{side}_clearance_um"] = fields.number(
-                    say(f"job_form.pump_{side}"),
-                    asked,
-                    getattr(record, f"pump_{side}_clearance_um"),
-                    key=key(f"pump-{side}"),
-                    optional=True,
-                )
+        first, second, third = st.columns(4), st.columns(5), st.columns(4)
+        places = dict(zip(_LINES, (first[0], first[2], *second[2:]), strict=True))
+        values |= {name: _line(place, name, getattr(record, name)) for name, place in places.items()}
+        for name, place in zip(("date", "measured_on", "issued_on"), (first[1], *second[:2]), strict=True):
+            own = fields.kept(key(name), getattr(record, name))
+            values[name] = place.date_input(say(f"job_form.{name}"), format="YYYY-MM-DD", **own)
+        for place, (table, names) in zip(third, _TEXTS.items(), strict=True):
+            place.markdown(f"**{say(f'job_form.{table}')}**")
+            held = getattr(record, table)
+            typed = {name: _text(place, f"{table}-{name}", name, getattr(held, name)) for name in names}
+            values[table] = held.model_dump() | typed
+        for name, (label, asked) in _NUMBERS.items():
+            with first[3] if asked is MEASURING_TEMPERATURE else third[-1]:  # the pump is the transmission's
+                own, start = key(label.replace("_", "-")), getattr(record, name)
+                values[name] = fields.number(say(f"job_form.{label}"), asked, start, key=own, optional=True)
     with fields.fold(say("job_form.as_found"), key=key("fold-found")):
         values |= _as_found(record)
     with fields.fold(say("job_form.tables"), key=key("fold-tables")):
@@ -116,14 +97,9 @@ def draw(controller: Controller) -> Job:
 def _as_found(record: Job) -> dict[str, Any]:
     say, oil, dirt = reader.say(), record.fluid_condition, record.contamination
     complaint = st.text_area(say("facts.complaint"), **fields.kept(key("complaint"), record.complaint))
-    written = ", ".join(record.fault_codes)
-    codes = st.text_input(say("job_form.fault_codes"), **fields.kept(key("codes"), written))
-    places = st.columns(5)
-    names = ("product", "level", "colour", "smell", "note")
-    fluid = {
-        name: _text(place, f"oil-{name}", name, getattr(oil, name), "oil_")
-        for place, name in zip(places, names, strict=True)
-    }
+    codes = _line(st, "fault_codes", ", ".join(record.fault_codes))
+    places = dict(zip(("product", "level", "colour", "smell", "note"), st.columns(5), strict=True))
+    fluid = {name: _text(place, f"oil-{name}", name, getattr(oil, name), "oil_") for name, place in places.items()}
     grades = ["", *get_args(Grade)]
     columns = st.columns(3)
     chosen = fields.kept(key("grade"), dirt.grade or "")
@@ -146,35 +122,33 @@ def _as_found(record: Job) -> dict[str, Any]:
     }
 
 
-def _choice(label: str, options: Iterable[int | str], say: Wording) -> Any:
-    # streamlit takes None for an empty cell, which its annotation leaves out
-    shown = partial(say.get, "job_decisions")
-    return st.column_config.SelectboxColumn(
-        label,
-        options=[None, *options],  # type: ignore[list-item]
-        format_func=lambda each: shown(str(each)),
-    )
+def _choice(name: str, options: Iterable[Any], shown: Callable[[Any], str]) -> Any:
+    label = reader.say()(f"job_table.{name}")
+    return st.column_config.SelectboxColumn(label, options=list(options), format_func=shown)
 
 
 def _tables(record: Job, controller: Controller) -> tuple[dict[str, Any], dict[str, DeltaGenerator]]:
     """Show the tables to edit; return their rows, and the place below each for what is wrong with it."""
     say = reader.say()
-    pairs = st.column_config.SelectboxColumn(
-        say("job_table.component"),
-        options=["", *controller.components],
-        format_func=lambda each: component_words(controller, str(each), say) if each else "",
-    )
-    land = _choice(say("job_table.land"), range(1, 10), say)
-    decision = _choice(say("job_table.decision"), get_args(RepairState), say)
-    parts = st.column_config.SelectboxColumn(
-        say("job_table.part"), options=["", *_PARTS], format_func=lambda each: say(_PARTS[str(each)]) if each else ""
-    )
-    dates = {
-        name: st.column_config.DateColumn(say(f"job_table.{name}"), format="YYYY-MM-DD")
-        for name in ("date", "calibrated")
+
+    def decided(each: Any) -> str:
+        return say.get("job_decisions", str(each))
+
+    shared = {
+        "component": _choice(
+            "component",
+            ("", *controller.components),
+            lambda each: component_words(controller, str(each), say) if each else "",
+        ),
+        "land": _choice("land", (None, *range(1, 10)), decided),
+        "decision": _choice("decision", (None, *get_args(RepairState)), decided),
+        "part": _choice("part", ("", *_PARTS), lambda each: say(_PARTS[str(each)]) if each else ""),
+        **{
+            name: st.column_config.DateColumn(say(f"job_table.{name}"), format="YYYY-MM-DD")
+            for name in ("date", "calibrated")
+        },
+        **dict.fromkeys(("photo", "repair", "price", "hours")),  # in the folds above, and on the page Estimate
     }
-    shared = {"component": pairs, "land": land, "decision": decision, "part": parts, "photo": None, **dates}
-    shared |= dict.fromkeys(("repair", "price", "hours"))  # on the page Estimate
     tables, places = {}, {}
     for name in ("repair_decisions", "scratches", "instruments"):
         st.markdown(f"**{say(f'job_form.{name}')}**")
@@ -217,15 +191,10 @@ def _pictures(record: Job) -> dict[str, Any]:
         places = st.columns([2, 3, 1], vertical_alignment="bottom")
         if photo.file in record.pictures:
             _picture(places[0], photo.file, record.pictures[photo.file])
-        caption = places[1].text_input(
-            say("job_form.caption"), **fields.kept(key(f"caption-{photo.file}"), photo.caption)
-        )
-        places[2].button(
-            say("job_form.remove"),
-            key=key(f"remove-{photo.file}"),
-            on_click=_take_photo_away,
-            args=(photo.file,),
-        )
+        own = fields.kept(key(f"caption-{photo.file}"), photo.caption)
+        caption = places[1].text_input(say("job_form.caption"), **own)
+        own = key(f"remove-{photo.file}")
+        places[2].button(say("job_form.remove"), key=own, on_click=_take_photo_away, args=(photo.file,))
         photos.append(photo.model_copy(update={"caption": caption}).model_dump())
     return {"photos": photos}
 
@@ -272,6 +241,10 @@ def _take_photo_away(file: str) -> None:
 def _put(record: Job) -> None:
     """Change the record under its widgets; for a callback."""
     st.session_state[RECORD] = record
+
+
+def _line(place: Any, name: str, value: str) -> str:
+    return str(place.text_input(reader.say()(f"job_form.{name}"), **fields.kept(key(name), value)))
 
 
 def _text(place: Any, own: str, name: str, value: str, before: str = "") -> str:

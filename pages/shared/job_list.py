@@ -50,22 +50,20 @@ def asked(book: Book) -> Query:
     )
     with book.reading() as connection:
         controllers = controllers_held(connection)
+
+    def choice(place: Any, name: str, options: Sequence[str], shown: Callable[[Any], str]) -> str:
+        label = say(f"columns.{name}")
+        shown_or_any = partial(_shown_or_any, shown)
+        return str(place.selectbox(label, ["", *options], key=f"job-list-{name}", format_func=shown_or_any))
+
     with st.expander(say("job_book.narrow")):
         places = st.columns(4)
-        first = places[0].date_input(say("job_book.from"), format="YYYY-MM-DD", **kept("job-list-from", None))
-        last = places[1].date_input(say("job_book.to"), format="YYYY-MM-DD", **kept("job-list-to", None))
-        verdict = places[2].selectbox(
-            say("columns.verdict"),
-            ["", *Verdict],
-            key="job-list-verdict",
-            format_func=lambda each: say.signed(each) if each else say("job_book.any"),
+        first, last = (
+            place.date_input(say(f"job_book.{name}"), format="YYYY-MM-DD", **kept(f"job-list-{name}", None))
+            for place, name in zip(places, ("from", "to"), strict=False)
         )
-        controller = places[3].selectbox(
-            say("columns.controller"),
-            ["", *controllers],
-            key="job-list-controller",
-            format_func=lambda each: each or say("job_book.any"),
-        )
+        verdict = choice(places[2], "verdict", tuple(Verdict), say.signed)
+        controller = choice(places[3], "controller", controllers, str)
         archived = st.toggle(say("job_book.archived"), key="job-list-archived")
     return Query(
         text=text,
@@ -75,6 +73,10 @@ def asked(book: Book) -> Query:
         controller=controller,
         archived=archived,
     )
+
+
+def _shown_or_any(shown: Callable[[Any], str], each: Any) -> str:
+    return shown(each) if each else reader.say()("job_book.any")
 
 
 def listed(book: Book, query: Query) -> list[JobRow]:
@@ -124,26 +126,22 @@ def _shown(row: JobRow, say: Wording) -> dict[str, Any]:
 def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] | None:
     """Show what can be done with the picked jobs; return the page to go to, with its parameters."""
     say, ids = reader.say(), [row.id for row in picked]
+    back = bool(picked) and all(row.archived_at is not None for row in picked)
+
+    def button(name: str, fits: bool, said: str = "", **settings: Any) -> bool:
+        return st.button(say(f"job_book.{said or name}"), disabled=not fits, key=f"job-{name}", **settings)
+
     with st.container(horizontal=True):
-        opened = st.button(
-            say("job_book.open"),
-            on_click=_open,
-            args=tuple(ids[:1]),
-            disabled=len(ids) != 1,
-            type="primary",
-            key="job-open",
-        )
-        unit = st.button(say("job_book.unit"), disabled=len(ids) != 1, key="job-unit", help=say("job_book.unit_help"))
-        both = st.button(
-            say("job_book.compare"), disabled=len(ids) != 2, key="job-compare", help=say("job_book.compare_help")
-        )
-        back = bool(picked) and all(row.archived_at is not None for row in picked)
-        st.button(
-            say("job_book.bring_back" if back else "job_book.archive"),
+        opened = button("open", len(ids) == 1, on_click=_open, args=tuple(ids[:1]), type="primary")
+        unit = button("unit", len(ids) == 1, help=say("job_book.unit_help"))
+        both = button("compare", len(ids) == 2, help=say("job_book.compare_help"))
+        act = partial(_archived, book, ids, back=back)
+        button(
+            "archive",
+            bool(ids),
+            "bring_back" if back else "archive",
             on_click=_done,
-            args=(partial(_archived, book, ids, back=back),),
-            disabled=not ids,
-            key="job-archive",
+            args=(act,),
             help=say("job_book.archive_help"),
         )
         st.download_button(
@@ -155,7 +153,7 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
             key="job-export",
             help=say("job_book.export_help"),
         )
-        st.button(say("job_book.erase_customer"), on_click=_begin, args=(ids,), disabled=not ids, key="job-erase")
+        button("erase", bool(ids), "erase_customer", on_click=_begin, args=(ids,))
     if opened and job_id() in ids:
         return "4_Diagnosis", {}
     if unit:

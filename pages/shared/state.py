@@ -254,34 +254,39 @@ def current_diagnosis() -> Diagnosis:
     A file that cannot be used is left out, and the rest of what is tried with it is taken.
     """
     now = session()
-    for slot in ("settings", *(kind for kind in now.refused if kind not in (*FILES, "job"))):
-        now.refused.pop(slot, None)
-    try:
-        result = diagnosis_of(now.case)
-    except AtleakError as error:
-        slot = _at_fault(now, error)
-        if slot in now.tried:
-            if now.follow and _follow(now, error):
-                return current_diagnosis()
+    for slot in set(now.refused) - {*FILES, "job"}:
+        now.refused.pop(slot)
+    while not isinstance(result := _result(now), Diagnosis):
+        slot, error = result
+        if slot not in now.tried:
+            now.refused[slot] = Refusal("", error)
+            now.steps = now.steps.settled(now.case, job())
+            return diagnosis_of(now.good)
+        if not _followed(now, error):
             file = getattr(now.case, slot)
             now.refused[slot] = Refusal(file.name, error, file)
             now.case = _without(now.case, slot, now.tried.pop(slot))
-            return current_diagnosis()
-        now.refused[slot] = Refusal("", error)
-        now.steps = now.steps.settled(now.case, job())
-        return diagnosis_of(now.good)
     now.good = held(now.case)
     if "readings" in now.tried:
         _take_head(result)
-    if not is_large(now.good.road_test) and all(result is not each for each in now.results):
-        now.results = (*now.results[1 - RESULTS :], result)
     now.tried.clear()
     now.follow = False
     now.steps = now.steps.settled(now.case, job())
-    if is_large(now.good.road_test) and not now.gives_back:
+    if not is_large(now.good.road_test):
+        if all(result is not each for each in now.results):
+            now.results = (*now.results[1 - RESULTS :], result)
+    elif not now.gives_back:
         now.gives_back = True
         weakref.finalize(now, give_back_soon)  # a log's bytes go with the session
     return result
+
+
+def _result(now: Session) -> Diagnosis | tuple[str, AtleakError]:
+    """Return the diagnosis of the job as chosen, or what of it cannot be used, and why."""
+    try:
+        return diagnosis_of(now.case)
+    except AtleakError as error:
+        return _at_fault(now, error), error
 
 
 def _take_head(diagnosis: Diagnosis) -> None:
@@ -296,14 +301,14 @@ def _take_head(diagnosis: Diagnosis) -> None:
         session().notices += (say("done.head_taken", names=named),)
 
 
-def _follow(now: Session, error: AtleakError) -> bool:
+def _followed(now: Session, error: AtleakError) -> bool:
     """Choose the controller that the head of a new sheet names, where the catalogue holds it; return whether it did."""
     first = next(iter(getattr(error, "problems", (error,))))
-    known = {name.casefold(): name for name in catalogue_list("controller").entries}
-    if not isinstance(first, OtherControllerError) or first.named.casefold() not in known:
+    known = {name.casefold(): name for name in catalogue_list("controller").entries} if now.follow else {}
+    name = known.get(first.named.casefold()) if isinstance(first, OtherControllerError) else None
+    if name is None:
         return False
     now.follow = False
-    name = known[first.named.casefold()]
     pick("controller", name)
     now.notices += (reader.say()("done.head_chose", name=name),)
     return True
@@ -327,5 +332,5 @@ def _at_fault(now: Session, error: AtleakError) -> str:
     slots = next((slots for kind, slots in files.items() if isinstance(error, kind)), None)
     if slots is None and isinstance(error, CatalogueError):
         return "catalogue"
-    tried = [slot for slot in slots or FILES if getattr(now.tried.get(slot), slot, None) != getattr(now.case, slot)]
-    return next((slot for slot in tried if slot in now.tried), "settings")
+    new = (slot for slot in slots or FILES if slot in now.tried)
+    return next((slot for slot in new if getattr(now.tried[slot], slot) != getattr(now.case, slot)), "settings")
