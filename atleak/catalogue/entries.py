@@ -102,7 +102,7 @@ def _day(value: Any) -> str:
 class Strict(BaseModel):
     """A table of a catalogue file: unknown keys are errors, and so is a number in quotes."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
 
 
 class Entry(Strict):

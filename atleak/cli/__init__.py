@@ -7,7 +7,9 @@ Every module adds the parsers of its commands and runs them; it is imported when
 from __future__ import annotations
 
 import argparse
+import atexit
 import errno
+import gc
 import os
 import sys
 from collections.abc import Collection, Iterator, Sequence
@@ -37,6 +39,8 @@ atleak COMMAND --help says more of each command. Exit status: 0 done, 1 only wit
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else it looks through every installed package
+    atexit.register(gc.freeze)  # else all that is there is looked through once more when the interpreter ends
     with printable_streams():
         return _run(arguments)
 

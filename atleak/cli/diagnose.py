@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 from typing import Any
 
 from atleak.cli.job_options import add_job_options, as_read, chosen_job, input_files
@@ -55,6 +56,14 @@ def add_parser(commands: Any, name: str) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Diagnose the job, write the reports that were asked for and show the verdict."""
+    gc.disable()  # one job is soon done, and nearly all that is made for it stays until then
+    try:
+        return _diagnosed(options)
+    finally:
+        gc.enable()
+
+
+def _diagnosed(options: argparse.Namespace) -> int:
     outputs = Outputs(options, input_files(options))
     case, job = chosen_job(options)
     printed, font = print_options(options, outputs.formats), print_font(options, outputs.formats)

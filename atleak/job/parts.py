@@ -45,7 +45,7 @@ _RECORD_LIMIT = 16 << 20  # bytes
 
 
 class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 def _known_slot(name: str) -> str:

@@ -118,7 +118,7 @@ TaxPercent = Annotated[float, _Asked(TAX)]
 class Record(BaseModel):
     """A table of the job: unknown keys are errors, and it never changes after it was made."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     @property
     def empty(self) -> bool:

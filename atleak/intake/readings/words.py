@@ -35,6 +35,8 @@ def plain(text: object) -> str:
 
 @lru_cache(maxsize=8192)
 def _plain(text: str) -> str:
+    if text.isascii():  # most words are, and this is quick
+        return " ".join(text.lower().split())
     folded = unicodedata.normalize("NFKD", text).lower().replace("ł", "l").replace("ß", "ss")
     return _SPACES.sub(" ", "".join(sign for sign in folded if not unicodedata.combining(sign))).strip()
 
