@@ -32,19 +32,19 @@ def add_parser(commands: Any, name: str) -> None:
         "controller learn new_unit.xlsx --controller my_unit.toml -o my_unit_learned.toml",
     )
     group = add_group(commands, name, examples)
-    examples = ("controller template -o my_unit.xlsx", "controller template --from four_speed_2023 -o mine.xlsx")
-    template = add_command(group, "template", _template, "a workbook to fill in", examples=examples)
+    begun = ("controller template -o my_unit.xlsx", "controller template --from four_speed_2023 -o mine.xlsx")
+    template = add_command(group, "template", _template, "a workbook to fill in", examples=begun)
     help = "start from this one: all of it is filled in but its id, name, source and date"
     template.add_argument("--from", dest="start", metavar="ID|FILE", help=help)
     _add_workbook(template)
-    examples = ("controller from-workbook my_unit.xlsx -o my_unit.toml",)
-    read = add_command(group, "from-workbook", _from_workbook, "a filled workbook as TOML file", examples=examples)
+    example = "controller from-workbook my_unit.xlsx -o my_unit.toml"
+    read = add_command(group, "from-workbook", _from_workbook, "a filled workbook as TOML file", examples=[example])
     read.add_argument("workbook", metavar="FILE.xlsx", help="as template or to-workbook writes it, filled in")
     read.add_argument("-o", "--output", metavar="FILE.toml|-", required=True, help="what --controller takes")
     add_force(read)
     about = "a valve body as workbook, to change it there"
-    examples = ("controller to-workbook four_speed_2023 -o mine.xlsx",)
-    written = add_command(group, "to-workbook", _to_workbook, about, examples=examples)
+    example = "controller to-workbook four_speed_2023 -o mine.xlsx"
+    written = add_command(group, "to-workbook", _to_workbook, about, examples=[example])
     written.add_argument("controller", metavar="ID|FILE", help="the valve body")
     _add_workbook(written)
     add_learn(group)

@@ -190,9 +190,12 @@ def chosen_case(options: argparse.Namespace) -> Case:
     from atleak.catalogue.pump import PumpClearances
     from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile
 
+    given = {name: getattr(options, name) for name in (*OWN_FILES, *SLOTS, "profile")}
+    chosen: dict[str, Any] = {
+        name: SourceFile.at(value) if name in OWN_FILES else value for name, value in given.items() if value is not None
+    }
     return Case(
-        **{name: SourceFile.at(path) for name in OWN_FILES if (path := getattr(options, name)) is not None},
-        **{name: chosen for name in (*SLOTS, "profile") if (chosen := getattr(options, name)) is not None},
+        **chosen,
         fluid_state=options.fluid_state,
         options=_profile_options(options),
         temperature=options.temperature,

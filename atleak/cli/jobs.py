@@ -53,8 +53,8 @@ def add_parser(commands: Any, name: str) -> None:
     )
     add_job_options(add)
     _add_list(group)
-    examples = ("jobs show 2026-0417 --json job.json",)
-    show = add_command(group, "show", _show, "a job of the book, diagnosed anew", examples=examples)
+    example = "jobs show 2026-0417 --json job.json"
+    show = add_command(group, "show", _show, "a job of the book, diagnosed anew", examples=[example])
     add_job_id(show)
     add_json(show)
     add_force(show)

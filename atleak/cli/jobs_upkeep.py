@@ -16,6 +16,7 @@ from atleak.jobs.search import Query
 from atleak.sentence import Sentence
 from atleak.system.files import replace_file
 from atleak.system.home import made
+from atleak.system.marks import Kind
 from atleak.wording import wording
 
 
@@ -57,9 +58,11 @@ def _export(options: argparse.Namespace) -> int:
 
     book, folder = open_book(), Path(options.output)
     ids = _ids(book, options)
-    paths = export_paths(book, ids).values()
-    kinds = (("job file" if path.suffix == ".zip" else "table", str(folder / path)) for path in paths)
-    check_targets(options, [], kinds)
+    targets: list[tuple[Kind, str]] = [
+        ("job file" if path.suffix == ".zip" else "table", str(folder / path))
+        for path in export_paths(book, ids).values()
+    ]
+    check_targets(options, [], targets)
     made(folder / "tables")
     for path, content in exported(book, ids):
         replace_file(folder / path, content)

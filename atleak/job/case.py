@@ -12,9 +12,10 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from io import BufferedReader
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
-from typing import Any, BinaryIO, Self, TypeVar
+from typing import Any, Self, TypeVar
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
@@ -110,7 +111,7 @@ class SourceFile:
             return hashlib.file_digest(stream, "sha256").hexdigest()
 
     @contextmanager
-    def _opened(self) -> Iterator[BinaryIO]:
+    def _opened(self) -> Iterator[BufferedReader]:
         try:
             with Path(self.path or self.name).open("rb") as stream:
                 yield stream

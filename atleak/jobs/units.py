@@ -76,7 +76,8 @@ def _unit(connection: sa.Connection, key: str, serial: str) -> int:
 def drop_empty(connection: sa.Connection, left: tuple[int, int] | None = None) -> None:
     """Delete every visit and unit that no job has, or of one visit and its unit what corrected typing leaves so."""
     other = units.alias()
-    visit, unit = (True, True) if left is None else (visits.c.id == left[0], units.c.id == left[1])
+    every = sa.true(), sa.true()
+    visit, unit = every if left is None else (visits.c.id == left[0], units.c.id == left[1])
     connection.execute(visits.delete().where(visit, ~sa.exists().where(jobs.c.visit == visits.c.id)))
     leads_none = units.c.merged_into.is_(None) & ~sa.exists().where(other.c.merged_into == units.c.id)
     connection.execute(units.delete().where(unit, leads_none, ~sa.exists().where(visits.c.unit == units.c.id)))

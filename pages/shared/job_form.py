@@ -46,20 +46,20 @@ def draw(controller: Controller) -> Job:
     values: dict[str, Any] = {name: getattr(record, name) for name in Job.model_fields}
     with fields.fold(say("job_form.who"), key=key("fold-job"), opened=True):
         first, second, third = st.columns(4), st.columns(5), st.columns(4)
-        places = dict(zip(_LINES, (first[0], first[2], *second[2:]), strict=True))
-        values |= {name: _line(place, name, getattr(record, name)) for name, place in places.items()}
+        lines = zip(_LINES, (first[0], first[2], *second[2:]), strict=True)
+        values |= {name: _line(place, name, getattr(record, name)) for name, place in lines}
         for name, place in zip(("date", "measured_on", "issued_on"), (first[1], *second[:2]), strict=True):
             own = fields.kept(key(name), getattr(record, name))
             values[name] = place.date_input(say(f"job_form.{name}"), format="YYYY-MM-DD", **own)
         for place, (table, names) in zip(third, _TEXTS.items(), strict=True):
             place.markdown(f"**{say(f'job_form.{table}')}**")
             held = getattr(record, table)
-            typed = {name: _text(place, f"{table}-{name}", name, getattr(held, name)) for name in names}
-            values[table] = held.model_dump() | typed
+            texts = {name: _text(place, f"{table}-{name}", name, getattr(held, name)) for name in names}
+            values[table] = held.model_dump() | texts
         for name, (label, asked) in _NUMBERS.items():
             with first[3] if asked is MEASURING_TEMPERATURE else third[-1]:  # the pump is the transmission's
-                own, start = key(label.replace("_", "-")), getattr(record, name)
-                values[name] = fields.number(say(f"job_form.{label}"), asked, start, key=own, optional=True)
+                place_key, start = key(label.replace("_", "-")), getattr(record, name)
+                values[name] = fields.number(say(f"job_form.{label}"), asked, start, key=place_key, optional=True)
     with fields.fold(say("job_form.as_found"), key=key("fold-found")):
         values |= _as_found(record)
     with fields.fold(say("job_form.tables"), key=key("fold-tables")):
@@ -193,8 +193,8 @@ def _pictures(record: Job) -> dict[str, Any]:
             _picture(places[0], photo.file, record.pictures[photo.file])
         own = fields.kept(key(f"caption-{photo.file}"), photo.caption)
         caption = places[1].text_input(say("job_form.caption"), **own)
-        own = key(f"remove-{photo.file}")
-        places[2].button(say("job_form.remove"), key=own, on_click=_take_photo_away, args=(photo.file,))
+        remove = key(f"remove-{photo.file}")
+        places[2].button(say("job_form.remove"), key=remove, on_click=_take_photo_away, args=(photo.file,))
         photos.append(photo.model_copy(update={"caption": caption}).model_dump())
     return {"photos": photos}
 
