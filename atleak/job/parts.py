@@ -72,6 +72,9 @@ class Condition(_Strict):
     values_of: str = ""
 
 
+_OF_RECORD = ("measuring_temperature_c", "pump_side_clearance_um", "pump_tip_clearance_um")  # which holds them too
+
+
 class ReadingChoices(_Strict):
     """The choices by which `read_readings` read the measuring sheet, and what was measured beside its diameters."""
 
@@ -83,24 +86,14 @@ class ReadingChoices(_Strict):
     pump_side_clearance_um: PumpSideMicrometres | None = None
     pump_tip_clearance_um: PumpTipMicrometres | None = None
 
-    @property
-    def of_record(self) -> dict[str, float]:
-        """Return what of it the job's record holds too."""
-        names = ("measuring_temperature_c", "pump_side_clearance_um", "pump_tip_clearance_um")
-        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
+class LogChoices(_Strict):
+    """The choices by which a log's columns are read; none stated where there is no log."""
 
-def _every_alone_a_number(choices: dict[str, Any]) -> dict[str, Any]:
-    for name, value in choices.items():
-        if isinstance(value, int) != (name == "every"):
-            raise ValueError(Sentence("a whole number for 'every', and for nothing else"))
-    return choices
-
-
-_LogChoice = Annotated[int, Field(ge=1, strict=True)] | dict[str, str | float] | None
-_LogChoices = Annotated[
-    dict[Literal["mapping", "units", "constants", "every"], _LogChoice], AfterValidator(_every_alone_a_number)
-]
+    mapping: dict[str, str] | None = None
+    units: dict[str, str] | None = None
+    constants: dict[str, str | float] | None = None
+    every: Annotated[int, Field(ge=1, strict=True)] = 1
 
 
 class Choices(_Strict):
@@ -117,7 +110,7 @@ class Choices(_Strict):
     complaint: str | None = None
     repairs: list[str] = []
     readings: ReadingChoices = ReadingChoices()
-    road_test: _LogChoices = {}
+    road_test: LogChoices = LogChoices()
     assumptions: dict[str, float] = {}
     guard_factor: float | None = None
     files: dict[Annotated[str, AfterValidator(_known_slot)], Annotated[str, AfterValidator(plain_name)]] = {}
@@ -125,13 +118,13 @@ class Choices(_Strict):
     @property
     def record(self) -> Job:
         """Return the job record with the measuring temperature and the pump's clearances that were chosen."""
-        chosen = self.readings.of_record
+        chosen = self.readings.model_dump(exclude_none=True, include=set(_OF_RECORD))
         return self.job.model_copy(update=chosen) if chosen else self.job
 
     def case(self, sources: Mapping[str, SourceFile]) -> Case:
         """Return the case that these choices and files make up; nothing that this computer remembers is used."""
         profile = find_profile(self.profile, {name: str(value) for name, value in self.options.items()})
-        log: Any = self.road_test
+        log, sheet = self.road_test, self.readings
         return Case(
             profile=profile.name,
             options=differing_options(profile),
@@ -142,43 +135,18 @@ class Choices(_Strict):
             fluid_state=self.fluid_state,
             complaint=self.complaint,
             repairs=tuple(self.repairs),
-            sheet_name=self.readings.sheet,
-            sheet_unit=self.readings.unit,
-            sheet_where=pairs_of(self.readings.where),
-            sheet_fill_down=self.readings.fill_down,
-            columns=pairs_of(log.get("mapping")),
-            units=pairs_of(log.get("units")),
-            constants=pairs_of(log.get("constants")),
-            every=log.get("every", 1),
+            sheet_name=sheet.sheet,
+            sheet_unit=sheet.unit,
+            sheet_where=pairs_of(sheet.where),
+            sheet_fill_down=sheet.fill_down,
+            columns=pairs_of(log.mapping),
+            units=pairs_of(log.units),
+            constants=pairs_of(log.constants),
+            every=log.every,
             remember=False,
             assumptions=() if self.assumptions == DEFAULTS.settings else pairs_of(self.assumptions),
             guard_factor=None if self.guard_factor == GUARD_FACTOR else self.guard_factor,
         ).with_files(sources)
-
-
-def _assumptions(case: Case) -> dict[str, float]:
-    """Return the assumptions that were chosen: a log is judged with them also where nothing was measured."""
-    return DEFAULTS.with_settings(dict(case.assumptions)).settings if case.assumptions else {}
-
-
-def _reading_choices(case: Case) -> ReadingChoices:
-    side, tip = case.pump_clearances.um
-    return ReadingChoices(
-        **case.sheet_choices,
-        measuring_temperature_c=case.measuring_temperature,
-        pump_side_clearance_um=side,
-        pump_tip_clearance_um=tip,
-    )
-
-
-def _log_choices(case: Case) -> Any:
-    chosen = case.log_choices
-    columns: dict[str, Any] = {"mapping": {**chosen["mapping"]}, "units": {**chosen["units"]}}
-    if case.constants:
-        columns["constants"] = dict(case.constants)
-    if case.every > 1:
-        columns["every"] = case.every
-    return columns
 
 
 # --- a job in parts
@@ -224,15 +192,22 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
         files that are missing, or not those that the diagnosis rests on.
     """
     job, case = job or Job(), case or Case()
-    entries = _catalogue_files(diagnosis, case)
     gauges = diagnosis.pressures.table if diagnosis.pressures else None
-    of_tab = gauges if case.pressures is None else None
-    sheet = _source(case.readings, diagnosis.readings or of_tab, _SHEET)
-    table = _source(case.pressures, None if gauges is of_tab else gauges, _GAUGES)
-    log = _source(case.road_test, diagnosis.log.road_test if diagnosis.log else None, _LOG)
-    own = dict(zip(OWN_FILES, (sheet, log, table), strict=True))
+    used = {
+        "readings": diagnosis.readings or (gauges if case.pressures is None else None),
+        "road_test": diagnosis.log.road_test if diagnosis.log else None,
+        "pressures": None if case.pressures is None else gauges,
+    }
+    own = {slot: _source(slot, getattr(case, slot), used[slot]) for slot in OWN_FILES if used[slot] is not None}
+    sources = {**own, **_catalogue_files(diagnosis, case)}
     uncertainty = diagnosis.uncertainty
+    # a log is judged with what was assumed also where nothing was measured
+    assumed = DEFAULTS.with_settings(dict(case.assumptions)).settings if case.assumptions else {}
     head = diagnosis.readings.identity.mileage if diagnosis.readings else None
+    measured: dict[str, Any] = dict(
+        zip(_OF_RECORD, (case.measuring_temperature, *case.pump_clearances.um), strict=True)
+    )
+    log_choices = {**case.log_choices, "constants": dict(case.constants) or None}
     choices = Choices(
         format=FORMAT,
         atleak=__version__,
@@ -241,16 +216,15 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
         options=diagnosis.profile.options,
         condition=Condition(**asdict(diagnosis.projection.condition)),
         mileage=case.mileage if diagnosis.mileage == head else diagnosis.mileage,
-        readings=_reading_choices(case) if sheet else ReadingChoices(),
+        readings=ReadingChoices(**case.sheet_choices, **measured) if "readings" in own else ReadingChoices(),
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
         complaint=diagnosis.complaint.id if diagnosis.complaint else None,
         repairs=[repair.id for repair in diagnosis.repairs],
-        road_test=_log_choices(case) if log else {},
-        assumptions=uncertainty.assumptions.settings if uncertainty else _assumptions(case),
+        road_test=LogChoices(**log_choices) if "road_test" in own else LogChoices(),
+        assumptions=uncertainty.assumptions.settings if uncertainty else assumed,
         guard_factor=uncertainty.guard_factor if uncertainty else case.guard_factor,
-        files={slot: source.name for slot, source in {**own, **entries}.items() if source is not None},
+        files={slot: source.name for slot, source in sources.items()},
     )
-    sources = {slot: source for slot, source in {**own, **entries}.items() if source is not None}
     pictures = {name: without_notes(content) for name, content in job.pictures.items()}
     return JobParts(choices, sources, pictures, case, diagnosis)
 
@@ -327,42 +301,47 @@ class JobFile:
             another format, choices that no job has, a file that is missing.
         """
         data = json_of(choices, _within(name, "job.json"))
-        made = data.get("format") if isinstance(data, dict) else None
-        if made != FORMAT:
-            if _is_newer(made):
-                raise _made_by_newer(data, name)
-            problem = Sentence("job file of another format")
-            expected = Sentence("format {format}", format=FORMAT)
-            raise InputError(problem, place=Place(file=name), value=made, expected=expected)
-        sheet = sources.get("readings")
-        if isinstance(sheet, bytes):
-            data = without_plan_as_number(data, sheet)
         try:
-            stated = validated(Choices, data, _within(name, "job.json"))
+            stated = _stated(data, sources.get("readings"), name)
+            case = stated.case(_files(stated, sources, name))
         except InputError as error:
-            if _version(data.get("atleak")) > _version(__version__):
-                raise _made_by_newer(data, name) from error  # with choices that this version does not know
-            raise
-        files = {}
-        for slot, called in stated.files.items():
-            if slot not in sources:
-                problem = Sentence("holds no {file}, which its record names", file=entry_of(slot))
-                raise InputError(problem, place=Place(file=name))
-            content = sources[slot]
-            files[slot] = (
-                SourceFile(called, content) if isinstance(content, bytes) else SourceFile(called, None, content)
+            if not isinstance(data, dict) or not _is_newer(data):
+                raise
+            made_by = data["atleak"] if isinstance(data.get("atleak"), str) else "?"
+            problem = Sentence(
+                "made by atleak {made_by}, newer than this {version}: update", made_by=made_by, version=__version__
             )
-        missing = [name for name, slot in SLOTS.items() if slot.required and name not in files]
-        if missing:
-            problem = Sentence("names no {part}", part=missing[0])
-            raise InputError(problem, place=Place(file=name), expected=Sentence("a complete job file"))
-        try:
-            case = stated.case(files)
-        except InputError as error:
-            if _version(stated.atleak) > _version(__version__):
-                raise _made_by_newer(data, name) from error  # with a profile or option that this version does not know
-            raise
+            raise InputError(problem, place=Place(file=name)) from error
         return cls(stated.record.with_pictures(pictures), case, result, name, of_book or OfBook())
+
+
+def _stated(data: Any, sheet: bytes | Path | None, name: str) -> Choices:
+    """Return what ``job.json`` states, if it is of this format."""
+    made = data.get("format") if isinstance(data, dict) else None
+    if made != FORMAT:
+        expected = Sentence("format {format}", format=FORMAT)
+        problem = Sentence("job file of another format")
+        raise InputError(problem, place=Place(file=name), value=made, expected=expected)
+    if isinstance(sheet, bytes):
+        data = without_plan_as_number(data, sheet)
+    return validated(Choices, data, _within(name, "job.json"))
+
+
+def _files(stated: Choices, sources: Mapping[str, bytes | Path], name: str) -> dict[str, SourceFile]:
+    """Return the files of a job by slot, each under the name that it had."""
+    files = {}
+    for slot, called in stated.files.items():
+        content = sources.get(slot)
+        if content is None:
+            problem = Sentence("holds no {file}, which its record names", file=entry_of(slot))
+            raise InputError(problem, place=Place(file=name))
+        source = SourceFile(called, content) if isinstance(content, bytes) else SourceFile(called, path=content)
+        files[slot] = source
+    missing = [slot.name for slot in SLOTS.values() if slot.required and slot.name not in files]
+    if missing:
+        problem = Sentence("names no {part}", part=missing[0])
+        raise InputError(problem, place=Place(file=name), expected=Sentence("a complete job file"))
+    return files
 
 
 def name_within(error: InputError, name: str) -> None:
@@ -374,22 +353,16 @@ def _within(name: str, file: str) -> Sentence:
     return Sentence("{name}: {file}", name=name, file=file)
 
 
-def _is_newer(made: Any) -> bool:
-    return isinstance(made, int) and not isinstance(made, bool) and made > FORMAT
+def _is_newer(data: Mapping[str, Any]) -> bool:
+    """Tell whether a newer atleak made a job: by its format, or by the version that it names."""
+    made, version = data.get("format"), data.get("atleak")
+    if isinstance(made, int) and not isinstance(made, bool) and made > FORMAT:
+        return True
+    return isinstance(version, str) and _numbers(version) > _numbers(__version__)
 
 
-def _version(stated: Any) -> tuple[int, ...]:
-    """Return the numbers of a version, to be compared; none where there are none."""
-    return tuple(map(int, re.findall(r"\d+", str(stated))[:3])) if isinstance(stated, str) else ()
-
-
-def _made_by_newer(data: Mapping[str, Any], name: str) -> InputError:
-    version = data.get("atleak")
-    made_by = version if isinstance(version, str) else "?"
-    problem = Sentence(
-        "made by atleak {made_by}, newer than this {version}: update", made_by=made_by, version=__version__
-    )
-    return InputError(problem, place=Place(file=name))
+def _numbers(version: str) -> tuple[int, ...]:
+    return tuple(map(int, re.findall(r"\d+", version)[:3]))
 
 
 def entry_of(slot: str) -> str:
@@ -425,9 +398,10 @@ def _encodable(value: Any) -> Any:
 
 # --- the files that a result rests on
 
-_SHEET, _GAUGES = Sentence("the measuring sheet"), Sentence("the table of gauge readings")
-_LOG = Sentence("the road-test log")
 _FILES = {
+    "readings": Sentence("the measuring sheet"),
+    "pressures": Sentence("the table of gauge readings"),
+    "road_test": Sentence("the road-test log"),
     "controller": Sentence("the file of the controller"),
     "fluid": Sentence("the file of the fluid"),
     "limits": Sentence("the file of the limits"),
@@ -466,14 +440,13 @@ def _bytes_loaded(name: str, origin: Origin) -> bytes:
         raise InputError(problem, value=origin.file) from error
 
 
-def _source(source: SourceFile | None, used: Any, called: Sentence) -> SourceFile | None:
-    if used is None:
-        return None
+def _source(slot: str, source: SourceFile | None, used: Any) -> SourceFile:
+    """Return the file that was read for a slot, under the name by which the diagnosis knows it."""
     if source is None:
         expected = Sentence("the bytes the diagnosis was read from")
-        raise InputError(Sentence("{what} is missing", what=called), value=used.file, expected=expected)
+        raise InputError(Sentence("{what} is missing", what=_FILES[slot]), value=used.file, expected=expected)
     if source.sha256 != used.sha256:
-        problem = Sentence("{what} is not the one the diagnosis was read from", what=called)
+        problem = Sentence("{what} is not the one the diagnosis was read from", what=_FILES[slot])
         raise InputError(problem, value=used.file)
     if source.data is not None and source.name == used.file:
         return source  # its digest is known
