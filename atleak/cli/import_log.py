@@ -8,15 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import (
-    SAMPLE_LOG,
-    Outputs,
-    add_columns,
-    add_force,
-    add_json,
-    log_choices,
-    or_sample,
-)
+from atleak.cli.shared import SAMPLE_LOG, Outputs, add_columns, add_force, add_json, log_choices, or_sample
 from atleak.errors import InputError, OutputError, Place
 from atleak.intake.road_test import default_path, describe, remember, tidy_csv, understand
 from atleak.report.terminal import print_log

@@ -22,10 +22,7 @@ COMMANDS = {
     "import-log": ("import_log", "what is understood of a road-test log"),
     "report": ("report", "the reports of job files"),
     "template": ("template", "a measuring sheet to fill in"),
-    "controller": (
-        "controller",
-        "describe a valve body: in a workbook, and as the TOML file that every command takes",
-    ),
+    "controller": ("controller", "describe a valve body: in a workbook, and as the TOML file that every command takes"),
     "gauge-study": ("gauge_study", "repeatability and reproducibility of a gauge, by ANOVA"),
     **{
         name: ("catalogue", f"the {name} of the catalogue, shipped and own")

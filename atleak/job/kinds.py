@@ -39,12 +39,7 @@ class Kind(StrEnum):
     PICTURE = "picture"
 
 
-_FOLDERS = {
-    Kind.CONTROLLER: "controllers",
-    Kind.FLUID: "fluids",
-    Kind.LIMITS: "limits",
-    Kind.INSTRUMENT: "instruments",
-}
+_FOLDERS = {Kind.CONTROLLER: "controllers", Kind.FLUID: "fluids", Kind.LIMITS: "limits", Kind.INSTRUMENT: "instruments"}
 _TABLES = {Table.CONTROLLER: Kind.CONTROLLER_WORKBOOK}
 
 

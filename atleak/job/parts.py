@@ -25,13 +25,7 @@ from atleak.faults import validated
 from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name
 from atleak.job.of_sheet import without_plan_as_number
 from atleak.job.photo_notes import without_notes
-from atleak.job.record import (
-    Job,
-    MeasuringCelsius,
-    PumpSideMicrometres,
-    PumpTipMicrometres,
-    without_surrogates,
-)
+from atleak.job.record import Job, MeasuringCelsius, PumpSideMicrometres, PumpTipMicrometres, without_surrogates
 from atleak.sentence import Sentence
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 from atleak.version import __version__

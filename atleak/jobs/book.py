@@ -22,17 +22,7 @@ from atleak.jobs.log_table import log_table
 from atleak.jobs.opening import database_url, in_words, opened_engine, shown, writing
 from atleak.jobs.rows import put_once, replace_rows
 from atleak.jobs.search import Query, counted_by, found_by, search_words_of
-from atleak.jobs.tables import (
-    decisions,
-    files,
-    job_files,
-    jobs,
-    lands,
-    log_tables,
-    results,
-    search_words,
-    visits,
-)
+from atleak.jobs.tables import decisions, files, job_files, jobs, lands, log_tables, results, search_words, visits
 from atleak.jobs.units import drop_empty, unit_of, visit_for
 from atleak.sentence import Sentence
 from atleak.version import __version__

@@ -20,15 +20,7 @@ from atleak.catalogue.instruments import Instruments
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, CatalogueError, Message, OutputError
 from atleak.intake.readings import read_readings
-from atleak.intake.road_test import (
-    LogColumn,
-    Understood,
-    default_path,
-    log_columns,
-    recall,
-    remember,
-    understand,
-)
+from atleak.intake.road_test import LogColumn, Understood, default_path, log_columns, recall, remember, understand
 from atleak.intake.road_test.names.memory import RememberedColumns
 from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, Reader, Slot, SourceFile, with_log_choices
 from atleak.keeping import kept_with

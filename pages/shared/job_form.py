@@ -84,10 +84,7 @@ def draw(controller: Controller) -> Job:
     if faults and typed:
         changed = changed.model_copy(update={"repair_decisions": record.repair_decisions})
     st.session_state[RECORD] = changed
-    measured = {
-        "measuring_temperature": changed.measuring_temperature_c,
-        "pump_clearances": changed.pump_clearances,
-    }
+    measured = {"measuring_temperature": changed.measuring_temperature_c, "pump_clearances": changed.pump_clearances}
     if any(getattr(session().case, name) != value for name, value in measured.items()):
         choose(**measured)
         st.rerun()  # what stands above this form was computed with what was measured before

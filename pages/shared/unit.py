@@ -105,12 +105,7 @@ def draw_visits(visited: tuple[VisitedJob, ...]) -> None:
         Column("job", of=lambda each: each.visit.name or each.stored.id),
         Column("measured", digits=0, of=lambda each: sum(land.state.can_be_ok for land in each.visit.lands)),
         *(
-            Column(
-                state,
-                digits=0,
-                words=say(f"job_decisions.{state}"),
-                of=partial(_decided, state),
-            )
+            Column(state, digits=0, words=say(f"job_decisions.{state}"), of=partial(_decided, state))
             for state in STATES
         ),
     )
@@ -258,13 +253,7 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
             Column("wider_than", "percent", 0, of="part", times=PERCENT),
             Column("units", digits=0, of="others"),
             *(
-                Column(
-                    f"{part:.0%}",
-                    "clearance",
-                    words=say.percent(part, 0),
-                    of=partial(clearance, place),
-                    times=UM,
-                )
+                Column(f"{part:.0%}", "clearance", words=say.percent(part, 0), of=partial(clearance, place), times=UM)
                 for place, part in enumerate(PARTS)
             ),
         )

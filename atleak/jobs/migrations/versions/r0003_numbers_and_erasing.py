@@ -15,9 +15,7 @@ revision = "0003"
 down_revision = "0002"
 
 _JOBS = sa.table(
-    "jobs",
-    *map(sa.column, ("id", "version", "visit", "choices", "number", "mileage_km")),
-    sa.column("date", sa.Date),
+    "jobs", *map(sa.column, ("id", "version", "visit", "choices", "number", "mileage_km")), sa.column("date", sa.Date)
 )
 _VISITS = sa.Table(
     "visits",
