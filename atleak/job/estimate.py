@@ -312,8 +312,7 @@ class _Lines:
 
     def _key(self, decision: RepairDecision) -> str:
         """Return what tells a line from the others, the same before and after it is touched."""
-        land = "" if decision.land is None else f"/{decision.land}"
-        key = first = decision.repair or f"{decision.component}{land}"
+        key = first = decision.repair or decision.pair
         while key in self.keys:
             key = f"{first} {len(self.keys)}"
         self.keys.add(key)

@@ -217,6 +217,11 @@ class RepairDecision(Record):
     reason: CleanText = ""
     date: dt.date | None = None
 
+    @property
+    def pair(self) -> str:
+        """Name what it is about by component and land, or by the component alone."""
+        return self.component if self.land is None else f"{self.component}/{self.land}"
+
 
 class LogFormula(Record):
     """A channel that is computed from those of the road-test log, by a formula as it was typed."""

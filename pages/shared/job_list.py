@@ -132,7 +132,7 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
         return st.button(say(f"job_book.{said or name}"), disabled=not fits, key=f"job-{name}", **settings)
 
     with st.container(horizontal=True):
-        opened = button("open", len(ids) == 1, on_click=_open, args=tuple(ids[:1]), type="primary")
+        opened = button("open", len(ids) == 1, on_click=open_from_book, args=tuple(ids[:1]), type="primary")
         unit = button("unit", len(ids) == 1, help=say("job_book.unit_help"))
         both = button("compare", len(ids) == 2, help=say("job_book.compare_help"))
         act = partial(_archived, book, ids, back=back)
@@ -162,10 +162,6 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
         before, after = sorted(picked, key=lambda row: (row.date or row.made_on, row.mileage_km or 0.0, row.changed_at))
         return "12_Compare", {"before": before.id, "after": after.id}
     return None
-
-
-def _open(id: str) -> None:
-    open_from_book(id)  # where it cannot be opened, the head of the page says why
 
 
 def _done(act: Callable[[], str]) -> None:

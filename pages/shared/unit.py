@@ -123,16 +123,12 @@ def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
         id = st.selectbox(
             say("unit.visit"), list(reversed(jobs)), format_func=lambda id: jobs[id].visit.label, key="unit-visit"
         )
-        opened = st.button(say("unit.open"), on_click=_open, args=(id,))
+        opened = st.button(say("unit.open"), on_click=open_from_book, args=(id,))
         place = list(jobs).index(id)
         compared = st.button(say("unit.compare"), disabled=place == 0)
     if compared:
         return "12_Compare", {"before": list(jobs)[place - 1], "after": id}
     return ("4_Diagnosis", {}) if opened and job_id() == id else None
-
-
-def _open(id: str) -> None:
-    open_from_book(id)  # where it cannot be opened, the head of the page says why
 
 
 def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
@@ -146,7 +142,7 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
         with st.expander(say("unit.every_repair", count=len(every))):
             columns = (
                 Column("date", of=lambda row: row[0].date.isoformat()),
-                Column("pair", of=lambda row: _pair(row[1])),
+                Column("pair", of=lambda row: row[1].pair),
                 Column("repair_decision", of=lambda row: say.get("job_decisions", row[1].decision or "")),
                 Column("work", of=lambda row: row[1].work),
                 Column("reason", of=lambda row: row[1].reason),
@@ -157,11 +153,7 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
 def _decision(each: RepairDecision, say: Wording) -> str:
     work = f", {show.plain(each.work)}" if each.work else ""
     reason = f": {show.plain(each.reason)}" if each.reason else f", {say('unit.no_reason')}"
-    return f"{show.plain(_pair(each))}{work} **{say.get('job_decisions', each.decision or '')}**{reason}"
-
-
-def _pair(each: RepairDecision) -> str:
-    return each.component if each.land is None else f"{each.component}/{each.land}"
+    return f"{show.plain(each.pair)}{work} **{say.get('job_decisions', each.decision or '')}**{reason}"
 
 
 # --- wear
