@@ -40,11 +40,12 @@ def judged_otherwise(
     ----------
     stored, today
         results as ``atleak diagnose --json`` writes them. What only one of them judges counts as *not judged* in the
-        other; where nothing is stored nothing differs.
+        other.
     numbers
-        whether the numbers of lands and totals of which the verdict is the same are compared too.
+        whether the numbers of lands and totals of which the verdict is the same are compared too; a file that holds no
+        result differs in nothing then.
     """
-    if not stored:
+    if numbers and not stored:
         return ()
     before, now = ({what: (said, row) for what, said, row in _judged(result)} for result in (stored, today))
     verdicts, others = [], []
