@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from tsdownsample import MinMaxDownsampler
 
 BREAKS = 400  # edges of stretches without values that are kept of each series at most
 
@@ -30,6 +29,8 @@ def thinned(series: Sequence[np.ndarray], points: int, keep: Sequence[int] = ())
     numpy.ndarray
         rising indices into the series.
     """
+    from tsdownsample import MinMaxDownsampler  # most runs draw no series
+
     size = len(series[0])
     if size <= points:
         return np.arange(size)
