@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -162,17 +164,24 @@ def keep(page: str) -> bool:
     if of_job and (st.query_params.get(name), in_book.page) != (of_job, page):
         st.query_params[name] = of_job
     in_book.page = page
-    try:
+    with _faults_said(in_book):
         if state == in_book.state:
             _look_for_others(in_book)
         elif in_book.conflict is None:
             _save(now, in_book.id, in_book.version)
+    return in_book.news != before
+
+
+@contextmanager
+def _faults_said(in_book: InBook) -> Iterator[None]:
+    """Keep what goes wrong with saving, to be said at the head of the page."""
+    try:
+        yield
         in_book.fault = None
     except ChangedElsewhere as error:
         in_book.conflict = error
     except AtleakError as error:
         in_book.fault = error
-    return in_book.news != before
 
 
 def _look_for_others(in_book: InBook) -> None:
@@ -194,35 +203,18 @@ def _save(now: Session, id: str | None, version: int | None) -> None:
     st.query_params[JOB] = saved.id
 
 
-def write_over() -> None:
-    """Save this session's job over what somebody else saved meanwhile; for a callback."""
+def save_anyway(*, as_another: bool) -> None:
+    """Save this session's job over what somebody else saved meanwhile, or as another one beside it; for a callback."""
     now = session()
-    in_book = now.in_book
-    in_book.conflict = None
-    if in_book.id is not None:
-        _save_or_say(now, in_book.id)
-
-
-def keep_as_another() -> None:
-    """Save this session's job as one of its own, beside what somebody else saved meanwhile; for a callback."""
-    now = session()
-    now.in_book.conflict = None
-    _save_or_say(now, None)
+    held, now.in_book.conflict = now.in_book.id, None
+    id = None if as_another else held
+    with _faults_said(now.in_book):
+        if held is not None:
+            book().refuse_erased(held, now.in_book.version)
+        _save(now, id, None if id is None else book().version(id))
 
 
 def show_theirs() -> None:
     """Open what somebody else saved meanwhile; for a callback."""
     if (id := job_id()) is not None:
         open_from_book(id)
-
-
-def _save_or_say(now: Session, id: str | None) -> None:
-    """Save a job in the place of the version that the book holds, or as a new one; keep what went wrong."""
-    try:
-        if now.in_book.id is not None:
-            book().refuse_erased(now.in_book.id, now.in_book.version)
-        _save(now, id, None if id is None else book().version(id))
-    except ChangedElsewhere as error:
-        now.in_book.conflict = error
-    except AtleakError as error:
-        now.in_book.fault = error

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import streamlit as st
@@ -240,8 +241,9 @@ def _book_notices() -> None:
         with st.container(horizontal=True):
             st.button(say("panel.show_newer"), on_click=book.show_theirs, key="book-theirs")
             if unsaved and not isinstance(in_book.conflict, ErasedElsewhere):
-                st.button(say("panel.keep_mine"), on_click=book.keep_as_another, key="book-another")
-                st.button(say("panel.write_over"), on_click=book.write_over, key="book-over")
+                mine, over = (partial(book.save_anyway, as_another=another) for another in (True, False))
+                st.button(say("panel.keep_mine"), on_click=mine, key="book-another")
+                st.button(say("panel.write_over"), on_click=over, key="book-over")
     if in_book.judged_otherwise:
         st.info(show.judged_otherwise(in_book.result_by, in_book.judged_otherwise))
 
