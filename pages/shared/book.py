@@ -102,6 +102,11 @@ def open_from_book(id: str, steps: Steps | None = None) -> bool:
     return True
 
 
+def open_picked(id: str) -> None:
+    """Open a job of the book; where that is impossible the head of the page says why; for a callback."""
+    open_from_book(id)
+
+
 def undo() -> None:
     """Take the last step back; for a callback."""
     steps = session().steps
@@ -217,4 +222,4 @@ def save_anyway(*, as_another: bool) -> None:
 def show_theirs() -> None:
     """Open what somebody else saved meanwhile; for a callback."""
     if (id := job_id()) is not None:
-        open_from_book(id)
+        open_picked(id)

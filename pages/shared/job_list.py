@@ -20,7 +20,7 @@ from atleak.verdicts import Verdict
 from atleak.views.table import Column
 from atleak.wording import Wording
 from pages.shared import reader, show
-from pages.shared.book import job_id, open_from_book
+from pages.shared.book import job_id, open_from_book, open_picked
 from pages.shared.fields import kept
 from pages.shared.state import session
 from pages.shared.undo import Steps
@@ -132,7 +132,7 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
         return st.button(say(f"job_book.{said or name}"), disabled=not fits, key=f"job-{name}", **settings)
 
     with st.container(horizontal=True):
-        opened = button("open", len(ids) == 1, on_click=open_from_book, args=tuple(ids[:1]), type="primary")
+        opened = button("open", len(ids) == 1, on_click=open_picked, args=tuple(ids[:1]), type="primary")
         unit = button("unit", len(ids) == 1, help=say("job_book.unit_help"))
         both = button("compare", len(ids) == 2, help=say("job_book.compare_help"))
         act = partial(_archived, book, ids, back=back)

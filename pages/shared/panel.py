@@ -241,9 +241,9 @@ def _book_notices() -> None:
         with st.container(horizontal=True):
             st.button(say("panel.show_newer"), on_click=book.show_theirs, key="book-theirs")
             if unsaved and not isinstance(in_book.conflict, ErasedElsewhere):
-                mine, over = (partial(book.save_anyway, as_another=another) for another in (True, False))
-                st.button(say("panel.keep_mine"), on_click=mine, key="book-another")
-                st.button(say("panel.write_over"), on_click=over, key="book-over")
+                for name, another in (("keep_mine", True), ("write_over", False)):
+                    save, own = partial(book.save_anyway, as_another=another), "another" if another else "over"
+                    st.button(say(f"panel.{name}"), on_click=save, key=f"book-{own}")
     if in_book.judged_otherwise:
         st.info(show.judged_otherwise(in_book.result_by, in_book.judged_otherwise))
 

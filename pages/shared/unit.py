@@ -25,7 +25,7 @@ from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
 from pages.shared import reader, show
-from pages.shared.book import job_id, open_from_book
+from pages.shared.book import job_id, open_picked
 from pages.shared.cases import Kept, diagnosis_of, opened_case
 
 UNIT = "unit"  # the parameter of the address that names a unit
@@ -123,7 +123,7 @@ def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
         id = st.selectbox(
             say("unit.visit"), list(reversed(jobs)), format_func=lambda id: jobs[id].visit.label, key="unit-visit"
         )
-        opened = st.button(say("unit.open"), on_click=open_from_book, args=(id,))
+        opened = st.button(say("unit.open"), on_click=open_picked, args=(id,))
         place = list(jobs).index(id)
         compared = st.button(say("unit.compare"), disabled=place == 0)
     if compared:
