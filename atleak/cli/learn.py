@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     )
     sheets += [sheet.readings(controller) for sheet in of_book]
     learned = learn(controller, sheets, instruments=instruments, temperature=options.measuring_temperature)
-    outputs.write(output=lambda: _described(options, learned), json=lambda: learned_record(learned))
+    outputs.write(output=lambda: _learned_toml(options, learned), json=lambda: learned_record(learned))
     if outputs.shown:
         _show(learned)
     outputs.say_written()
@@ -104,7 +104,7 @@ def _of_book(options: argparse.Namespace, controller: str) -> tuple[NewSheet, ..
     return new_sheets(open_book(), options.made_for or controller)
 
 
-def _described(options: argparse.Namespace, learned: Learned) -> str:
+def _learned_toml(options: argparse.Namespace, learned: Learned) -> str:
     tables = with_learned(read_tables("controllers", options.controller)[0], learned, dt.date.today())
     checked_controller(tables, str(options.output))
     return written_toml(tables)

@@ -1,7 +1,9 @@
 """Hold the job of the dashboard and its results, each kept so that a page change costs nothing.
 
 Everything is kept by the SHA-256 of the files' bytes and the choices: two files that differ in one value never share a
-result.
+result. For every session the last six are kept of sheets, tables of gauges, logs and results, and beside them each
+result that some session shows (`state.RESULTS`). A log larger than `LARGE` and the results over it are kept for the
+session that has them, `LARGE_KEPT` of them, and go with it.
 """
 
 from __future__ import annotations
@@ -32,9 +34,7 @@ from atleak.wording import Wording
 
 CaseKind = TypeVar("CaseKind", bound=Case)
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
-#: [bytes] of a log, from which on it and its results are kept for the session that has it and go with it, only as many
-#: as stand here. What is smaller every session finds.
-LARGE, LARGE_KEPT = 4_000_000, 2
+LARGE, LARGE_KEPT = 4_000_000, 2  # [bytes], and how many
 _CHOICES = {  # those that belong to one file, and go with it
     "readings": ("sheet_name", "sheet_unit", "sheet_where", "sheet_fill_down"),
     "road_test": ("columns", "units", "constants", "every", "remember"),
@@ -277,7 +277,6 @@ def case_with_columns(case: CaseKind) -> CaseKind:
     return case if case.road_test is None else with_log_choices(case, Kept().log(case))
 
 
-#: Every result that some session still shows, whatever the others do meanwhile; a session keeps its own (`state`).
 _SHOWN: WeakValueDictionary[str, Diagnosis] = WeakValueDictionary()
 
 
