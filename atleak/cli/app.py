@@ -10,13 +10,12 @@ import subprocess
 import sys
 import webbrowser
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
-from atleak.admission import ALLOWED, answered_names, is_here_alone
+from atleak.admission import ALLOWED, answered_names, is_here_alone, read_allowed, read_sign_in
 from atleak.cli.parser import add_command
 from atleak.errors import InputError, extra_installed
 from atleak.sentence import Sentence
@@ -54,28 +53,19 @@ def add_parser(commands: Any, name: str) -> None:
     who.add_argument("--without-login", action="store_true", help=help)
 
 
-@dataclass(frozen=True)
-class _Reach:
-    """How the dashboard is reached: options of the server, and the file of who may use it where people sign in."""
-
-    options: Sequence[str] = ()
-    allowed: str = ""
-
-
 def run(options: argparse.Namespace) -> int:
     """Start the server; it runs until somebody ends it."""
     _check_streamlit()
     _check_free(options.address, options.port)
-    return _start(options.address, options.port, _reach(options))
+    return _start(options.address, options.port, *_reach(options))
 
 
-def _reach(options: argparse.Namespace) -> _Reach:
+def _reach(options: argparse.Namespace) -> tuple[Sequence[str], str]:
+    """Return options of the server, and the file of who may use it; "" where nobody has to sign in."""
     here_alone = all(map(is_here_alone, (options.address, *options.host)))
     signs_in = options.allowed is not None or options.secrets is not None
     if options.without_login or (here_alone and not signs_in):
-        return _Reach(() if here_alone else _answering(options.address, options.host))
-    from atleak.admission import read_allowed, read_sign_in
-
+        return () if here_alone else _answering(options.address, options.host), ""
     if find_spec("authlib") is None or find_spec("httpx") is None:
         raise InputError(Sentence("signing in needs Authlib and httpx"), expected=extra_installed("auth"))
     secrets = (options.secrets or home() / _SECRETS).resolve()
@@ -83,7 +73,7 @@ def _reach(options: argparse.Namespace) -> _Reach:
     name = read_sign_in(secrets)
     read_allowed(allowed)
     answering = _answering(options.address, [*options.host, name])
-    return _Reach((*answering, "--secrets.files", str(secrets)), str(allowed))
+    return (*answering, "--secrets.files", str(secrets)), str(allowed)
 
 
 def _answering(address: str, named: Sequence[str]) -> list[str]:
@@ -103,7 +93,7 @@ def open_page(port: int, query: Mapping[str, str]) -> int:
     if not _is_up(port):
         _check_streamlit()
         _check_free(_HERE, port)
-        return _start(_HERE, port, _Reach(["--server.headless", "true"]))  # else a browser would open at another page
+        return _start(_HERE, port, ["--server.headless", "true"])  # else a browser would open at another page
     webbrowser.open(address)
     return 0
 
@@ -127,12 +117,12 @@ def _check_streamlit() -> None:
         raise InputError(Sentence("the dashboard needs streamlit"), expected=expected)
 
 
-def _start(address: str, port: int | None, reach: _Reach) -> int:
+def _start(address: str, port: int | None, reach: Sequence[str], allowed: str = "") -> int:
     server = shipped("serve.py")
-    command = [sys.executable, "-m", "streamlit", "run", str(server), "--server.address", address, *reach.options]
+    command = [sys.executable, "-m", "streamlit", "run", str(server), "--server.address", address, *reach]
     if port is not None:
         command += ["--server.port", str(port)]
-    return _serve(command, server.parent, {**_SPARING, **os.environ, **_places(), ALLOWED: reach.allowed})
+    return _serve(command, server.parent, {**_SPARING, **os.environ, **_places(), ALLOWED: allowed})
 
 
 def _places() -> dict[str, str]:
