@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import streamlit as st
 from streamlit.runtime.scriptrunner import get_script_run_ctx
 
-from atleak.admission import ALLOWED, is_here_alone
+from atleak.admission import ALLOWED, is_here_alone, read_allowed
 from atleak.errors import InputError
 from pages.shared import reader
-
-if TYPE_CHECKING:
-    from atleak.admission import Allowed
-
 
 _INSIDE: set[str] = set()  # ids of the sessions that were let in
 
@@ -45,7 +40,7 @@ def _is_open() -> bool:
     if not path:
         return True
     try:
-        return bool(st.user.get("is_logged_in")) and _allowed(path).admits(st.user.to_dict())
+        return bool(st.user.get("is_logged_in")) and read_allowed(Path(path)).admits(st.user.to_dict())
     except InputError:
         return False
 
@@ -88,17 +83,11 @@ def person() -> str:
 def _refusal(path: str) -> str:
     say = reader.say()
     try:
-        _allowed(path)
+        read_allowed(Path(path))
     except InputError as error:
         error.rename_file(lambda _: Path(path).name)  # where it lies is nobody's business
         return say("entrance.nobody", problem=say.sentence(error.sentence))
     return say("entrance.not_allowed", name=_name() or say("entrance.somebody"))
-
-
-def _allowed(path: str) -> Allowed:
-    from atleak.admission import read_allowed  # what it imports would keep the first visitor waiting
-
-    return read_allowed(Path(path))
 
 
 def _name() -> str:
