@@ -205,8 +205,10 @@ class Book:
         version: int | None,
         sample: bool,
         kept: Mapping[str, Any] | None = None,
+        *,
+        judged: bool = True,
     ) -> Saved:
-        """Save a job as part of a transaction that writes more; `save` says the rest."""
+        """Save a job as part of a transaction that writes more, ``judged`` with its result; `save` says the rest."""
         now = dt.datetime.now(dt.UTC)
         earlier = None if id is None else self._row(connection, id, lock=True)
         if earlier is not None and earlier.version != version:
@@ -250,7 +252,9 @@ class Book:
         replace_rows(connection, search_words, saved.id, words)
         decided = [_decision(each.model_dump()) for each in record.repair_decisions]
         replace_rows(connection, decisions, saved.id, decided)
-        _keep_result(connection, saved.id, parts, now)
+        if judged and not _has_result(connection, saved.id, parts):
+            _keep_result(connection, saved.id, parts, now)
+            keep_log_table(connection, saved.id, parts)
         return saved
 
     def load(self, id: str) -> StoredJob:
@@ -451,9 +455,7 @@ def _has_result(connection: sa.Connection, id: str, parts: JobParts) -> bool:
 
 
 def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.datetime) -> None:
-    """Write down what this version of atleak says, unless it said so before of the same files and choices."""
-    if _has_result(connection, id, parts):
-        return
+    """Write down what this version of atleak says, in the place of what it said before."""
     mine = (results.c.job == id) & (results.c.atleak == __version__)
     record = parts.result
     connection.execute(results.delete().where(mine))
@@ -477,6 +479,10 @@ def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.da
         for land in record["lands"]
     ]
     replace_rows(connection, lands, id, rows)
+
+
+def keep_log_table(connection: sa.Connection, id: str, parts: JobParts) -> None:
+    """Write down the channels of a job's log, in the place of those of an earlier one."""
     log = parts.diagnosis.log.road_test if parts.diagnosis.log else None
     rows = [] if log is None else [{"sha256": log.sha256, "rows": log.rows, "parquet": log_table(log)}]
     replace_rows(connection, log_tables, id, rows)

@@ -13,12 +13,11 @@ import sqlalchemy as sa
 
 from atleak.errors import AtleakError, BookError, InputError, Place
 from atleak.job.parts import JobParts
-from atleak.jobs.book import Book, JobRow, StoredJob, drop_files, packed
+from atleak.jobs.book import Book, JobRow, StoredJob, drop_files, keep_log_table, packed
 from atleak.jobs.merge import lead, root_of
 from atleak.jobs.opening import in_words, kept_before
-from atleak.jobs.rows import replace_rows
 from atleak.jobs.search import Query
-from atleak.jobs.tables import job_files, jobs, key_of, lands, metadata, results, units, visits
+from atleak.jobs.tables import job_files, jobs, key_of, metadata, results, units, visits
 from atleak.jobs.units import drop_empty, rows_of_unit, unit_key, unit_of
 from atleak.jobs.without_person import WithoutPerson, result_without_person, without_person
 from atleak.sentence import Sentence
@@ -134,27 +133,23 @@ def _delete(connection: sa.Connection, id: str) -> None:
 def _erase(book: Book, connection: sa.Connection, id: str, version: int, parts: JobParts, *, sample: bool) -> None:
     """Save a job without the person in the place of the one with him; results and lands stay as they were stored."""
     before = connection.execute(sa.select(jobs).where(jobs.c.id == id)).one()
+    saved = book.save_in(connection, parts, id, version, sample, judged=False)
+    keep_log_table(connection, id, parts)
     stored = connection.execute(sa.select(results).where(results.c.job == id).order_by(results.c.made_at)).all()
-    judged = [dict(row._mapping) for row in connection.execute(sa.select(lands).where(lands.c.job == id))]
-    saved = book.save_in(connection, parts, id, version, sample)
-    kept = [_result(book, row, parts, last=row is stored[-1]) for row in stored]
-    replace_rows(connection, results, id, kept)
-    replace_rows(
-        connection, lands, id, [{name: row[name] for name in row if name not in ("id", "job")} for row in judged]
-    )
+    for row in stored:
+        values = _result(book, row, parts, last=row is stored[-1])
+        connection.execute(results.update().where(results.c.id == row.id).values(**values))
     unchanged = {name: getattr(before, name) for name in ("changed_at", "verdict", "mileage_km")}
     connection.execute(jobs.update().where(jobs.c.id == id).values(erased=saved.version, **unchanged))
 
 
 def _result(book: Book, row: Any, parts: JobParts, *, last: bool) -> dict[str, Any]:
     record = result_without_person(json.loads(book.unpacked(row.record, Sentence("a result"))), parts)
-    values = {name: value for name, value in row._mapping.items() if name not in ("id", "job")}
     hashes = {
         slot: parts.sources[slot].sha256 if last and slot in parts.sources else None
         for slot in ("readings", "road_test")
     }
     return {
-        **values,
         **{f"{slot}_sha256": sha256 for slot, sha256 in hashes.items()},
         "key": parts.case.key if last else "",
         "record": packed(json.dumps(record, ensure_ascii=False).encode()),
