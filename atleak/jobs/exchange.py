@@ -19,7 +19,6 @@ from atleak.job.file import packed_job, read_job_file
 from atleak.job.judged_anew import judged_otherwise
 from atleak.job.parts import JobParts, OfBook, job_parts
 from atleak.jobs.book import PICTURE, Book
-from atleak.jobs.search import Query
 from atleak.jobs.tables import decisions, job_files, jobs, lands, visits
 from atleak.jobs.units import final_unit
 from atleak.sentence import Sentence
@@ -134,7 +133,8 @@ def export_zip(book: Book, ids: Sequence[str]) -> bytes:
 
 def export_paths(book: Book, ids: Sequence[str]) -> dict[str, Path]:
     """Return the path in an export of every job by its id, and of every table by its file's name."""
-    numbers = {row.id: row.number for row in book.rows(Query(archived=None, limit=None))}
+    with book.reading() as connection:
+        numbers = {row.id: row.number for row in connection.execute(sa.select(jobs.c.id, jobs.c.number))}
     of_jobs = {id: Path(job_file_name(id, numbers.get(id, ""))) for id in ids}
     return {**of_jobs, **{f"{name}.{form}": Path("tables") / f"{name}.{form}" for name in TABLES for form in FORMS}}
 
