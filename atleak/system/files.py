@@ -91,12 +91,13 @@ def replacing(target: str | Path, *, mode: int | None = None) -> Iterator[Path]:
         wanted = stat.S_IMODE(earlier.st_mode) if mode is None and earlier is not None else mode
         beside = _new_name(place)
         try:
-            _make(beside, _NEW if wanted is None else wanted)
-            if earlier is not None and hasattr(os, "chown"):
-                with contextlib.suppress(OSError):  # another owner's file in a shared folder
-                    os.chown(beside, earlier.st_uid, earlier.st_gid)
-            if wanted is not None:
-                beside.chmod(wanted)  # the umask does not count for a file that was there
+            if place.parent.is_dir():  # else whatever writes the file says so in its way
+                _make(beside, _NEW if wanted is None else wanted)
+                if earlier is not None and hasattr(os, "chown"):
+                    with contextlib.suppress(OSError):  # another owner's file in a shared folder
+                        os.chown(beside, earlier.st_uid, earlier.st_gid)
+                if wanted is not None:
+                    beside.chmod(wanted)  # the umask does not count for a file that was there
             yield beside
             with beside.open("rb+") as stream:
                 os.fsync(stream.fileno())

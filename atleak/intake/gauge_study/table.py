@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from atleak.intake.plain_words import vocabulary, words
-from atleak.intake.readings.words import text_of
-from atleak.intake.sheets.sheet import Sheet
+from atleak.intake.sheets.sheet import Sheet, text_of
 from atleak.intake.units import Unit, find_unit
 
 KEYS = ("part", "operator", "trial")

@@ -13,8 +13,8 @@ import numpy as np
 from atleak.errors import Message, Place
 from atleak.gauge_study.readings import FEWEST, GaugeStudyError, StudyReadings
 from atleak.intake.gauge_study.table import StudyTable
-from atleak.intake.readings.words import text_of
 from atleak.intake.sheets.extent import FAULTS
+from atleak.intake.sheets.sheet import text_of
 from atleak.intake.units import Unit, unit
 from atleak.sentence import Sentence
 from atleak.unit_systems import Quantity

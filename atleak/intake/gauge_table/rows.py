@@ -12,10 +12,9 @@ from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.errors import Message, Place, PressureTableError, nearest_name, one_of
 from atleak.intake.gauge_table.tables import GaugeTable
 from atleak.intake.gauge_table.words import Said, Words, engine_words, is_blank
-from atleak.intake.readings.words import text_of
 from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Cell as SheetCell
-from atleak.intake.sheets.sheet import column_letter
+from atleak.intake.sheets.sheet import column_letter, text_of
 from atleak.intake.units import KINDS, Unit, find_unit, unit, unit_names
 from atleak.pressure_table import LINE, Cell, GaugeReading
 from atleak.sentence import Sentence

@@ -11,8 +11,8 @@ from typing import Literal, cast
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.controller import Controller
 from atleak.intake.plain_words import vocabulary, words
-from atleak.intake.readings.words import text_of
 from atleak.intake.sheets.sheet import Cell as SheetCell
+from atleak.intake.sheets.sheet import text_of
 from atleak.intake.units import Unit, find_unit
 from atleak.pressure_table import LINE, Engine
 from atleak.wording import languages, wording

@@ -13,6 +13,7 @@ from atleak.catalogue.instruments import Part
 from atleak.errors import Place, ReadingsError
 from atleak.intake import plain_words
 from atleak.intake.sheets.sheet import Cell
+from atleak.intake.sheets.sheet import text_of as text_of
 from atleak.intake.units import Unit, find_unit
 from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
@@ -150,18 +151,6 @@ def is_blank(cell: Cell) -> bool:
 @lru_cache(maxsize=16384)
 def _says_absent(text: str) -> bool:
     return plain(text) in _ABSENT or _DASHES.fullmatch(text) is not None
-
-
-def text_of(cell: Cell) -> str:
-    """Return a cell as the label it is: 8.0 → "8", primes as one sign.
-
-    >>> text_of(8.0), text_of(" 12′ ")
-    ('8', "12'")
-    """
-    if isinstance(cell, float) and cell.is_integer():
-        return str(int(cell))
-    text = _SPACES.sub(" ", str(cell).replace("\u00a0", " ")).strip()
-    return re.sub(r"\s*[′’‘`´ʹ]", "'", text)
 
 
 def number(cell: Cell) -> tuple[float, Unit | None]:

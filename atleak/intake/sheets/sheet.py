@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,6 +15,19 @@ from atleak.sentence import Sentence
 _RUNS_SHOWN = 12
 NO_WIDTH = dict.fromkeys(map(ord, "\u200b\u200c\u200d\u2060\ufeff\u00ad"))  # signs that nobody sees, to be left out
 Cell = Any  # str, float, int, bool, date or time; "" where empty
+_SPACES = re.compile(r"\s+")
+
+
+def text_of(cell: Cell) -> str:
+    """Return a cell as the label it is: 8.0 → "8", primes as one sign.
+
+    >>> text_of(8.0), text_of(" 12′ ")
+    ('8', "12'")
+    """
+    if isinstance(cell, float) and cell.is_integer():
+        return str(int(cell))
+    text = _SPACES.sub(" ", str(cell).replace("\u00a0", " ")).strip()
+    return re.sub(r"\s*[′’‘`´ʹ]", "'", text)
 
 
 @dataclass(frozen=True)
