@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from operator import attrgetter
 
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import Controller, Land
@@ -25,6 +26,7 @@ _FACTOR_TOLERANCE = 1.2  # a factor is recognised this far off: a nominal diamet
 _FAR = 2.0  # times the nominal diameter, that is another component's land
 _WHOLE_SHEET = 0.8  # of all readings wrong by one factor: the unit is wrong, not the readings
 _EXCHANGED = 0.1e-3  # [m] within which a diameter is that of another land: choice of this project
+_diameter = attrgetter("diameter")
 _Off = tuple[Reading, Land, float, float | None]  # far from its nominal diameter: how many times, the factor it is near
 
 
@@ -271,27 +273,19 @@ def _exchanged(
 
 def _circle(start: LandKey, like: Mapping[LandKey, Sequence[LandKey]]) -> list[LandKey]:
     """Return the shortest way from a land to the one that it measures like, and so on, back to it; none without one."""
-    ways = [[start]]
-    reached = {start}
-    while ways:
-        longer = []
-        for way in ways:
-            for other in like[way[-1]]:
-                if other == start:
-                    return way
-                if other not in reached:
-                    reached.add(other)
-                    longer.append([*way, other])
-        ways = longer
+    ways, reached = [[start]], {start}
+    for way in ways:  # the short ones first
+        for other in like[way[-1]]:
+            if other == start:
+                return way
+            if other not in reached:
+                reached.add(other)
+                ways.append([*way, other])
     return []
 
 
 def _is_like(readings: Sequence[Reading], land: Land) -> bool:
     return all(abs(each.diameter - land.nominal_of(each.part)) <= _EXCHANGED for each in readings)
-
-
-def _diameter(reading: Reading) -> float:
-    return reading.diameter
 
 
 def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> Iterator[ReadingsError]:

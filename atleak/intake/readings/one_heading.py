@@ -81,11 +81,6 @@ class Column:
         return self.holds_value or self.role in {"specification", "mean", "gauge"}
 
     @property
-    def of_lands(self) -> bool:
-        """Return whether what lands themselves have stands in it."""
-        return self.role in OF_LANDS
-
-    @property
     def station(self) -> tuple[Part | None, float | None, str | None, str | None]:
         """Return what the columns of one place and its repeats have in common."""
         return self.part, self.direction, self.land, self.plane

@@ -35,7 +35,7 @@ StationKey = tuple[str, Part, str, float | None, bool, int | None]
 Splits = Mapping[StationKey, Mapping[str, list[int]]]  # values of a column, and in which rows each stands
 
 
-Break = tuple[int, str]  # a row between readings, and the title in it: "" for headings printed again
+Break = tuple[int, str]  # a row between readings, and the title in it
 
 
 def question(
@@ -165,41 +165,26 @@ def _same_everywhere(splits: Splits, heading: str) -> bool:
 
 
 def _blocks(entries: Sequence[DiameterCell], breaks: Sequence[Break], sheet: Sheet) -> ReadingsError | None:
-    """Return an error where stations return under another title or under the headings printed again."""
+    """Return an error where stations return under another title."""
     last: dict[StationKey, int] = {}
     waiting = list(breaks)
-    title, first, row = "", -1, -1  # of the block, its first row, and that of the entry before
-    before: list[StationKey] = []
+    title, first = "", -1  # of the block that the entry stands in
     for entry in entries:
-        if entry.row != row:
-            passed = [each for each in waiting if each[0] < entry.row]
-            if passed:
-                waiting = waiting[len(passed) :]
-                title = next((said for _, said in reversed(passed) if said), "")
-                first = entry.row
-                before = [station for station, at in last.items() if at == row]
-            row = entry.row
+        while waiting and waiting[0][0] < entry.row:
+            title, first = waiting.pop(0)[1], entry.row
         station = _station(entry)
         earlier = last.get(station, first)
-        last[station] = row
-        if earlier >= first or is_repeat_title(title):
-            continue
-        if station in before and not title:  # repeats of one station, over the end of a page
-            before = [each for each in before if each != station]
-            continue
-        return ReadingsError(
-            Sentence(
-                "{station} stands in row {earlier} and returns in row {row}, under {title}: two states would be "
+        last[station] = entry.row
+        if earlier < first and not is_repeat_title(title):
+            problem = Sentence(
+                "{station} stands in row {earlier} and returns in row {row}, under {title!r}: two states would be "
                 "averaged as repeats",
                 station=_name(station),
                 earlier=sheet.row_number(earlier),
-                row=sheet.row_number(row),
-                title=repr(title) if title else Sentence("headings of its own"),
-            ),
-            place=sheet.place(row),
-            value=title or None,
-            expected=_ONE_STATE,
-        )
+                row=sheet.row_number(entry.row),
+                title=title,
+            )
+            return ReadingsError(problem, place=sheet.place(entry.row), value=title, expected=_ONE_STATE)
     return None
 
 
