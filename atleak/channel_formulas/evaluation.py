@@ -16,22 +16,15 @@ from atleak.road_test import QUANTITIES, RoadTest, Segment, hold
 from atleak.sentence import Sentence
 
 Dimension = tuple[tuple[str, int], ...]  # kinds of quantity with their powers, by name; of a plain number none
-NAMES: Mapping[str, str] = MappingProxyType(
-    {
-        "p_g": "main_pressure",
-        "p_k": "converter_pressure",
-        "p_commanded": "commanded_pressure",
-        "n": "engine_speed",
-        "n_turbine": "turbine_speed",
-        "n_output": "output_speed",
-        "v": "vehicle_speed",
-        "T": "atf_temperature",
-    }
-)
+NAMES: Mapping[str, str] = MappingProxyType({
+    "p_g": "main_pressure", "p_k": "converter_pressure", "p_commanded": "commanded_pressure", "n": "engine_speed",
+    "n_turbine": "turbine_speed", "n_output": "output_speed", "v": "vehicle_speed", "T": "atf_temperature",
+})  # fmt: skip
 """Short names of channels; a channel's own name serves as well."""
 _KIND_NAMES: Mapping[str, Sentence] = MappingProxyType(
     {**KINDS, "temperature_difference": Sentence("temperature difference")}
 )
+_SIGNS = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide}
 _ABSOLUTE: Dimension = (("temperature", 1),)
 _DIFFERENCE: Dimension = (("temperature_difference", 1),)
 _TIME: Dimension = (("time", 1),)
@@ -181,16 +174,9 @@ class _Evaluator:
     def _joined(self, node: Operation, left: _Series, right: _Series) -> _Series:
         dimension = _sum(node, left, right) if node.sign in "+-" else _product(node, left, right)
         one, other, time = self._together(left, right)
-        match node.sign:
-            case "+":
-                values = one + other
-            case "-":
-                values = one - other
-            case "*":
-                values = one * other
-            case _:
-                values = one / other
-                self.undefined += int(np.count_nonzero(np.isfinite(one) & (other == 0.0)))
+        values = _SIGNS[node.sign](one, other)
+        if node.sign == "/":
+            self.undefined += int(np.count_nonzero(np.isfinite(one) & (other == 0.0)))
         return _Series(values, time, dimension)
 
     def _together(self, left: _Series, right: _Series) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:

@@ -36,12 +36,9 @@ _STEPS = frozenset({"gear", "selector", "lock_up"})
 
 
 _SYMBOLS = {
-    "max_leakage_sustained": "diamond",
-    "max_leakage": "diamond-open",
-    "min_leakage": "triangle-down-open",
-    "max_share_sustained": "star",
-    "max_share": "star-open",
-}
+    "max_leakage_sustained": "diamond", "max_leakage": "diamond-open", "min_leakage": "triangle-down-open",
+    "max_share_sustained": "star", "max_share": "star-open",
+}  # fmt: skip
 _OF_SHARE = ("max_share_sustained", "max_share")  # the instants that are marked in the curve of the share
 
 

@@ -273,12 +273,8 @@ def values_table(part: Part, road: RoadLeakage | None) -> None:
 
 
 def _rows(part: Part, road: RoadLeakage | None, say: Wording) -> list[dict[str, str]]:
-    return value_rows(_curves(part, road, say), part.cursors, say)
-
-
-def _curves(part: Part, road: RoadLeakage | None, say: Wording) -> list[Curve]:
     curves = log_curves(part.test, road, channel_scales(part.test, say), say)
-    return [*curves, *_formula_curves(part.formulas, say)]
+    return value_rows([*curves, *_formula_curves(part.formulas, say)], part.cursors, say)
 
 
 def _formula_curves(formulas: Sequence[FormulaChannel], say: Wording, file: str = "") -> list[Curve]:

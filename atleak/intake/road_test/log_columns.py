@@ -76,22 +76,17 @@ def _read(opened: LogFile) -> Iterator[tuple[Heading, np.ndarray, Iterable[str]]
         tables += open_sheets(opened)
     elif opened.form == "parquet":
         tables.append(open_parquet(opened))
-    elif (table := open_delimited(opened)) is not None:
-        tables.append(table)
-    for each in tables:
-        yield from _of_table(each)
-
-
-def _of_table(table: LogTable) -> Iterator[tuple[Heading, np.ndarray, Iterable[str]]]:
-    shape = long_shape(table, find_candidates(table.headings), {})
-    if shape is not None:
-        yield from long_columns(table, shape)
-        return
-    headings = [heading for heading in table.headings if heading.index < table.width]
-    frame = table.read([heading.index for heading in headings])
-    for heading in headings:
-        values, words_there = numbers(frame, heading.index, table.decimal)
-        yield heading, values, words_there
+    elif (text := open_delimited(opened)) is not None:
+        tables.append(text)
+    for table in tables:
+        shape = long_shape(table, find_candidates(table.headings), {})
+        if shape is not None:
+            yield from long_columns(table, shape)
+            continue
+        headings = [heading for heading in table.headings if heading.index < table.width]
+        frame = table.read([heading.index for heading in headings])
+        for heading in headings:
+            yield heading, *numbers(frame, heading.index, table.decimal)
 
 
 def _column(heading: Heading, values: np.ndarray, words: Iterable[str], repeated: bool) -> LogColumn:

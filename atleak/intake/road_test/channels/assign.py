@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -183,28 +183,23 @@ def own_part_of(room: float) -> float:
     return max(room - BESIDE, SMALL)
 
 
+@dataclass
 class Assigner:
     """Collects the decisions about one file: chosen signals, open questions, messages."""
 
-    def __init__(
-        self,
-        file: str,
-        units: Mapping[str, str],
-        neighbours: Iterable[str],
-        interval: float | None = None,
-        every: int = 1,
-        room: float = math.inf,
-    ) -> None:
-        self.file, self.units, self.neighbours = file, units, tuple(neighbours)
-        self.interval = interval  # [s] between rows, as the user states it
-        self.every, self.room = every, room  # of how many rows one is read; bytes of memory that may be taken
-        self.signals: dict[str, Signal] = {}
-        self.ambiguous: list[Ambiguous] = []
-        self.refused: dict[str, Sentence] = {}  # by quantity, why a column that bears its name was not taken
-        self.unreadable: set[str] = set()  # columns whose cells are no numbers, which has been said
-        self.messages: list[Message] = []
-        self.base: np.ndarray | None = None  # stamps of signals that have none of their own
-        self.again: dict[int, Again] = {}  # by place of a column, where a header says more or less of its unit later
+    file: str
+    units: Mapping[str, str]
+    neighbours: Sequence[str] = ()  # units that the file states
+    interval: float | None = None  # [s] between rows, as the user states it
+    every: int = 1  # of how many rows one is read
+    room: float = math.inf  # bytes of memory that may be taken
+    signals: dict[str, Signal] = field(default_factory=dict)
+    ambiguous: list[Ambiguous] = field(default_factory=list)
+    refused: dict[str, Sentence] = field(default_factory=dict)  # by quantity, why a column of its name was not taken
+    unreadable: set[str] = field(default_factory=set)  # columns whose cells are no numbers, which has been said
+    messages: list[Message] = field(default_factory=list)
+    base: np.ndarray | None = None  # stamps of signals that have none of their own
+    again: dict[int, Again] = field(default_factory=dict)  # by place of a column whose unit a later header states
 
     def say(self, code: str, text: Sentence, level: MessageLevel = "info", column: str | None = None) -> None:
         """Add a message."""
@@ -275,13 +270,9 @@ class Assigner:
 
     def _decide(self, quantity: str, offered: Sequence[Offered]) -> None:
         """Choose one of the candidates for a quantity, or list them as ambiguous."""
-        fitting: list[Signal] = []
-        misfits: list[Signal] = []
-        for candidate, values, time in offered:
-            signal = self._fit(candidate, values, time)
-            if signal is None:
-                continue
-            (misfits if signal.fit.problem else fitting).append(signal)
+        signals = [signal for each in offered if (signal := self._fit(*each)) is not None]
+        fitting = [signal for signal in signals if not signal.fit.problem]
+        misfits = [signal for signal in signals if signal.fit.problem]
         for signal in misfits:
             text = Sentence(
                 "{column!r} is not taken for {quantity}: {problem}",

@@ -104,12 +104,6 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     return TableResult(rows.number, timeline, label, clock, used=(label, *unit_columns), left_out=rows.left_out)
 
 
-def _may_be_time(candidate: Candidate) -> bool:
-    """Return whether the unit allows a time: a column T in °C is none."""
-    kinds = kinds_of(clean_unit(candidate.unit or ""))
-    return not kinds or "time" in kinds or kinds == ["ratio"]
-
-
 def refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
     """Refuse rows in which a decimal comma has become a delimiter: nearly two cells for every name.
 
@@ -134,11 +128,12 @@ def refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
 
 def time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candidate]:
     """Return the columns that may be the clock, the likeliest first."""
-    times = [
-        candidate
-        for candidate in candidates
-        if candidate.quantity == "time" and (candidate.mapped or _may_be_time(candidate))
-    ]
+    times = []
+    for candidate in candidates:
+        kinds = kinds_of(clean_unit(candidate.unit or ""))  # a column T in °C is no time
+        possible = candidate.mapped or not kinds or "time" in kinds or kinds == ["ratio"]
+        if candidate.quantity == "time" and possible:
+            times.append(candidate)
     if any(candidate.heading.stamped for candidate in times):
         times = [candidate for candidate in times if candidate.mapped or candidate.heading.stamped]
     if not any(candidate.mapped for candidate in times):
@@ -149,13 +144,9 @@ def time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candid
         # columns without a telling name that hold clock readings serve where no other does
         named = {candidate.heading.index for candidate in candidates}
         for heading in table.headings[: table.width]:
+            unnamed = heading.index not in named and not named_by_a_date(heading)
             cells = table.sampled(heading.index)
-            if (
-                heading.index not in named
-                and not named_by_a_date(heading)
-                and cells
-                and sum(is_clock(cell) for cell in cells) > 0.8 * len(cells)
-            ):
+            if unnamed and cells and sum(map(is_clock, cells)) > 0.8 * len(cells):
                 times.append(Candidate(heading, "time", 2, "unknown", None))
     return sorted(times, key=lambda candidate: (not candidate.mapped, candidate.tier))
 

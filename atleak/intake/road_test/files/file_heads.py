@@ -11,13 +11,9 @@ from atleak.intake.road_test.names.matching import clean_unit, split_unit
 
 # raw whole numbers by the channel's type; pressures are absolute, their zero on the gauge is 1013
 _TYPE_UNITS = {
-    "enginespeed": "rpm",
-    "temperature": "0.1 K",
-    "pressure": "0.1 kPa abs",
-    "abspressure": "0.1 kPa abs",
-    "speed": "0.1 km/h",
-    "gear": "gear",
-}
+    "enginespeed": "rpm", "temperature": "0.1 K", "pressure": "0.1 kPa abs", "abspressure": "0.1 kPa abs",
+    "speed": "0.1 km/h", "gear": "gear",
+}  # fmt: skip
 
 
 def defined_above(rows: Sequence[Row], width: int) -> tuple[Heading, ...] | None:

@@ -160,7 +160,9 @@ def _scored_dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
 
 def find_table(rows: Sequence[Row], decimal: Decimal, width: int | None = None) -> Layout | None:
     """Return the table among rows of cells: the longest block of data rows with the rows that name its columns."""
-    widths = Counter(len(row) for row in rows if _has_number(row, decimal) and len(row) > 1)
+    widths = Counter(
+        len(row) for row in rows if len(row) > 1 and any(kind_of(cell, decimal) in ("number", "clock") for cell in row)
+    )
     if not widths:
         return None
     if width is None or width not in widths:
@@ -171,12 +173,15 @@ def find_table(rows: Sequence[Row], decimal: Decimal, width: int | None = None) 
     if start is None:
         return None
     header, top = _rows_above(rows, start, width, decimal)
-    preamble, above = tuple(rows[:top]), _rows_of_another(rows[:top], flags, width)
+    # rows of numbers, as wide as the table, stand above it under a header of their own
+    above = sum(flag and len(row) == width for row, flag in zip(rows[:top], flags, strict=False))
+    preamble, above = tuple(rows[:top]), above if above >= _FEW else 0
     defined = defined_above(rows[:start], width)
     if defined is not None:
         return Layout(start, width, defined, True, preamble, (), above=above)
     headings = with_stated_units(headings_of(header, width), preamble)
-    cell_units = {index: unit for index in range(width) if (unit := _cell_unit(rows[start:], index, decimal))}
+    columns = ([row[index] for row in rows[start:] if index < len(row)] for index in range(width))
+    cell_units = {index: unit for index, cells in enumerate(columns) if (unit := unit_in_cells(cells, decimal))}
     headings = tuple(
         replace(heading, unit=cell_units.get(heading.index, heading.unit)) if cell_units else heading
         for heading in headings
@@ -185,20 +190,6 @@ def find_table(rows: Sequence[Row], decimal: Decimal, width: int | None = None) 
 
 
 _FEW = 3  # lines with as many cells as the table above it, which are no other table
-
-
-def _rows_of_another(above: Sequence[Row], flags: Sequence[bool], width: int) -> int:
-    """Return how many rows of numbers, as wide as the table, stand above it under a header of their own."""
-    count = sum(flag and len(row) == width for row, flag in zip(above, flags, strict=False))
-    return count if count >= _FEW else 0
-
-
-def _cell_unit(rows: Sequence[Row], index: int, decimal: Decimal) -> str | None:
-    return unit_in_cells([row[index] for row in rows if index < len(row)], decimal)
-
-
-def _has_number(row: Row, decimal: Decimal) -> bool:
-    return any(kind_of(cell, decimal) in ("number", "clock") for cell in row)
 
 
 def _expected_kinds(rows: Sequence[Row], width: int, decimal: Decimal) -> list[CellKind]:

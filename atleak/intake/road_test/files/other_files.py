@@ -47,19 +47,10 @@ _PARTS = re.compile(
 )
 _SEVERAL = 4  # such words make a report
 _TEXT = bytes({7, 8, 9, 10, 12, 13, 27} | set(range(0x20, 0x100)))
-_BINARY_LOGS = {  # by the ending of the name, of files that are no text
-    ".emulog": Sentence("a binary log of {logger}", logger="ECUMaster"),
-    ".emublog": Sentence("a binary log of {logger}", logger="ECUMaster"),
-    ".emuprolog": Sentence("a binary log of {logger}", logger="ECUMaster"),
-    ".fsl": Sentence("a binary log of {logger}", logger="FORScan"),
-    ".llg": Sentence("a binary log of {logger}", logger="Link"),
-    ".llg5": Sentence("a binary log of {logger}", logger="Link"),
-    ".llgx": Sentence("a binary log of {logger}", logger="Link"),
-    ".blf": Sentence("a binary log of {logger}", logger="Vector (BLF)"),
-    ".hpl": Sentence("a binary log of {logger}", logger="HP Tuners"),
-    ".xrk": Sentence("a binary log of {logger}", logger="AiM"),
-    ".ld": Sentence("a binary log of {logger}", logger="MoTeC"),
-}
+_BINARY_LOGS = {  # whose, by the ending of the name, of files that are no text
+    ".emulog": "ECUMaster", ".emublog": "ECUMaster", ".emuprolog": "ECUMaster", ".fsl": "FORScan", ".llg": "Link",
+    ".llg5": "Link", ".llgx": "Link", ".blf": "Vector (BLF)", ".hpl": "HP Tuners", ".xrk": "AiM", ".ld": "MoTeC",
+}  # fmt: skip
 
 
 def refuse_what_is_no_log(head: bytes, file: str) -> None:
@@ -97,10 +88,11 @@ def without_a_table(head: bytes, file: str) -> RoadTestError:
     """Return the error for a text in which no table was found, naming what it is where that can be told."""
     place, binary = Place(file=file), len(head.translate(None, _TEXT)) > 0.02 * len(head)
     if binary:
-        known = _BINARY_LOGS.get(PurePath(file).suffix.lower())
+        logger = _BINARY_LOGS.get(PurePath(file).suffix.lower())
         problem = Sentence("is no text: a binary file of a form that is not known")
-        if known is not None:
-            problem = Sentence("is {what}, no road-test log, whatever its name says", what=known)
+        if logger is not None:
+            what = Sentence("a binary log of {logger}", logger=logger)
+            problem = Sentence("is {what}, no road-test log, whatever its name says", what=what)
         return RoadTestError(problem, place=place, expected=_FORMS)
     return of_measured_parts(head, file) or RoadTestError(
         Sentence("no table of numbers was found in it"),

@@ -7,7 +7,6 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from atleak.errors import OutputError
 from atleak.intake.plain_words import words
@@ -79,17 +78,9 @@ def _understood(entry: object) -> RememberedColumns | None:
     mapping, units, columns = entry.get("mapping"), entry.get("units"), entry.get("columns")
     if not isinstance(mapping, dict) or not isinstance(units, dict):
         return None
-    return RememberedColumns(
-        _texts(mapping),
-        _texts(units),
-        str(entry.get("format", "")),
-        tuple(map(str, columns)) if isinstance(columns, list) else (),
-        str(entry.get("when", "")),
-    )
-
-
-def _texts(part: Mapping[Any, Any]) -> dict[str, str]:
-    return {str(key): str(value) for key, value in part.items()}
+    mapping, units = ({str(key): str(value) for key, value in part.items()} for part in (mapping, units))
+    columns = tuple(map(str, columns)) if isinstance(columns, list) else ()
+    return RememberedColumns(mapping, units, str(entry.get("format", "")), columns, str(entry.get("when", "")))
 
 
 def remember(

@@ -26,6 +26,12 @@ SELECTOR = {"park": -2.0, "reverse": -1.0, "neutral": 0.0, "drive": 10.0}
 """Numbers of selector positions written in words; a forward range with a digit is that digit."""
 
 
+_POSITIONS = {
+    "p": "park", "park": "park", "parking": "park", "r": "reverse", "reverse": "reverse", "rev": "reverse",
+    "n": "neutral", "neutral": "neutral",
+}  # fmt: skip
+
+
 def gear_of(text: str) -> float:
     """Return a gear's number from its word, NaN where the word names no gear.
 
@@ -42,17 +48,12 @@ def gear_of(text: str) -> float:
 def selector_of(text: str) -> float:
     """Return a selector position's number (see `SELECTOR`), NaN where the word names none."""
     plain = words(text)
-    first = plain[:1]
-    if plain in ("p", "park", "parking"):
-        return SELECTOR["park"]
-    if plain in ("r", "reverse", "rev"):
-        return SELECTOR["reverse"]
-    if plain in ("n", "neutral"):
-        return SELECTOR["neutral"]
+    if plain in _POSITIONS:
+        return SELECTOR[_POSITIONS[plain]]
     number = gear_of(text)
     if number == number:
         return number
-    return SELECTOR["drive"] if plain in _DRIVE or first == "d" else float("nan")
+    return SELECTOR["drive"] if plain in _DRIVE or plain[:1] == "d" else float("nan")
 
 
 def switch_of(text: str) -> float:
