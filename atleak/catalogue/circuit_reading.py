@@ -73,7 +73,7 @@ def _refuse_circles(circuits: Sequence[Circuit], tables: Sequence[CircuitTable],
                 next_ones = {other for one in next_ones for other in leads.get(one, ())} - before
             if table.id in before:
                 value = ", ".join(sorted(leads[table.id]))
-                at = ("circuits", number, key)
+                at = (*reading.place(("circuits",), number), key)
                 expected = Sentence("another circuit")
                 reading.faults.append(reading.fault(at, problem, value=value, expected=expected))
                 break  # the others of the circle would say the same
@@ -136,23 +136,24 @@ def read_permissible(tables: Sequence[PermissiblePressureTable], reading: Readin
 
     What is wrong is gathered: an unknown gear, or a gear or range given twice in one state.
     """
-    permissible: list[PermissiblePressure] = []
-    for number, table in enumerate(tables):
-        where = ("permissible_pressure", number)
-        with reading.gathering():
-            stated = (table.gears or []) if table.gear is None else [table.gear]
-            key = "gears" if table.gear is None else "gear"
-            gears = reading.gears_of(stated, (*where, key))
-            ranges = frozenset(table.ranges or ())
-            for other in permissible:
-                if other.state == table.state:
-                    twice = Sentence("gear given twice for the state {state}", state=table.state)
-                    _refuse_twice(twice, key, gears & other.gears, where, reading)
-                    twice = Sentence("range given twice for the state {state}", state=table.state)
-                    _refuse_twice(twice, "ranges", ranges & other.ranges, where, reading)
-            published = table.evidence is not Evidence.REPRESENTATIVE
-            permissible.append(made(PermissiblePressure, table, gears=gears, ranges=ranges, published=published))
-    return tuple(permissible)
+    known: list[PermissiblePressure] = []
+
+    def permissible(table: PermissiblePressureTable, where: Steps) -> None:
+        stated = (table.gears or []) if table.gear is None else [table.gear]
+        key = "gears" if table.gear is None else "gear"
+        gears = reading.gears_of(stated, (*where, key))
+        ranges = frozenset(table.ranges or ())
+        for other in known:
+            if other.state == table.state:
+                twice = Sentence("gear given twice for the state {state}", state=table.state)
+                _refuse_twice(twice, key, gears & other.gears, where, reading)
+                twice = Sentence("range given twice for the state {state}", state=table.state)
+                _refuse_twice(twice, "ranges", ranges & other.ranges, where, reading)
+        published = table.evidence is not Evidence.REPRESENTATIVE
+        known.append(made(PermissiblePressure, table, gears=gears, ranges=ranges, published=published))
+
+    reading.each(tables, ("permissible_pressure",), permissible)
+    return tuple(known)
 
 
 def _refuse_twice(problem: Sentence, key: str, both: Iterable[int | str], where: Steps, reading: Reading) -> None:

@@ -50,6 +50,8 @@ from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.workshop_units import UM
 
+_ALL: Mapping[Steps, Sequence[int]] = MappingProxyType({})
+
 
 def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
     try:
@@ -110,14 +112,13 @@ def _faults_of_meaning(data: Mapping[str, Any], error: ValidationError, origin: 
         entry = ControllerFile.model_validate(remaining.data)
     except ValidationError:  # so much is wrong that nothing can be said of the rest
         return []
-    faults = _read(entry, remaining.data, origin)[1]
-    return [remaining.in_full(fault, data, origin.path.name) for fault in faults if not remaining.follows(fault)]
+    return [fault for fault in _read(entry, data, origin, remaining.kept)[1] if not remaining.follows(fault)]
 
 
 def _read(
-    entry: ControllerFile, data: Mapping[str, Any], origin: Origin
+    entry: ControllerFile, data: Mapping[str, Any], origin: Origin, kept: Mapping[Steps, Sequence[int]] = _ALL
 ) -> tuple[Controller | None, list[CatalogueError]]:
-    """Return the controller and no fault, or everything that is wrong with its tables."""
+    """Return the controller and no fault, or everything that is wrong with its tables, of which some were ``kept``."""
     reading = Reading(
         origin.path,
         data,
@@ -126,6 +127,7 @@ def _read(
         all(point.solenoid_current_ma is not None for point in entry.operating_points),
         all(point.lockup_duty_percent is not None for point in entry.operating_points),
         [*SECTIONS, *(table.id for table in entry.circuits)],
+        kept,
     )
     twice = sorted({gear for gear in entry.gears if entry.gears.count(gear) > 1})
     if twice:
@@ -313,15 +315,16 @@ def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Re
 
 def _gaps(entry: ControllerFile, known: Sequence[LandKey], reading: Reading) -> list[Gap]:
     gaps: list[Gap] = []
-    for number, table in enumerate(entry.gaps):
-        with reading.gathering():
-            gap = _gap(table, known, ("gaps", number), reading)
-            for other in gaps:
-                both = gap.gears & other.gears
-                if both and (gap.key, gap.high, gap.low) == (other.key, other.high, other.low):
-                    at, problem = ("gaps", number, "gears"), Sentence("the same gap was given before")
-                    raise reading.fault(at, problem, value=min(both))
-            gaps.append(gap)
+
+    def gap_of(table: GapTable, where: Steps) -> None:
+        gap = _gap(table, known, where, reading)
+        for other in gaps:
+            both = gap.gears & other.gears
+            if both and (gap.key, gap.high, gap.low) == (other.key, other.high, other.low):
+                raise reading.fault((*where, "gears"), Sentence("the same gap was given before"), value=min(both))
+        gaps.append(gap)
+
+    reading.each(entry.gaps, ("gaps",), gap_of)
     return gaps
 
 

@@ -31,6 +31,7 @@ class Reading:
     with_current: bool  # every operating point states a solenoid's current
     with_duty: bool  # every operating point states the lock-up solenoid's duty
     sections: Sequence[str]  # those that pressures may name, circuits included
+    kept: Mapping[Steps, Sequence[int]]  # by list, where tables were set aside: the places of the others
     faults: list[CatalogueError] = field(default_factory=list)  # gathered so far
 
     @contextmanager
@@ -47,20 +48,28 @@ class Reading:
         at: Steps,
         make: Callable[[Entry, Steps], Made],
         *,
-        twice: Sentence,
+        twice: Sentence | None = None,
         named_by: str = "id",
     ) -> list[Made]:
-        """Return what is made of each table, of which no two have one name; the fault of a wrong one is gathered."""
+        """Return what is made of each table, gathering the faults of those that are wrong.
+
+        Where they have names and ``twice`` says what is wrong otherwise, no two may have the same.
+        """
         objects: list[Made] = []
         names: set[object] = set()
         for number, table in enumerate(tables):
-            where, name = (*at, number), getattr(table, named_by)
+            where = self.place(at, number)
             with self.gathering():
+                name = getattr(table, named_by) if twice else number
                 if name in names:
-                    raise self.fault((*where, named_by), twice, value=name)
+                    raise self.fault((*where, named_by), twice or Sentence(""), value=name)
                 names.add(name)
                 objects.append(make(table, where))
         return objects
+
+    def place(self, at: Steps, number: int) -> Steps:
+        """Return the steps to a table of a list, of which some may have been set aside."""
+        return (*at, self.kept[at][number] if at in self.kept else number)
 
     def fault(
         self,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from atleak.catalogue.complaints import written_land
 from atleak.errors import CatalogueError, Steps
-from atleak.faults import place_of, steps_to
+from atleak.faults import steps_to
 
 # What stands for a head, a pump, a material or a default that is wrong: none of it matters to the other tables.
 _STAND_INS: dict[str, Any] = {
@@ -30,6 +30,7 @@ _DEFAULTS: dict[str, Any] = {"contact_length_mm": 1.0, "mounting_clearance_um": 
 class Remaining:
     """The tables of a controller's file that are well formed."""
 
+    whole: Mapping[str, Any]  # all of the file
     data: dict[str, Any]
     kept: dict[Steps, list[int]] = field(default_factory=dict)  # by list: the places that its entries had before
     names: set[str] = field(default_factory=set)  # of the tables that were set aside
@@ -39,7 +40,7 @@ class Remaining:
     @classmethod
     def of(cls, data: Mapping[str, Any], error: ValidationError) -> Remaining:
         """Set aside what pydantic calls wrong: an unknown key alone, else the table or the land in which it stands."""
-        remaining = cls(copy.deepcopy(dict(data)))
+        remaining = cls(data, copy.deepcopy(dict(data)))
         aside: dict[Steps, set[int]] = {}
         faults = error.errors(include_url=False)
         for steps in (steps_to(fault) for fault in faults if fault["type"] == "extra_forbidden"):
@@ -127,21 +128,8 @@ class Remaining:
         steps = fault.place.steps
         if steps[0] == "complaints":
             return fault.value in {written_land(key) for key in self.lands}
-        table = self.data[str(steps[0])][steps[1]]
+        table = self.whole[str(steps[0])][steps[1]]
         named = [table["land"]] if "land" in table else table.get("lands")
         return any(
             component == table["component"] and (named is None or land in named) for component, land in self.lands
         )
-
-    def in_full(self, fault: CatalogueError, data: Mapping[str, Any], file: str) -> CatalogueError:
-        """Return a fault with its place in all the tables, those that were set aside too."""
-        steps: Sequence[str | int] = fault.place.steps
-        full: Steps = ()
-        before: Steps = ()  # the same place among the tables as they were, under which `kept` knows its lists
-        for step in steps:
-            whole = self.kept.get(before)
-            full = (*full, whole[step] if whole is not None and isinstance(step, int) else step)
-            before = full
-        fault.place = place_of(full, data, file)
-        fault.args = (str(fault),)
-        return fault
