@@ -13,10 +13,9 @@ from typing import Any
 import xlsxwriter
 
 from atleak.controller_sheets.layout import INSTRUCTIONS, LISTS, SHEETS
-from atleak.controller_sheets.shapes import Form
 from atleak.controller_sheets.units import Units
 from atleak.report.controller_workbook.instructions import write_instructions
-from atleak.report.controller_workbook.sheets import Places, formats, write_form, write_names, write_table
+from atleak.report.controller_workbook.sheets import SheetWriter, formats
 from atleak.system.marks import PROPERTY, sealed, unsealed
 
 _CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same description gives the same bytes
@@ -38,7 +37,6 @@ def write_controller_workbook(data: Mapping[str, Any] | None = None, units: Unit
     bytes
         of an .xlsx workbook; the same tables and units give the same bytes. Texts stay texts, never formulas.
     """
-    units = units or Units()
     buffer = io.BytesIO()
     options = {
         "in_memory": True,
@@ -52,10 +50,9 @@ def write_controller_workbook(data: Mapping[str, Any] | None = None, units: Unit
         book.set_custom_property(PROPERTY, unsealed("controller workbook"))
         styles = formats(book)
         write_instructions(book.add_worksheet(INSTRUCTIONS), styles)
-        pages = {sheet.name: book.add_worksheet(sheet.name) for sheet in SHEETS}
-        places = Places()
+        writer = SheetWriter(book, styles, data, units or Units())
         for sheet in SHEETS:
-            write = write_form if isinstance(sheet, Form) else write_table
-            write(pages[sheet.name], styles, sheet, data, units, places)
-        write_names(book, book.add_worksheet(LISTS), places)
+            write = writer.form if sheet.is_form else writer.table
+            write(book.add_worksheet(sheet.name), sheet)
+        writer.names(book.add_worksheet(LISTS))
     return sealed(buffer.getvalue())
