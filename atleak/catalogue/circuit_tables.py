@@ -47,37 +47,30 @@ class FollowingTable(Strict):
     offset_kpa: Finite = 0.0
 
 
-class CurrentTable(Strict):
-    """A set pressure by the current of a solenoid: straight lines between the points."""
+class SignalTable(Strict):
+    """A set pressure by the signal of a solenoid: straight lines between the points."""
 
+    kpa: list[NonNegative] = Field(min_length=2)
+
+    @model_validator(mode="after")
+    def _rising(self) -> SignalTable:
+        (key,) = type(self).model_fields.keys() - {"kpa"}
+        values = getattr(self, key)
+        if len(values) != len(self.kpa):
+            currents = Sentence("as many pressures as currents ({count})", count=len(values))
+            duties = Sentence("as many pressures as duties ({count})", count=len(values))
+            raise NotAccepted(currents if key == "current_ma" else duties)
+        if any(high <= low for low, high in pairwise(values)):
+            raise NotAccepted(Sentence("{key} rising", key=key))
+        return self
+
+
+class CurrentTable(SignalTable):
     current_ma: list[NonNegative] = Field(min_length=2)
-    kpa: list[NonNegative] = Field(min_length=2)
-
-    @model_validator(mode="after")
-    def _rising(self) -> CurrentTable:
-        if len(self.current_ma) != len(self.kpa):
-            raise NotAccepted(Sentence("as many pressures as currents ({count})", count=len(self.current_ma)))
-        _check_rising("current_ma", self.current_ma)
-        return self
 
 
-class DutyTable(Strict):
-    """A set pressure by the duty of a pulsed solenoid, as lock-up has one: straight lines between the points."""
-
-    duty_percent: list[Percent] = Field(min_length=2)
-    kpa: list[NonNegative] = Field(min_length=2)
-
-    @model_validator(mode="after")
-    def _rising(self) -> DutyTable:
-        if len(self.duty_percent) != len(self.kpa):
-            raise NotAccepted(Sentence("as many pressures as duties ({count})", count=len(self.duty_percent)))
-        _check_rising("duty_percent", self.duty_percent)
-        return self
-
-
-def _check_rising(key: str, values: list[float]) -> None:
-    if any(high <= low for low, high in pairwise(values)):
-        raise NotAccepted(Sentence("{key} rising", key=key))
+class DutyTable(SignalTable):
+    duty_percent: list[Percent] = Field(min_length=2)  # of a pulsed solenoid, as lock-up has one
 
 
 class ByGearTable(Strict):

@@ -45,6 +45,7 @@ KINDS = ("controllers", "fluids", "limits", "instruments")
 """The catalogue's folders, of what ships and of the user's own."""
 _REMOVED = "removed"  # folder of what was taken out of the own catalogue
 _TOML_TEXT = Sentence("TOML text in UTF-8")
+_THERE = Sentence("is in your catalogue already")
 NO_ENTRY = {
     "controllers": Sentence("no such entry among the controllers"),
     "fluids": Sentence("no such entry among the fluids"),
@@ -231,9 +232,8 @@ def write_own(kind: str, name: str, text: str, *, over: str = "") -> Path:
         problem, expected = Sentence("has the id of an entry that ships with atleak"), Sentence("an id of its own")
         raise OutputError(problem, place=place, expected=expected)
     if path.exists() and hashlib.sha256(path.read_bytes()).hexdigest() != over:
-        there, changed = Sentence("is in your catalogue already"), Sentence("was changed by someone else since")
-        expected = Sentence("another id, or a decision to replace it")
-        raise OutputError(changed if over else there, place=place, expected=expected)
+        problem = Sentence("was changed by someone else since") if over else _THERE
+        raise OutputError(problem, place=place, expected=Sentence("another id, or a decision to replace it"))
     made(path.parent)
     replace_file(path, text.encode("utf-8"))
     return path
@@ -266,8 +266,7 @@ def restore_own(kind: str, name: str) -> None:
     """
     path = own_folder(kind) / f"{name}.toml"
     if path.exists():
-        problem, expected = Sentence("is in your catalogue already"), Sentence("another id")
-        raise OutputError(problem, place=Place(file=path.name), expected=expected)
+        raise OutputError(_THERE, place=Place(file=path.name), expected=Sentence("another id"))
     _move(own_folder(kind) / _REMOVED / f"{name}.toml", path)
 
 

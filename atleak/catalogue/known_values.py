@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import get_args
 
 from atleak.catalogue.controller_tables import ControllerFile, LandValue, PumpTable
 from atleak.catalogue.entries import Evidence
@@ -65,13 +65,8 @@ def _known_values(entry: ControllerFile) -> Iterator[KnownValue]:
             yield KnownValue("circuits", circuit.name, "set_kpa", circuit.set_evidence, circuit.source)
     if entry.line is not None:
         yield KnownValue("line", "", "set_kpa", entry.line.evidence, entry.line.source)
-    named: tuple[tuple[str, Iterable[Any]], ...] = (
-        ("leaks", entry.leaks),
-        ("consumers", entry.consumers),
-        ("repairs", entry.repairs),
-    )
-    for table, each_of in named:
-        for each in each_of:
+    for table in ("leaks", "consumers", "repairs"):
+        for each in getattr(entry, table):
             yield KnownValue(table, each.name or each.id, "", each.evidence, each.source)
     for permissible in entry.permissible_pressure:
         where = permissible.gears or permissible.ranges or [permissible.gear]

@@ -51,41 +51,36 @@ class LimitOrigin(StrEnum):
     WORKSHOP = "set by the workshop"
 
 
+_FRACTION, _PRESSURE = (PERCENT, "%", "percent", None), (KPA, "kPa", "kpa", "pressure")
+_CLEARANCE, _NUMBER = (UM, "µm", "um", "clearance"), (1.0, "", "", None)
+
+
 class RuleKind(StrEnum):
     """The quantities that limits are set for."""
 
-    WEAR = "wear"  # of a land, (c_r − c_m)/c_m
-    CLEARANCE = "radial_clearance"  # of a land [m]
-    PAIR_SHARE = "pair_share"  # leakage of one land / pump capacity
-    TOTAL_SHARE = "total_share"  # leakage of the unit / pump capacity
-    RESERVE = "reserve"  # pump supply / (leakage + slip + consumers)
-    CIRCUIT_LOSS = "circuit_loss"  # [Pa] pressure that a circuit has lost, or gained, against new
-    BELOW_LINE = "below_line"  # [Pa] how far a circuit's gauge is below that of the line; limited as the loss
-    BELOW_EXPECTED = "below_expected"  # [Pa] how far the line's gauge is below a new unit's; limited as the loss
-    PERMISSIBLE_PRESSURE = "permissible_pressure"  # how far main pressure is below the permissible, a fraction of it
-    COMMANDED_PRESSURE = "commanded_pressure"  # [Pa] how far main pressure is from what is commanded
-    PUMP_SIDE = "pump_side_clearance"  # [m] of the pump
-    PUMP_TIP = "pump_tip_clearance"  # [m]
+    WEAR = "wear", *_FRACTION  # of a land, (c_r − c_m)/c_m
+    CLEARANCE = "radial_clearance", *_CLEARANCE  # of a land
+    PAIR_SHARE = "pair_share", *_FRACTION  # leakage of one land / pump capacity
+    TOTAL_SHARE = "total_share", *_FRACTION  # leakage of the unit / pump capacity
+    RESERVE = "reserve", *_NUMBER  # pump supply / (leakage + slip + consumers)
+    CIRCUIT_LOSS = "circuit_loss", *_PRESSURE  # that a circuit has lost, or gained, against new
+    BELOW_LINE = "below_line", *_PRESSURE  # how far a circuit's gauge is below that of the line; limited as the loss
+    BELOW_EXPECTED = "below_expected", *_PRESSURE  # how far the line's gauge is below a new unit's; likewise
+    PERMISSIBLE_PRESSURE = "permissible_pressure", *_FRACTION  # how far main pressure is below it, of it
+    COMMANDED_PRESSURE = "commanded_pressure", *_PRESSURE  # how far main pressure is from what is commanded
+    PUMP_SIDE = "pump_side_clearance", *_CLEARANCE
+    PUMP_TIP = "pump_tip_clearance", *_CLEARANCE
 
-    @property
-    def factor(self) -> float:
-        """Return the factor from SI, or a fraction, to the unit that people read."""
-        return _UNITS[self][0]
+    factor: float  # from SI, or a fraction, to the unit that people read
+    unit: str  # that people read; none of a plain number
+    suffix: str  # that unit as the end of a key
+    quantity: str | None  # its kind, where people may read it in another unit; None for a fraction
 
-    @property
-    def unit(self) -> str:
-        """Return the unit that people read; none of a plain number."""
-        return _UNITS[self][1]
-
-    @property
-    def quantity(self) -> str | None:
-        """Return the kind of quantity that it is, where people may read it in another unit; None for a fraction."""
-        return _UNITS[self][3]
-
-    @property
-    def suffix(self) -> str:
-        """Return that unit as the end of a key; none of a plain number."""
-        return _UNITS[self][2]
+    def __new__(cls, value: str, factor: float, unit: str, suffix: str, quantity: str | None) -> RuleKind:
+        kind = str.__new__(cls, value)
+        kind._value_ = value
+        kind.factor, kind.unit, kind.suffix, kind.quantity = factor, unit, suffix, quantity
+        return kind
 
     @property
     def in_bands(self) -> bool:
@@ -101,24 +96,6 @@ class RuleKind(StrEnum):
     def of_land(self) -> bool:
         """Return whether it judges one land."""
         return self in {RuleKind.WEAR, RuleKind.CLEARANCE, RuleKind.PAIR_SHARE}
-
-
-_FRACTION, _PRESSURE = (PERCENT, "%", "percent", None), (KPA, "kPa", "kpa", "pressure")
-_CLEARANCE = (UM, "µm", "um", "clearance")
-_UNITS: Mapping[RuleKind, tuple[float, str, str, str | None]] = {
-    RuleKind.WEAR: _FRACTION,
-    RuleKind.CLEARANCE: _CLEARANCE,
-    RuleKind.PAIR_SHARE: _FRACTION,
-    RuleKind.TOTAL_SHARE: _FRACTION,
-    RuleKind.RESERVE: (1.0, "", "", None),
-    RuleKind.CIRCUIT_LOSS: _PRESSURE,
-    RuleKind.BELOW_LINE: _PRESSURE,
-    RuleKind.BELOW_EXPECTED: _PRESSURE,
-    RuleKind.PERMISSIBLE_PRESSURE: _FRACTION,
-    RuleKind.COMMANDED_PRESSURE: _PRESSURE,
-    RuleKind.PUMP_SIDE: _CLEARANCE,
-    RuleKind.PUMP_TIP: _CLEARANCE,
-}
 
 
 @dataclass(frozen=True)
