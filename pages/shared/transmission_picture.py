@@ -8,7 +8,7 @@ from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import AtleakError
-from atleak.report.controller_workbook.picture import spool_picture
+from atleak.report.controller_workbook.instructions import SPOOL_PICTURE
 from atleak.views.controller_form import sketch
 from atleak.views.drawing import controller_svg
 from atleak.views.entry_form import Checked
@@ -28,7 +28,7 @@ def draw_spools(step: str, found: Checked) -> None:
     say = reader.say()
     if step == COMPONENTS:
         with st.expander(say("transmission.meant")):
-            st.image(spool_picture(), width=_MEANT)
+            st.image(SPOOL_PICTURE, width=_MEANT)
     with st.container():
         if step != COMPONENTS:
             return

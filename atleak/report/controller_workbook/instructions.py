@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import io
+from pathlib import Path
 
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.controller_sheets.layout import EXAMPLE_MARK, INSTRUCTIONS, NOTE_HEADING, SHEETS
-from atleak.report.controller_workbook.picture import spool_picture
 from atleak.report.controller_workbook.sheets import Styles
+
+SPOOL_PICTURE = Path(__file__).with_name("spool.png")
+"""What the sheet of lands asks for; drawn by ``tools/spool_picture.py``."""
 
 _HOW_TO = (
     (
@@ -83,9 +85,8 @@ def write_instructions(page: Worksheet, styles: Styles) -> None:
     page.insert_image(
         row + 2,
         0,
-        "spool.png",
+        str(SPOOL_PICTURE),
         {
-            "image_data": io.BytesIO(spool_picture()),
             "description": "A spool in its bore: two lands with diameter, contact length, position and clearance",
             "x_scale": 0.5,
             "y_scale": 0.5,

@@ -1,15 +1,16 @@
-"""Draw what the sheet of lands asks for: a spool in its bore, with the lengths and diameters of its lands."""
+"""Draw the picture of the workbook: a spool in its bore, with the lengths and diameters of its lands.
+
+python tools/spool_picture.py
+"""
 
 from __future__ import annotations
-
-import io
-from functools import cache
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from atleak.look import SHEET_COLOURS
+from atleak.report.controller_workbook.instructions import SPOOL_PICTURE
 
 _INK, _SOFT = SHEET_COLOURS["heading"], SHEET_COLOURS["soft"]
 _BODY, _SPOOL = SHEET_COLOURS["bore"], SHEET_COLOURS["spool"]
@@ -18,9 +19,7 @@ _RADIUS, _BORE, _ROD = 1.0, 1.13, 0.42
 _PORTS = ((0.35, 0.9), (3.4, 2.6), (8.95, 0.9))  # start and length of the openings in the bore
 
 
-@cache
-def spool_picture() -> bytes:
-    """Return the picture as PNG, the same bytes each time."""
+def draw() -> None:
     figure = Figure(figsize=(15.0, 6.4), dpi=100)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_xlim(-0.4, 12.4)
@@ -49,9 +48,7 @@ def spool_picture() -> bytes:
     for number, (start, _) in enumerate(_LANDS, start=1):
         axes.text(start + 0.12, 0.72, f"land {number}", fontsize=16, color=_INK, ha="left", va="center", weight="bold")
     axes.text(10.15, 1.38, "valve body", fontsize=15, color=_SOFT, va="center")
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", metadata={"Software": None})
-    return stream.getvalue()
+    figure.savefig(SPOOL_PICTURE, format="png", metadata={"Software": None})
 
 
 def _bore_and_spool(axes: Axes) -> None:
@@ -81,3 +78,7 @@ def _length(axes: Axes, first: float, last: float, height: float, words: str) ->
 def _height(axes: Axes, x: float, low: float, high: float, words: str) -> None:
     axes.annotate("", (x, low), (x, high), arrowprops={"arrowstyle": "<->", "color": _INK, "lw": 1.4})
     axes.text(x + 0.1, -0.55, words, fontsize=14, color=_INK, va="center")
+
+
+if __name__ == "__main__":
+    draw()
