@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from atleak.catalogue.entries import ID_HELP, Identifier, NonEmptyText, Source, Strict
 from atleak.catalogue.keys import key
-from atleak.errors import InputError, unknown
-from atleak.sentence import Name, Sentence
 
 LandKey = tuple[str, int]
 
@@ -45,26 +42,6 @@ class Complaint:
             "lands": [written_land(key) for key in self.lands],
             "source": self.source,
         }
-
-
-def find_complaint(complaints: Sequence[Complaint], wanted: str | None, controller: str) -> Complaint | None:
-    """Return the complaint of that id; None where none is wanted.
-
-    Raises
-    ------
-    InputError
-        if the controller maps no such complaint; it lists those that it maps, or says that it maps none.
-    """
-    if wanted is None:
-        return None
-    known = {complaint.id: complaint for complaint in complaints}
-    if wanted in known:
-        return known[wanted]
-    if not known:
-        expected = Sentence("no complaint, or a controller's file with a table [[complaints]]")
-        problem = Sentence("{controller} maps no complaint to its operating points", controller=Name(controller))
-        raise InputError(problem, value=wanted, expected=expected)
-    raise unknown(Sentence("{controller} maps no such complaint", controller=Name(controller)), wanted, known)
 
 
 def written_land(key: LandKey) -> str:

@@ -20,7 +20,7 @@ from atleak.catalogue.circuits import (
     PermissiblePressure,
     SetPressure,
 )
-from atleak.catalogue.complaints import Complaint, LandKey, find_complaint
+from atleak.catalogue.complaints import Complaint, LandKey
 from atleak.catalogue.controller_tables import PART_NAMES, SEALS, ControllerFile, NewOrigin, PartKind, Seal
 from atleak.catalogue.entries import Evidence, Origin
 from atleak.catalogue.instruments import Part
@@ -29,8 +29,8 @@ from atleak.catalogue.pump import Pump, PumpClearances
 from atleak.catalogue.repairs import Repair
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.equations import clearance as clearance_equations
-from atleak.errors import Message
-from atleak.sentence import Sentence
+from atleak.errors import InputError, Message, unknown
+from atleak.sentence import Name, Sentence
 
 REFERENCE_TEMPERATURE = 20.0  # °C, at which clearances are measured
 
@@ -267,9 +267,16 @@ class Controller:
         Raises
         ------
         InputError
-            if the controller maps no such complaint.
+            if the controller maps no such complaint; it lists those that it maps, or says that it maps none.
         """
-        return find_complaint(self.complaints, wanted, self.name)
+        known = {complaint.id: complaint for complaint in self.complaints}
+        if wanted is None or wanted in known:
+            return known[wanted] if wanted else None
+        if not known:
+            expected = Sentence("no complaint, or a controller's file with a table [[complaints]]")
+            problem = Sentence("{controller} maps no complaint to its operating points", controller=Name(self.name))
+            raise InputError(problem, value=wanted, expected=expected)
+        raise unknown(Sentence("{controller} maps no such complaint", controller=Name(self.name)), wanted, known)
 
     def with_measured_pump(self, measured: PumpClearances) -> Controller:
         """Return the same controller with the pump of a job, of which these clearances were measured."""

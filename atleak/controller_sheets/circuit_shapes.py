@@ -84,13 +84,15 @@ class SetPressures(Sheet):
         if any(by in row.cells and by not in row.values for row in rows):
             return None
         further = [row for row in rows[1:] if row.values.get(by) != way or way in {ALWAYS, FOLLOWING}]
+        expected = Sentence("{way} in every row of this circuit", way=way)
+        if way in {ALWAYS, FOLLOWING}:
+            expected = Sentence("one row")
         for row in further:
-            everywhere = Sentence("{way} in every row of this circuit", way=way)
-            expected = Sentence("one row") if way in {ALWAYS, FOLLOWING} else everywhere
             into.fault(row, by, Sentence("does not go with the rows before it"), expected)
-        asked = {ALWAYS: (), BY_POINT: (which,), BY_GEAR: (which,), FOLLOWING: (which, ratio)}.get(way, (level,))
-        asked = (*asked, *(() if way == FOLLOWING else (pressure,)))
-        lacking = [(row, heading) for row in rows for heading in asked if heading not in row.values]
+        by_name, following = (which, pressure), (which, ratio)
+        asked = {ALWAYS: (pressure,), BY_POINT: by_name, BY_GEAR: by_name, FOLLOWING: following}
+        wanted = asked.get(way, (level, pressure))
+        lacking = [(row, heading) for row in rows for heading in wanted if heading not in row.values]
         for row, heading in lacking:
             if heading not in row.cells:
                 problem = Sentence("missing where it is set by {way}", way=way)

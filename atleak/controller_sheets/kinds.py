@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from atleak.controller_sheets.units import NUMBER, Measure, Units, cell_number, file_number
+from atleak.controller_sheets.units import NUMBER, Measure, Units
 from atleak.faults import NotAccepted
 from atleak.sentence import Sentence
 from atleak.written_numbers import decimal_number
@@ -115,7 +115,7 @@ class Number(Kind):
         return self.measure.label(units)
 
     def value(self, cell: Cell, units: Units) -> float:
-        return file_number(self.written(cell, units), self.measure, units)
+        return self.measure.file_number(self.written(cell, units), units)
 
     def written(self, cell: Cell, units: Units) -> float | Decimal:
         """Return the number as it stands in the cell, in the workbook's unit."""
@@ -135,7 +135,7 @@ class Number(Kind):
         return Sentence("a number in {unit}", unit=label) if label else Sentence("a number")
 
     def cell(self, value: Any, units: Units) -> str | float:
-        return cell_number(value, self.measure, units)
+        return self.measure.cell_number(value, units)
 
 
 @dataclass(frozen=True)

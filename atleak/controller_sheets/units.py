@@ -60,48 +60,36 @@ class Measure:
         label = self.inch if self.inch and units.length == "inch" else self.metric
         return f"{label}, {units.clearance}" if self.of_clearance else label
 
-    def to_file(self, number: Decimal, units: Units) -> Decimal:
-        """Convert a number from the workbook's unit to that of the file."""
-        return _EXACT.multiply(number, self._factor(units))
+    def file_number(self, cell: float | str | Decimal, units: Units) -> float:
+        """Return what a cell's number is in the unit of the controller's file.
 
-    def from_file(self, number: Decimal, units: Units) -> Decimal:
-        """Convert a number of the file to the workbook's unit."""
-        return _EXACT.divide(number, self._factor(units))
+        A number is converted to 13 digits, since a spreadsheet program keeps 15 of it; digits that stand as text are
+        all taken.
+
+        >>> LENGTH.file_number(0.571, Units("inch")), LENGTH.file_number(14.503 / 25.4, Units("inch"))
+        (14.5034, 14.503)
+        """
+        number = Decimal(repr(float(cell))) if isinstance(cell, int | float) else Decimal(cell)
+        converted = _EXACT.multiply(number, self._factor(units))
+        if isinstance(cell, int | float) and converted != number:
+            converted = _CELL.plus(converted)
+        return float(converted)
+
+    def cell_number(self, value: float, units: Units) -> float | str:
+        """Return what stands in a cell for a number of the file, so that `file_number` gives it back to the last digit.
+
+        >>> LENGTH.cell_number(14.503, Units()), LENGTH.cell_number(14.5034, Units("inch"))
+        (14.503, 0.571)
+        """
+        exact = _EXACT.divide(Decimal(repr(float(value))), self._factor(units))
+        number = float(f"{float(exact):.16g}")  # as a workbook keeps it
+        return number if self.file_number(number, units) == float(value) else str(Context(prec=30).plus(exact))
 
     def _factor(self, units: Units) -> Decimal:
         if self.of_pressure:
             return _KPA[units.pressure]
         factor = self.inch_factor if self.inch and units.length == "inch" else self.factor
         return factor / 2 if self.of_clearance and units.clearance == "diametral" else factor
-
-
-def file_number(cell: float | str | Decimal, measure: Measure, units: Units) -> float:
-    """Return what a cell's number is in the unit of the controller's file.
-
-    A number is converted to 13 digits, since a spreadsheet program keeps 15 of it; digits that stand as text are all
-    taken.
-
-    >>> file_number(0.571, LENGTH, Units("inch")), file_number(14.503 / 25.4, LENGTH, Units("inch"))
-    (14.5034, 14.503)
-    """
-    number = Decimal(repr(float(cell))) if isinstance(cell, int | float) else Decimal(cell)
-    converted = measure.to_file(number, units)
-    if isinstance(cell, int | float) and converted != number:
-        converted = _CELL.plus(converted)
-    return float(converted)
-
-
-def cell_number(value: float, measure: Measure, units: Units) -> float | str:
-    """Return what stands in a cell for a number of the file, so that `file_number` gives it back to the last digit.
-
-    >>> cell_number(14.503, LENGTH, Units()), cell_number(14.5034, LENGTH, Units("inch"))
-    (14.503, 0.571)
-    """
-    exact = measure.from_file(Decimal(repr(float(value))), units)
-    number = float(f"{float(exact):.16g}")  # as a workbook keeps it
-    if file_number(number, measure, units) == float(value):
-        return number
-    return str(Context(prec=30).plus(exact))
 
 
 LENGTH = Measure("mm", "inch", Decimal(1), _MM, quantity="length", si=Decimal("1e-3"), usual=(0.5, 100.0))

@@ -20,7 +20,7 @@ def sketch(data: Mapping[str, Any]) -> Controller | None:
 
     Nothing of it is for computing: all but sizes and names is made up.
     """
-    components = []
+    components = {}
     length = data.get("defaults", {}).get("contact_length_mm")
     for table in data.get("components", ()):
         lands = {
@@ -28,15 +28,10 @@ def sketch(data: Mapping[str, Any]) -> Controller | None:
             for land in table.get("lands", ())
             if "land" in land and "nominal_diameter_mm" in land
         }
-        good = [land for land in lands.values() if _can_be_drawn(land)]
+        good = [land for land in lands.values() if _controller_of([{"id": "one", "name": "one", "lands": [land]}])]
         if "id" in table and good:
-            components.append({"id": table["id"], "name": table.get("name", table["id"]), "lands": good})
-    known = {table["id"]: table for table in components}
-    return _controller_of(list(known.values())) if known else None
-
-
-def _can_be_drawn(land: Mapping[str, Any]) -> bool:
-    return _controller_of([{"id": "one", "name": "one", "lands": [land]}]) is not None
+            components[table["id"]] = {"id": table["id"], "name": table.get("name", table["id"]), "lands": good}
+    return _controller_of([*components.values()]) if components else None
 
 
 def _controller_of(components: Sequence[Mapping[str, Any]]) -> Controller | None:

@@ -22,8 +22,6 @@ from atleak.controller_sheets.units import (
     VOLUME,
     Measure,
     Units,
-    cell_number,
-    file_number,
 )
 
 EVERY = [Units(*choice) for choice in itertools.product(LENGTHS, CLEARANCES, PRESSURES)]
@@ -33,17 +31,17 @@ INCH = Units("inch", "diametral", "psi")
 
 @given(st.floats(1e-7, 1e7), st.sampled_from(EVERY), st.sampled_from(MEASURES))
 def test_any_number_comes_back_to_the_last_digit(value: float, units: Units, measure: Measure) -> None:
-    assert file_number(cell_number(value, measure, units), measure, units) == value
+    assert measure.file_number(measure.cell_number(value, units), units) == value
 
 
 @given(st.integers(1, 99_999_999), st.integers(0, 7), st.sampled_from(EVERY), st.sampled_from(MEASURES))
 def test_a_number_as_people_write_it_stays_a_number(digits: int, decimals: int, units: Units, measure: Measure) -> None:
     value = float(f"{digits}e-{decimals}")
-    cell = cell_number(value, measure, units)
+    cell = measure.cell_number(value, units)
     assert isinstance(cell, float)
-    assert file_number(cell, measure, units) == value
+    assert measure.file_number(cell, units) == value
     # a program that keeps 15 digits of a number loses nothing either
-    assert file_number(float(f"{cell:.15g}"), measure, units) == value
+    assert measure.file_number(float(f"{cell:.15g}"), units) == value
 
 
 @pytest.mark.parametrize(
@@ -58,7 +56,7 @@ def test_a_number_as_people_write_it_stays_a_number(digits: int, decimals: int, 
     ],
 )
 def test_inches_and_diameters_are_converted_exactly(cell: float, measure: Measure, value: float) -> None:
-    assert file_number(cell, measure, INCH) == value
+    assert measure.file_number(cell, INCH) == value
 
 
 def test_headings_say_the_unit_and_how_a_clearance_is_meant() -> None:
