@@ -43,7 +43,7 @@ for tab, kind in zip(st.tabs([say(f"catalogue.{kind}") for kind in rows.FOLDERS]
             show.chart(viscosity_curve(entry, say), "viscosity-curve")
             st.caption(say("catalogue.viscosity_caption"))
         for table in rows.TABLES[kind](entry, say):
-            st.subheader(say(f"catalogue.{table.name}"))
+            st.subheader(table.title or say(f"catalogue.{table.name}"))
             show.table(table)
         st.download_button(
             say("catalogue.file"), entry.origin.path.read_bytes, entry.origin.file, key=f"file-{kind}",

@@ -1,178 +1,126 @@
-"""Show catalogue entries as tables in a reader's language and units."""
+"""Show catalogue entries as tables in a reader's language and units: a valve body as its sheets declare it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from operator import itemgetter
 from types import MappingProxyType
 from typing import Any
 
-from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Level, Limits, RuleKind, Steps
-from atleak.catalogue.repairs import Repair
-from atleak.views.circuit_rows import MILLIAMPERE, circuit_tables, gears_words
+from atleak.controller_sheets.kinds import Choice, Number, YesNo
+from atleak.controller_sheets.layout import SHEETS
+from atleak.controller_sheets.shapes import Column as Declared
+from atleak.controller_sheets.units import Units
 from atleak.views.evidence_rows import evidence_table
-from atleak.views.land_names import land_number
-from atleak.views.repair_options import repair_name
 from atleak.views.sentences import rule_value
-from atleak.views.table import Column, Table, columns, span
-from atleak.wording import Wording, isolated
-from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, PERCENT, RPM, UM
+from atleak.views.table import Column, Table, columns
+from atleak.wording import Wording
+from atleak.workshop_units import G_CM3, MM2_S, PERCENT, UM
 
 FOLDERS = MappingProxyType({"controller": "controllers", "fluid": "fluids", "limits": "limits"})
-_MM3 = 1e9  # from m³
+_ABOVE = ("name", "source", "date", "note", "representative")  # keys of the head that stand above the tables
+_OF_DEFAULTS = ("contact_length_mm", "mounting_clearance_um", "body", "spool")  # for lands that state none
+_QUANTITIES = MappingProxyType(  # that people read in units of their own, by the unit of a file's key
+    {
+        "mm": "length",
+        "µm": "clearance",
+        "kPa": "pressure",
+        "°C": "temperature",
+        "rpm": "engine_speed",
+        "mm³": "displacement",
+        "dm³/min": "flow",
+        "g/cm³": "density",
+        "mm²/s": "viscosity",
+        "%": "percent",
+    }
+)
 
 
 def representative(entry: Controller | Fluid, say: Wording) -> str:
     """Say which values of an entry are representative: as its file words it, where that is no shipped one."""
     values = entry.representative
-    return say.name(values) if isinstance(values, str) else _listed("value_names", values, say)
-
-
-def _listed(texts: str, names: Iterable[str], say: Wording) -> str:
-    return ", ".join(say.get(texts, each) for each in names)
+    return say.name(values) if isinstance(values, str) else ", ".join(say.get("value_names", each) for each in values)
 
 
 def controller_tables(controller: Controller, say: Wording) -> list[Table]:
-    """Return the tables of operating points, circuits, lands, gaps, pump and complaints; none without a row."""
-    component = Column("component", of=lambda each: _component(each.component, controller, say))
-    tables = [
-        evidence_table(controller, say),
-        _points(controller, say),
-        *circuit_tables(controller, say),
-        _lands(controller, component, say),
-        _repairs(controller, component, say),
-        _gaps(controller, component, say),
-        _pump(controller, say),
-        _complaints(controller, say),
-    ]
-    return [table for table in tables if table.rows]
+    """Return what its values are known from, and a table for each sheet that describes it; none without a row."""
+    tables, data = [evidence_table(controller, say)], _described(controller, say)
+    for sheet in SHEETS:
+        rows, title = list(sheet.rows(data)), _word(sheet.name, say)
+        if sheet.is_form:
+            known = {column.how_known: column for column in sheet.columns if column.how_known}
+            lines = [
+                (each, rows[0][each.heading], rows[0].get(known[each.key].heading) if each.key in known else None)
+                for each in sheet.columns
+                if each.heading in rows[0] and not each.how_known and each.key not in _ABOVE
+            ]
+            shown = (
+                Column("what", of=lambda line: _word(line[0].heading, say)),
+                Column("value", of=lambda line: _with_unit(line[0], line[1], say)),
+                Column("known_from", of=lambda line: line[2] and _word(line[2], say)),
+            )
+            tables.append(Table(sheet.name, shown, lines, say, title))
+        else:
+            tables.append(
+                Table(sheet.name, tuple(_column(each, say) for each in sheet.columns_for(data)), rows, say, title)
+            )
+    return [table.filled for table in tables if table.rows]
 
 
-def _points(controller: Controller, say: Wording) -> Table:
-    shown = columns(
-        Column("condition", of=say.condition),
-        Column("temperature", "temperature"),
-        Column("engine_speed", "engine_speed", times=RPM),
-        Column("gear", digits=0),
-        Column("main_pressure", "pressure", times=KPA),
-        Column("converter_pressure", "pressure", times=KPA),
-        Column("state", of=lambda point: say.get("states", point.state)),
-        Column("solenoid_current", digits=0, times=MILLIAMPERE),
-        Column("lockup_duty", "percent", 0, times=PERCENT),
-        "source",
+def _described(controller: Controller, say: Wording) -> dict[str, Any]:
+    """Return the tables of a valve body's file, with the defaults of lands and the gaps that nobody described."""
+    data = {} if controller.entry is None else controller.entry.model_dump(by_alias=True, exclude_unset=True)
+    defaults = {key: value for key, value in data.get("defaults", {}).items() if key in _OF_DEFAULTS}
+    for component in data.get("components", ()):
+        component["lands"] = [{**defaults, **land} for land in component.get("lands", ())]
+    for table, point in zip(data.get("operating_points", ()), controller.operating_points, strict=True):
+        table["label"] = say.condition(point)
+    taken = {"from": "p_g", "to": "drain", "gears": list(controller.gears)}
+    undescribed = [land.key for land in controller.lands if land.key in controller.gaps_not_described]
+    gaps = [{"component": component, "land": land, **taken} for component, land in undescribed]
+    return {**data, "gaps": [*data.get("gaps", ()), *gaps]}
+
+
+def _word(text: str, say: Wording) -> str:
+    return say.get("transmission_fields", text)
+
+
+def _quantity(declared: Declared) -> str | None:
+    return _QUANTITIES.get(declared.kind.measure.metric) if isinstance(declared.kind, Number) else None
+
+
+def _column(declared: Declared, say: Wording) -> Column:
+    """Return the column of a table as its sheet declares it."""
+    quantity, heading = _quantity(declared), _word(declared.heading, say)
+    if quantity is not None:
+        return Column(declared.heading, quantity, words=heading, of=lambda row: row.get(declared.heading))
+    unit = say.get("typed_units", declared.kind.label(Units()))
+    words = f"{heading} [{unit}]" if unit else heading
+    return Column(declared.heading, words=words, of=lambda row: _text(declared, row.get(declared.heading), say))
+
+
+def _text(declared: Declared, value: Any, say: Wording) -> str | None:
+    """Return a value as people read it, without its unit; None where there is none."""
+    if value is None:
+        return None
+    cell = declared.kind.cell(value, Units())
+    if not isinstance(cell, str):
+        return say.plain(cell)
+    return (
+        _word(cell, say)
+        if isinstance(declared.kind, Choice | YesNo)
+        else say.get("catalogue_materials", say.name(cell))
     )
-    return Table("points", shown, controller.operating_points, say)
 
 
-def _component(name: str, controller: Controller, say: Wording) -> str:
-    return f"{name} · {isolated(say.name(controller.components[name]))}"
-
-
-def _lands(controller: Controller, component: Column, say: Wording) -> Table:
-    def materials(land: Land) -> str:
-        return " / ".join(say.get("catalogue_materials", each) for each in (land.body_material, land.spool_material))
-
-    shown = columns(
-        component,
-        Column("land", digits=0),
-        Column("planes", of=lambda land: ", ".join(land.planes)),
-        Column("nominal_diameter", "length", times=MM),
-        Column("contact_length", "length", 2, times=MM),
-        Column("mounting", words_of="clearance", of=lambda land: _span_um(land.mounting_ends, say)),
-        Column("tolerance", "clearance", of="mounting_tolerance", times=UM),
-        Column("known_from", of=lambda land: say(f"catalogue.new_{land.new_origin}")),
-        Column("own_limit", "clearance", of="clearance_limit", times=UM),
-        Column("built", of=lambda land: _built(land, say)),
-        Column("materials", of=materials),
-        Column("representative_values", of=lambda land: _listed("parts", land.representative, say) or None),
-    )
-    return Table("lands", shown, controller.lands, say)
-
-
-def _built(land: Land, say: Wording) -> str | None:
-    built = [say("measuring.end_plug")] if land.part == "end_plug" else []
-    built += [say("catalogue.sleeved")] if land.sleeved else []
-    built += [say(f"catalogue.sealed_{land.seal}")] if land.seal else []
-    return "; ".join(built) or None
-
-
-def _span_um(ends: Iterable[float], say: Wording) -> str:
-    return span((end * UM for end in ends), "clearance", say)
-
-
-def _repairs(controller: Controller, component: Column, say: Wording) -> Table:
-    def price(repair: Repair) -> str | None:
-        return None if repair.price is None else f"{say.number(repair.price, 2)} {repair.currency}"
-
-    shown = columns(
-        component,
-        Column("lands", of=lambda repair: ", ".join(map(str, sorted(repair.lands)))),
-        Column("repair", of=lambda repair: repair_name(repair, say)),
-        Column("own_id", of="id"),
-        Column("repair_kind", of=lambda repair: say(f"catalogue.repair_{repair.kind}")),
-        Column("price", of=price),
-        Column("hours", digits=1),
-        "tool",
-        Column("nominal_diameter", "length", times=MM),
-        Column(
-            "clearance_left",
-            words_of="clearance",
-            of=lambda repair: _span_um(repair.ends, say) or say("catalogue.as_new_parts"),
-        ),
-        _known_from(say),
-        "source",
-    )
-    return Table("repairs", shown, controller.repairs, say)
-
-
-def _known_from(say: Wording) -> Column:
-    return Column("known_from", of=lambda each: say(f"evidence.{each.evidence or 'not_stated'}"))
-
-
-def _gaps(controller: Controller, component: Column, say: Wording) -> Table:
-    shown = columns(
-        component,
-        Column("land", digits=0),
-        "section",
-        Column("flows_from", of=lambda gap: str(gap.high)),
-        Column("flows_to", of=lambda gap: str(gap.low)),
-        Column("gears", of=lambda gap: gears_words(gap.gears)),
-        Column("ends_in", of=lambda gap: say("flows.sump" if gap.into_sump else "catalogue.another_section")),
-        _known_from(say),
-    )
-    return Table("gaps", shown, controller.gaps, say)
-
-
-def _pump(controller: Controller, say: Wording) -> Table:
-    def slip(pump: Any) -> str | None:
-        return None if pump.slip_coefficient is None else say.plain(pump.slip_coefficient, 4)
-
-    shown = columns(
-        Column("displacement", "displacement", times=_MM3),
-        Column("volumetric_efficiency", digits=3),
-        Column("slip_coefficient", of=slip),
-        Column("representative_values", of=lambda pump: _listed("value_names", pump.representative, say) or None),
-    )
-    return Table("pump", shown, [controller.pump], say)
-
-
-def _complaints(controller: Controller, say: Wording) -> Table:
-    points = {point.name: say.condition(point) for point in controller.operating_points}
-
-    def lands(complaint: Any) -> str:
-        named = ", ".join(land_number(controller, each, say) for each in complaint.lands)
-        return named or say("catalogue.every_land")
-
-    shown = columns(
-        Column("own_id", of="id"),
-        Column("complaint", of=lambda each: say.name(each.label)),
-        Column("shows_at", of=lambda each: "; ".join(points[name] for name in each.conditions)),
-        Column("lands", of=lands),
-        "source",
-    )
-    return Table("complaints", shown, controller.complaints, say)
+def _with_unit(declared: Declared, value: Any, say: Wording) -> str:
+    quantity = _quantity(declared)
+    if quantity is not None:
+        return say.plain_quantity(value, quantity)
+    return f"{_text(declared, value, say)} {declared.kind.label(Units())}".strip()
 
 
 def fluid_tables(fluid: Fluid, say: Wording) -> list[Table]:

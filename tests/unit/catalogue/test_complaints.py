@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.errors import CatalogueError, InputError
-from atleak.views.catalogue_rows import controller_tables
-from atleak.wording import wording
 
 Edited = Callable[..., Path]
 COMPLAINT = """
@@ -104,15 +101,3 @@ def test_every_shipped_complaint_says_where_it_comes_from(controller: Controller
     for complaint in controller.complaints:
         assert "choice of this project" in complaint.source
         assert "representative" in complaint.source
-
-
-def test_the_catalogue_page_lists_them_by_their_labels(edited: Edited, minimal: Controller) -> None:
-    late = next(row for row in _complaints(load_controller(with_complaint(edited))) if row["own_id"] == "late_reverse")
-    assert late["shows_at"] == "hot idle in drive, 100 °C; driving in second, 80 °C"
-    assert late["lands"] == "accumulator piston/1, pressure regulator valve/2"
-    assert [row["lands"] for row in _complaints(minimal)] == ["every one"]
-
-
-def _complaints(controller: Controller) -> list[dict[str, Any]]:
-    tables = controller_tables(controller, wording("en"))
-    return next(table.records() for table in tables if table.name == "complaints")

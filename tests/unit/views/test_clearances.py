@@ -49,9 +49,9 @@ def test_every_column_has_its_heading_and_what_tells_pairs_apart_comes_first(wor
 @pytest.mark.parametrize("entry", controllers(), ids=lambda entry: entry.id)
 def test_a_controllers_tables_hold_all_of_it(entry) -> None:
     tables = {table.name: table.records() for table in TABLES["controller"](entry, wording("en"))}
-    assert len(tables["lands"]) == len(entry.lands)
-    assert len(tables["gaps"]) == len(entry.gaps)
-    assert [row["engine_speed"] for row in tables["points"]] == pytest.approx(
+    assert len(tables["Lands"]) == len(entry.lands)
+    assert len(tables["Gaps"]) == len(entry.entry.gaps) + len(entry.gaps_not_described)
+    assert [row["Engine speed"] for row in tables["Operating points"]] == pytest.approx(
         [point.engine_speed * 60.0 for point in entry.operating_points], rel=1e-9, abs=0.0
     )
     assert representative(entry, wording("en")) == entry.representative
