@@ -22,7 +22,7 @@ from atleak.catalogue.circuits import (
 )
 from atleak.catalogue.complaints import Complaint, LandKey
 from atleak.catalogue.controller_tables import PART_NAMES, SEALS, ControllerFile, NewOrigin, PartKind, Seal
-from atleak.catalogue.entries import Evidence, Origin
+from atleak.catalogue.entries import Evidence, Headed, Origin
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump, PumpClearances
@@ -199,14 +199,9 @@ class Gap:
 
 
 @dataclass(frozen=True)
-class Controller:
+class Controller(Headed):
     """A transmission's electro-hydraulic controller."""
 
-    id: str
-    name: str
-    source: str
-    date: str
-    note: str
     representative: str  # what of it is representative, "" where nothing is
     gears: tuple[int, ...]
     components: MappingProxyType[str, str]  # number → name

@@ -129,6 +129,17 @@ class Origin:
         return self.path.name
 
 
+@dataclass(frozen=True)
+class Headed:
+    """What the head of a catalogue file says, of the object that it describes."""
+
+    id: str
+    name: str
+    source: str
+    date: str
+    note: str
+
+
 Loaded = TypeVar("Loaded")
 
 

@@ -17,6 +17,7 @@ from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import (
     NO_ENTRY,
     Entry,
+    Headed,
     Origin,
     Shelf,
     Strict,
@@ -42,18 +43,13 @@ HIGHEST_TEMPERATURE = 150.0  # °C: no source in the catalogue measured a fluid 
 
 
 @dataclass(frozen=True)
-class Fluid:
+class Fluid(Headed):
     """One automatic transmission fluid.
 
     ``points`` are the data sheet's (temperature [°C], kinematic viscosity [m²/s]); ``table`` holds
     (temperature [°C], kinematic viscosity [m²/s], density [kg/m³]) where a source tabulates both.
     """
 
-    id: str
-    name: str
-    source: str
-    date: str
-    note: str
     representative: tuple[str, ...]
     points: tuple[tuple[float, float], ...]
     table: tuple[tuple[float, float, float], ...]

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from atleak.catalogue import usual
 from atleak.catalogue.doubts import doubts_of
-from atleak.catalogue.entries import Entry, Origin, Shelf
+from atleak.catalogue.entries import Entry, Headed, Origin, Shelf
 from atleak.catalogue.keys import key, made
 from atleak.errors import CatalogueError, InputError, Message, one_of
 from atleak.faults import validated
@@ -24,7 +24,7 @@ STEEL_EXPANSION = 11.5e-6  # [1/K] of gauge blocks, (11.5 ± 1.0)·10⁻⁶: ISO
 
 
 @dataclass(frozen=True)
-class Instrument:
+class Instrument(Headed):
     """One instrument for diameters; standard uncertainties in metres.
 
     ``common_part`` is the part of the calibration's variance that every reading of this instrument shares (its zero,
@@ -34,11 +34,6 @@ class Instrument:
     scale, or of the masters it is set with: away from 20 °C a part is compared with those.
     """
 
-    id: str
-    name: str
-    source: str
-    date: str
-    note: str
     measures: tuple[Part, ...]
     resolution: float  # [m] the step between two possible readings
     calibration: float  # [m] standard uncertainty

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, create_model, model_validator
 
 from atleak.catalogue import usual
 from atleak.catalogue.doubts import doubts_of
-from atleak.catalogue.entries import Entry, NonEmptyText, Origin, Shelf, Strict
+from atleak.catalogue.entries import Entry, Headed, NonEmptyText, Origin, Shelf, Strict
 from atleak.catalogue.keys import key, made, unit_of
 from atleak.errors import CatalogueError, Message
 from atleak.faults import NotAccepted, WrongTogether, validated
@@ -199,14 +199,9 @@ class Steps:
 
 
 @dataclass(frozen=True)
-class Limits:
+class Limits(Headed):
     """A set of limits; a rule that is None is not applied."""
 
-    id: str
-    name: str
-    source: str
-    date: str
-    note: str
     wear: Steps | None  # of the fraction (c_r − c_m)/c_m
     clearance: Steps | None  # of the radial clearance [m]
     pair_share: Steps | None  # of leakage / pump capacity of one land, as a fraction

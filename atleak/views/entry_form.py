@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -34,10 +34,6 @@ _DIGITS = range(15, 18)  # of a computed number
 _COMPUTED = re.compile(r"-?\d+\.\d+(?:e[+-]\d+)?|-?\d{15,17}")
 
 
-def _as_it_is(data: Mapping[str, Any]) -> dict[str, Any]:
-    return dict(data)
-
-
 @dataclass(frozen=True)
 class Subject:
     """A kind of entry that can be typed: its sheets, the first of which is its head, and how its file is checked."""
@@ -45,8 +41,6 @@ class Subject:
     shelf: Shelf[Any]
     sheets: tuple[Sheet, ...]
     names: Mapping[str, Offered] = field(default_factory=dict)  # that drop-downs offer
-    opened: Callable[[Mapping[str, Any]], dict[str, Any]] = _as_it_is  # a file's tables as the sheets have them
-    closed: Callable[[Mapping[str, Any]], dict[str, Any]] = _as_it_is  # the other way round, as people write a file
 
     @property
     def kind(self) -> str:
@@ -59,7 +53,7 @@ class Subject:
 
     def toml(self, data: Mapping[str, Any]) -> str:
         """Return tables as the text of their file."""
-        return written_toml(self.closed(data), self.shelf.model)
+        return written_toml(data, self.shelf.model)
 
 
 @dataclass(frozen=True)
@@ -128,7 +122,7 @@ class Checked:
 
 def draft_of(subject: Subject, data: Mapping[str, Any], units: Units = Units()) -> Draft:  # noqa: B008  frozen
     """Return the tables of an entry's file as a draft, typed in these units."""
-    draft, data = Draft(subject, units), subject.opened(data)
+    draft = Draft(subject, units)
     for sheet in subject.sheets:
         columns = {column.heading: column for column in sheet.columns_for(data)}
         rows = [

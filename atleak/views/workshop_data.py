@@ -21,11 +21,27 @@ from atleak.views.entry_form import Subject
 
 
 @dataclass(frozen=True)
-class LimitColumn(Column):
-    """A field with the limit itself: a fault of the whole level is its own."""
+class LevelColumn(Column):
+    """A field of a level of limits, which a file states as a plain number where it says nothing but the limit itself.
+
+    A fault of the whole level is one of the limit.
+    """
+
+    def of(self, table: Mapping[str, Any], end: int | None = None) -> Any:
+        stated = table.get(self.keys[0])
+        plain = {} if isinstance(stated, Mapping) else {self.keys[0]: {LIMIT: stated}}
+        return super().of({**table, **plain}, end)
+
+    def put(self, table: dict[str, Any], value: Any) -> None:
+        level, key = self.keys
+        if key == LIMIT:  # the first of a level; what could not be read stays a cell of its own
+            table[level] = value if isinstance(value, float) else {LIMIT: value}
+            return
+        stated = table.get(level, {})
+        table[level] = {**(stated if isinstance(stated, Mapping) else {LIMIT: stated}), key: value}
 
     def steps(self) -> list[Steps]:
-        return [self.keys[:1], self.keys]
+        return [self.keys[:1], self.keys] if self.key == LIMIT else [self.keys]
 
 
 def _head(about: str, columns: tuple[Column, ...]) -> Form:
@@ -60,35 +76,10 @@ def _of_level(name: str, level: str) -> Iterator[Column]:
     if level in LevelTable.model_fields:
         return
     heading = level.capitalize()
-    yield LimitColumn(heading, (level, LIMIT), kind_of(name, float, Key()))
+    yield LevelColumn(heading, (level, LIMIT), kind_of(name, float, Key()))
     others = LevelLimit.model_fields.keys() - set(BESIDE_LIMIT.get(name, ()))
-    for column in columns_of(LevelLimit, (level,), without=others):
-        yield replace(column, heading=f"{heading}: {column.heading}")
-
-
-def _opened(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a limits file with every plain limit in a table of its own, as its longer form has it."""
-    opened = dict(data)
-    for name in _OF_LEVELS & set(data):
-        opened[name] = {
-            key: {LIMIT: value} if _is_limit(value) else value for key, value in dict(data.get(name, {})).items()
-        }
-    return {name: table for name, table in opened.items() if table != {}}
-
-
-def _closed(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a limits file with a plain number wherever a level states nothing else."""
-    closed = dict(data)
-    for name in _TABLES & set(data):
-        closed[name] = {
-            key: value[LIMIT] if isinstance(value, Mapping) and set(value) == {LIMIT} else value
-            for key, value in data[name].items()
-        }
-    return closed
-
-
-def _is_limit(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    for column in columns_of(LevelLimit, without=others):
+        yield LevelColumn(f"{heading}: {column.heading}", (level, column.key), column.kind, help=column.help)
 
 
 LIMITS = Subject(
@@ -97,8 +88,6 @@ LIMITS = Subject(
         _head("What these limits are, and whose", columns_of(LimitsFile, without=_TABLES)),
         *(_limit_form(name) for name in LimitsFile.model_fields if name in _TABLES),
     ),
-    opened=_opened,
-    closed=_closed,
 )
 
 # --- instruments --------------------------------------------------------------------------------------------------
