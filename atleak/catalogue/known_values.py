@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import get_args
+from typing import NamedTuple, get_args
 
 from atleak.catalogue.controller_tables import ControllerFile, LandValue, PumpTable
 from atleak.catalogue.entries import Evidence
@@ -19,15 +18,12 @@ _BESIDE_SIZE = (
 )
 
 
-@dataclass(frozen=True)
-class KnownValue:
+class KnownValue(NamedTuple):
     """One value, or one table of values that are known alike."""
 
     table: str  # of the file: "components", "gaps", "circuits"
-    name: str  # which of them: a land as "8/1", a circuit by its name, empty where there is one alone
     value: str  # the key, empty where the table stands as a whole
     evidence: Evidence | None  # None where the file does not say
-    source: str
 
 
 def known_values(entry: ControllerFile) -> tuple[KnownValue, ...]:
@@ -42,36 +38,27 @@ def counted(values: Iterable[KnownValue]) -> dict[Evidence | None, int]:
 
 
 def _known_values(entry: ControllerFile) -> Iterator[KnownValue]:
-    for name, material in entry.materials.items():
-        yield KnownValue("materials", name, "expansion_per_k", material.evidence, material.source)
+    for material in entry.materials.values():
+        yield KnownValue("materials", "expansion_per_k", material.evidence)
     yield from _of_pump(entry.pump)
-    for name, relation in entry.pressures.items():
-        yield KnownValue("pressures", name, "", relation.evidence, relation.source)
+    for relation in entry.pressures.values():
+        yield KnownValue("pressures", "", relation.evidence)
     for point in entry.operating_points:
-        yield KnownValue("operating_points", point.label, "", point.evidence, point.source)
-    for component in entry.components:
-        for land in component.lands:
-            for value in LAND_VALUES:
-                name = f"{component.id}/{land.land}"
-                yield KnownValue("components", name, value, entry.known_from(land, value), entry.source)
+        yield KnownValue("operating_points", "", point.evidence)
+    for land in (land for component in entry.components for land in component.lands):
+        for value in LAND_VALUES:
+            yield KnownValue("components", value, entry.known_from(land, value))
     for gap in entry.gaps:
-        name = f"{gap.component}/{gap.land}: {gap.high} → {gap.low}"
-        yield KnownValue("gaps", name, "", gap.known_from, entry.source)
+        yield KnownValue("gaps", "", gap.known_from)
     for circuit in entry.circuits:
-        yield KnownValue("circuits", circuit.name, "gears", circuit.evidence, circuit.source)
-        for feed in circuit.feeds:
-            yield KnownValue("circuits", circuit.name, "diameter_mm", feed.evidence, circuit.source)
+        yield KnownValue("circuits", "gears", circuit.evidence)
+        yield from (KnownValue("circuits", "diameter_mm", feed.evidence) for feed in circuit.feeds)
         if circuit.set_kpa is not None:
-            yield KnownValue("circuits", circuit.name, "set_kpa", circuit.set_evidence, circuit.source)
+            yield KnownValue("circuits", "set_kpa", circuit.set_evidence)
     if entry.line is not None:
-        yield KnownValue("line", "", "set_kpa", entry.line.evidence, entry.line.source)
-    for table in ("leaks", "consumers", "repairs"):
-        for each in getattr(entry, table):
-            yield KnownValue(table, each.name or each.id, "", each.evidence, each.source)
-    for permissible in entry.permissible_pressure:
-        where = permissible.gears or permissible.ranges or [permissible.gear]
-        name = f"{', '.join(map(str, where))} · {permissible.state}"
-        yield KnownValue("permissible_pressure", name, "", permissible.evidence, permissible.source)
+        yield KnownValue("line", "set_kpa", entry.line.evidence)
+    for table in ("leaks", "consumers", "repairs", "permissible_pressure"):
+        yield from (KnownValue(table, "", each.evidence) for each in getattr(entry, table))
 
 
 def _of_pump(pump: PumpTable) -> Iterator[KnownValue]:
@@ -79,12 +66,12 @@ def _of_pump(pump: PumpTable) -> Iterator[KnownValue]:
     stated = [key for key in pump.model_fields_set if getattr(pump, key) is not None]
     gaps = [key for key in stated if key in OF_GAPS]
     size = [key for key in stated if key not in (*_BESIDE_SIZE, *_OF_PUMP, *gaps)]
-    yield KnownValue("pump", "", "displacement", _of_keys(pump, size), pump.source)
+    yield KnownValue("pump", "displacement", _of_keys(pump, size))
     if gaps:
-        yield KnownValue("pump", "", "gaps", _of_keys(pump, gaps), pump.source)
+        yield KnownValue("pump", "gaps", _of_keys(pump, gaps))
     for key in _OF_PUMP:
         if getattr(pump, key) is not None:
-            yield KnownValue("pump", "", key, _of_keys(pump, [key]), pump.source)
+            yield KnownValue("pump", key, _of_keys(pump, [key]))
 
 
 def _of_keys(pump: PumpTable, keys: Iterable[str]) -> Evidence | None:

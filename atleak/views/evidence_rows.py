@@ -48,8 +48,8 @@ def evidence_table(controller: Controller, say: Wording) -> Table:
     """Return a row for each kind of value: how many of it are known from what."""
     values = _values(controller)
     rows = []
-    for kind in dict.fromkeys((each.table, each.value) for each in values):
-        counts = counted([each for each in values if (each.table, each.value) == kind])
+    for kind in dict.fromkeys(each[:2] for each in values):
+        counts = counted([each for each in values if each[:2] == kind])
         known = {each.value: counts[each] for each in Evidence}
         rows.append({"values": _kind_words(kind, say), **known, "not_stated": counts[None]})
     counted_columns = (Column(name, digits=0) for name in (*Evidence, "not_stated"))
@@ -70,7 +70,7 @@ def _kind_words(kind: tuple[str, str], say: Wording) -> str:
 
 def _open_kinds(controller: Controller) -> Counter[tuple[str, str]]:
     open_ones = [each for each in _values(controller) if each.evidence is Evidence.REPRESENTATIVE]
-    return Counter((each.table, each.value) for each in open_ones)
+    return Counter(each[:2] for each in open_ones)
 
 
 def _values(controller: Controller) -> tuple[KnownValue, ...]:
