@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple, get_args
+from typing import Any, get_args
 
 from pydantic import ValidationError
 
@@ -253,17 +253,15 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
         planes=tuple(table.planes or [str(table.land)]),
         part=component.part,
         contact_length=length * 1e-3,
-        mounting_clearance=new.clearance,
         body_material=materials[0][0],
         spool_material=materials[1][0],
         body_expansion=materials[0][1],
         spool_expansion=materials[1][1],
         representative=tuple(name for name in get_args(LandValue) if entry.known_from(table, name) is _ASSUMED),
-        mounting_tolerance=new.tolerance,
-        new_origin=new.origin,
         sleeved=component.bore == "sleeved",
-        mounting_measured=new.origin in (NewOrigin.PAIR, NewOrigin.TYPE)
+        mounting_measured=new["new_origin"] in (NewOrigin.PAIR, NewOrigin.TYPE)
         and entry.known_from(table, "mounting_clearance_um") is Evidence.MEASURED,
+        **new,
     )
 
 
@@ -275,13 +273,7 @@ _ASSUMED = Evidence.REPRESENTATIVE
 _NO_PUMP = Pump(1.0, 1.0, None, ())  # of a file whose own is refused
 
 
-class _Mounting(NamedTuple):
-    clearance: float | tuple[float, float]
-    tolerance: float | None
-    origin: NewOrigin
-
-
-def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Reading) -> _Mounting:
+def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Reading) -> dict[str, Any]:
     """Return what a land had when it was new, from its own table or else from [defaults]."""
     defaults, given = entry.defaults, table.mounting_clearance_um
     given = defaults.mounting_clearance_um if given is None else given
@@ -297,7 +289,8 @@ def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Re
             problem = Sentence("land {land} has a tolerance beside a range of mounting clearances", land=table.land)
             expected = Sentence("a tolerance beside a single value, or a range without one")
             raise reading.fault(at, problem, value=tolerance, expected=expected)
-        return _Mounting((given[0] * 1e-6, given[1] * 1e-6), None, NewOrigin.USED_UNIT if used else NewOrigin.RANGE)
+        ends, origin = (given[0] * 1e-6, given[1] * 1e-6), NewOrigin.USED_UNIT if used else NewOrigin.RANGE
+        return {"mounting_clearance": ends, "mounting_tolerance": None, "new_origin": origin}
     tolerance = defaults.mounting_tolerance_um if tolerance is None else tolerance
     if tolerance is not None and tolerance >= given:
         problem = Sentence(
@@ -307,10 +300,9 @@ def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Re
         )
         expected = Sentence("a tolerance that leaves every new pair open, or a range of mounting clearances")
         raise reading.fault(at, problem, value=tolerance, expected=expected)
-    origin = NewOrigin.PAIR if tolerance is None else NewOrigin.TYPE
-    return _Mounting(
-        given * 1e-6, None if tolerance is None else tolerance * 1e-6, NewOrigin.USED_UNIT if used else origin
-    )
+    origin = NewOrigin.USED_UNIT if used else NewOrigin.PAIR if tolerance is None else NewOrigin.TYPE
+    half_width = None if tolerance is None else tolerance * 1e-6
+    return {"mounting_clearance": given * 1e-6, "mounting_tolerance": half_width, "new_origin": origin}
 
 
 def _gaps(entry: ControllerFile, known: Sequence[LandKey], reading: Reading) -> list[Gap]:
