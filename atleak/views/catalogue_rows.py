@@ -85,7 +85,7 @@ def _described(controller: Controller, say: Wording) -> dict[str, Any]:
 
 
 def _word(text: str, say: Wording) -> str:
-    return say.get("transmission_fields", text)
+    return say.get("entry_fields", text)
 
 
 def _quantity(declared: Declared) -> str | None:

@@ -28,7 +28,6 @@ class Editing:
 
     draft: Draft
     state: str  # under which the session keeps it
-    words: str = ""  # table of texts with its headings in the reader's language, "" for those that are declared
     token: str = field(default_factory=new_token)  # under which the draft is kept
     seen: str | None = None  # the draft as it was read from there, or kept there last
     apart: bool = False  # another window changed that draft, so that this is one of its own
@@ -78,7 +77,7 @@ class Editing:
 
     def said(self, text: str, say: Wording) -> str:
         """Return a heading or help as the reader reads it."""
-        return say.get(self.words, text) if self.words else text
+        return say.get("entry_fields", text)
 
 
 @dataclass(frozen=True)
@@ -87,7 +86,6 @@ class Desk:
 
     subject: Subject
     state: str
-    words: str = ""
     units: tuple[str, ...] = ()  # that numbers are typed in, by attribute of `Units`
     workbook: Callable[[bytes, str], Draft] | None = None  # reads an uploaded workbook
 
@@ -112,7 +110,7 @@ class Desk:
 
     def take(self, draft: Draft, **more: Any) -> None:
         """Begin to type a draft."""
-        st.session_state[self.state] = Editing(draft, self.state, self.words, **more)
+        st.session_state[self.state] = Editing(draft, self.state, **more)
 
     def start(self, name: str | None) -> None:
         """Begin with a copy of a shipped entry, with an own one itself, or with nothing."""

@@ -41,8 +41,7 @@ def draw(editing: Editing, names: Iterable[str], found: Checked, aside: Collecti
     for name in names:
         sheet = editing.draft.subject.sheet(name)
         st.subheader(editing.said(name, say))
-        about = "" if sheet.is_form and not editing.words else f"{editing.said(sheet.about, say)}. "
-        st.caption(about + say("typed_entries.star"))
+        st.caption(f"{editing.said(sheet.about, say)}. {say('typed_entries.star')}")
         if sheet.is_form:
             _form(editing, sheet, found, aside, say)
         else:

@@ -35,7 +35,7 @@ def _of_workbook(content: bytes, name: str) -> Draft:
 
 
 _UNITS = ("length", "clearance", "pressure")
-DESK = Desk(CONTROLLER, "transmission", "transmission_fields", _UNITS, _of_workbook)
+DESK = Desk(CONTROLLER, "transmission", _UNITS, _of_workbook)
 
 
 def draw_head(editing: Editing, found: Checked) -> None:

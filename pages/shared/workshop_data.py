@@ -26,9 +26,7 @@ from pages.shared.editing import Desk, Editing, ask_step, ask_unit
 from pages.shared.state import pick, session
 
 _UNITS = {"limits": ("length", "pressure"), "instruments": ("length",), "fluids": ()}
-DESKS = {
-    kind: Desk(subject, f"workshop-data-{kind}", "workshop_fields", _UNITS[kind]) for kind, subject in SUBJECTS.items()
-}
+DESKS = {kind: Desk(subject, f"workshop-data-{kind}", _UNITS[kind]) for kind, subject in SUBJECTS.items()}
 _KIND = "workshop-data-kind"
 _DONE = "workshop-data-done"
 

@@ -89,7 +89,7 @@ def test_no_text_stands_unused() -> None:
     strings: set[str] = set()
     patterns: set[str] = set()
     # by `Wording.level`, the menu, each column, and the form of a catalogue's entry
-    whole = {"verdicts", "bands", "pages", "column_help", "workshop_fields", "transmission_fields"}
+    whole = {"verdicts", "bands", "pages", "column_help", "entry_fields"}
     for found in nodes().values():
         for node in found:
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
