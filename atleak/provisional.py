@@ -5,7 +5,7 @@ A representative value is one of such units in general, neither measured on this
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable
 from enum import StrEnum
 
 from atleak.catalogue.controller import Controller, Land
@@ -65,17 +65,7 @@ _OF_LANDS = {
     Basis.NOMINAL_DIAMETER: "nominal_diameter_mm",
 }
 _HARDLY_MATTERS = ("density_g_cm3", "density_slope_g_cm3_k")  # by which fluids differ by some percent
-_OF_TABLES = {
-    "materials": Basis.MATERIALS,
-    "gaps": Basis.GAPS,
-    "pressures": Basis.SECTIONS,
-    "line": Basis.LINE,
-    "circuits": Basis.CIRCUITS,
-    "leaks": Basis.LEAKS,
-    "pump": Basis.PUMP,
-    "consumers": Basis.CONSUMERS,
-    "permissible_pressure": Basis.PERMISSIBLE_PRESSURE,
-}
+_TABLES = {"pressures": Basis.SECTIONS}  # of a file whose name is not that of what rests on them
 
 
 def representative_bases(
@@ -101,7 +91,11 @@ def representative_bases(
     states = tuple(states)
     whole = {state.land.key for state in states if state.status == "measured"}
     without_sleeve = {state.land.key for state in states if state.status == "spool_only"}
-    of_tables = dict(_representative_tables(controller, _of_pump(controller, uses_slip)))
+    entry, of_pump = controller.entry, _of_pump(controller, uses_slip)
+    values = [each for each in known_values(entry) if each.evidence is Evidence.REPRESENTATIVE] if entry else []
+    tables = {_TABLES.get(each.table, each.table) for each in values if each.table != "pump" or each.value in of_pump}
+    own_points = entry.operating_points if entry else ()
+    points = {point.name for point in own_points if point.evidence is Evidence.REPRESENTATIVE}
     bases: set[Basis] = set()
     for rule, lands in rules:
         rests_on = _RESTS_ON.get(rule.kind, set())
@@ -116,10 +110,9 @@ def representative_bases(
             elif basis is Basis.FLUID:
                 rests = any(value not in _HARDLY_MATTERS for value in fluid.representative)
             elif basis is Basis.OPERATING_POINT:
-                points = of_tables.get(basis, frozenset())  # gauges are read at several of them
-                rests = bool(points) if rule.condition is None else rule.condition.like in points
+                rests = bool(points) if rule.condition is None else rule.condition.like in points  # gauges: at several
             else:
-                rests = basis in of_tables
+                rests = basis in tables
             bases |= {basis} if rests else set()
     return tuple(basis for basis in Basis if basis in bases)
 
@@ -131,22 +124,3 @@ def _of_pump(controller: Controller, uses_slip: bool) -> set[str]:
     stated = controller.entry is not None and controller.entry.pump.slip_coefficient is not None
     by_gaps = not stated or controller.pump.counted.known  # else a stated coefficient goes before them
     return {"displacement", *(["slip_coefficient"] if stated else []), *(["gaps"] if by_gaps else [])}
-
-
-def _representative_tables(controller: Controller, of_pump: Collection[str]) -> Iterator[tuple[Basis, frozenset[str]]]:
-    """Yield what the controller's file calls representative besides the values of lands; of points their names."""
-    if controller.entry is None:
-        return
-    values = [
-        each
-        for each in known_values(controller.entry)
-        if each.evidence is Evidence.REPRESENTATIVE and (each.table != "pump" or each.value in of_pump)
-    ]
-    for table, basis in _OF_TABLES.items():
-        if any(value.table == table for value in values):
-            yield basis, frozenset()
-    points = controller.entry.operating_points
-    yield (
-        Basis.OPERATING_POINT,
-        frozenset(point.name for point in points if point.evidence is Evidence.REPRESENTATIVE),
-    )
