@@ -113,7 +113,7 @@ def matrix(diagnosis: Diagnosis) -> None:
                 style = style.map(partial(_css, level), subset=part)
         if silent := [place for place, cell in enumerate(cells) if cell.leakage == 0.0]:
             style = style.format(lambda _: "–", subset=pd.IndexSlice[silent, [name]])
-    config = _condition_columns(diagnosis, say, "diagnosis.matrix_help")
+    config = _condition_columns(diagnosis, say)
     wide, height = _room_for(frame[_PAIR])
     config[_PAIR] = st.column_config.TextColumn(say("diagnosis.matrix_pair"), width=wide, pinned=True)
     elsewhere = st.column_config.TextColumn(say("diagnosis.matrix_elsewhere"), width=300)
@@ -130,12 +130,12 @@ def _room_for(names: Iterable[str]) -> tuple[int, int | None]:
     return wide, _TWO_LINES if max(map(len, names), default=0) * _LETTER + _PADDING > wide else None
 
 
-def _condition_columns(diagnosis: Diagnosis, say: Wording, help_key: str) -> dict[str, Any]:
+def _condition_columns(diagnosis: Diagnosis, say: Wording) -> dict[str, Any]:
     return {
         each.condition.name: st.column_config.Column(
             f"{number} · {say.condition(each.condition)}",
             width=CONDITION_WIDTH,
-            help=say(help_key, condition=say.condition(each.condition)),
+            help=say("diagnosis.matrix_help", condition=say.condition(each.condition)),
         )
         for number, each in enumerate(diagnosis.presented, start=1)
     }
@@ -236,7 +236,7 @@ def _steps_at_conditions(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -
     for number, step in enumerate(plan.steps, start=1):
         name = f"{number}. {land_in_words(diagnosis, step.land.key, say)}"
         rows.append({_STEP: name, **_totals((each.after for each in step.conditions), say)})
-    config = _condition_columns(diagnosis, say, "diagnosis.matrix_help")
+    config = _condition_columns(diagnosis, say)
     frame = pd.DataFrame(rows)[[_STEP, *(each.condition.name for each in diagnosis.presented)]]
     wide, height = _room_for(frame[_STEP])
     config[_STEP] = st.column_config.TextColumn(say("repair_plan.after_step"), width=wide, pinned=True)

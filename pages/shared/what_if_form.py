@@ -26,15 +26,14 @@ _AS_IN_JOB: dict[str, Any] = {
 }  # fmt: skip
 _ADDRESS = "tried"  # what is tried, in the address: ``wear:2.0;gear:3``
 _LABELS = {"temperature": "temperature", "speed": "engine_speed"}
-_NUMBERS: dict[str, type[float] | type[int]] = {
-    "temperature": float, "speed": float, "gear": int, "wear": float, "growth": int, "position": float
-}  # fmt: skip
-
-
-_RANGES: dict[str, tuple[float, float]] = {
-    "temperature": TEMPERATURE.limits, "speed": ENGINE_SPEED.limits, "wear": (0.0, _MOST_WEAR),
-    "growth": (0.0, _MOST_GROWTH), "gear": (-9, 99),
-}  # fmt: skip
+_NUMBERS: dict[str, tuple[type[float] | type[int], tuple[float, float]]] = {  # of an address, each with its range
+    "temperature": (float, TEMPERATURE.limits),
+    "speed": (float, ENGINE_SPEED.limits),
+    "gear": (int, (-9, 99)),
+    "wear": (float, (0.0, _MOST_WEAR)),
+    "growth": (int, (0.0, _MOST_GROWTH)),
+    "position": (float, (-math.inf, math.inf)),
+}
 
 
 @dataclass
@@ -60,11 +59,10 @@ def read_tried(written: str) -> dict[str, Any]:
     for name, _, text in (part.partition(":") for part in written.split(";")):
         value: Any = text
         if name in _NUMBERS and (name, text) != ("position", UNKNOWN):
-            number = decimal_number(text)
-            low, high = _RANGES.get(name, (-math.inf, math.inf))
+            number, (kind, (low, high)) = decimal_number(text), _NUMBERS[name]
             if number is None or not low <= number <= high:
                 continue
-            value = _NUMBERS[name](number)
+            value = kind(number)
         if name in _AS_IN_JOB and text:
             tried[name] = value
     return tried
