@@ -126,8 +126,8 @@ class Diagnosis:
         return self.projection if condition is None else self.at(condition)
 
     def _place(self, projection: Projection) -> int:
-        """Return the place of a condition among those that were judged; its name is its own."""
-        return [each.condition.name for each in self.projections].index(projection.condition.name)
+        """Return the place of a projection's condition among those that were judged."""
+        return [each.condition for each in self.projections].index(projection.condition)
 
     def total_rule(self, projection: Projection) -> Rule:
         """Return the rule of the total at the condition of one of the projections."""
@@ -172,7 +172,7 @@ class Diagnosis:
 
     def at(self, condition: OperatingPoint) -> Projection:
         """Return the projection at one of the conditions that were judged."""
-        return next(each for each in self.projections if each.condition.name == condition.name)
+        return next(each for each in self.projections if each.condition == condition)
 
     def over(self, road_test: RoadTest) -> RoadLeakage:
         """Compute the leakage over a road test, or a part of one, with the same model.

@@ -19,7 +19,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.flows import ENDS, Kind, Place, flows_at
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.line import Held, hold, sections_held
+from atleak.engine.line import Held, Operation, hold, sections_held
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import project
 from atleak.engine.repaired import with_new
@@ -290,6 +290,23 @@ def test_a_line_that_follows_a_worn_circuit_holds_less_than_one_that_does_not(
 
 
 # --- several at once
+
+
+@pytest.mark.parametrize("width_um", [13.0, 110.0])
+@pytest.mark.parametrize("number", [0, 1])
+def test_temperatures_at_once_give_what_each_gives_on_its_own(
+    three_circuits: Controller, hipol: Fluid, width_um: float, number: int
+) -> None:
+    model, point = unit(three_circuits, hipol, width_um * 1e-6), three_circuits.operating_points[number]
+    temperatures = np.array([40.0, 75.0, 110.0])
+    at_once = Operation.of(model, point, temperatures)
+    held = at_once.pressures((each.id for each in three_circuits.circuits), temperatures.shape)
+    for place, temperature in enumerate(temperatures):
+        alone = project(model, replace(point, temperature=float(temperature)))
+        assert at_once.leakage[place] == pytest.approx(alone.leakage, rel=1e-9, abs=0.0)
+        assert held["p_g"][place] == pytest.approx(alone.main_pressure_held, rel=1e-9, abs=0.0)
+        for state in alone.circuits:
+            assert held[state.circuit.id][place] == pytest.approx(state.pressure, rel=1e-9, abs=1e-3)
 
 
 @pytest.mark.parametrize("width_um", [60.0, 110.0, 200.0])
