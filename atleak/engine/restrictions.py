@@ -17,9 +17,6 @@ class Restriction(Protocol):
     def flow(self, drop: Any) -> Any:
         """Return the flow [m³/s] at a pressure drop [Pa]."""
 
-    def slope(self, drop: Any) -> Any:
-        """Return how steeply the flow rises [m³/(s Pa)]."""
-
 
 @dataclass(frozen=True)
 class Gap:
@@ -31,11 +28,8 @@ class Gap:
     def flow(self, drop: Any) -> Any:
         return gap_equations.restricted_flow(drop, self.conductance, self.bend)
 
-    def slope(self, drop: Any) -> Any:
-        return gap_equations.restricted_slope(drop, self.conductance, self.bend)
-
     def flow_and_slope(self, drop: Any) -> tuple[Any, Any]:
-        """Return both at once."""
+        """Return the flow, and how steeply it rises [m³/(s Pa)]."""
         return gap_equations.restricted_flow_and_slope(drop, self.conductance, self.bend)
 
 

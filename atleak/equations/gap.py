@@ -276,7 +276,7 @@ def restricted_flow(pressure_drop: ArrayLike, conductance: ArrayLike, bend: Arra
     Returns
     -------
     float or ndarray
-        Volume flow [m³/s]; it rises with the pressure drop everywhere, by `restricted_slope`.
+        Volume flow [m³/s]; it rises with the pressure drop everywhere, as `restricted_flow_and_slope` says.
 
     Raises
     ------
@@ -304,41 +304,8 @@ def restricted_flow(pressure_drop: ArrayLike, conductance: ArrayLike, bend: Arra
     return result(flow / root)
 
 
-def restricted_slope(pressure_drop: ArrayLike, conductance: ArrayLike, bend: ArrayLike = 0.0) -> Any:
-    """Compute how steeply the flow of `restricted_flow` rises, ``dq/dΔp = G / √(1 + B |Δp|)``.
-
-    Parameters
-    ----------
-    pressure_drop, conductance, bend : float or array
-        as those of `restricted_flow`.
-
-    Returns
-    -------
-    float or ndarray
-        [m³/(s Pa)].
-
-    Raises
-    ------
-    DomainError
-        Negative conductance or bend.
-
-    References
-    ----------
-    Derivative of `restricted_flow` by the pressure drop.
-
-    Examples
-    --------
-    >>> restricted_slope(100e3, 2e-12, 3e-5)
-    1e-12
-    """
-    p, g, b = _restriction(pressure_drop, conductance, bend)
-    if not b.any():
-        return result(np.broadcast_to(g, np.broadcast_shapes(g.shape, p.shape, b.shape)))
-    return result(g / np.sqrt(1.0 + b * np.abs(p)))
-
-
 def restricted_flow_and_slope(pressure_drop: ArrayLike, conductance: ArrayLike, bend: ArrayLike = 0.0) -> Any:
-    """Compute `restricted_flow` and `restricted_slope` together, which share a root.
+    """Compute `restricted_flow`, and how steeply it rises, ``dq/dΔp = G / √(1 + B |Δp|)``: they share a root.
 
     Parameters
     ----------
@@ -357,7 +324,7 @@ def restricted_flow_and_slope(pressure_drop: ArrayLike, conductance: ArrayLike, 
 
     References
     ----------
-    as `restricted_flow` and `restricted_slope`.
+    as `restricted_flow`, and its derivative by the pressure drop.
 
     Examples
     --------

@@ -24,7 +24,6 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (gap.eccentricity_factor, (10e-6, 30e-6)),
     (gap.entry_loss_flow, (*GAP, 1.5, 1.2)),
     (gap.restricted_flow, (8e5, 1e-12, 1e-7)),
-    (gap.restricted_slope, (8e5, 1e-12, 1e-7)),
     (gap.flow_equal_clearance, (30e-6, 50e-12, 100e-18)),
     (gap.reynolds_number, (8e-7, 0.010, 1e-5)),
     (clearance.diameter_at_reference, (0.010, 21.5e-6, 11.5e-6, 15.0)),

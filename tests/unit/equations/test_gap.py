@@ -185,6 +185,15 @@ def test_entry_loss_flow_rises_with_pressure_less_than_linearly(values: tuple[fl
     assert q < more <= q * factor * (1 + 1e-14)
 
 
+@given(pressure_drops, st.floats(1e-13, 1e-10), st.floats(0.0, 1e-4))
+def test_the_slope_is_the_derivative_of_the_same_flow(p: float, g: float, bend: float) -> None:
+    flow, slope = gap.restricted_flow_and_slope(p, g, bend)
+    assert flow == gap.restricted_flow(p, g, bend)
+    step = 1e-4 * p
+    rise = gap.restricted_flow(p + step, g, bend) - gap.restricted_flow(p - step, g, bend)
+    assert slope == pytest.approx(rise / (2.0 * step), rel=1e-6, abs=0.0)
+
+
 def test_entry_loss_alone_is_the_orifice_law() -> None:
     # Nearly no friction: u = sqrt(2 Δp / (K ρ)).
     q = gap.entry_loss_flow(800e3, 0.01, 1e-3, 1e-12, 800.0, 1e-3, 1.5)
