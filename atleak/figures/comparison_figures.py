@@ -77,17 +77,10 @@ def _limit(land: LandDiagnosis) -> float | None:
     return min(limits, default=None)
 
 
-def logs_over_one_another(
-    logs: LogComparison, pair: EventPair, scales: Scales, say: Wording, points: int = POINTS
-) -> Figure:
+def logs_over_one_another(logs: LogComparison, pair: EventPair, scales: Scales, say: Wording) -> Figure:
     """Draw the channels that both logs hold around an event, each log from the event's own start.
 
-    Parameters
-    ----------
-    scales
-        quantity → unit's name and the function from SI to that unit, for quantities shown in another unit than SI.
-    points
-        of a channel that are drawn of each log; its lowest and highest samples stay.
+    ``scales`` has, by quantity, the unit's name and the function from SI to that unit, where one is shown in another.
     """
     parts = [(name, *window) for name, window in zip(("before", "after"), logs.windows(pair), strict=True)]
     common = [
@@ -104,7 +97,7 @@ def logs_over_one_another(
             channel = test.channel(quantity)
             assert channel is not None
             time, values = _samples(channel, test.time, start)
-            keep, name, (colour, dash) = thinned([values], points), say(f"compare.{side}"), looks[side]
+            keep, name, (colour, dash) = thinned([values], POINTS), say(f"compare.{side}"), looks[side]
             legend = {"name": name, "legendgroup": side, "showlegend": row == 1, "hover": f"{name}: %{{y:.5g}}"}
             shape = "hv" if quantity in _STEPS else "linear"
             figure.line(time[keep], convert(values[keep]), colour, 2, dash, shape=shape, row=row, **legend)

@@ -15,7 +15,7 @@ from atleak.figures.figure import Figure
 from atleak.figures.frame import framed
 from atleak.look import CURVES
 from atleak.thinning import thinned
-from atleak.variants.run import TemperatureCurve, VariantResult
+from atleak.variants.run import CURVES_WEAR, TemperatureCurve, VariantResult
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
@@ -107,7 +107,6 @@ def leakage_over_temperature(
     say: Wording,
     results: Sequence[VariantResult] = (),
     *,
-    wear: float = 0.5,
     printed: bool = True,
     log_y: bool = False,
 ) -> Figure:
@@ -120,7 +119,8 @@ def leakage_over_temperature(
         name = say.get("study_words", curve.label)
         _line(drawn, name, curve.temperature, curve.max_leakage * DM3_MIN, *_MODEL_LOOKS[curve.model])
     of_wear = sorted(
-        (result for result in results if result.variant.wear == wear), key=lambda result: result.variant.temperature
+        (result for result in results if result.variant.wear == CURVES_WEAR),
+        key=lambda result: result.variant.temperature,
     )
     at, names = [each.variant.temperature for each in of_wear], [each.variant.name for each in of_wear]
     if of_wear and printed:

@@ -89,14 +89,14 @@ def totals_over_mileage(history: WearHistory, diagnosis: Diagnosis) -> TotalsOve
 
 
 def drawn_clearances(
-    history: WearHistory, mileages: Sequence[float] | Draws, draws: int = _DRAWS, seed: int = _SEED
+    history: WearHistory, mileages: Sequence[float] | Draws, draws: int = _DRAWS
 ) -> dict[LandKey, Draws]:
     """Draw the clearance of every land that was measured at some mileages [m], each of shape (draws, mileages).
 
     Clearances of one draw err together, as far as they share what errs. None is below zero.
     """
     at = np.asarray(mileages, float)
-    stream = np.random.Generator(np.random.PCG64(seed))
+    stream = np.random.Generator(np.random.PCG64(_SEED))
     shared: dict[Hashable, Draws] = defaultdict(lambda: stream.standard_normal(draws))
     drawn = {}
     for land in history.lands:

@@ -32,7 +32,7 @@ from atleak.system.files import shipped
 FRESH_FLUID = "hipol_atf_iid"
 USED_FLUID = "hipol_atf_iid_used"
 USED_VISCOSITY = 8.40e-6  # [m²/s] at 80 °C after 106 315 km
-_WEAR = 0.5  # of the curves over temperature
+CURVES_WEAR = 0.5  # of the curves over temperature
 
 
 @dataclass(frozen=True)
@@ -319,7 +319,7 @@ def temperature_curves(controller: Controller, road_test: RoadTest) -> tuple[Tem
     grid, log, fluid = np.arange(-40.0, 101.0, 5.0), _StudyLog.of(controller, road_test), load_fluid(FRESH_FLUID)
     curves = []
     for name, label in _MODEL_LABELS.items():
-        model = log.model(_WEAR, fluid, PAPER.with_options(viscosity=name))
+        model = log.model(CURVES_WEAR, fluid, PAPER.with_options(viscosity=name))
         largest = np.array([log.largest(model, temperature) for temperature in grid.tolist()])
         curves.append(TemperatureCurve(name, label, grid, largest))
     return tuple(curves)

@@ -31,6 +31,7 @@ _LETTER = 6.3  # mean width of a letter of a name
 _ROD = 0.45  # diameter of the rod as a fraction of the smallest land's diameter
 _STRETCH = 2.2  # lengths are drawn up to this much larger than diameters
 _END_VIEW = 220.0  # of the width, for a spool seen along its axis
+_PICTURE = 160.0, 44.0  # [px] of a component drawn by itself
 _ABOVE, _BELOW = 56.0, 58.0  # of the axis, beside a spool's reach: the planes' numbers, and the diameters
 _ABOVE_END_VIEW, _BELOW_END_VIEW = 96.0, 84.0  # of the axis, where directions are drawn
 _AFTER_HYPHEN = re.compile(r"(?<=[^-]-)(?=[^-])")
@@ -101,20 +102,13 @@ def controller_svg(
     return "".join((*parts, "</svg>"))
 
 
-def component_svgs(
-    controller: Controller, verdicts: Mapping[tuple[str, int], str], *, width: float = 160.0, height: float = 44.0
-) -> dict[str, str]:
+def component_svgs(controller: Controller, verdicts: Mapping[tuple[str, int], str]) -> dict[str, str]:
     """Draw every component that has lands by itself, all to one scale: the pictures that a page lays out as it likes.
 
-    Words are left to the page, which has room for them; a sign and the shade tell the verdict of each land.
-
-    Parameters
-    ----------
-    verdicts
-        by (component, land).
-    width, height
-        of each drawing, in pixels.
+    Words are left to the page, which has room for them; a sign and the shade tell the verdict of each land, of which
+    there is one by (component, land).
     """
+    width, height = _PICTURE
     names = [name for name in controller.components if controller.lands_of(name)]
     longest = max(_length(controller.lands_of(name)) for name in names)
     thickest = max(land.nominal_diameter for land in controller.lands) * MM

@@ -87,7 +87,6 @@ class PressuresAt:
     reserve_rule: Rule | None
     reserve_decided: RuleDecision | None
     reserve_verdict: Verdict | None
-    speed_interval: Interval | None  # [1/s] from which the pump covers the demand
 
     @property
     def applied(self) -> tuple[HeldPressure, ...]:
@@ -158,7 +157,6 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, repaired: Sequenc
         reserve_rule=reserve,
         reserve_decided=diagnosis.decided(reserve) if reserve else None,
         reserve_verdict=diagnosis.verdict_on(reserve),
-        speed_interval=total.minimum_speed_interval if total else None,
     )
 
 

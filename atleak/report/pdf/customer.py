@@ -24,7 +24,7 @@ from atleak.views.drawing import controller_svg, shortened
 from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
 from atleak.views.land_names import has_number
 from atleak.views.measured_words import measured_sentence
-from atleak.views.pressures import HeldPressure, lowest_first, pressures_at
+from atleak.views.pressures import lowest_first, pressures_at
 from atleak.views.pump_words import worn_pump
 from atleak.views.table import VERDICT, Column, Judged, Table
 from atleak.views.worn_valves import End, WornValve, worn_valves
@@ -84,14 +84,14 @@ class CustomerPage(Part):
 
     def data(self) -> dict[str, Any]:
         """Return everything that the template places; ``shortened`` holds one block for each of the lengths."""
-        say, found, do = self.say, list(self._found()), list(self._do())
+        say, diagnosis, found, do = self.say, self.diagnosis, list(self._found()), list(self._do())
         return {
             "title": say("customer.title"),
             "about": self._about(),
             "key": self.verdict,
-            "headline": say(f"customer.{self._headline}"),
+            "headline": say(f"customer.{self._case or self._told_as}"),
             "urgency": [say("customer.urgency"), say(f"customer.urgent_{self._urgency}")],
-            "caveats": list(self._caveats()),
+            "caveats": [say(f"customer.{name}") for name in ("provisional", "upper_bound") if getattr(diagnosis, name)],
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in LENGTHS]},
             "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in LENGTHS]},
             "valves": self._valves(),
@@ -104,60 +104,41 @@ class CustomerPage(Part):
             "lengths": len(LENGTHS),
         }
 
-    @property
-    def _only_checked(self) -> bool:
-        """Tell whether gauges or a log alone found nothing: of a valve body that nobody measured."""
-        return self.diagnosis.without_sheet and self.verdict is Verdict.OK
-
     @cached_property
     def _planned(self) -> list[str]:
         """Return the valves that the plan of repairs names, in its order."""
         return list(dict.fromkeys(step.land.key[0] for step in self.names.plan.steps))
 
-    @property
-    def _not_by_a_valve(self) -> bool:
-        """Tell whether a limit is passed that no valve has reached by itself: that of a total, gauge or log."""
-        flagged = self.diagnosis.flagged
-        if self.verdict.calls_for_repair:
-            return not any(land.verdict.calls_for_repair for land in flagged)
-        return self.verdict.flagged and not flagged
+    @cached_property
+    def _case(self) -> str:
+        """Return what is special about the finding; an empty text where valves have reached a limit by themselves.
 
-    @property
-    def _not_judged(self) -> str:
-        """Return why there is no verdict though a limit is passed: the description or the readings cannot be right."""
-        if self.diagnosis.impossible:
-            return "impossible"
-        return "doubtful" if self.diagnosis.decided_by is None and self.diagnosis.too_tight else ""
-
-    @property
-    def _not_the_cause(self) -> bool:
-        """Tell whether the customer complains, and all that was measured of the valve body is sound."""
-        return self.verdict is Verdict.OK and bool(self._complaint) and not self.diagnosis.without_sheet
-
-    @property
-    def _headline(self) -> str:
-        if self._only_checked:
+        Gauges or a log alone found nothing; description or readings cannot be right; the pump is worn; what was
+        measured is sound and the customer complains; the limit of a total, gauge or log is passed that no valve has.
+        """
+        diagnosis, verdict = self.diagnosis, self.verdict
+        if verdict is Verdict.OK and diagnosis.without_sheet:
             return "ok_unmeasured"
-        if self._not_judged:
-            return self._not_judged
-        if self.diagnosis.decided_by is self.diagnosis.pump:
+        if diagnosis.impossible:
+            return "impossible"
+        if diagnosis.decided_by is None and diagnosis.too_tight:
+            return "doubtful"
+        if diagnosis.decided_by is diagnosis.pump:
             return "pump"
-        if self._not_the_cause:
-            return "ok_complaint"
-        if not self._not_by_a_valve:
-            return self._told_as
-        if not self.verdict.calls_for_repair:
-            return "past_watch"
+        if verdict is Verdict.OK:
+            return "ok_complaint" if self._complaint else ""
+        if not verdict.calls_for_repair:
+            return "past_watch" if verdict.flagged and not diagnosis.flagged else ""
+        if any(land.verdict.calls_for_repair for land in diagnosis.flagged):
+            return ""
         return "past_together" if self._planned else "past_unexplained"
 
     @property
     def _urgency(self) -> str:
-        if self._not_judged:
-            return "impossible" if self.diagnosis.impossible else Verdict.NOT_MEASURED
-        if self._only_checked or self._not_the_cause:
-            return self._headline
-        past = self._not_by_a_valve and self.verdict.calls_for_repair and self._headline != "pump"
-        return f"past_{self._told_as}" if past else self._told_as
+        if self._case in ("impossible", "ok_unmeasured", "ok_complaint"):
+            return self._case
+        past = "past_" if self._case in ("past_together", "past_unexplained") else ""
+        return Verdict.NOT_MEASURED if self._case == "doubtful" else f"{past}{self._told_as}"
 
     @property
     def _told_as(self) -> Verdict:
@@ -181,12 +162,6 @@ class CustomerPage(Part):
             ),
             " · ",
         )
-
-    def _caveats(self) -> Iterator[str]:
-        if self.diagnosis.provisional:
-            yield self.say("customer.provisional")
-        if self.diagnosis.upper_bound:
-            yield self.say("customer.upper_bound")
 
     # --- complaint and finding
 
@@ -220,7 +195,7 @@ class CustomerPage(Part):
             yield finding
         yield from self._lost()
         yield from self._explained()
-        yield from (self._held(each) for each in self._past)
+        yield from self._held()
         half = sum(land.state.measured for land in diagnosis.unmeasured)
         missing = len(diagnosis.unmeasured) - half
         if missing and diagnosis.judged:
@@ -265,28 +240,19 @@ class CustomerPage(Part):
         decided, word = self.diagnosis.decided(rule), self.say.level(Band(rule.level))
         return self.say("customer.just", band=word) if decided is not None and decided.conditional else word
 
-    @cached_property
-    def _past(self) -> tuple[HeldPressure, ...]:
-        """Return the pressures past a limit where they are judged worst, the worst first, two at the most."""
-        if self.diagnosis.impossible:
-            return ()
+    def _held(self) -> Iterator[str]:
+        """Say which pressures are past a limit where they are judged worst, the worst first, two at the most."""
         at = pressures_at(self.diagnosis, lowest_first(self.diagnosis)[0])
-        past = [
-            each
-            for each in at.applied
-            if each.verdict is not None and each.verdict.flagged and each.rule not in self.diagnosis.pump.lacking
-        ]
-        return tuple(sorted(past, key=lambda each: -(each.verdict or Verdict.OK).rank)[:2])
-
-    def _held(self, each: HeldPressure) -> str:
-        say = self.say
-        return say(
-            "customer.holds",
-            circuit=self._pressure(each.id),
-            condition=self.names.condition(lowest_first(self.diagnosis)[0].condition),
-            held=self._kpa(each.now),
-            new=self._kpa(each.new),
-        )
+        ranked = [(each.verdict.rank, each) for each in at.applied if each.verdict is not None and each.verdict.flagged]
+        past = [each for each in ranked if each[1].rule not in self.diagnosis.pump.lacking]
+        for _, each in sorted(past, key=lambda each: -each[0])[:2] if not self.diagnosis.impossible else ():
+            yield self.say(
+                "customer.holds",
+                circuit=self._pressure(each.id),
+                condition=self.names.condition(at.projection.condition),
+                held=self._kpa(each.now),
+                new=self._kpa(each.new),
+            )
 
     def _kpa(self, pressure: float) -> str:
         return self.say.value(pressure * KPA, "pressure", 0)
@@ -409,20 +375,15 @@ class CustomerPage(Part):
     # --- what to do
 
     def _do(self) -> Iterator[str]:
-        say, planned = self.say, self._planned
+        say, planned, case = self.say, self._planned, self._case
         if self.verdict is Verdict.OK:
-            if self._only_checked:
-                yield say("customer.do_measure_sheet" if self._complaint else "customer.do_nothing_seen")
-            elif self._not_the_cause:
-                yield say("customer.do_elsewhere")
-            else:
-                yield say("customer.do_nothing")
+            unmeasured = "measure_sheet" if self._complaint else "nothing_seen"
+            alone = {"ok_unmeasured": unmeasured, "ok_complaint": "elsewhere"}
+            yield say(f"customer.do_{alone.get(case, 'nothing')}")
             return
-        if self.verdict is Verdict.NOT_MEASURED or self._not_judged == "doubtful":
-            yield say("customer.do_measure")
-            return
-        if self._not_judged:
-            yield say("customer.do_describe")
+        if self.verdict is Verdict.NOT_MEASURED or case in ("doubtful", "impossible"):
+            describe = case == "impossible" and self.verdict is not Verdict.NOT_MEASURED
+            yield say("customer.do_describe" if describe else "customer.do_measure")
             return
         if self.names.plan.pump_first:
             yield say("pump.repair_first")
@@ -431,9 +392,8 @@ class CustomerPage(Part):
                 return
         watched = [each.component for each in self.valves if not each.verdict.calls_for_repair]
         if not self.verdict.calls_for_repair:
-            yield (
-                say("customer.do_watch", valves=self._named(watched or planned)) if planned else say("customer.do_look")
-            )
+            key = "do_watch" if planned else "do_look"
+            yield say(f"customer.{key}", valves=self._named(watched or planned))
             yield from self._elsewhere()
             return
         due = [each.component for each in self.valves if each.verdict.calls_for_repair] or planned
@@ -461,16 +421,19 @@ class CustomerPage(Part):
             ends, reached = words.estimate.ends, not words.estimate.past
         of = "estimate" if words is not None else "plan"
         yield say(f"customer.do_{'green' if reached else 'past'}_{of}")
+        condition = self.names.condition(worst.condition)
         end = next((each for each in ends if each.condition == worst.condition), None)
         if end is not None and plan.steps:
-            yield self._all(end, self.names.condition(worst.condition))
+            of_new = self.diagnosis.valve_body.new_at(worst).share
+            after, new = say.percent(end.share), say.percent(of_new)
+            key = "do_all_tighter" if end.share < of_new and after != new else "do_all"
+            yield say(f"customer.{key}", condition=condition, after=after, band_after=say.level(end.band), new=new)
         first = max(
             (each for each in self.valves if each.component in due),
             key=lambda each: brought.saving if (brought := each.brings(worst)) else 0.0,
             default=None,
         )
         brings = first.brings(worst) if first is not None else None
-        condition = self.names.condition(worst.condition)
         if first is not None and brings is not None and brings.saving > 0.0 and not alone:
             digits = digits_apart((brings.before, brings.after))
             yield say(
@@ -482,13 +445,6 @@ class CustomerPage(Part):
                 after=say.percent(brings.after.share, digits),
                 band_after=say.level(brings.after.band),
             )
-
-    def _all(self, end: Total, condition: str) -> str:
-        say = self.say
-        of_new = self.diagnosis.valve_body.new_at(self.diagnosis.worst).share
-        after, new = (say.percent(share) for share in (end.share, of_new))
-        key = "do_all_tighter" if end.share < of_new and after != new else "do_all"
-        return say(f"customer.{key}", condition=condition, after=after, band_after=say.level(end.band), new=new)
 
     # --- what it costs, and who signs
 
