@@ -133,29 +133,22 @@ def _messages(lands: Sequence[LandWear], visits: Visits) -> Iterator[Message]:
 
 
 def _restarts(lands: Sequence[LandWear], visits: Visits) -> Iterator[Message]:
-    for why in (Restart.REPAIRED, Restart.FITTED, Restart.NARROWER):
+    for why in _BEGINS:
         numbers = {land.series.since for land in lands if land.series.restart is why}
         for number in sorted(number for number in numbers if number is not None):
             at = [land for land in lands if land.series.restart is why and land.series.since == number]
-            text = _begins_there(why, _listed(at), visits.visits[number])
+            text = Sentence(_BEGINS[why].template, lands=_listed(at), visit=visits.visits[number].label)
             yield Message("warning" if why is Restart.NARROWER else "info", f"series_{why}", text)
 
 
-def _begins_there(why: Restart, lands: Sentence, visit: Visit) -> Sentence:
-    if why is Restart.REPAIRED:
-        return Sentence(
-            "{lands} repaired at the visit of {visit}: the series begins there.", lands=lands, visit=visit.label
-        )
-    if why is Restart.FITTED:
-        return Sentence(
-            "{lands} another part since the visit of {visit}: the series begins there.", lands=lands, visit=visit.label
-        )
-    return Sentence(
+_BEGINS = {
+    Restart.REPAIRED: Sentence("{lands} repaired at the visit of {visit}: the series begins there."),
+    Restart.FITTED: Sentence("{lands} another part since the visit of {visit}: the series begins there."),
+    Restart.NARROWER: Sentence(
         "{lands} measured narrower at the visit of {visit} than at the one before, by more than measuring can be off: "
-        "a repair that no record names, or a slip. The series begins there.",
-        lands=lands,
-        visit=visit.label,
-    )
+        "a repair that no record names, or a slip. The series begins there."
+    ),
+}
 
 
 def _listed(lands: Iterable[LandWear]) -> Sentence:

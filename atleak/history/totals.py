@@ -85,7 +85,14 @@ def totals_over_mileage(history: WearHistory, diagnosis: Diagnosis) -> TotalsOve
     mileages = np.linspace(present, min(present + AHEAD, max(FARTHEST, present + 1.0)), _STEPS + 1)
     model = _worn(diagnosis, drawn_clearances(history, mileages))
     totals = tuple(_total(diagnosis, model, place, mileages) for place in range(len(diagnosis.projections)))
-    return TotalsOverMileage(totals, growing, lands, tuple(_messages(growing, lands)))
+    text = Sentence(
+        "{count} of {lands} lands have no rate of wear and stay as they are in the totals over mileage: what they will "
+        "wear comes on top.",
+        count=lands - growing,
+        lands=lands,
+    )
+    messages = () if growing == lands else (Message("info", "lands_without_rate", text),)
+    return TotalsOverMileage(totals, growing, lands, messages)
 
 
 def drawn_clearances(
@@ -172,15 +179,3 @@ def _reached(share: Draws, limit: float, mileages: Draws) -> Crossing:
     reached = np.sort(np.where(over.any(axis=1), reached, np.inf))
     low, median, high = (float(reached[round(part * (reached.size - 1))]) for part in _PARTS)
     return Crossing(median, min(low, float(mileages[-1])), high, float(mileages[0]))
-
-
-def _messages(growing: int, lands: int) -> list[Message]:
-    if growing == lands:
-        return []
-    text = Sentence(
-        "{count} of {lands} lands have no rate of wear and stay as they are in the totals over mileage: what they will "
-        "wear comes on top.",
-        count=lands - growing,
-        lands=lands,
-    )
-    return [Message("info", "lands_without_rate", text)]

@@ -96,61 +96,47 @@ def in_order(visits: Sequence[Visit]) -> Visits:
     """
     ordered = sorted(visits, key=lambda visit: visit.date)
     kept = [visit for visit in ordered if visit.controller == ordered[-1].controller]
-    messages = [_of_another_valve_body(visit, kept[-1]) for visit in ordered if visit.controller != kept[-1].controller]
-    messages += [_without_mileage(visit) for visit in kept if visit.mileage is None and visit.lands]
+    messages = [
+        Message(
+            "warning",
+            "visit_of_another_valve_body",
+            Sentence(
+                "The visit of {visit} is left out: its valve body is {controller}, that of the last visit {last}.",
+                visit=visit.label,
+                controller=visit.controller,
+                last=kept[-1].controller,
+            ),
+        )
+        for visit in ordered
+        if visit.controller != kept[-1].controller
+    ]
+    unstated = Sentence("The visit of {visit} states no mileage: its clearances count in no rate of wear.")
+    messages += [
+        Message("warning", "visit_without_mileage", Sentence(unstated.template, visit=visit.label))
+        for visit in kept
+        if visit.mileage is None and visit.lands
+    ]
     turned_back = set()
-    stated = [(place, visit) for place, visit in enumerate(kept) if visit.mileage is not None]
-    for (_, before), (place, after) in pairwise(stated):
-        assert before.mileage is not None
-        assert after.mileage is not None
-        if after.mileage < before.mileage:
+    stated = [(place, visit, visit.mileage) for place, visit in enumerate(kept) if visit.mileage is not None]
+    for (_, before, more), (place, after, less) in pairwise(stated):
+        if less < more:
             turned_back.add(place)
-            messages.append(_falling(before, after))
-        elif after.mileage == before.mileage and before.lands and after.lands:
-            messages.append(_equal(before, after))
+            text = Sentence(
+                "The mileage falls from {more:,.0f} {more.unit} on {before} to {less:,.0f} {less.unit} on {after}: "
+                "another odometer, or a slip. No visit before that counts in any rate of wear.",
+                more=Quantity(more, "distance"),
+                before=before.label,
+                less=Quantity(less, "distance"),
+                after=after.label,
+            )
+            messages.append(Message("warning", "mileage_falls", text))
+        elif less == more and before.lands and after.lands:
+            text = Sentence(
+                "{before} and {after} state the same mileage, {mileage:,.0f} {mileage.unit}: together they tell a "
+                "clearance better, and no wear between them.",
+                before=before.label,
+                after=after.label,
+                mileage=Quantity(less, "distance"),
+            )
+            messages.append(Message("info", "mileage_unchanged", text))
     return Visits(tuple(kept), frozenset(turned_back), tuple(messages))
-
-
-def _of_another_valve_body(visit: Visit, last: Visit) -> Message:
-    text = Sentence(
-        "The visit of {visit} is left out: its valve body is {controller}, that of the last visit {last}.",
-        visit=visit.label,
-        controller=visit.controller,
-        last=last.controller,
-    )
-    return Message("warning", "visit_of_another_valve_body", text)
-
-
-def _without_mileage(visit: Visit) -> Message:
-    text = Sentence(
-        "The visit of {visit} states no mileage: its clearances count in no rate of wear.", visit=visit.label
-    )
-    return Message("warning", "visit_without_mileage", text)
-
-
-def _falling(before: Visit, after: Visit) -> Message:
-    text = Sentence(
-        "The mileage falls from {more:,.0f} {more.unit} on {before} to {less:,.0f} {less.unit} on {after}: another "
-        "odometer, or a slip. No visit before that counts in any rate of wear.",
-        more=_mileage(before),
-        before=before.label,
-        less=_mileage(after),
-        after=after.label,
-    )
-    return Message("warning", "mileage_falls", text)
-
-
-def _equal(before: Visit, after: Visit) -> Message:
-    text = Sentence(
-        "{before} and {after} state the same mileage, {mileage:,.0f} {mileage.unit}: together they tell a clearance "
-        "better, and no wear between them.",
-        before=before.label,
-        after=after.label,
-        mileage=_mileage(after),
-    )
-    return Message("info", "mileage_unchanged", text)
-
-
-def _mileage(visit: Visit) -> Quantity:
-    assert visit.mileage is not None
-    return Quantity(visit.mileage, "distance")

@@ -9,8 +9,8 @@ import itertools
 import math
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from html import escape
+from typing import NamedTuple
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.look import DARK, EDGE, PAPER, Inks, look_of
@@ -252,29 +252,20 @@ def _card(inks: Inks) -> str:
     return f' rx="4" fill="{inks.card}"'
 
 
-@dataclass(frozen=True)
-class _Title:
+class _Title(NamedTuple):
     """The words above a component: its number, where it has one, and the lines of its name beside it."""
 
     number: str
     lines: list[str]
+    left: float  # where the name begins
     letters: float  # their size against the usual one
-
-    @property
-    def left(self) -> float:
-        """Return where the name begins."""
-        return _beside(self.number, self.letters)
 
 
 def _title(number: str, name: str, cell: float, letters: float) -> _Title:
     short = shortened(number, _NUMBER)
-    room = max(int((cell - 10.0 - _beside(short, letters)) / (_LETTER * letters)), 6)
-    return _Title(short, wrapped(name, room, _TITLE), letters)
-
-
-def _beside(number: str, letters: float) -> float:
-    """Return where a name begins beside a number of so many characters."""
-    return 20.0 + 9.5 * letters * len(number) if number else 12.0
+    left = 20.0 + 9.5 * letters * len(short) if short else 12.0
+    room = max(int((cell - 10.0 - left) / (_LETTER * letters)), 6)
+    return _Title(short, wrapped(name, room, _TITLE), left, letters)
 
 
 def _component(

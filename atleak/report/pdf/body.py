@@ -176,14 +176,14 @@ class Body(Part):
             "share",
         )
         yield listed(self.say, self.diagnosis.lands, *names.of_lands(*shown, "verdict"), group=names.pair)
-        at = names.condition(self.diagnosis.projection.condition)
+        at = names.say.condition(self.diagnosis.projection.condition)
         yield text(self.say("texts.all_at", condition=at), small=True)
 
     def _shares(self) -> Iterable[Block]:
         say, names, at = self.say, self.names, self.diagnosis.projection
         if at.leakage <= 0.0 or at.pump_capacity <= 0.0:
             return
-        top, condition = self.diagnosis.drawing_most[:BARS], names.condition(at.condition)
+        top, condition = self.diagnosis.drawing_most[:BARS], names.say.condition(at.condition)
         lands = joined(f"{names.land_name(land)} {say.percent(land.share, 2)}" for land in top)
         drawn = printed_chart(self._share_chart(top, say("charts.share_of_pump", condition=condition)), say)
         yield picture(drawn, say("charts.shares_alt", lands=lands), say("charts.caption_shares", condition=condition))

@@ -121,7 +121,7 @@ class Budget(Part):
         )
         return self.say(
             "annex.of_share",
-            condition=self.names.condition(rule.rule.condition),
+            condition=self.say.condition(rule.rule.condition),
             u=self.say.percent(at.u_share, 2),
             parts=joined(named),
         )

@@ -33,7 +33,7 @@ class Conditions(Part):
         say, diagnosis = self.say, self.diagnosis
         if diagnosis.complaint is None:
             return None
-        at = joined((self.names.condition(each.condition) for each in diagnosis.complained), "; ")
+        at = joined((self.say.condition(each.condition) for each in diagnosis.complained), "; ")
         ranked = measure_first(diagnosis)
         items = [f"{self.names.land_name(each.land)}: {reason(each, say)}" for each in ranked[:MEASURE_FIRST]]
         if len(ranked) > MEASURE_FIRST:

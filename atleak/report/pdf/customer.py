@@ -218,7 +218,7 @@ class CustomerPage(Part):
 
     def _lost(self) -> Iterator[str]:
         say, at = self.say, self.diagnosis.worst
-        condition, band = self.names.condition(at.condition), self.diagnosis.band(at)
+        condition, band = self.say.condition(at.condition), self.diagnosis.band(at)
         new = say.percent(self.diagnosis.new_at(at).share)
         if self.diagnosis.worst_total in self.diagnosis.pump.lacking or self.diagnosis.impossible:
             return
@@ -249,7 +249,7 @@ class CustomerPage(Part):
             yield self.say(
                 "customer.holds",
                 circuit=self._pressure(each.id),
-                condition=self.names.condition(at.projection.condition),
+                condition=self.say.condition(at.projection.condition),
                 held=self._kpa(each.now),
                 new=self._kpa(each.new),
             )
@@ -267,7 +267,7 @@ class CustomerPage(Part):
             assert each.rule.condition is not None  # as of every pressure that is computed
             values = {
                 "label": label,
-                "condition": self.names.condition(each.rule.condition),
+                "condition": self.say.condition(each.rule.condition),
                 "valves": self._named([*dict.fromkeys(component for component, _ in each.lands)]),
             }
             if each.held is None:
@@ -278,7 +278,7 @@ class CustomerPage(Part):
             return
         if diagnosis.profile.circuits != "on":  # no pressure is solved
             return
-        conditions = joined(self.names.condition(each.condition) for each in diagnosis.complained)
+        conditions = joined(self.say.condition(each.condition) for each in diagnosis.complained)
         lost = most_lost(diagnosis)
         loss = "" if lost is None else self._kpa(lost.loss)
         key = "no_effect" if lost is None else "small_effect"
@@ -346,7 +346,7 @@ class CustomerPage(Part):
         if valve.helped is None:
             return Judged(None)
         say, (at, rule) = self.say, valve.helped
-        condition, both = self.names.condition(at.condition), (at.before, at.after)
+        condition, both = self.say.condition(at.condition), (at.before, at.after)
         if rule is None:
             digits, band = digits_apart(both), at.after.band
             before, after = (say.percent(total.share, digits) for total in both)
@@ -421,7 +421,7 @@ class CustomerPage(Part):
             ends, reached = words.estimate.ends, not words.estimate.past
         of = "estimate" if words is not None else "plan"
         yield say(f"customer.do_{'green' if reached else 'past'}_{of}")
-        condition = self.names.condition(worst.condition)
+        condition = self.say.condition(worst.condition)
         end = next((each for each in ends if each.condition == worst.condition), None)
         if end is not None and plan.steps:
             of_new = self.diagnosis.valve_body.new_at(worst).share

@@ -117,7 +117,7 @@ class Front(Part):
             (circuit_sentence(diagnosis, each, say) for each in at.circuits if _flagged(each.verdict)), "; "
         )
         if circuits:
-            yield f"{say('texts.circuits_at', condition=self.names.condition(at.projection.condition))} {circuits}."
+            yield f"{say('texts.circuits_at', condition=self.say.condition(at.projection.condition))} {circuits}."
 
     @cached_property
     def shown(self) -> tuple[Projection, ...]:
@@ -144,7 +144,7 @@ class Front(Part):
             Column("reserve", digits=2),
             Column("holds", "engine_speed", of="minimum_speed", times=RPM),
         )
-        return listed(self.say, self.shown, *columns, group=lambda at: self.names.condition(at.condition))
+        return listed(self.say, self.shown, *columns, group=lambda at: self.say.condition(at.condition))
 
     @property
     def _temperature(self) -> Column:
@@ -156,7 +156,7 @@ class Front(Part):
     def _names_temperature(self, at: Projection) -> bool:
         """Tell whether the name of a condition ends in its temperature."""
         temperature = self.say.plain_value(at.condition.temperature, "temperature")
-        name = self.names.condition(at.condition).replace("\u00a0", " ")
+        name = self.say.condition(at.condition).replace("\u00a0", " ")
         return name.endswith(f"{temperature} {self.say.unit('temperature')}")
 
     def _pressure(self, at: Projection) -> str:

@@ -89,7 +89,7 @@ class Pressures(Part):
     # --- tables
 
     def _condition(self, at: PressuresAt) -> str:
-        return self.names.condition(at.projection.condition)
+        return self.say.condition(at.projection.condition)
 
     def _held(self, conditions: Sequence[PressuresAt]) -> Iterator[Block]:
         """Yield what the line and every circuit hold at each condition, and which circuits are not applied there."""

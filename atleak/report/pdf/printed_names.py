@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import cached_property
 
-from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis import Diagnosis
 from atleak.job.estimate import estimate
 from atleak.job.record import Job
@@ -55,10 +54,6 @@ class PrintedNames:
         """Return make, model and year of the vehicle."""
         vehicle = self.job.vehicle
         return joined((vehicle.make, vehicle.model, vehicle.year), " ")
-
-    def condition(self, point: OperatingPoint) -> str:
-        """Return the name of a condition in the reader's language."""
-        return self.say.condition(point)
 
     def section(self, name: str) -> str:
         """Return the name of a section's pressure in the reader's language, or that of a circuit as its file has it."""
@@ -203,7 +198,7 @@ class PrintedNames:
             also = "; ".join(self._reached("rules.reached_short", rule) for rule in others)
             said = [self._reached("rules.reached", deciding), *([self.say("rules.also", others=also)] if also else [])]
         if worst.drawn_from_pump > 0.0:
-            said.append(self.say("rules.largest_at", condition=self.condition(worst.projection.condition)))
+            said.append(self.say("rules.largest_at", condition=self.say.condition(worst.projection.condition)))
         return "; ".join(said)
 
     def _reached(self, key: str, rule: Rule) -> str:

@@ -155,7 +155,7 @@ def test_the_totals_stand_with_every_condition_that_has_room(long_names: Diagnos
     names = names_of(long_names)
     totals = Front(names).verdict()["totals"]
     titles = [row[0] for row in totals["rows"] if len(row) == 1]
-    assert titles == [names.condition(each.condition) for each in long_names.presented]
+    assert titles == [names.say.condition(each.condition) for each in long_names.presented]
     assert len(titles) > len(long_names.reported)
 
 

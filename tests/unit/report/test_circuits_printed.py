@@ -10,7 +10,6 @@ from typing import Any
 
 import openpyxl
 import pandas as pd
-import pypdfium2
 import pytest
 
 from atleak.catalogue.controller import Controller
@@ -27,6 +26,8 @@ from atleak.rules import Rule
 from atleak.verdicts import Band, Verdict
 from atleak.views.first_sentence import first_sentence
 from atleak.wording import begun, languages, signed, wording
+
+from .read_back import is_archival, text_of
 
 UM = 1e-6
 Sheets = Callable[..., pd.DataFrame]
@@ -408,15 +409,6 @@ def test_nothing_that_was_not_measured_is_called_ok(unit: Unit, calculator: Any)
 
 
 # --- the PDF
-
-
-def text_of(content: bytes) -> str:
-    with pypdfium2.PdfDocument(content) as document:
-        return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in document))
-
-
-def is_archival(content: bytes) -> bool:
-    return b"<pdfaid:part>2<" in content and b"<pdfuaid:part>1<" in content
 
 
 @pytest.mark.parametrize(

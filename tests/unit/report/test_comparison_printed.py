@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
-import pypdfium2
 import pytest
 
 from atleak.comparison import Comparison, compare
@@ -18,6 +17,8 @@ from atleak.report.pdf.comparison import _Page, write_comparison_pdf
 from atleak.report.printed_charts.charts import drawn
 from atleak.views import comparison_words
 from atleak.wording import languages, wording
+
+from .read_back import pages_of
 
 BEFORE = Job(number="17", date="2026-03-02", customer={"name": "Łucja Example"}, complaint="Slips when hot.")
 AFTER = Job(
@@ -52,9 +53,8 @@ def printed(repaired: Comparison) -> Callable[[str], bytes]:
 
 
 def text_of(content: bytes) -> str:
-    with pypdfium2.PdfDocument(content) as document:
-        assert len(document) == 1
-        return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in document))
+    (page,) = pages_of(content)
+    return re.sub(r"\s+", " ", page)
 
 
 def test_a_caveat_of_one_visit_says_which_and_one_of_both_stands_once(

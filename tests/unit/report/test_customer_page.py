@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 
-import pypdfium2
 import pytest
 
 from atleak.catalogue.controller_reading import load_controller
@@ -27,14 +26,15 @@ from atleak.views.complaint import explanations
 from atleak.views.worn_valves import End, worn_valves
 from atleak.wording import languages, wording
 
+from . import read_back
+
 SIGNED = ("signatures",)
 LONG = " ".join(["Once it is hot it waits at the lights before it moves, and then it goes with a jerk."] * 24)
 ESTIMATE = {"currency": "EUR", "labour_rate": 80.0, "tax_percent": 23.0}
 
 
 def pages_of(content: bytes) -> list[str]:
-    with pypdfium2.PdfDocument(content) as document:
-        return [re.sub(r"\s+", " ", page.get_textpage().get_text_range()) for page in document]
+    return [re.sub(r"\s+", " ", page) for page in read_back.pages_of(content)]
 
 
 def worn_everywhere(name: str, fluid, limits, *, clearances: float = 3.0) -> Diagnosis:
@@ -388,7 +388,7 @@ def test_more_oil_than_the_pump_delivers_is_not_said_to_be_lost(unmeasured, lang
     assert 1.0 < share < float("inf")
     names = PrintedNames(found, Job(), say)
     (_, texts) = CustomerPage(names, signed=False).data()["found"].values()
-    values = {"condition": names.condition(found.worst.condition), "new": say.percent(share)}
+    values = {"condition": names.say.condition(found.worst.condition), "new": say.percent(share)}
     assert say("customer.lost_new_over", **values) in texts[0]
     assert say("customer.lost_new", **values) not in texts[0]
 

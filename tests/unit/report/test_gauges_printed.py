@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import io
-import re
 from pathlib import Path
 
 import openpyxl
 import pandas as pd
-import pypdfium2
 import pytest
 
 from atleak.diagnosis import Diagnosis
@@ -19,6 +17,8 @@ from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.gauges_sheet import SHEET
 from atleak.report.xlsx.live_cells import RANKED
 from atleak.wording import languages, wording
+
+from .read_back import text_of
 
 TABLE = """range;tap;slow idle [kPa];fast idle 1500 rpm [kPa]
 R;line;900;1000
@@ -32,12 +32,6 @@ D;forward_clutch;480;
 @pytest.fixture(scope="module")
 def gauged() -> Diagnosis:
     return Case(controller="five_speed_2005", pressures=SourceFile("gauges.csv", TABLE.encode())).diagnose()
-
-
-def text_of(content: bytes) -> str:
-    with pypdfium2.PdfDocument(content) as document:
-        pages = [page.get_textpage().get_text_range() for page in document]
-    return re.sub(r"\\s+", " ", " ".join(pages))
 
 
 @pytest.mark.parametrize("language", languages())

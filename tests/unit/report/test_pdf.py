@@ -14,7 +14,6 @@ from functools import cache
 from itertools import pairwise
 from types import MappingProxyType
 
-import pypdfium2
 import pytest
 from PIL import Image
 
@@ -34,6 +33,8 @@ from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.first_sentence import lands_part
 from atleak.wear_line import Crossing
 from atleak.wording import languages, own_texts, wording
+
+from .read_back import is_archival, pages_of, squeezed, text_of
 
 # the first of the hostile texts at once, the others in the longer round
 FIRST_AND_THE_REST = pytest.mark.parametrize(
@@ -84,25 +85,6 @@ def printed_in(worn, job, printed) -> Callable[[str], bytes]:
         return printed if language == "en" else write_pdf(worn, job, language=language, paper="letter")
 
     return print_in
-
-
-def pages_of(content: bytes) -> list[str]:
-    with pypdfium2.PdfDocument(content) as document:
-        return [page.get_textpage().get_text_range() for page in document]
-
-
-def text_of(content: bytes) -> str:
-    """All text, with line breaks and hard spaces as single spaces."""
-    return re.sub(r"\s+", " ", " ".join(pages_of(content)))
-
-
-def squeezed(text: str) -> str:
-    """Text without any space or sign of direction, as a reader of long broken words compares it."""
-    return "".join(sign for sign in text if not sign.isspace() and unicodedata.category(sign) != "Cf")
-
-
-def is_archival(content: bytes) -> bool:
-    return b"<pdfaid:part>2<" in content and b"<pdfaid:conformance>A<" in content and b"<pdfuaid:part>1<" in content
 
 
 def test_claims_archival_and_accessible(printed):
