@@ -9,8 +9,8 @@ from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.section_pressures import SECTIONS
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import CircuitState, Projection
-from atleak.rules import Rule
-from atleak.uncertainty import TotalUncertainty
+from atleak.rules import LandKey, Rule
+from atleak.uncertainty import RuleDecision, TotalUncertainty
 from atleak.views.positions import concentric_factors
 from atleak.workshop_units import DM3_MIN, KPA, MM3_S, PERCENT, RPM
 
@@ -25,16 +25,35 @@ def scaled(value: float | None, factor: float) -> float | None:
     return None if value is None else finite(value * factor)
 
 
+def named(item: Any, *names: str) -> dict[str, Any]:
+    """Return some attributes of an item by their names."""
+    return {name: getattr(item, name) for name in names}
+
+
+def of_land(key: LandKey) -> dict[str, Any]:
+    """Return by what a land is known."""
+    return {"component": key[0], "land": key[1]}
+
+
+def ends(name: str, interval: tuple[float | None, float | None] | None, factor: float = 1.0) -> dict[str, float | None]:
+    """Return the two ends of an interval in another unit, by ``{name}`` with low and high; None where none is known."""
+    both = zip(("low", "high"), interval or (None, None), strict=True)
+    return {name.format(end): scaled(value, factor) for end, value in both}
+
+
+def decided_record(decided: RuleDecision | None) -> dict[str, Any]:
+    """Return how sure what a rule says is, and how likely its limit is passed."""
+    if decided is None:
+        return {"decision": None, "probability_over_limit": None}
+    return named(decided, "decision", "probability_over_limit")
+
+
 def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
     """Return the record of one condition of a diagnosis."""
     at = projection.condition
     total = diagnosis.uncertainty.total(at.name) if diagnosis.uncertainty else None
-    low, high = total.leakage_interval if total else (None, None)
-    held_low, held_high = total.main_pressure_interval if total else (None, None)
-    reserve_low, reserve_high = total.reserve_interval if total else (None, None)
     rule = diagnosis.total_rule(projection)
     new, unworn = diagnosis.new_at(projection), diagnosis.unworn_at(projection)  # pressures are judged by the latter
-    least, largest = concentric_factors(diagnosis.profile, projection)
     permissible = projection.permissible
     return {
         "name": at.name,
@@ -45,21 +64,16 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
         "gear": at.gear,
         **{f"{name}_kpa": projection.pressures[name] * KPA for name in SECTIONS},
         "p_g_held_kpa": projection.main_pressure_held * KPA,
-        "p_g_held_low_kpa": scaled(held_low, KPA),
-        "p_g_held_high_kpa": scaled(held_high, KPA),
+        **ends("p_g_held_{}_kpa", total and total.main_pressure_interval, KPA),
         "p_g_held_new_kpa": unworn.main_pressure_held * KPA,
-        "permissible_low_kpa": scaled(permissible.low, KPA) if permissible else None,
-        "permissible_high_kpa": scaled(permissible.high, KPA) if permissible else None,
+        **ends("permissible_{}_kpa", permissible and (permissible.low, permissible.high), KPA),
         "leakage_dm3_min": projection.leakage * DM3_MIN,
-        "leakage_low_dm3_min": scaled(low, DM3_MIN),
-        "leakage_high_dm3_min": scaled(high, DM3_MIN),
+        **ends("leakage_{}_dm3_min", total and total.leakage_interval, DM3_MIN),
         "leakage_new_dm3_min": new.leakage * DM3_MIN,
-        "leakage_new_low_dm3_min": scaled(total.new_leakage_interval[0], DM3_MIN) if total else None,
-        "leakage_new_high_dm3_min": scaled(total.new_leakage_interval[1], DM3_MIN) if total else None,
+        **ends("leakage_new_{}_dm3_min", total and total.new_leakage_interval, DM3_MIN),
         "other_leakage_dm3_min": projection.other_leakage * DM3_MIN,
         "growth_percent": scaled(projection.leakage / new.leakage - 1.0, PERCENT) if new.leakage > 0.0 else None,
-        "growth_low_percent": scaled(total.growth_interval[0], PERCENT) if total else None,
-        "growth_high_percent": scaled(total.growth_interval[1], PERCENT) if total else None,
+        **ends("growth_{}_percent", total and total.growth_interval, PERCENT),
         "pump_supply_dm3_min": projection.pump_supply * DM3_MIN,
         "pump_slip_dm3_min": projection.slip * DM3_MIN,
         "pump_slip_new_dm3_min": scaled(slips(diagnosis, projection)[1], DM3_MIN),
@@ -67,19 +81,16 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
         "consumers_dm3_min": projection.consumers * DM3_MIN,
         "consumers_starved_dm3_min": projection.starved * DM3_MIN,
         "reserve": finite(projection.reserve),
-        "reserve_low": scaled(reserve_low, 1.0),
-        "reserve_high": scaled(reserve_high, 1.0),
+        **ends("reserve_{}", total and total.reserve_interval),
         "reserve_new": finite(unworn.reserve),
         "share_percent": finite(projection.share * PERCENT),
         "share_new_percent": finite(new.share * PERCENT),
         "share_unworn_percent": scaled(rule.new, PERCENT),
         "limit_percent": finite(rule.limit * PERCENT),
         "band": diagnosis.band(projection),
-        "decision": total.decision.decision if total else None,
-        "probability_over_limit": total.decision.probability_over_limit if total else None,
+        **decided_record(total and total.decision),
         "minimum_engine_rpm": projection.minimum_speed * RPM,
-        "concentric_factor_low": least,
-        "concentric_factor_high": largest,
+        **ends("concentric_factor_{}", concentric_factors(diagnosis.profile, projection)),
         "circuits": [_circuit(diagnosis, projection, state, total) for state in projection.circuits],
         "rules": [unit_rule_record(diagnosis, each) for each in diagnosis.pressure_rules_at(projection)],
         "source": at.source,
@@ -88,7 +99,6 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
 
 def unit_rule_record(diagnosis: Diagnosis, rule: Rule) -> dict[str, Any]:
     """Return the record of a rule of the whole unit: a reserve, a circuit or a permissible pressure."""
-    decided = diagnosis.decided(rule)
     return {
         "rule": rule.id,
         "kind": rule.kind,
@@ -97,8 +107,7 @@ def unit_rule_record(diagnosis: Diagnosis, rule: Rule) -> dict[str, Any]:
         "limit": finite(rule.limit * rule.kind.factor),
         "level": rule.level,
         "verdict": diagnosis.verdict_on(rule),
-        "decision": decided.decision if decided else None,
-        "probability_over_limit": decided.probability_over_limit if decided else None,
+        **decided_record(diagnosis.decided(rule)),
         "origin": rule.origin,
     }
 
@@ -107,7 +116,6 @@ def _circuit(
     diagnosis: Diagnosis, projection: Projection, state: CircuitState, total: TotalUncertainty | None
 ) -> dict[str, Any]:
     circuit = state.circuit
-    low, high = total.circuit_intervals.get(circuit.id, (None, None)) if total else (None, None)
     new = diagnosis.unworn_at(projection).circuit(circuit.id).pressure
     rule = diagnosis.pressure_rule(projection, RuleKind.CIRCUIT_LOSS, circuit)
     decided = diagnosis.decided(rule) if rule else None
@@ -116,8 +124,7 @@ def _circuit(
         "name": circuit.name,
         "vented": state.vented,
         "pressure_kpa": state.pressure * KPA,
-        "pressure_low_kpa": scaled(low, KPA),
-        "pressure_high_kpa": scaled(high, KPA),
+        **ends("pressure_{}_kpa", total and total.circuit_intervals.get(circuit.id), KPA),
         "pressure_new_kpa": new * KPA,
         "set_kpa": scaled(state.set_pressure, KPA),
         "loss_kpa": (new - state.pressure) * KPA,
@@ -126,8 +133,8 @@ def _circuit(
         "verdict": diagnosis.verdict_on(rule),
         "decision": decided.decision if decided else None,
         "causes": [
-            {"component": component, "land": land, "loss_kpa": loss * KPA}
-            for (component, land), loss in diagnosis.losses_at(projection).get(circuit.id, {}).items()
+            {**of_land(key), "loss_kpa": loss * KPA}
+            for key, loss in diagnosis.losses_at(projection).get(circuit.id, {}).items()
         ],
     }
 

@@ -18,7 +18,17 @@ from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
 from atleak.views.complaint import explanations, finding, measure_first, reason
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
-from atleak.views.condition_record import condition_record, finite, pump_record, scaled, unit_rule_record
+from atleak.views.condition_record import (
+    condition_record,
+    decided_record,
+    ends,
+    finite,
+    named,
+    of_land,
+    pump_record,
+    scaled,
+    unit_rule_record,
+)
 from atleak.views.gauge_rows import gauge_record
 from atleak.views.message_record import message_record
 from atleak.views.repair_options import cost_record, option_record
@@ -72,17 +82,12 @@ def head_record(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "profile": {"name": diagnosis.profile.name, **diagnosis.profile.options},
         "controller": {
-            "id": diagnosis.controller.id,
-            "name": diagnosis.controller.name,
-            "source": diagnosis.controller.source,
-            "sha256": diagnosis.controller.sha256,
+            **named(diagnosis.controller, "id", "name", "source", "sha256"),
             "representative": bool(diagnosis.controller.representative),
             "representative_note": diagnosis.controller.representative or None,
         },
         "fluid": {
-            "id": diagnosis.fluid.id,
-            "name": diagnosis.fluid.name,
-            "source": diagnosis.fluid.source,
+            **named(diagnosis.fluid, "id", "name", "source"),
             "sha256": diagnosis.fluid.origin.sha256,
             "representative": list(diagnosis.fluid.representative),
             "state": diagnosis.fluid.state,
@@ -148,21 +153,17 @@ def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
     if complaint is None:
         return None
     return {
-        "id": complaint.id,
-        "label": complaint.label,
-        "source": complaint.source,
+        **named(complaint, "id", "label", "source"),
         "conditions": list(complaint.conditions),
         "measure_first": [
             {
-                "component": component,
-                "land": land,
+                **of_land(each.land.key),
                 "doubt": each.doubt,
                 "condition": each.projection.condition.name,
                 "part_percent": each.part * PERCENT,
                 "reason": reason(each),
             }
             for each in measure_first(diagnosis)
-            for component, land in [each.land.key]
         ],
         "text": finding(diagnosis),
         "explained_by": [
@@ -172,7 +173,7 @@ def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
                 "circuit": each.rule.circuit.id if each.rule.circuit else None,
                 "held_kpa": None if each.held is None else each.held.now * KPA,
                 "new_kpa": None if each.held is None else each.held.new * KPA,
-                "lands": [{"component": component, "land": land} for component, land in each.lands],
+                "lands": [of_land(key) for key in each.lands],
             }
             for each in explanations(diagnosis, complaint)
         ],
@@ -187,19 +188,14 @@ def _uncertainty(unit: UnitUncertainty | None) -> dict[str, Any] | None:
         "spool_instrument": unit.instruments.spool.id,
         "sleeve_instrument": unit.instruments.sleeve.id,
         "assumptions": dict(unit.assumptions.settings),
-        "coverage": unit.coverage,
-        "guard_factor": unit.guard_factor,
-        "draws": unit.draws,
-        "seed": unit.seed,
+        **named(unit, "coverage", "guard_factor", "draws", "seed"),
     }
 
 
 def limits_record(limits: Limits) -> dict[str, Any]:
     """Return a limit set with every limit and its origin."""
     return {
-        "id": limits.id,
-        "name": limits.name,
-        "source": limits.source,
+        **named(limits, "id", "name", "source"),
         "sha256": limits.origin.sha256,
         "rules": {kind: _steps(kind, steps) for kind, steps in limits.rules.items()},
     }
@@ -225,13 +221,10 @@ def land_record(row: MatrixRow) -> dict[str, Any]:
     land = row.land
     state, nominal, uncertainty = land.state, land.state.land, land.uncertainty
     at = land.replace_mileage
-    low, high = (uncertainty.leakage_interval if uncertainty else None) or (None, None)
     return {
-        "component": nominal.component,
-        "land": nominal.land,
+        **of_land(land.key),
         "measured": state.status,
-        "spool_readings": state.spool_readings,
-        "sleeve_readings": state.sleeve_readings,
+        **named(state, "spool_readings", "sleeve_readings"),
         "spool_diameter_mm": state.spool_diameter * MM,
         "sleeve_diameter_mm": state.sleeve_diameter * MM,
         "radial_clearance_um": state.radial_clearance * UM,
@@ -250,17 +243,12 @@ def land_record(row: MatrixRow) -> dict[str, Any]:
         "effective_clearance_um": land.effective_clearance * UM,
         "leakage_dm3_min": land.leakage * DM3_MIN,
         "drawn_from_pump_dm3_min": land.drawn_from_pump * DM3_MIN,
-        "leakage_low_dm3_min": scaled(low, DM3_MIN),
-        "leakage_high_dm3_min": scaled(high, DM3_MIN),
+        **ends("leakage_{}_dm3_min", uncertainty and uncertainty.leakage_interval, DM3_MIN),
         "share_percent": finite(land.share * PERCENT),
-        "verdict": land.verdict,
-        "decision": land.decision,
-        "suspect": land.suspect,
-        "probability_over_limit": land.probability_over_limit,
+        **named(land, "verdict", "decision", "suspect", "probability_over_limit"),
         "advice": uncertainty.advice if uncertainty else None,
         "replace_mileage_km": at.value if at and math.isfinite(at.high) else None,
-        "replace_mileage_low_km": finite(at.low) if at else None,
-        "replace_mileage_high_km": finite(at.high) if at else None,
+        **ends("replace_mileage_{}_km", at and (at.low, at.high)),
         "representative": list(nominal.representative),
         "conditions": [_at_condition(cell) for cell in row.cells],
         "rules": [_rule(rule, uncertainty) for rule in land.rules],
@@ -271,8 +259,7 @@ def land_record(row: MatrixRow) -> dict[str, Any]:
 def _at_condition(cell: LandAtCondition) -> dict[str, Any]:
     condition = cell.projection.condition
     return {
-        "name": condition.name,
-        "label": condition.label,
+        **named(condition, "name", "label"),
         "leakage_dm3_min": cell.leakage * DM3_MIN,
         "drawn_from_pump_dm3_min": cell.drawn_from_pump * DM3_MIN,
         "share_percent": finite(cell.share * PERCENT),
@@ -289,8 +276,7 @@ def _rule(rule: Rule, uncertainty: LandUncertainty | None) -> dict[str, Any]:
         "value": finite(rule.value * rule.kind.factor),
         "limit": finite(rule.limit * rule.kind.factor),
         "verdict": rule.verdict,
-        "decision": decided.decision if decided else None,
-        "probability_over_limit": decided.probability_over_limit if decided else None,
+        **decided_record(decided),
         "measurable": uncertainty.measurable(decided) if uncertainty and decided else None,
         "new": scaled(rule.new, rule.kind.factor),
         "growth_percent": scaled(rule.growth, PERCENT),
@@ -301,9 +287,7 @@ def _rule(rule: Rule, uncertainty: LandUncertainty | None) -> dict[str, Any]:
 def _gap(leak: GapLeakage) -> dict[str, Any]:
     gap = leak.gap
     return {
-        "component": gap.component,
-        "land": gap.land,
-        "section": gap.section,
+        **named(gap, "component", "land", "section"),
         "from": str(gap.high),
         "to": str(gap.low),
         "pressure_drop_kpa": leak.pressure_drop * KPA,
@@ -320,13 +304,11 @@ def _gap(leak: GapLeakage) -> dict[str, Any]:
 
 
 def _repair_step(step: RepairStep) -> dict[str, Any]:
-    component, land = step.land.key
     return {
-        "component": component,
-        "land": land,
+        **of_land(step.land.key),
         "verdict": step.land.verdict,
         "for_total": step.for_total,
-        "together": [{"component": each.key[0], "land": each.key[1]} for each in step.together],
+        "together": [of_land(each.key) for each in step.together],
         "options": [option_record(option, step.land.key) for option in step.options],
         "chosen": None if step.chosen is None else step.chosen.repair.id,
         "at": step.at.condition.name,
@@ -335,8 +317,7 @@ def _repair_step(step: RepairStep) -> dict[str, Any]:
         "share_after_percent": finite(step.at.after.share * PERCENT),
         "conditions": [
             {
-                "name": each.condition.name,
-                "label": each.condition.label,
+                **named(each.condition, "name", "label"),
                 "share_before_percent": finite(each.before.share * PERCENT),
                 "share_after_percent": finite(each.after.share * PERCENT),
                 "band_after": each.after.band,
@@ -373,8 +354,7 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
 def _end(total: Total, *, judged: bool) -> dict[str, Any]:
     """Return a total at the end of the plan; one of a unit that was not measured has no band."""
     return {
-        "name": total.condition.name,
-        "label": total.condition.label,
+        **named(total.condition, "name", "label"),
         "share_percent": finite(total.share * PERCENT),
         "band": total.band if judged else None,
         **_held(total),

@@ -10,7 +10,7 @@ from atleak.catalogue.entries import Evidence
 from atleak.catalogue.repairs import Repair
 from atleak.repair import Cost, Option, RepairPlan, RepairStep
 from atleak.rules import LandKey
-from atleak.views.condition_record import scaled
+from atleak.views.condition_record import named, of_land, scaled
 from atleak.wording import Wording, wording
 from atleak.workshop_units import MM, UM
 
@@ -132,23 +132,15 @@ def option_record(option: Option, key: LandKey) -> dict[str, Any]:
     """Return an option as plain values: what it is, what it costs, and what it leaves of a land."""
     repair, land = option.repair, option.states[key].land
     return {
-        "id": repair.id,
-        "kind": repair.kind,
-        "name": repair.name,
-        "part_number": repair.part_number,
-        "price": repair.price,
-        "currency": repair.currency,
-        "hours": repair.hours,
-        "tool": repair.tool,
-        "lands": [{"component": component, "land": number} for component, number in option.lands],
+        **named(repair, "id", "kind", "name", "part_number", "price", "currency", "hours", "tool"),
+        "lands": [of_land(changed) for changed in option.lands],
         "nominal_diameter_mm": land.nominal_diameter * MM,
         "clearance_after_um": option.states[key].radial_clearance * UM,
         "mounting_clearance_low_um": None if repair.keeps_clearance else land.mounting_range[0] * UM,
         "mounting_clearance_um": None if repair.keeps_clearance else land.mounting_high * UM,
         "mounting_tolerance_um": None if repair.keeps_clearance else scaled(land.mounting_tolerance, UM),
         "mends": option.mends(key),
-        "evidence": repair.evidence,
-        "source": repair.source,
+        **named(repair, "evidence", "source"),
     }
 
 
@@ -158,9 +150,5 @@ def cost_record(cost: Cost | None) -> dict[str, Any] | None:
         return None
     return {
         "prices": [{"price": price, "currency": currency} for currency, price in cost.prices.items()],
-        "hours": cost.hours,
-        "repairs": cost.repairs,
-        "without_price": cost.without_price,
-        "without_hours": cost.without_hours,
-        "without_option": cost.without_option,
+        **named(cost, "hours", "repairs", "without_price", "without_hours", "without_option"),
     }
