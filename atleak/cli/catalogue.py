@@ -21,7 +21,8 @@ from atleak.system.home import made
 from atleak.system.printable import asked_for
 from atleak.version import __version__
 from atleak.views.diagnosis_record import limits_record
-from atleak.views.evidence_rows import evidence_counts, still_to_measure
+from atleak.views.evidence_rows import evidence_counts, open_values
+from atleak.wording import wording
 
 
 def add_parser(commands: Any, name: str) -> None:
@@ -59,7 +60,7 @@ def _controllers(options: argparse.Namespace) -> int:
             "complaints": [complaint.record for complaint in controller.complaints],
             "representative": bool(controller.representative),
             "known_from": evidence_counts(controller),
-            "still_to_measure": still_to_measure(controller),
+            "still_to_measure": open_values(controller, wording("en")),
             "source": controller.source,
             "sha256": controller.sha256,
         }

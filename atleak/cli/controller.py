@@ -18,7 +18,8 @@ from atleak.cli.shared import Outputs, add_force
 from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
 from atleak.intake.controller_workbook import is_workbook, read_controller_workbook
 from atleak.report.controller_workbook import write_controller_workbook
-from atleak.views.evidence_rows import evidence_counts, still_to_measure
+from atleak.views.evidence_rows import evidence_counts, open_values
+from atleak.wording import wording
 
 _LOST = "comments and the order of keys in a TOML file are not kept on the way through a workbook"
 
@@ -110,7 +111,7 @@ def _check(options: argparse.Namespace) -> int:
         print(f"{who} taken to leak from main pressure to the sump, which is an upper bound")
     counts = evidence_counts(controller)
     print("values: " + ", ".join(f"{count} {known.replace('_', ' ')}" for known, count in counts.items()))
-    if to_measure := still_to_measure(controller):
+    if to_measure := open_values(controller, wording("en")):
         print(f"representative, to be measured or looked up: {', '.join(to_measure)}")
     return 0
 

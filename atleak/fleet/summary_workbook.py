@@ -7,12 +7,10 @@ the last sheet. Text is always written as text: nothing that somebody typed beco
 from __future__ import annotations
 
 import datetime as dt
-import io
 import math
 from collections.abc import Sequence
 from typing import Any
 
-import xlsxwriter
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.fleet.summary_excel_charts import WorkbookCharts
@@ -23,16 +21,13 @@ from atleak.fleet.summed import FleetSummary
 from atleak.look import DATA_BAR, HEADING
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.paging import LINE_OF_A_BOOK, row_height
-from atleak.report.xlsx import WORKBOOK_OPTIONS
+from atleak.report.xlsx import report_workbook
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.summary_page import SummaryPage
-from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.verdicts import VERDICTS
-from atleak.version import __version__
 from atleak.views.table import VERDICT, Column, Table
 from atleak.wording import wording
 
-_UNDATED = dt.datetime(2000, 1, 1)  # the same summary gives the same bytes
 _DATE = "yyyy-mm-dd"
 _OVERVIEW = Depth(pairs=5, drawn=0, groups=12, differences=5, compared=False)
 _COLUMNS = 7  # of the widest table in the overview
@@ -67,13 +62,8 @@ def write_summary_workbook(
         if there is no such paper, language or system of units.
     """
     size, say = find_paper(paper), wording(language, units)
-    words, target = FleetWords(summary, say), io.BytesIO()
-    with xlsxwriter.Workbook(target, WORKBOOK_OPTIONS) as workbook:
-        title, made_by = say("fleet_summary.title"), f"atleak {__version__}"
-        workbook.set_properties({"title": title, "author": "", "comments": made_by, "created": _UNDATED})
-        workbook.set_custom_property(PROPERTY, unsealed("report workbook"))
-        _Writer(Book(workbook, size, say), words).write()
-    return sealed(target.getvalue())
+    words = FleetWords(summary, say)
+    return report_workbook(lambda book: _Writer(Book(book, size, say), words).write(), say("fleet_summary.title"))
 
 
 class _Writer:

@@ -5,15 +5,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.own_lands import OwnLands
-from atleak.report.paging import HEADER, Tab, Table, width_for
+from atleak.report.paging import HEADER, Tab, Table, only, put, width_for
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.wording import Wording
@@ -79,56 +78,30 @@ def write_lands(tab: Tab, controller: Controller, own: OwnLands) -> None:
     table.write((title, *how_to), HEADER + len(rows), columns.index(_CONTACT))
     for row, (_, cells) in enumerate(rows, start=HEADER + 1):
         table.fit(row, {at: str(cells.get(column) or "") for at, column in enumerate(columns)})
-        _write_row(sheet, row, [(cells.get(column), formats[column.form]) for column in columns])
+        for at, column in enumerate(columns):
+            put(sheet, row, at, cells.get(column), formats[column.form])
     _check_entries(sheet, controller, columns, [land for land, _ in rows], say)
-
-
-def _write_row(sheet: Worksheet, row: int, cells: Iterable[tuple[str | float | None, Format]]) -> None:
-    for column, (value, form) in enumerate(cells):
-        if value is None or value == "":
-            sheet.write_blank(row, column, None, form)
-        elif isinstance(value, str) and not (value.isdecimal() and str(int(value)) == value):
-            sheet.write_string(row, column, value, form)
-        else:
-            sheet.write_number(row, column, float(value), form)
 
 
 def _check_entries(
     sheet: Worksheet, controller: Controller, columns: Sequence[_Column], lands: Sequence[Land], say: Wording
 ) -> None:
     """Let only lengths be typed as such, and repairs be chosen from those of the land."""
-    for column in (_CONTACT, _POSITION):
-        number = columns.index(column)
-        sheet.data_validation(HEADER + 1, number, HEADER + len(lands), number, _lengths(say))
-    for row, land in enumerate(lands, start=HEADER + 1):
-        ids = [repair.id for repair in controller.repairs_of(land.component) if repair.changes(land.key)]
-        if ids and len(",".join(ids)) <= _LIST:
-            number = columns.index(_FITTED)
-            sheet.data_validation(row, number, row, number, _one_of(ids, say))
-
-
-def _lengths(say: Wording) -> dict[str, object]:
     message = Sentence(
         "A number in {example.unit}, such as {example}. Leave empty what was not measured.",
         example=Quantity(5.25, "length", 2),
     )
-    return {
-        "validate": "decimal",
-        "criteria": ">=",
-        "value": 0,
-        "error_title": say.sentence(Sentence("Not a length")),
-        "error_message": say.sentence(message),
-    }
-
-
-def _one_of(ids: list[str], say: Wording) -> dict[str, object]:
+    lengths = only("decimal", Sentence("Not a length"), message, say, criteria=">=", value=0)
+    for column in (_CONTACT, _POSITION):
+        number = columns.index(column)
+        sheet.data_validation(HEADER + 1, number, HEADER + len(lands), number, lengths)
     message = Sentence("One of the list, or nothing where the component is as it left the factory.")
-    return {
-        "validate": "list",
-        "source": ids,
-        "error_title": say.sentence(Sentence("No such repair")),
-        "error_message": say.sentence(message),
-    }
+    for row, land in enumerate(lands, start=HEADER + 1):
+        ids = [repair.id for repair in controller.repairs_of(land.component) if repair.changes(land.key)]
+        if ids and len(",".join(ids)) <= _LIST:
+            number = columns.index(_FITTED)
+            choice = only("list", Sentence("No such repair"), message, say, source=ids)
+            sheet.data_validation(row, number, row, number, choice)
 
 
 def _rows(controller: Controller, own: OwnLands, say: Wording) -> Iterator[tuple[Land, _Cells]]:

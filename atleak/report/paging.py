@@ -5,15 +5,20 @@ Not every program fits rows to their texts, nor has every one the same font: hei
 
 from __future__ import annotations
 
+import datetime as dt
+import io
 import math
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
+import xlsxwriter
 from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.sentence import Sentence
+from atleak.system.marks import PROPERTY, Kind, sealed, unsealed
 from atleak.wording import Wording
 
 _PIXEL = 0.75  # [pt] to which workbooks round a row's height
@@ -32,6 +37,55 @@ HEADER = 5
 _BOLD_BESIDE = 2  # characters beside the longest word of a heading
 
 Block = Sequence["Block"] | int  # blocks within a block; at the end a number of rows
+
+
+UNDATED = dt.datetime(2000, 1, 1)  # the creation of a workbook without a date: the same content gives the same bytes
+
+
+def workbook(
+    write: Callable[[xlsxwriter.Workbook], None],
+    title: str,
+    *,
+    mark: Kind | None = None,
+    created: dt.datetime = UNDATED,
+    properties: Mapping[str, str] | None = None,
+    options: Mapping[str, Any] | None = None,
+) -> bytes:
+    """Return the bytes of a workbook: texts stay texts, nothing that a user typed becomes a formula or a link.
+
+    Parameters
+    ----------
+    write
+        writes its sheets.
+    mark
+        what it is known by as made by atleak, so that it may be written again; None for one that is filled in.
+    properties, options
+        further properties of the document, and further options of xlsxwriter.
+    """
+    target = io.BytesIO()
+    as_texts = dict.fromkeys(("strings_to_formulas", "strings_to_urls", "strings_to_numbers"), False)
+    with xlsxwriter.Workbook(target, {"in_memory": True, **as_texts, **(options or {})}) as book:
+        book.set_properties({"title": title, "created": created, **(properties or {})})
+        if mark is not None:
+            book.set_custom_property(PROPERTY, unsealed(mark))
+        write(book)
+    return target.getvalue() if mark is None else sealed(target.getvalue())
+
+
+def put(sheet: Worksheet, row: int, column: int, value: str | float | None, form: Format) -> None:
+    """Write a value in its cell: numbers as such, words as words, nothing as a blank to fill in."""
+    if value is None or value == "":
+        sheet.write_blank(row, column, None, form)
+    elif isinstance(value, str) and not (value.isdecimal() and str(int(value)) == value):
+        sheet.write_string(row, column, value, form)
+    else:
+        sheet.write_number(row, column, float(value), form)
+
+
+def only(validate: str, title: Sentence, message: Sentence, say: Wording, **how: Any) -> dict[str, Any]:
+    """Return what a cell takes, and what is said where anything else is typed, as xlsxwriter wants it."""
+    said = say.sentence(message)[:255]  # characters that a spreadsheet program takes
+    return {"validate": validate, **how, "error_title": say.sentence(title), "error_message": said}
 
 
 @dataclass(frozen=True)

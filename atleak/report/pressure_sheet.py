@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.controller import Controller
 from atleak.pressure_table import Cell, Engine, PressureTable, applied, permitted, ranges_of, taps_of
-from atleak.report.paging import HEADER, Tab, Table
+from atleak.report.paging import HEADER, Tab, Table, only, put
 from atleak.sentence import Name, Sentence
 from atleak.unit_systems import Quantity
 from atleak.views.gauge_rows import permissible_text, tap_text
@@ -63,12 +63,14 @@ def write_pressures(tab: Tab, controller: Controller, readings: PressureTable | 
             sheet.write_string(row, column, text, formats["text" if column == _TAP else "origin"])
         for column, engine in enumerate(Engine, start=_READ):
             given = readings.at(Cell(selected, engine, tap)) if readings is not None else ()
-            if given:
-                shown = round(float(say.convert(given[0].pressure * KPA, "pressure")), 9)
-                sheet.write_number(row, column, shown, formats["pressure"])
-            else:
-                sheet.write_blank(row, column, None, formats["pressure"])
-    sheet.data_validation(HEADER + 1, _READ, last, _PERMISSIBLE - 1, _pressures(say))
+            shown = round(float(say.convert(given[0].pressure * KPA, "pressure")), 9) if given else None
+            put(sheet, row, column, shown, formats["pressure"])
+    message = Sentence(
+        "A number such as {example}. Leave empty what was not measured.", example=Quantity(412.5, "pressure", 1)
+    )
+    highest = float(say.convert(_HIGHEST, "pressure"))
+    taken = only("decimal", Sentence("Not a pressure"), message, say, criteria="between", minimum=0, maximum=highest)
+    sheet.data_validation(HEADER + 1, _READ, last, _PERMISSIBLE - 1, taken)
 
 
 def _headings(say: Wording) -> list[str]:
@@ -77,20 +79,6 @@ def _headings(say: Wording) -> list[str]:
     headings += [Sentence("{engine} [{unit}]", engine=_ENGINES[engine], unit=unit) for engine in Engine]
     headings += [Sentence("Permissible at {engine} [{unit}]", engine=_ENGINES[engine], unit=unit) for engine in Engine]
     return list(map(say.sentence, headings))
-
-
-def _pressures(say: Wording) -> dict[str, object]:
-    message = Sentence(
-        "A number such as {example}. Leave empty what was not measured.", example=Quantity(412.5, "pressure", 1)
-    )
-    return {
-        "validate": "decimal",
-        "criteria": "between",
-        "minimum": 0,
-        "maximum": float(say.convert(_HIGHEST, "pressure")),
-        "error_title": say.sentence(Sentence("Not a pressure")),
-        "error_message": say.sentence(message),
-    }
 
 
 def _rows(controller: Controller) -> Iterator[tuple[SelectorRange, str]]:

@@ -368,9 +368,9 @@ def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
         return
     shows = "; ".join(each.condition.label for each in diagnosis.complained)
     ranked = measure_first(diagnosis)
-    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {finding(diagnosis)}"
+    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {finding(diagnosis, wording('en'))}"
     for each in ranked[:MEASURE_FIRST]:
-        yield f"  {_named(diagnosis, each.land)}: {reason(each)}"
+        yield f"  {_named(diagnosis, each.land)}: {reason(each, wording('en'))}"
     if len(ranked) > MEASURE_FIRST:
         yield f"  … and {len(ranked) - MEASURE_FIRST} more that leak there"
 
@@ -436,8 +436,8 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
 
 def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
     """Return the order of repair, each land with what it brings where it helps most, and where that ends."""
-    plan = plan_repairs(diagnosis)
-    rows, (*ends,) = option_rows(plan), plan_ends(plan)
+    plan, say = plan_repairs(diagnosis), wording("en")
+    rows, (*ends,) = option_rows(plan), plan_ends(plan, say)
     if plan.pump_first:
         yield ends.pop(0)
     if plan.steps:
@@ -447,13 +447,13 @@ def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"{number:3}. {_named(diagnosis, step.land)}: {_helps(step)}"
         for row in rows:
             if row.step is step:
-                yield f"       {'→' if row.chosen else 'or'} {planned(row)}"
+                yield f"       {'→' if row.chosen else 'or'} {planned(row, wording('en'))}"
     yield from ends
 
 
 def _helps(step: RepairStep) -> str:
     if not step.helps:
-        return no_help(step)
+        return no_help(step, wording("en"))
     at = step.at
     before, after = (wording("en").number(each.share * PERCENT, 1) for each in (at.before, at.after))
     shares = f"{before} → {after} %"

@@ -14,7 +14,7 @@ from atleak.land_diagnosis import LandDiagnosis
 from atleak.rules import LandKey, Rule
 from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
 from atleak.views.sentences import because_of, unsolved
-from atleak.wording import Wording, wording
+from atleak.wording import Wording
 from atleak.workshop_units import KPA
 
 _SHOWN = 0.5e3  # [Pa] from which a loss is no zero where pressures are printed in kPa
@@ -82,15 +82,8 @@ def most_lost(diagnosis: Diagnosis) -> HeldPressure | None:
     return max((each for each in every if each.loss >= _SHOWN), key=lambda each: each.loss, default=None)
 
 
-def finding(diagnosis: Diagnosis, say: Wording | None = None) -> str:
-    """Say what the complaint of a diagnosis has to do with what was found, and what the list of lands behind it is.
-
-    Parameters
-    ----------
-    say
-        the words of a language; English unless given.
-    """
-    say = say or wording("en")
+def finding(diagnosis: Diagnosis, say: Wording) -> str:
+    """Say what the complaint of a diagnosis has to do with what was found, and what the list of lands behind it is."""
     if diagnosis.complaint is None or not diagnosis.complained:
         return ""
     said = []
@@ -115,15 +108,8 @@ def _unexplained(diagnosis: Diagnosis, say: Wording) -> list[str]:
     return [effect, *([only_line] if only_line else []), say("complaint.elsewhere")]
 
 
-def reason(each: MeasureFirst, say: Wording | None = None) -> str:
-    """Say what is open about a land and how much it carries.
-
-    Parameters
-    ----------
-    say
-        the words of a language; English unless given.
-    """
-    say = say or wording("en")
+def reason(each: MeasureFirst, say: Wording) -> str:
+    """Say what is open about a land and how much it carries."""
     carried = say("complaint.carried", part=say.percent(each.part), condition=say.condition(each.projection.condition))
     return say(f"complaint.{each.doubt}", carried=carried)
 

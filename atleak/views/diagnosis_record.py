@@ -34,6 +34,7 @@ from atleak.views.message_record import message_record
 from atleak.views.repair_options import cost_record, option_record
 from atleak.views.repair_words import plan_ends
 from atleak.views.road_record import road_record
+from atleak.wording import wording
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, UM
 
 FORMAT = 1
@@ -161,11 +162,11 @@ def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
                 "doubt": each.doubt,
                 "condition": each.projection.condition.name,
                 "part_percent": each.part * PERCENT,
-                "reason": reason(each),
+                "reason": reason(each, wording("en")),
             }
             for each in measure_first(diagnosis)
         ],
-        "text": finding(diagnosis),
+        "text": finding(diagnosis, wording("en")),
         "explained_by": [
             {
                 "rule": each.rule.id,
@@ -347,7 +348,7 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
         "pressures_past": [rule.id for rule in plan.pressures_past],
         "lands_not_measured": plan.unmeasured,
         "cost": cost_record(plan.cost),
-        "text": " ".join(plan_ends(plan)),
+        "text": " ".join(plan_ends(plan, wording("en"))),
     }
 
 

@@ -10,38 +10,11 @@ from atleak.catalogue.known_values import KnownValue, counted, known_values
 from atleak.views.table import Column, Table, columns
 from atleak.wording import Wording
 
-_NAMES = {
-    ("materials", "expansion_per_k"): ("thermal expansion of a material", "thermal expansions of materials"),
-    ("pump", "displacement"): ("the pump's displacement",) * 2,
-    ("pump", "gaps"): ("the pump's gaps",) * 2,
-    ("pump", "volumetric_efficiency"): ("the pump's efficiency",) * 2,
-    ("pump", "slip_coefficient"): ("the pump's slip coefficient",) * 2,
-    ("pressures", ""): ("pressure relation", "pressure relations"),
-    ("operating_points", ""): ("operating point", "operating points"),
-    ("components", "nominal_diameter_mm"): ("nominal diameter", "nominal diameters"),
-    ("components", "contact_length_mm"): ("contact length", "contact lengths"),
-    ("components", "mounting_clearance_um"): ("mounting clearance", "mounting clearances"),
-    ("gaps", ""): ("gap (from where to where a land leaks)", "gaps (from where to where lands leak)"),
-    ("circuits", "gears"): ("circuit's gears", "circuits' gears"),
-    ("circuits", "diameter_mm"): ("feed orifice", "feed orifices"),
-    ("circuits", "set_kpa"): ("set pressure", "set pressures"),
-    ("line", "set_kpa"): ("what the line is set to",) * 2,
-    ("leaks", ""): ("leak beside the lands", "leaks beside the lands"),
-    ("consumers", ""): ("consumer", "consumers"),
-    ("repairs", ""): ("repair", "repairs"),
-    ("permissible_pressure", ""): ("permissible pressure", "permissible pressures"),
-}
-
 
 def evidence_counts(controller: Controller) -> dict[str, int]:
     """Count the values by what they are known from; ``not_stated`` are those of which the file says nothing."""
     counts = counted(_values(controller))
     return {evidence or "not_stated": count for evidence, count in counts.items()}
-
-
-def still_to_measure(controller: Controller) -> list[str]:
-    """Say which values are representative, by kind, the most numerous first: a workshop measures or looks these up."""
-    return [_named(kind, count) for kind, count in _open_kinds(controller).most_common()]
 
 
 def evidence_table(controller: Controller, say: Wording) -> Table:
@@ -75,10 +48,3 @@ def _open_kinds(controller: Controller) -> Counter[tuple[str, str]]:
 
 def _values(controller: Controller) -> tuple[KnownValue, ...]:
     return () if controller.entry is None else known_values(controller.entry)
-
-
-def _named(kind: tuple[str, str], count: int) -> str:
-    one, several = _NAMES[kind]
-    if one == several:
-        return one
-    return f"{count} {one if count == 1 else several}"

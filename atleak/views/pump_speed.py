@@ -9,7 +9,7 @@ import numpy as np
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection, project
-from atleak.wording import Wording, wording
+from atleak.wording import Wording
 
 FEWEST = 4  # temperatures that are drawn, where there are two to draw between: choice of this project
 _POINTS = 61  # of the speeds
@@ -50,23 +50,18 @@ class PumpOverSpeed:
         return next(each for each in self.demands if each.of_condition)
 
 
-def pump_over_speed(diagnosis: Diagnosis, projection: Projection, say: Wording | None = None) -> PumpOverSpeed:
+def pump_over_speed(diagnosis: Diagnosis, projection: Projection, say: Wording) -> PumpOverSpeed:
     """Compute the pump's supply over engine speed, and what is taken from it at the temperatures of all conditions.
 
     Gear, required pressure and consumers are those of the condition; leakage and slip follow the temperature. Slip is
     counted with what is taken, so that supply over demand at any speed is the reserve there.
-
-    Parameters
-    ----------
-    say
-        in whose language the conditions are named; English unless given.
 
     Raises
     ------
     DomainError
         temperature outside the fluid's data.
     """
-    condition, model, say = projection.condition, diagnosis.model, say or wording("en")
+    condition, model = projection.condition, diagnosis.model
     demands = []
     for temperature in _temperatures([each.condition.temperature for each in diagnosis.projections]):
         own = temperature == condition.temperature

@@ -11,7 +11,7 @@ from atleak.catalogue.repairs import Repair
 from atleak.repair import Cost, Option, RepairPlan, RepairStep
 from atleak.rules import LandKey
 from atleak.views.condition_record import named, of_land, scaled
-from atleak.wording import Wording, wording
+from atleak.wording import Wording
 from atleak.workshop_units import MM, UM
 
 
@@ -92,9 +92,8 @@ def option_rows(plan: RepairPlan) -> list[OptionRow]:
     ]
 
 
-def planned(row: OptionRow, say: Wording | None = None) -> str:
+def planned(row: OptionRow, say: Wording) -> str:
     """Say one option in a line: what it is, what it leaves, and what it costs."""
-    say = say or wording("en")
     hours = row.option.repair.hours
     said = [
         row.name(say),
@@ -107,9 +106,9 @@ def planned(row: OptionRow, say: Wording | None = None) -> str:
     return ", ".join(filter(None, said))
 
 
-def costs(plan: RepairPlan, say: Wording | None = None) -> Iterator[str]:
+def costs(plan: RepairPlan, say: Wording) -> Iterator[str]:
     """Say what the planned repairs cost together; nothing where the file names none for any step."""
-    cost, say = plan.cost, say or wording("en")
+    cost = plan.cost
     if cost is None:
         return
     nothing = cost.repairs == cost.without_price == cost.without_hours

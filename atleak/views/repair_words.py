@@ -7,25 +7,17 @@ from collections.abc import Iterator
 
 from atleak.repair import Basis, Remainder, RepairPlan, RepairStep
 from atleak.views.repair_options import costs
-from atleak.wording import Wording, wording
+from atleak.wording import Wording
 from atleak.workshop_units import MM2_S
 
 
-def no_help(step: RepairStep, say: Wording | None = None) -> str:
+def no_help(step: RepairStep, say: Wording) -> str:
     """Say why a land that lowers no total is on the list."""
-    say = say or wording("en")
     return say("plan.draws_no_more" if step.leaks else "plan.never_leaks")
 
 
-def plan_ends(plan: RepairPlan, say: Wording | None = None) -> Iterator[str]:
-    """Say where the plan ends: green everywhere, or what remains and what that may be up to.
-
-    Parameters
-    ----------
-    say
-        the words of a language; English unless given.
-    """
-    say = say or wording("en")
+def plan_ends(plan: RepairPlan, say: Wording) -> Iterator[str]:
+    """Say where the plan ends: green everywhere, or what remains and what that may be up to."""
     if not plan.judged:
         yield say("plan.not_judged")
         return

@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-import datetime
-import io
 from collections.abc import Mapping
 from typing import Any
 
@@ -16,9 +14,7 @@ from atleak.controller_sheets.layout import INSTRUCTIONS, LISTS, SHEETS
 from atleak.controller_sheets.units import Units
 from atleak.report.controller_workbook.instructions import write_instructions
 from atleak.report.controller_workbook.sheets import SheetWriter, formats
-from atleak.system.marks import PROPERTY, sealed, unsealed
-
-_CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same description gives the same bytes
+from atleak.report.paging import workbook
 
 
 def write_controller_workbook(data: Mapping[str, Any] | None = None, units: Units | None = None) -> bytes:
@@ -37,17 +33,8 @@ def write_controller_workbook(data: Mapping[str, Any] | None = None, units: Unit
     bytes
         of an .xlsx workbook; the same tables and units give the same bytes. Texts stay texts, never formulas.
     """
-    buffer = io.BytesIO()
-    options = {
-        "in_memory": True,
-        "strings_to_formulas": False,
-        "strings_to_urls": False,
-        "strings_to_numbers": False,
-    }
-    with xlsxwriter.Workbook(buffer, options) as book:
-        title = "Valve body to describe" if data is None else f"Valve body: {data.get('name', '')}"[:200]
-        book.set_properties({"title": title, "created": _CREATED})
-        book.set_custom_property(PROPERTY, unsealed("controller workbook"))
+
+    def write_sheets(book: xlsxwriter.Workbook) -> None:
         styles = formats(book)
         write_instructions(book.add_worksheet(INSTRUCTIONS), styles)
         writer = SheetWriter(book, styles, data, units or Units())
@@ -55,4 +42,6 @@ def write_controller_workbook(data: Mapping[str, Any] | None = None, units: Unit
             write = writer.form if sheet.is_form else writer.table
             write(book.add_worksheet(sheet.name), sheet)
         writer.names(book.add_worksheet(LISTS))
-    return sealed(buffer.getvalue())
+
+    title = "Valve body to describe" if data is None else f"Valve body: {data.get('name', '')}"[:200]
+    return workbook(write_sheets, title, mark="controller workbook")

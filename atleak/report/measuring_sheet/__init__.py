@@ -5,8 +5,6 @@ Its form is that of the source study's Table 1; `atleak.intake.readings.read_rea
 
 from __future__ import annotations
 
-import datetime
-import io
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -56,10 +54,9 @@ from atleak.report.measuring_sheet.rows import (
     rows_of,
     runs,
 )
-from atleak.report.paging import Paging, Tab
+from atleak.report.paging import Paging, Tab, only, put, workbook
 from atleak.report.pressure_sheet import PRESSURES, write_pressures
 from atleak.sentence import Name, Sentence
-from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.unit_systems import Quantity
 from atleak.wording import Wording, wording
 from atleak.workshop_units import MM, UM
@@ -72,7 +69,6 @@ _ANGLES = (0, 45, 90, 135)  # [°] to choose from; another may be typed
 _NUMBER = 5  # characters of a component's number; an id of more is written upright
 _FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
 _MEASURED = (Column.X1, Column.X2, Column.DIAMETER)
-_CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same controller gives the same bytes
 
 
 def write_template(
@@ -144,18 +140,8 @@ def write_readings(
     readings, say = list(readings), wording(language, units)
     empty = not readings and not fields and pressures is None and own_lands == OwnLands()
     rows = rows_of(controller, readings, blank_rows)
-    buffer = io.BytesIO()
-    options = {
-        "in_memory": True,
-        "strings_to_formulas": False,
-        "strings_to_urls": False,
-        "strings_to_numbers": False,
-        "default_format_properties": {"font_name": "Arial", "font_size": 10},  # as wide in every program
-    }
-    with xlsxwriter.Workbook(buffer, options) as book:
-        book.set_properties({"title": _title(controller, say), "created": _CREATED})
-        if empty:
-            book.set_custom_property(PROPERTY, unsealed("measuring sheet"))
+
+    def write(book: xlsxwriter.Workbook) -> None:
         formats = formats_of(book, say)
         sheet = _Sheet(book.add_worksheet(say.sentence(SHEET)), formats, controller, say)
         sheet.head(fields or {})
@@ -168,7 +154,9 @@ def write_readings(
         write_lands(lands, controller, own_lands)
         write_pressures(gauges, controller, pressures)
         write_instructions(instructions, controller, _FAR)
-    return sealed(buffer.getvalue()) if empty else buffer.getvalue()
+
+    font = {"default_format_properties": {"font_name": "Arial", "font_size": 10}}  # as wide in every program
+    return workbook(write, _title(controller, say), mark="measuring sheet" if empty else None, options=font)
 
 
 def _title(controller: Controller, say: Wording) -> str:
@@ -252,10 +240,8 @@ class _Sheet:
             self.sheet.write_number(row, Column.REPEAT, entry.repeat, self.formats["number"])
             self.sheet.write_blank(row, Column.TAKEN_AT, None, self.formats["choice"])
             for column, metres in zip(_MEASURED, _values(entry.reading), strict=True):
-                if metres is None:
-                    self.sheet.write_blank(row, column, None, self.formats["input"])
-                else:
-                    self.sheet.write_number(row, column, self._shown(metres), self.formats["input"])
+                shown = None if metres is None else self._shown(metres)
+                put(self.sheet, row, column, shown, self.formats["input"])
 
     def _part_name(self, entry: Row) -> str:
         return self.say.sentence(PART_NAMES[entry.land.part_name if entry.part == "spool" else "sleeve"])
@@ -265,12 +251,7 @@ class _Sheet:
         form = self.formats[name]
         if last > first:
             self.sheet.merge_range(first, column, last, column, "", form)
-        if value is None:
-            self.sheet.write_blank(first, column, None, form)
-        elif isinstance(value, str) and not (value.isdecimal() and str(int(value)) == value):
-            self.sheet.write_string(first, column, value, form)
-        else:
-            self.sheet.write_number(first, column, float(value), form)
+        put(self.sheet, first, column, value, form)
 
     def _shown(self, metres: float) -> float:
         """Return a length in the unit of the headings, to a tenth of a nanometre: the decimal digits as typed."""
@@ -298,45 +279,21 @@ class _Sheet:
         known = [choice for choice in choices if "," not in choice]
         while len(",".join(known)) > _CHOICES:
             known.pop()
-        told = Sentence("One of the list: {choices}", choices=tuple(known))
-        self.sheet.data_validation(
-            rows[0],
-            column,
-            rows[1],
-            column,
-            {
-                "validate": "list",
-                "source": known,
-                "show_error": not others,
-                "error_title": self.say.sentence(Sentence("Not in the list")),
-                "error_message": self.say.sentence(told)[:_CHOICES],
-            },
-        )
+        told, title = Sentence("One of the list: {choices}", choices=tuple(known)), Sentence("Not in the list")
+        choice = only("list", title, told, self.say, source=known, show_error=not others)
+        self.sheet.data_validation(rows[0], column, rows[1], column, choice)
 
     def set_up(self, rows: int, job: str) -> None:
         """Add what a person needs who fills it in on a screen or on paper."""
         sheet, say, first, last = self.sheet, self.say, HEADER + 1, HEADER + max(rows, 1)
         far = float(say.convert(_FAR, "clearance"))
         sheet.freeze_panes(first, Column.PLANE)
-        sheet.data_validation(
-            first,
-            _MEASURED[0],
-            last,
-            _MEASURED[-1],
-            {
-                "validate": "decimal",
-                "criteria": ">",
-                "value": 0,
-                "error_title": say.sentence(Sentence("Not a dimension")),
-                "error_message": say.sentence(
-                    Sentence(
-                        "A number in the unit of the heading, larger than 0, such as {example}. Leave empty what was "
-                        "not measured.",
-                        example=Quantity(9.939, "length", 3),
-                    )
-                ),
-            },
+        told = Sentence(
+            "A number in the unit of the heading, larger than 0, such as {example}. Leave empty what was not measured.",
+            example=Quantity(9.939, "length", 3),
         )
+        sizes = only("decimal", Sentence("Not a dimension"), told, say, criteria=">", value=0)
+        sheet.data_validation(first, _MEASURED[0], last, _MEASURED[-1], sizes)
         self._choose((first, last), Column.TAKEN_AT, [say.sentence(UNWORN_END)])
         parts = [
             self._part_name(Row(land, part, "", None, 1, None)) for land in self.controller.lands for part in PARTS

@@ -7,13 +7,14 @@ follows from it. Text is always written as text: nothing a user typed becomes a 
 from __future__ import annotations
 
 import datetime as dt
-import io
+from collections.abc import Callable
 
 import xlsxwriter
 
 from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER, find_paper
+from atleak.report.paging import UNDATED, workbook
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.budget_sheet import BUDGET
 from atleak.report.xlsx.circuits_sheet import CIRCUITS
@@ -32,20 +33,11 @@ from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets
 from atleak.report.xlsx.rules_sheet import RULES
 from atleak.report.xlsx.sheets import Sheets
 from atleak.sentence import Sentence
-from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.version import __version__
 from atleak.views.diagnosis_record import FORMAT, head_record
 from atleak.wording import wording
 
-__all__ = ["WORKBOOK_OPTIONS", "write_workbook"]
-
-_UNDATED = dt.datetime(2000, 1, 1)  # of a job without a date: the same job gives the same bytes
-WORKBOOK_OPTIONS = {
-    "in_memory": True,
-    "strings_to_formulas": False,
-    "strings_to_urls": False,
-    "strings_to_numbers": False,
-}
+__all__ = ["report_workbook", "write_workbook"]
 
 
 def write_workbook(
@@ -77,21 +69,19 @@ def write_workbook(
     InputError
         if there is no such paper, language or system of units.
     """
-    job, size, say = job or Job(), find_paper(paper), wording(language, units)
-    target = io.BytesIO()
-    with xlsxwriter.Workbook(target, WORKBOOK_OPTIONS) as workbook:
-        created = dt.datetime.combine(job.date, dt.time()) if job.date else _UNDATED
-        workbook.set_properties(
-            {
-                "title": say.sentence(Sentence("Valve body leakage")),
-                "author": "",
-                "comments": f"atleak {__version__}",
-                "created": created,
-            }
-        )
-        workbook.set_custom_property(PROPERTY, unsealed("report workbook"))
-        _write(Book(workbook, size, say), diagnosis, job)
-    return sealed(target.getvalue())
+    filled, size, say = job or Job(), find_paper(paper), wording(language, units)
+    created = dt.datetime.combine(filled.date, dt.time()) if filled.date else UNDATED
+    return report_workbook(
+        lambda book: _write(Book(book, size, say), diagnosis, filled),
+        say.sentence(Sentence("Valve body leakage")),
+        created,
+    )
+
+
+def report_workbook(write: Callable[[xlsxwriter.Workbook], None], title: str, created: dt.datetime = UNDATED) -> bytes:
+    """Return the bytes of a workbook that reports something, marked as made by this version of atleak."""
+    made_by = {"author": "", "comments": f"atleak {__version__}"}
+    return workbook(write, title, mark="report workbook", created=created, properties=made_by)
 
 
 def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:

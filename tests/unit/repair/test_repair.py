@@ -24,6 +24,9 @@ from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.wording import wording
 
+EN = wording("en")
+
+
 Edited = Callable[..., Path]
 Build = Callable[..., Readings]
 BANDS_OF_SHARE_ALONE = (
@@ -225,12 +228,12 @@ def test_a_land_that_lowers_no_total_says_why_it_is_on_the_list(
     readings = readings_of(reversing, worn(reversing, {("spare", 1): 0.8}))
     (step,) = plan_repairs(diagnose(reversing, hipol, limits, readings=readings)).steps
     assert not step.helps
-    assert no_help(step) == "for its own verdict: no operating point lets it leak"
+    assert no_help(step, EN) == "for its own verdict: no operating point lets it leak"
     # land 5/1 of the study leaks from main into modulated pressure, which ends in the sump elsewhere
     readings = readings_of(four_speed, worn(four_speed, {("5", 1): 0.8}))
     (step,) = plan_repairs(diagnose(four_speed, hipol, limits, readings=readings)).steps
     assert not step.helps
-    assert "it draws no more from the pump" in no_help(step)
+    assert "it draws no more from the pump" in no_help(step, EN)
 
 
 # --- many small leaks
@@ -259,7 +262,7 @@ def test_where_only_the_total_is_past_its_limit_the_fewest_lands_bring_it_back(
         all(sum(column) > need for column, need in zip(zip(*lands, strict=True), excess, strict=True))
         for lands in fewer
     )
-    said = " ".join(plan_ends(plan))
+    said = " ".join(plan_ends(plan, EN))
     assert f"named for the total alone, at the end of the list: {len(plan.steps)}." in said
     assert "green at every condition" in said
 
@@ -285,7 +288,7 @@ def test_a_unit_within_its_limits_needs_nothing(
     readings = readings_of(minimal, worn(minimal, alike(minimal, 0.0)))
     plan = plan_repairs(diagnose(minimal, hipol, limits, readings=readings))
     assert (plan.steps, plan.reached, plan.unmeasured) == ((), True, 0)
-    assert list(plan_ends(plan)) == ["Every total is green as it is."]
+    assert list(plan_ends(plan, EN)) == ["Every total is green as it is."]
 
 
 def test_lands_that_nobody_measured_are_counted_and_never_repaired(
@@ -296,7 +299,7 @@ def test_lands_that_nobody_measured_are_counted_and_never_repaired(
     plan = plan_repairs(diagnose(minimal, hipol, limits, readings=readings))
     assert steps_of(plan) == [("accumulator", 1)]
     assert plan.unmeasured == 4  # three on neither part, one on its spool only
-    assert "Not measured on both parts: 4 lands" in " ".join(plan_ends(plan))
+    assert "Not measured on both parts: 4 lands" in " ".join(plan_ends(plan, EN))
     nothing = plan_repairs(diagnose(minimal, hipol, limits))
     assert (nothing.steps, nothing.unmeasured) == ((), 5)
 
@@ -319,7 +322,7 @@ def test_what_no_land_can_mend_is_said_with_what_else_it_may_be_up_to(
     point = left.total.condition
     delivered = diagnosis.projections[1].pump_capacity / (four_speed.pump.displacement * point.engine_speed)
     assert left.pump_loss == pytest.approx(1.0 - delivered, rel=1e-12, abs=0.0)
-    said = " ".join(plan_ends(plan)).replace("\N{NO-BREAK SPACE}", " ")
+    said = " ".join(plan_ends(plan, EN)).replace("\N{NO-BREAK SPACE}", " ")
     assert "the total stays at 16.4 % (amber)" in said
     assert "not up to the lands but to the limit, the fluid" in said
 
@@ -345,7 +348,7 @@ def test_a_pump_that_delivers_nothing_is_not_up_to_the_lands(
     plan = plan_repairs(diagnosis)
     assert [left.total.condition.name for left in plan.remaining] == ["stated"]
     assert math.isinf(plan.remaining[0].total.share)
-    assert "the pump delivers nothing: that is not up to the lands" in " ".join(plan_ends(plan))
+    assert "the pump delivers nothing: that is not up to the lands" in " ".join(plan_ends(plan, EN))
     assert all(math.isfinite(step.at.saving) for step in plan.steps)
 
 

@@ -34,6 +34,8 @@ from atleak.views.repair_options import option_rows, planned
 from atleak.views.repair_words import plan_ends
 from atleak.wording import begun, wording
 
+EN = wording("en")
+
 Build = Callable[..., Readings]
 PlanOf = Callable[..., tuple[Diagnosis, RepairPlan]]
 PR = "pressure_regulator"
@@ -93,9 +95,9 @@ def test_without_repairs_in_the_file_every_land_is_as_new_and_nothing_is_said(
     assert [option for _, option in chosen(plan)] == [None, None]
     assert plan.cost is None
     assert not option_rows(plan)
-    said = " ".join([*plan_ends(plan), printed(diagnosis, capsys)])
+    said = " ".join([*plan_ends(plan, EN), printed(diagnosis, capsys)])
     assert "each land as new after those before it" in said
-    assert "repair" not in " ".join(plan_ends(plan)).lower()
+    assert "repair" not in " ".join(plan_ends(plan, EN)).lower()
 
 
 def test_the_cheapest_repair_that_leaves_a_land_within_its_limit_is_planned_and_computed_with(
@@ -172,7 +174,7 @@ def test_a_repair_that_leaves_a_land_worn_is_none_however_cheap(
     assert chosen(plan) == [(land.key, "nearly_all")]
     assert not plan.reached
     assert any(
-        said.startswith("Past a limit of their own with the repair that was chosen:") for said in plan_ends(plan)
+        said.startswith("Past a limit of their own with the repair that was chosen:") for said in plan_ends(plan, EN)
     )
 
 
@@ -214,7 +216,7 @@ def test_a_land_that_no_repair_of_the_file_mends_is_as_new_and_said(
     _, plan = plan_of(repair(1, "clean_and_reuse", lands=[1]), worn=(1,))
     assert chosen(plan) == [((PR, 1), None)]
     assert plan.steps[0].options
-    said = " ".join(plan_ends(plan))
+    said = " ".join(plan_ends(plan, EN))
     assert "names no repair that brings them within their limit: 1" in said
     assert plan.cost.without_option == 1
 
@@ -230,7 +232,7 @@ def test_prices_in_two_currencies_are_added_apart_and_never_compared(
     assert sorted(chosen(plan)) == [((PR, 1), "option_1"), ((PR, 2), "option_3")]
     assert plan.cost.prices == {"PLN": 500.0, "EUR": 90.0}
     assert plan.cost.without_hours == 2
-    said = " ".join(plan_ends(plan))
+    said = " ".join(plan_ends(plan, EN))
     assert "Parts 500.00 PLN + 90.00 EUR, work – h. Not in these sums" in said.replace("\u00a0", " ")
 
 
@@ -256,7 +258,7 @@ def test_a_currency_is_one_however_its_code_is_typed(
         own = load_controller(path)
         plan = plan_repairs(diagnose(own, hipol, limits, readings=readings_of(own, worn)))
         assert plan.cost.prices == expected
-        told = [said for said in plan_ends(plan) if "are in USD, PLN, which are not compared" in said]
+        told = [said for said in plan_ends(plan, EN) if "are in USD, PLN, which are not compared" in said]
         assert bool(told) == (typed == "PLN")
 
 
@@ -268,7 +270,9 @@ def test_a_repair_without_a_price_comes_after_those_with_one(
     )
     assert chosen(plan) == [((PR, 1), "option_2")]
     _, unknown = plan_of(repair(1, "sleeve", lands=[1]), worn=(1,))
-    assert "Repairs planned: 1. The valve body's file states neither price nor hours of them." in plan_ends(unknown)
+    assert "Repairs planned: 1. The valve body's file states neither price nor hours of them." in plan_ends(
+        unknown, wording("en")
+    )
 
 
 def test_terminal_record_and_workbook_show_options_price_and_sum(
@@ -311,7 +315,7 @@ def test_terminal_record_and_workbook_show_options_price_and_sum(
     book = openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis)))
     cells = {cell.value for row in book.worksheets[0] for cell in row}
     assert {61.5, "option 1 (MADE-UP-1) (representative)", "planned", "reamer MADE-UP-R"} <= cells
-    assert planned(option_rows(plan)[0]).endswith(f"together on lands {PR}/1, {PR}/2")
+    assert planned(option_rows(plan)[0], EN).endswith(f"together on lands {PR}/1, {PR}/2")
 
 
 @pytest.mark.parametrize("language", ["de", "pl"])

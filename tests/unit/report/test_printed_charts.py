@@ -40,7 +40,7 @@ def test_the_pump_over_speed_says_the_speed_from_which_it_covers_what_is_taken(
     worn_clutch: Diagnosis, language: str
 ) -> None:
     say = wording(language)
-    data = pump_over_speed(worn_clutch, worn_clutch.hot_idle)
+    data = pump_over_speed(worn_clutch, worn_clutch.hot_idle, wording("en"))
     said = words(pump_chart(data, say))
     assert f"{data.demand.crossing * 60.0:.0f} 1/min" in said
     assert "hot idle: 700 1/min" in said
@@ -91,7 +91,7 @@ def test_names_from_a_file_stay_text_in_charts(worn_clutch: Diagnosis, hostile: 
         )
         assert {element.tag for element in shown.iter()} == usual, "no name became an element of the drawing"
     marked = tuple((name, 10.0 + number) for number, name in enumerate(hostile))
-    data = replace(pump_over_speed(worn_clutch, worn_clutch.hot_idle), marked=marked)
+    data = replace(pump_over_speed(worn_clutch, worn_clutch.hot_idle, wording("en")), marked=marked)
     ElementTree.fromstring(pump_chart(data, wording("en")))
 
 

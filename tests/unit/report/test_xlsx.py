@@ -310,7 +310,7 @@ def test_the_summary_holds_the_repairs_their_end_and_the_complaint(worn):
     rows = pd.read_excel(io.BytesIO(content), sheet_name="Summary", header=None, engine="calamine").fillna("")
     cells = [str(cell) for row in rows.to_numpy().tolist() for cell in row if cell != ""]
     plan = plan_repairs(worn)
-    assert all(sentence in cells for sentence in plan_ends(plan))
+    assert all(sentence in cells for sentence in plan_ends(plan, wording("en")))
     assert plan.steps
     for each in plan.steps[-1].conditions:
         shares = rows[rows.isin([f"total after [%], {each.condition.label}"]).any(axis=1)].index

@@ -19,6 +19,8 @@ from atleak.views.complaint import Doubt, explanations, finding, measure_first, 
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.wording import languages, wording
 
+EN = wording("en")
+
 Build = Callable[..., Readings]
 HOT = Complaint("hot", "Slips hot", ("hot_idle",), (), "test")
 
@@ -50,8 +52,10 @@ def test_only_lands_that_are_not_measured_are_to_be_measured_first_those_that_ca
     assert ("accumulator", 1) not in doubts
     assert doubts.pop(("tcc_regulator", 1)) is Doubt.HALF_MEASURED
     assert set(doubts.values()) == {Doubt.NOT_MEASURED}
-    assert "not measured; as new it carries" in next(reason(each) for each in ranked if each.doubt == "not_measured")
-    assert finding(partly).endswith("Measure first:")
+    assert "not measured; as new it carries" in next(
+        reason(each, EN) for each in ranked if each.doubt == "not_measured"
+    )
+    assert finding(partly, EN).endswith("Measure first:")
 
 
 def test_a_complaint_that_names_its_lands_asks_for_those_alone(unmeasured: Diagnosis) -> None:
@@ -75,7 +79,7 @@ def test_of_several_conditions_the_one_counts_in_which_a_land_carries_most(unmea
 def test_of_a_unit_that_is_measured_nothing_is_to_be_measured_first(sample: Diagnosis) -> None:
     found = with_complaint(sample, HOT)
     assert measure_first(found) == ()
-    assert finding(found).endswith("Every land that leaks there is measured.")
+    assert finding(found, EN).endswith("Every land that leaks there is measured.")
 
 
 # --- what explains a complaint
@@ -86,7 +90,7 @@ def test_a_leak_without_effect_on_a_pressure_explains_no_complaint(worn: Diagnos
     found = with_complaint(worn, HOT)
     assert found.flagged
     assert not explanations(found, HOT)
-    said = finding(found)
+    said = finding(found, EN)
     assert "the leaks have no effect on a pressure there" in said
     assert "Next to check: clutch plates" in said
     assert "describes no circuits: only the line is judged" in said
@@ -95,12 +99,12 @@ def test_a_leak_without_effect_on_a_pressure_explains_no_complaint(worn: Diagnos
 
 def test_where_no_pressure_is_solved_no_leak_is_said_to_have_no_effect(sample: Diagnosis) -> None:
     paper = replace(sample, profile=PAPER, complaint=HOT)
-    assert "none is solved" in finding(paper)
-    assert "no effect" not in finding(paper)
+    assert "none is solved" in finding(paper, EN)
+    assert "no effect" not in finding(paper, EN)
 
 
 def test_nothing_is_said_of_a_unit_that_nobody_measured(unmeasured: Diagnosis) -> None:
-    assert finding(with_complaint(unmeasured, HOT)) == "Measure first:"
+    assert finding(with_complaint(unmeasured, HOT), EN) == "Measure first:"
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +125,7 @@ def test_a_complaint_is_linked_to_the_lands_that_take_a_pressure_past_its_limit(
     for each in linked:
         losses = clutch.losses_at(clutch.at(each.rule.condition))[each.held.id]
         assert all(losses[key] > 0.0 for key in each.lands)
-    assert "The leaks can explain it, because of" in finding(found)
+    assert "The leaks can explain it, because of" in finding(found, EN)
     rows = diagnosis_record(found)["complaint"]["explained_by"]
     assert [row["rule"] for row in rows] == [each.rule.id for each in linked]
     others = {land.key for land in clutch.lands} - {key for each in linked for key in each.lands}

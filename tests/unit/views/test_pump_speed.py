@@ -12,11 +12,13 @@ from atleak.engine.projection import project
 from atleak.views.pump_speed import pump_over_speed
 from atleak.wording import wording
 
+EN = wording("en")
+
 
 def test_supply_meets_demand_at_the_crossing_of_every_temperature(worn_clutch: Diagnosis, sample: Diagnosis) -> None:
     for diagnosis in (worn_clutch, sample):
         for projection in diagnosis.projections:
-            data = pump_over_speed(diagnosis, projection)
+            data = pump_over_speed(diagnosis, projection, EN)
             assert np.all(np.diff(data.supply) > 0.0)
             for demand in data.demands:
                 assert np.interp(demand.crossing, data.speeds, data.supply) == pytest.approx(
@@ -27,14 +29,14 @@ def test_supply_meets_demand_at_the_crossing_of_every_temperature(worn_clutch: D
 
 def test_at_the_crossing_the_reserve_is_one(worn_clutch: Diagnosis) -> None:
     for projection in worn_clutch.projections:
-        for demand in pump_over_speed(worn_clutch, projection).demands:
+        for demand in pump_over_speed(worn_clutch, projection, EN).demands:
             at = replace(projection.condition, temperature=demand.temperature, engine_speed=demand.crossing)
             assert project(worn_clutch.model, at).reserve == pytest.approx(1.0, rel=1e-9, abs=0.0)
 
 
 def test_the_conditions_own_demand_is_what_its_reserve_counts(worn_clutch: Diagnosis) -> None:
     for projection in worn_clutch.projections:
-        data = pump_over_speed(worn_clutch, projection)
+        data = pump_over_speed(worn_clutch, projection, EN)
         own = data.demand
         assert own.temperature == projection.condition.temperature
         assert own.crossing == projection.minimum_speed
@@ -44,15 +46,15 @@ def test_the_conditions_own_demand_is_what_its_reserve_counts(worn_clutch: Diagn
 
 
 def test_temperatures_are_those_of_the_conditions_and_a_few_between(worn_clutch: Diagnosis) -> None:
-    temperatures = [each.temperature for each in pump_over_speed(worn_clutch, worn_clutch.projection).demands]
+    temperatures = [each.temperature for each in pump_over_speed(worn_clutch, worn_clutch.projection, EN).demands]
     assert temperatures == [80.0, 87.0, 93.0, 100.0]
     one = replace(worn_clutch, projections=worn_clutch.projections[:1])
-    assert [each.temperature for each in pump_over_speed(one, one.projection).demands] == [100.0]
+    assert [each.temperature for each in pump_over_speed(one, one.projection, EN).demands] == [100.0]
 
 
 def test_idle_is_marked_beside_the_condition(worn_clutch: Diagnosis) -> None:
     (idle, driving), say = worn_clutch.projections, wording("de")
-    assert pump_over_speed(worn_clutch, idle).marked == (("hot idle", 700.0 / 60.0),)
+    assert pump_over_speed(worn_clutch, idle, EN).marked == (("hot idle", 700.0 / 60.0),)
     assert pump_over_speed(worn_clutch, driving, say).marked == (
         (say.condition(driving.condition), 1500.0 / 60.0),
         (say.condition(idle.condition), 700.0 / 60.0),
