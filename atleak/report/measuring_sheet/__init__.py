@@ -42,7 +42,7 @@ from atleak.report.measuring_sheet.head import (
     instruments_for,
     label_of,
 )
-from atleak.report.measuring_sheet.instructions import INSTRUCTIONS, ORDER, write_instructions
+from atleak.report.measuring_sheet.instructions import INSTRUCTIONS, write_instructions
 from atleak.report.measuring_sheet.pictures import ComponentRows, draw_head, draw_spools
 from atleak.report.measuring_sheet.rows import (
     Row,
@@ -179,7 +179,7 @@ class _Sheet:
             id=controller.id,
             unit=say.unit("length"),
         )
-        told_all = f"{say.sentence(told)}\n{say.sentence(ORDER)}"
+        told_all = f"{say.sentence(told)}\n{say('how_to_measure.order')}"
         titles = ((_title(controller, say), "title"), (told_all, "wrap"), (say.name(controller.representative), "note"))
         for row, (text, form) in enumerate(titles):
             sheet.merge_range(row, 0, row, PICTURES - 1, "", formats[form])

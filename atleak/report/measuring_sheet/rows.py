@@ -61,7 +61,7 @@ def of_direction(row: Row) -> tuple[Any, ...]:
 
 
 def rows_of(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> list[Row]:
-    """Return the rows in the order of measuring that the sheet states, `instructions.ORDER`."""
+    """Return the rows in the order of measuring that the sheet states, `how_to_measure.order` of the texts."""
     given: dict[tuple[Any, ...], dict[int, Reading]] = defaultdict(dict)
     directions: dict[tuple[str, Part, str], list[float | None]] = defaultdict(list)
     for reading in readings:

@@ -280,6 +280,7 @@ def test_the_instructions_are_as_high_as_their_texts_are_long(controller, templa
 
 def test_the_instructions_are_there(controller, template):
     text = " ".join(str(cell.value) for row in opened(template)[INSTRUCTIONS].iter_rows() for cell in row if cell.value)
+    text = text.replace("\u00a0", " ")
     for word in ("twice", "20 °C", "lower bound", "0.001", controller.representative):
         assert word in text
 
