@@ -81,73 +81,67 @@ class TerminalConsole(Console):
         raise BrokenPipeError
 
 
+def _print(*parts: str | RenderableType) -> None:
+    """Print texts sign for sign, and whatever else rich can show."""
+    console = TerminalConsole()
+    for part in parts:
+        console.print(Text(part) if isinstance(part, str) else part)
+
+
 def print_diagnosis(diagnosis: Diagnosis) -> None:
     """Print totals, flagged lands with the rule that flagged them, order of repair, and warnings."""
-    console = TerminalConsole()
-    controller, readings = diagnosis.controller, diagnosis.readings
-    fluid = fluid_in_state(diagnosis, wording("en"))
-    console.print(Text(f"{controller.name} · {fluid} · profile {diagnosis.profile.label}"))
-    say = wording("en")
+    _print(*_diagnosis(diagnosis))
+
+
+def _diagnosis(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
+    controller, readings, say = diagnosis.controller, diagnosis.readings, wording("en")
+    yield f"{controller.name} · {fluid_in_state(diagnosis, say)} · profile {diagnosis.profile.label}"
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
     if readings is not None:
         measured += f" in {readings.file}; temperature of measuring: {measuring_temperature(diagnosis, say)}"
-    console.print(Text(say("findings.alone") if diagnosis.without_sheet else measured))
-    for message in readings.messages if readings is not None else ():
-        if message.code in (LENGTHS_MEASURED, REPAIR_FITTED):
-            console.print(Text(message.text))
-    console.print(Text(_verdict(diagnosis), style=look_of(shown_verdict(diagnosis)).style))
-    for line in (*caveats(diagnosis, say), readings_in_doubt(diagnosis, say)):
-        if line is not None:
-            console.print(Text(line))
+    yield say("findings.alone") if diagnosis.without_sheet else measured
+    of_sheet = readings.messages if readings is not None else ()
+    yield from (message.text for message in of_sheet if message.code in (LENGTHS_MEASURED, REPAIR_FITTED))
+    yield Text(_verdict(diagnosis), style=look_of(shown_verdict(diagnosis)).style)
+    yield from filter(None, (*caveats(diagnosis, say), readings_in_doubt(diagnosis, say)))
     said = "; ".join(may_parts(diagnosis, say))
     if said:
-        console.print(Text(f"{begun(said)}."))
-    for line in _complaint(diagnosis):
-        console.print(Text(line))
+        yield f"{begun(said)}."
+    yield from _complaint(diagnosis)
     if not diagnosis.without_sheet:
-        _print_unit(console, diagnosis)
-    for part in _gauges(diagnosis):
-        console.print(part)
+        yield from _unit(diagnosis)
+    yield from _gauges(diagnosis)
     if diagnosis.log is not None:
-        for line in _log(diagnosis, diagnosis.log):
-            console.print(Text(line))
-    for message in diagnosis.messages:
-        if message.level == "warning":
-            console.print(Text(f"! {message.text}"))
+        yield from _log(diagnosis, diagnosis.log)
+    yield from (f"! {message.text}" for message in diagnosis.messages if message.level == "warning")
 
 
-def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
-    """Print what follows from the clearances: totals, flagged lands, order of repair."""
+def _unit(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
+    """Return what follows from the clearances: totals, flagged lands, order of repair."""
+    say = wording("en")
     for number, projection in enumerate(diagnosis.presented, start=1):
-        for line in (*_total(diagnosis, projection, number), *_pressures(diagnosis, projection)):
-            console.print(Text(line))
-    pump = pump_sentence(diagnosis, wording("en"))
-    if pump is not None:
-        console.print(Text(pump))
-    counted = counted_in_speed(diagnosis, wording("en"))
-    console.print(Text(f"At these speeds the pump covers the leakage and its own slip; {counted}."))
+        yield from _total(diagnosis, projection, number)
+        yield from _pressures(diagnosis, projection)
+    yield from filter(None, [pump_sentence(diagnosis, say)])
+    counted = counted_in_speed(diagnosis, say)
+    yield f"At these speeds the pump covers the leakage and its own slip; {counted}."
     if diagnosis.flagged:
-        flagged = pair_table(diagnosis, diagnosis.flagged, wording("en"), at=()).without("decision")
+        flagged = pair_table(diagnosis, diagnosis.flagged, say, at=()).without("decision")
         verdict, _, clearance, *others = flagged.columns
         pair = Column("pair", of=lambda land: _named(diagnosis, land))
         new = Column("mounting", words_of="clearance", of=_when_new)
-        console.print(laid_out(replace(flagged, columns=(verdict, pair, clearance, new, *others))))
+        yield laid_out(replace(flagged, columns=(verdict, pair, clearance, new, *others)))
     else:
-        console.print(Text("No measured land has reached a limit."))
-    for part in _matrix(diagnosis):
-        console.print(part)
-    for line in _repairs(diagnosis):
-        console.print(Text(line))
+        yield "No measured land has reached a limit."
+    yield from _matrix(diagnosis)
+    yield from _repairs(diagnosis)
 
 
 def print_log(record: dict[str, Any]) -> None:
     """Print what was understood of a log, from its record."""
-    console = TerminalConsole()
     form = [record["format"], record["encoding"], record["decimal"] and f"decimal {record['decimal']}"]
-    console.print(Text(f"{record['file']}: {', '.join(str(part) for part in form if part)}"))
     segments = record["segments"]
     left_out = f" ({record['rows_left_out']} line(s) left out)" if record["rows_left_out"] else ""
-    console.print(Text(f"{record['rows']} rows{left_out}, {record['duration_s']:.3f} s in {len(segments)} segment(s)"))
     table = Grid("quantity", "column", "unit", "samples", "lowest", "highest", "Hz")
     for each in table.columns:
         each.no_wrap, each.overflow = each.header not in ("column", "unit"), "fold"  # no number goes on in another line
@@ -158,13 +152,14 @@ def print_log(record: dict[str, Any]) -> None:
         quantity = "\n".join([column["quantity"], *([column["kind"]] if column["kind"] != "unknown" else [])])
         cells = (quantity, column["column"] or column["source"], unit, str(column["samples"]))
         table.add_row(*(Text(cell) for cell in (*cells, *numbers)))
-    console.print(table)
-    if record["unused"]:
-        console.print(Text(f"not used: {', '.join(record['unused'])}"))
-    for question in record["ambiguous"]:
-        console.print(Text(f"? {question['quantity']}: {', '.join(map(str, question['candidates']))}"))
-    for message in record["messages"]:
-        console.print(Text(f"{'!' if message['level'] == 'warning' else '·'} {message['text']}"))
+    _print(
+        f"{record['file']}: {', '.join(str(part) for part in form if part)}",
+        f"{record['rows']} rows{left_out}, {record['duration_s']:.3f} s in {len(segments)} segment(s)",
+        table,
+        *([f"not used: {', '.join(record['unused'])}"] if record["unused"] else []),
+        *(f"? {each['quantity']}: {', '.join(map(str, each['candidates']))}" for each in record["ambiguous"]),
+        *(f"{'!' if each['level'] == 'warning' else '·'} {each['text']}" for each in record["messages"]),
+    )
 
 
 def _in_own_unit(column: dict[str, Any]) -> tuple[str | None, tuple[float | None, float | None]]:
@@ -226,10 +221,8 @@ def laid_out(content: Table) -> Grid:
 
 def print_table(content: Table) -> None:
     """Print a table, and below it what is told of its items."""
-    console = TerminalConsole()
-    console.print(laid_out(content))
-    for line in dict.fromkeys(filter(None, map(content.told, content.rows)) if content.told else ()):
-        console.print(Text(line))
+    told = filter(None, map(content.told, content.rows)) if content.told else ()
+    _print(laid_out(content), *dict.fromkeys(told))
 
 
 def print_sections(sections: Iterable[Section]) -> None:
@@ -260,9 +253,7 @@ def print_gauge_study(study: GaugeStudy, say: Wording) -> None:
     """Print what the variation is made of, the analysis behind it, and what there is to know about it."""
     print_table(component_table(study, say))
     print_table(anova_table(study, say))
-    console = TerminalConsole()
-    for text in (result_sentence(study, say), *study.messages, say("gauge_study.whose")):
-        console.print(Text(say.sentence(text)))
+    _print(*map(say.sentence, (result_sentence(study, say), *study.messages, say("gauge_study.whose"))))
 
 
 def print_records(columns: Sequence[str], rows: Sequence[dict[str, Any]], whole: Sequence[str] = ()) -> None:
@@ -411,14 +402,14 @@ def _when_new(land: LandDiagnosis) -> str:
     return span((end * UM for end in land.state.land.mounting_ends), "clearance", wording("en"))
 
 
-def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
+def _matrix(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
     """Return the flagged lands, or where none is the largest leaks, at every condition by its number."""
     rows = leaking_worst_first(diagnosis, diagnosis.presented)
     shown = [row for row in rows if row.land.verdict.flagged] or rows[:LARGEST]
     if not shown:
         return
     what = "flagged lands" if diagnosis.flagged else "lands that leak most"
-    yield Text(f"Share of the pump's flow [%] of the {what} at the conditions above, by their numbers:")
+    yield f"Share of the pump's flow [%] of the {what} at the conditions above, by their numbers:"
     for first in range(0, len(diagnosis.presented), CONDITIONS_ABREAST):
         table = Grid("pair")
         stretch = slice(first, first + CONDITIONS_ABREAST)
@@ -431,7 +422,7 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     for row in shown:
         if row.elsewhere:
             component, land = row.land.key
-            yield Text(f"{component}/{land} {row.elsewhere}")
+            yield f"{component}/{land} {row.elsewhere}"
 
 
 def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
@@ -460,22 +451,18 @@ def _helps(step: RepairStep) -> str:
     return f"total share at {at.condition.label} {shares} ({at.after.band})"
 
 
-def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
+def _gauges(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
     """Return what gauges showed, reading by reading, and the patterns in it."""
     check = diagnosis.pressures
     if check is None:
         return
-    yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
+    judged = "not judged" if check.verdict is None else signed(check.verdict)
+    yield f"Gauge readings of {check.table.file}, the vehicle standing: {judged}"
     say = wording("en")
     table = gauge_table(check, say).without("lost_between")
     yield laid_out(table if len(table.columns) <= GAUGES_ABREAST else table.without("decision"))
     for pattern in pattern_sentences(check, diagnosis.controller, say):
-        yield Text(f"→ {pattern}")
-
-
-def _judged(verdict: Verdict | None) -> str:
-    """Return a verdict's word with its sign; that nothing was judged where there is none."""
-    return "not judged" if verdict is None else signed(verdict)
+        yield f"→ {pattern}"
 
 
 def _share(cell: LandAtCondition) -> Text:
