@@ -19,20 +19,12 @@ from atleak.workshop_units import KPA, MM, UM
 
 
 @dataclass(frozen=True)
-class Fact:
-    """One fact of a land: what it is, and its value in words."""
-
-    name: str
-    value: str
-
-
-@dataclass(frozen=True)
 class OpenedLand:
     """One land in a reader's words."""
 
     land: LandDiagnosis
     why: tuple[str, ...]  # the verdict: what decided, what is missing, what contradicts itself
-    facts: tuple[Fact, ...]
+    facts: tuple[tuple[str, str], ...]  # what each is, and its value
     shares: Table  # at every condition
     rules: Table  # every limit that judges it
     does: tuple[str, ...]  # from where to where it leaks, and which complaints it can cause
@@ -56,18 +48,17 @@ def components_worst_first(diagnosis: Diagnosis) -> list[str]:
 
 def opened_lands(diagnosis: Diagnosis, component: str, say: Wording) -> tuple[OpenedLand, ...]:
     """Return every land of a component, in its order along the spool."""
-    lands = [land for land in diagnosis.lands if land.key[0] == component]
-    return tuple(_opened(diagnosis, land, say) for land in lands)
-
-
-def _opened(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> OpenedLand:
-    return OpenedLand(
-        land=land,
-        why=_why(land, say),
-        facts=tuple(_facts(land, say)),
-        shares=_shares(diagnosis, land, say),
-        rules=_rules(land, say),
-        does=tuple(_does(diagnosis, land, say)),
+    return tuple(
+        OpenedLand(
+            land,
+            _why(land, say),
+            tuple(_facts(land, say)),
+            _shares(diagnosis, land, say),
+            _rules(land, say),
+            tuple(_does(diagnosis, land, say)),
+        )
+        for land in diagnosis.lands
+        if land.key[0] == component
     )
 
 
@@ -76,14 +67,14 @@ def _why(land: LandDiagnosis, say: Wording) -> tuple[str, ...]:
     return (say("diagnosis.nearest_limit", rule=said[0]), *said[1:]) if land.verdict == Verdict.OK else said
 
 
-def _facts(land: LandDiagnosis, say: Wording) -> Iterator[Fact]:
+def _facts(land: LandDiagnosis, say: Wording) -> Iterator[tuple[str, str]]:
     state = land.state
 
     def micrometres(value: float | None) -> str:
         return "–" if value is None else say.quantity(value * UM, "clearance")
 
-    def fact(name: str, value: str) -> Fact:
-        return Fact(say(f"diagnosis.{name}"), value)
+    def fact(name: str, value: str) -> tuple[str, str]:
+        return say(f"diagnosis.{name}"), value
 
     if not state.measured:
         yield fact("clearance", say("diagnosis.taken_as_new", value=micrometres(state.radial_clearance)))

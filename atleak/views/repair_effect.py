@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Sequence
-from functools import partial
+from collections.abc import Collection, Iterator, Sequence
 
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
@@ -35,17 +34,11 @@ def effect_table(effect: Sequence[RepairedAt], say: Wording) -> Table:
     def reserve(total: Total) -> Judged:
         return judged(RuleKind.RESERVE, total, say.number(total.reserve, 2))
 
-    def before(of: Callable[[Total], Judged], at: RepairedAt) -> Judged:
-        return of(at.before)
-
-    def after(of: Callable[[Total], Judged], at: RepairedAt) -> Judged:
-        return of(at.after)
-
     columns = [Column("condition", of=lambda at: say.condition(at.condition))]
     for name, of in (("share", share), ("line", line), ("reserve", reserve)):
         heading, then = say(f"repair_plan.column_{name}"), say(f"repair_plan.column_{name}_then")
-        columns.append(Column(name, words=heading, of=partial(before, of)))
-        columns.append(Column(f"{name}_then", words=then, of=partial(after, of)))
+        columns.append(Column(name, words=heading, of=lambda at, of=of: of(at.before)))
+        columns.append(Column(f"{name}_then", words=then, of=lambda at, of=of: of(at.after)))
     if any(_worst_circuit(at.after) for at in effect):
         heading = say("repair_plan.column_worst_circuit")
         columns.append(Column("worst_circuit", words=heading, of=lambda at: _circuit(at, say)))

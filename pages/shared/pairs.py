@@ -129,7 +129,7 @@ def _themed(drawing: str) -> str:
 def _land(each: OpenedLand, say: Wording, advice: str) -> str:
     """Return one land; of one that is not flagged numbers and limits are folded."""
     _, number = each.land.key
-    facts = "".join(f"<div><dt>{escape(fact.name)}</dt><dd>{escape(fact.value)}</dd></div>" for fact in each.facts)
+    facts = "".join(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in each.facts)
     said = "".join(f"<li>{escape(line)}</li>" for line in filter(None, (*each.why, advice, *each.does)))
     tables = each.shares.html() + (each.rules.html() if each.rules.rows else "")
     verdict = each.land.verdict

@@ -7,39 +7,33 @@ number of an instrument or of an assumption reaches the combined uncertainty, it
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable
 from functools import partial
+from typing import TYPE_CHECKING
 
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.instruments import Part
-from atleak.diagnosis import Diagnosis
 from atleak.equations.uncertainty import normal_quantile
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.report.xlsx import names
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.instruments_sheet import INFINITE
-from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, EXPANSIONS, Cell, ColumnKey, address, quote, write_cell
+from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, EXPANSIONS, Cell, address, quote, write_cell
 from atleak.report.xlsx.names import of_part
-from atleak.report.xlsx.readings_sheet import PART_NAMES, ReadingCells
-from atleak.rules import LandKey
+from atleak.report.xlsx.readings_sheet import PART_NAMES
 from atleak.sentence import Name, Sentence
 from atleak.uncertainty.budget import MOST_BUDGETS, BudgetLine, combined, effective_degrees, every_line
 from atleak.uncertainty.sources import OF_A_DIAMETER, PARTS, SLOPES, LandSources
-from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
+
+if TYPE_CHECKING:
+    from atleak.report.xlsx.live import LiveSheets
 
 BUDGET = Sentence("Uncertainty budget")
 _SOURCE, _SHAPE, _NU, _U, _UNIT, _C, _CU, _PART = range(8)
 _BESIDE = 9  # column of what the readings of the land give
 _WIDTHS = (34, 20, 8, 12, 9, 17, 16, 14, 3, 52, 12, 12)
-_WHOLE = (
-    Sentence("combined standard uncertainty u(c_r) [µm]"),
-    Sentence("effective degrees of freedom (JCGM 100, G.4.1)"),
-    Sentence("coverage factor k, of a normal distribution"),
-    Sentence("expanded uncertainty U = k · u(c_r) [µm]"),
-)
 _NOTES = (
     Sentence("Which lands stand here, and the order of their sources, are as issued; all numbers follow."),
     Sentence(
@@ -49,28 +43,12 @@ _NOTES = (
 )
 
 
-@dataclass(frozen=True)
-class _Beside:
-    """What the readings of one part of a land give, in a cell of its own."""
-
-    label: Sentence
-    kind: str
-    value: float
-    formula: str | None
-
-
 class BudgetCells:
     """The budgets of one unit."""
 
-    def __init__(
-        self,
-        diagnosis: Diagnosis,
-        readings: ReadingCells,
-        of_land: Callable[[LandKey, ColumnKey], str],
-        say: Wording,
-    ) -> None:
-        self.diagnosis, self.readings, self.of_land, self.say = diagnosis, readings, of_land, say
-        self.flagged = [land for land in diagnosis.flagged if land.uncertainty and land.uncertainty.u_clearance]
+    def __init__(self, live: LiveSheets) -> None:
+        self.diagnosis, self.readings, self.of_land, self.say = live.diagnosis, live.readings, live.of_land, live.say
+        self.flagged = [land for land in self.diagnosis.flagged if land.uncertainty and land.uncertainty.u_clearance]
 
     def write(self, book: Book, sheet: Worksheet) -> None:
         """Write a budget for every flagged land, the worst first."""
@@ -223,13 +201,14 @@ class _Budget:
             book.put(sheet, row, column, name, book.heading)
         below = row
         for column, part in enumerate(measured, start=_BESIDE + 1):
-            for at, (key, each) in enumerate(self._of_part(part).items(), start=row + 1):
-                book.put(sheet, at, _BESIDE, each.label)
-                write_cell(book, sheet, at, column, Cell(each.kind, each.value, each.formula))
+            for at, (key, (label, content)) in enumerate(self._of_part(part).items(), start=row + 1):
+                book.put(sheet, at, _BESIDE, label)
+                write_cell(book, sheet, at, column, content)
                 self._beside[part, key], below = address(at, column), at
         return below
 
-    def _of_part(self, part: Part) -> dict[str, _Beside]:
+    def _of_part(self, part: Part) -> dict[str, tuple[Sentence, Cell]]:
+        """Return what the readings of one part of the land give, each with its words."""
         sources, readings, key = self.sources, self.readings, self.land.key
         plan, places = sources.plans[part], readings.places_of(key, part)
         weight, means = readings.span("weight", places), readings.span("mean", places)
@@ -243,23 +222,19 @@ class _Budget:
         if seen is not None:
             text = readings.span(f"ovality_{part}", places[:1]).partition(":")[0]
         return {
-            "repeats": _Beside(
-                Sentence("variance of its mean per variance of a reading"), "nu", plan.repeat_weight,
-                f"SUMPRODUCT({weight},{weight},{of_one})",
+            "repeats": (
+                Sentence("variance of its mean per variance of a reading"),
+                Cell("nu", plan.repeat_weight, f"SUMPRODUCT({weight},{weight},{of_one})"),
             ),
-            "rounding": _Beside(
-                Sentence("the same of rounding; 1 where its places round alike"), "nu", plan.rounding_weight,
-                f"IF({apart},SUMSQ({weight}),1)",
+            "rounding": (
+                Sentence("the same of rounding; 1 where its places round alike"),
+                Cell("nu", plan.rounding_weight, f"IF({apart},SUMSQ({weight}),1)"),
             ),
-            "ovality": _Beside(Sentence("ovality [µm]"), "um", ovality * UM, text),
-            "taper": _Beside(Sentence("taper [µm]"), "um", taper * UM, readings.taper(key, part)),
-            "lobes": _Beside(
-                Sentence("part of a two-lobe form that its directions leave"), "nu", plan.two_lobe, None
-            ),
-            "residual": _Beside(
-                Sentence("the same of other forms, of two directions 1"), "nu", plan.residual, None
-            ),
-        }  # fmt: skip
+            "ovality": (Sentence("ovality [µm]"), Cell("um", ovality * UM, text)),
+            "taper": (Sentence("taper [µm]"), Cell("um", taper * UM, readings.taper(key, part))),
+            "lobes": (Sentence("part of a two-lobe form that its directions leave"), Cell("nu", plan.two_lobe)),
+            "residual": (Sentence("the same of other forms, of two directions 1"), Cell("nu", plan.residual)),
+        }
 
     def _seen(self, part: Part) -> float | None:
         return self.land.state.spool_ovality if part == "spool" else self.land.state.sleeve_ovality
@@ -281,18 +256,13 @@ class _Budget:
         degrees = f"IF({over_all}>0,{cells[0]}^4/({over_all}),{quote(INFINITE)})" if over else quote(INFINITE)
         known = INFINITE if math.isinf(nu) else nu
         bold = {"bold": True}
-        for at, (label, content) in enumerate(
-            zip(
-                _WHOLE,
-                (
-                    Cell("nu", u * UM, f"SQRT(SUMSQ({contributions}))", bold),
-                    Cell("degrees", known, degrees, {"align": "right"}),
-                    Cell("nu", k, f"NORMSINV((1+{names.COVERAGE})/2)"),
-                    Cell("nu", k * u * UM, f"{cells[2]}*{cells[0]}", bold),
-                ),
-                strict=True,
-            ),
-            start=row,
-        ):
+        squares, factor = f"SQRT(SUMSQ({contributions}))", f"NORMSINV((1+{names.COVERAGE})/2)"
+        whole = {
+            Sentence("combined standard uncertainty u(c_r) [µm]"): ("nu", u * UM, squares, bold),
+            Sentence("effective degrees of freedom (JCGM 100, G.4.1)"): ("degrees", known, degrees, {"align": "right"}),
+            Sentence("coverage factor k, of a normal distribution"): ("nu", k, factor, {}),
+            Sentence("expanded uncertainty U = k · u(c_r) [µm]"): ("nu", k * u * UM, f"{cells[2]}*{cells[0]}", bold),
+        }
+        for at, (label, content) in enumerate(whole.items(), start=row):
             self.book.put(self.sheet, at, 0, label, self.book.bold)
-            write_cell(self.book, self.sheet, at, _CU, content)
+            write_cell(self.book, self.sheet, at, _CU, Cell(*content))

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.circuits import Circuit
-from atleak.diagnosis import Diagnosis
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, Cells, LiveColumn, LiveSheet, SheetCondition
 from atleak.report.xlsx.rules_sheet import RuleCells
@@ -20,6 +19,9 @@ from atleak.sentence import Name, Sentence
 from atleak.views.pressures import HeldPressure, pressures_at
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, KPA
+
+if TYPE_CHECKING:
+    from atleak.report.xlsx.live import LiveSheets
 
 CIRCUITS = Sentence("Circuits")
 _NOTE = Sentence(
@@ -50,14 +52,12 @@ class _Line:
 class CircuitCells:
     """Where the pressures of every circuit stand on their sheet; the sheet is not there without circuits."""
 
-    def __init__(
-        self, diagnosis: Diagnosis, conditions: Sequence[SheetCondition], rules: RuleCells, say: Wording
-    ) -> None:
-        lines = []
-        for at in conditions if diagnosis.controller.circuits else ():
+    def __init__(self, live: LiveSheets) -> None:
+        lines, diagnosis = [], live.diagnosis
+        for at in live.conditions if diagnosis.controller.circuits else ():
             pressures = pressures_at(diagnosis, at.projection)
             lines += [_Line(at, held) for held in (pressures.line, *pressures.circuits)]
-        self.sheet = LiveSheet(say.sentence(CIRCUITS), _columns(rules, say), lines)
+        self.sheet = LiveSheet(live.say.sentence(CIRCUITS), _columns(live.rules, live.say), lines)
 
     def held(self, at: SheetCondition, circuit: Circuit, column: str) -> str:
         """Return the cell of the pressure that a circuit holds at a condition, ``held`` or ``new``."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
 
 from xlsxwriter.worksheet import Worksheet
 
@@ -15,7 +15,6 @@ from atleak.engine.projection import LeakFlow, Projection
 from atleak.report.xlsx import names
 from atleak.report.xlsx.book import Book, cell
 from atleak.report.xlsx.constants import ORDERED_BELOW, fluid_formulas
-from atleak.report.xlsx.gaps_sheet import GapSheets
 from atleak.report.xlsx.live_cells import (
     RANKED,
     Quantity,
@@ -26,7 +25,6 @@ from atleak.report.xlsx.live_cells import (
     share_of,
 )
 from atleak.report.xlsx.names import of_leak, of_relation, of_tips
-from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.sentence import Name, Sentence
 from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import BANDS
@@ -34,6 +32,9 @@ from atleak.views.positions import spools_taken
 from atleak.views.sentences import counted_in_speed, fluid_in_state
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, PERCENT, RPM
+
+if TYPE_CHECKING:
+    from atleak.report.xlsx.live import LiveSheets
 
 CONDITIONS = Sentence("Conditions")
 BAND_ROWS = ("band", "reserve_band")
@@ -59,13 +60,9 @@ _PERMISSIBLE = (
 )
 _SLIP = Sentence("slip coefficient C_s"), Sentence("slip")
 _SLIP_NEW = Sentence("slip coefficient C_s of the same pump new"), Sentence("slip of the same pump new")
-_POSITIONS = {
-    "concentric": (Sentence("leakage with every spool concentric"), Sentence("share with every spool concentric")),
-    "touching": (
-        Sentence("leakage with every spool touching its bore"),
-        Sentence("share with every spool touching its bore"),
-    ),
-}
+_CONCENTRIC = Sentence("leakage with every spool concentric"), Sentence("share with every spool concentric")
+_TOUCHING = Sentence("leakage with every spool touching its bore"), Sentence("share with every spool touching its bore")
+_POSITIONS = {"concentric": _CONCENTRIC, "touching": _TOUCHING}
 
 
 def _pressure(
@@ -89,16 +86,9 @@ def _plain(name: str, label: Sentence, value: Any, formula: str | None, kind: st
 class ConditionsSheet:
     """The sheet of conditions of one diagnosis."""
 
-    def __init__(
-        self,
-        diagnosis: Diagnosis,
-        conditions: Sequence[SheetCondition],
-        gaps: GapSheets,
-        rules: RuleCells,
-        say: Wording,
-    ) -> None:
-        self.diagnosis, self.conditions, self.gaps, self.rules, self.say = diagnosis, conditions, gaps, rules, say
-        self.sheet = say.sentence(CONDITIONS)
+    def __init__(self, live: LiveSheets) -> None:
+        self.diagnosis, self.conditions, self.say = live.diagnosis, live.conditions, live.say
+        self.gaps, self.rules, self.sheet = live.gaps, live.rules, live.say.sentence(CONDITIONS)
 
     def write(self, book: Book, sheet: Worksheet) -> None:
         """Write every quantity of every condition; the gaps use each by its name."""
@@ -117,26 +107,22 @@ class ConditionsSheet:
         for row, each in enumerate(quantities, start=1):
             if each.name in BAND_ROWS:
                 book.colour_words(sheet, (row, 2), (row, 1 + len(self.conditions)), BANDS)
-        notes = [
+        flows = Sentence("{spools}. {lie}", spools=spools_taken(self.diagnosis.profile), lie=AS_SPOOLS_MAY_LIE)
+        gaps = Sentence("The list of gaps is that of the condition's gear: change the gear in atleak, not here.")
+        notes: list[tuple[str, str]] = [
             (Sentence("pressures held"), _SOLVED),
-            (
-                Sentence("flows"),
-                Sentence("{spools}. {lie}", spools=spools_taken(self.diagnosis.profile), lie=AS_SPOOLS_MAY_LIE),
-            ),
+            (Sentence("flows"), flows),
             (Sentence("share"), DEMAND),
             (Sentence("engine speed"), covers(self.diagnosis, self.say)),
             (Sentence("viscosity"), self._viscosity_note()),
-            (
-                Sentence("gaps"),
-                Sentence("The list of gaps is that of the condition's gear: change the gear in atleak, not here."),
-            ),
+            (Sentence("gaps"), gaps),
             (Sentence("fluid"), f"{fluid_in_state(self.diagnosis, self.say)}; {fluid.source}"),
             (Sentence("profile"), self.diagnosis.profile.label),
-            *(
-                (self.say("printed.condition"), f"{at.title}: {self.say.name(at.projection.condition.source)}")
-                for at in self.conditions
-            ),
         ]
+        for at in self.conditions:
+            notes.append(
+                (self.say("printed.condition"), f"{at.title}: {self.say.name(at.projection.condition.source)}")
+            )
         for row, (label, text) in enumerate(notes, start=end + 2):
             book.put(sheet, row, 0, label, book.bold)
             book.put(sheet, row, 1, text)

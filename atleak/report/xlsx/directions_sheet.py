@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from atleak.catalogue.instruments import Part
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import Station
 from atleak.report.xlsx.book import span
-from atleak.report.xlsx.live_cells import EXPANSIONS, ColumnKey, LiveColumn, LiveSheet
-from atleak.report.xlsx.readings_sheet import ReadingCells
+from atleak.report.xlsx.live_cells import EXPANSIONS, LiveColumn, LiveSheet, component_width
 from atleak.rules import LandKey
 from atleak.sentence import Sentence
-from atleak.wording import Wording
 from atleak.workshop_units import MM, UM
+
+if TYPE_CHECKING:
+    from atleak.report.xlsx.live import LiveSheets
 
 DIRECTIONS = Sentence("Directions")
 
@@ -33,19 +34,11 @@ class _Line:
 class DirectionCells:
     """Where the clearance of a land stands in every direction, and the moments over them as formulas.
 
-    Lands whose form nobody can see, because no plane was measured in two directions, are left out. ``of_land`` gives a
-    cell of the sheet of lands.
+    Lands whose form nobody can see, because no plane was measured in two directions, are left out.
     """
 
-    def __init__(
-        self,
-        lands: Sequence[LandDiagnosis],
-        readings: ReadingCells,
-        of_land: Callable[[LandKey, ColumnKey], str],
-        width: int,
-        say: Wording,
-    ) -> None:
-        lines = [line for land in lands for line in _directions(land)]
+    def __init__(self, live: LiveSheets) -> None:
+        lines = [line for land in live.lands for line in _directions(land)]
         self.rows: dict[LandKey, tuple[int, int]] = {}
         for row, line in enumerate(lines, start=1):
             self.rows[line.land.key] = (self.rows.get(line.land.key, (row, row))[0], row)
@@ -53,7 +46,8 @@ class DirectionCells:
         def diameter(part: Part) -> str:
             def formula(line: _Line, _: object) -> str:
                 key = line.land.key
-                return readings.at(key, part, line.station, of_land(key, EXPANSIONS[part])) or of_land(key, part)
+                there = live.readings.at(key, part, line.station, live.of_land(key, EXPANSIONS[part]))
+                return there or live.of_land(key, part)
 
             return formula
 
@@ -65,7 +59,8 @@ class DirectionCells:
         weight = Sentence("weight: directions of a plane alike, planes alike")
         # fmt: off
         columns = (
-            LiveColumn("component", Sentence("component"), value=lambda line: line.land.key[0], width=width),
+            LiveColumn("component", Sentence("component"), value=lambda line: line.land.key[0],
+                       width=component_width(live.diagnosis.controller.components)),
             LiveColumn("land", Sentence("land"), value=lambda line: line.land.key[1], width=14),
             LiveColumn("plane", Sentence("plane"), value=lambda line: line.station.plane, width=14),
             LiveColumn("direction", Sentence("direction [°]"), value=lambda line: line.station.direction, width=14),
@@ -83,7 +78,7 @@ class DirectionCells:
                        "{weight}*{off}^3", width=14),
         )
         # fmt: on
-        self.sheet = LiveSheet(say.sentence(DIRECTIONS), columns, lines)
+        self.sheet = LiveSheet(live.say.sentence(DIRECTIONS), columns, lines)
 
     def moment(self, key: LandKey, power: int) -> str | None:
         """Return the formula of a land's second or third moment [µm², µm³]; None where its form was not seen."""

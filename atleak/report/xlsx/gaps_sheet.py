@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
-from atleak.diagnosis import Diagnosis
 from atleak.report.xlsx.gap_columns import GAP_COLUMNS, SAYS_SPOOLS, SheetGap
-from atleak.report.xlsx.live_cells import ColumnKey, LiveSheet, SheetCondition, component_width, quote
+from atleak.report.xlsx.live_cells import LiveSheet, SheetCondition, component_width, quote
 from atleak.rules import LandKey
 from atleak.sentence import Sentence
 from atleak.views.positions import spools_taken
-from atleak.wording import Wording
+
+if TYPE_CHECKING:
+    from atleak.report.xlsx.live import LiveSheets
 
 
 class GapSheets:
     """Where every gap stands on the sheet of its condition: sorted by land, so that a land's gaps are neighbours."""
 
-    def __init__(
-        self,
-        diagnosis: Diagnosis,
-        conditions: Sequence[SheetCondition],
-        of_land: Callable[[LandKey, ColumnKey], str],
-        say: Wording,
-    ) -> None:
-        self._drawn = quote(say("estimate.yes"))
+    def __init__(self, live: LiveSheets) -> None:
+        diagnosis, self._drawn = live.diagnosis, quote(live.say("estimate.yes"))
         places = {land.key: number for number, land in enumerate(diagnosis.lands)}
         spools = spools_taken(diagnosis.profile)
         columns = [
@@ -36,10 +31,10 @@ class GapSheets:
         ]
         columns[0] = replace(columns[0], width=component_width(diagnosis.controller.components))
         self.at: dict[str, LiveSheet] = {}  # by the condition's prefix
-        for at in conditions:
+        for at in live.conditions:
             pairs = zip(at.projection.gaps, at.new.gaps, strict=True)
             gaps = [
-                SheetGap(leak, new, at, diagnosis.model.law, partial(of_land, leak.gap.key))
+                SheetGap(leak, new, at, diagnosis.model.law, partial(live.of_land, leak.gap.key))
                 for leak, new in sorted(pairs, key=lambda pair: places[pair[0].gap.key])
             ]
             self.at[at.prefix] = LiveSheet(at.sheet, columns, gaps)

@@ -21,7 +21,7 @@ from atleak.report.xlsx.gaps_sheet import GapSheets
 from atleak.report.xlsx.instruments_sheet import InstrumentCells
 from atleak.report.xlsx.land_columns import land_columns
 from atleak.report.xlsx.limit_cells import LimitCells
-from atleak.report.xlsx.live_cells import Cell, ColumnKey, LiveSheet, component_width, sheet_conditions
+from atleak.report.xlsx.live_cells import Cell, ColumnKey, LiveSheet, sheet_conditions
 from atleak.report.xlsx.readings_sheet import ReadingCells
 from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.rules import LandKey
@@ -37,20 +37,19 @@ class LiveSheets:
     def __init__(self, diagnosis: Diagnosis, say: Wording) -> None:
         self.diagnosis, self.say = diagnosis, say
         uncertainty = diagnosis.uncertainty
-        width = component_width(diagnosis.controller.components)
         self.lands = diagnosis.lands
         self.row_of = {land.key: row for row, land in enumerate(self.lands, start=1)}
         self.conditions = sheet_conditions(diagnosis, say)
-        self.readings = ReadingCells(diagnosis, width, say)
-        self.directions = DirectionCells(self.lands, self.readings, self.of_land, width, say)
+        self.readings = ReadingCells(diagnosis, say)
+        self.directions = DirectionCells(self)
         self.constants = ConstantCells(diagnosis)
         self.instruments = InstrumentCells(uncertainty, self.readings, say) if uncertainty else None
-        self.budget = BudgetCells(diagnosis, self.readings, self.of_land, say) if uncertainty else None
-        self.gaps = GapSheets(diagnosis, self.conditions, self.of_land, say)
+        self.budget = BudgetCells(self) if uncertainty else None
+        self.gaps = GapSheets(self)
         self.limits = LimitCells(diagnosis.limits, say)
         self.rules = RuleCells(self)
-        self.circuits = CircuitCells(diagnosis, self.conditions, self.rules, say)
-        self.totals = ConditionsSheet(diagnosis, self.conditions, self.gaps, self.rules, say)
+        self.circuits = CircuitCells(self)
+        self.totals = ConditionsSheet(self)
         self.sheet = LiveSheet(say.sentence(LANDS), land_columns(self), self.lands)
 
     def land_cell(self, land: LandDiagnosis, key: ColumnKey) -> Cell:

@@ -21,7 +21,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import REPEAT_TOLERANCE, Reading, Station, independent_repeats, repeats_that_count
 from atleak.report.xlsx.book import Book, span
-from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, LiveColumn, LiveSheet, address, quote
+from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, LiveColumn, LiveSheet, address, component_width, quote
 from atleak.report.xlsx.names import MEASURED_AT, REFERENCE, REPEATS_APART, of_part
 from atleak.rules import LandKey
 from atleak.sentence import Sentence
@@ -104,7 +104,7 @@ class _Place:
 class ReadingCells:
     """Where every reading stands on its sheet, sorted by land, and what follows from the readings as formulas."""
 
-    def __init__(self, diagnosis: Diagnosis, width: int, say: Wording) -> None:
+    def __init__(self, diagnosis: Diagnosis, say: Wording) -> None:
         self.say = say
         self._yes, self._no = quote(say("estimate.yes")), quote(say("estimate.no"))
         lands = {land.key: number for number, land in enumerate(diagnosis.lands)}
@@ -129,7 +129,7 @@ class ReadingCells:
             self.lines.append((reading, place))
         self._states = {land.key: land for land in diagnosis.lands}
         columns = [LiveColumn(key, heading, width=13) for key, heading in self._headings().items()]
-        columns[0] = replace(columns[0], width=width)
+        columns[0] = replace(columns[0], width=component_width(diagnosis.controller.components))
         self.sheet = LiveSheet(say.sentence(READINGS), columns, self.lines)
         self._column = self.sheet.place
 

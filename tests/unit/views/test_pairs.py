@@ -55,7 +55,7 @@ def test_the_opened_pair_shows_clearance_ovality_shares_and_limits_in_the_reader
     opened = opened_lands(worn, component, say)
     assert [each.land.key for each in opened] == [land.key for land in worn.controller.lands_of(component)]
     first = next(each for each in opened if each.land.verdict.flagged)
-    facts = {fact.name: fact.value for fact in first.facts}
+    facts = dict(first.facts)
     state = first.land.state
     assert facts["Radial clearance, 95 %"].startswith(say.quantity(state.radial_clearance * UM, "clearance"))
     assert facts["Ovality of the bore"] == say.quantity((state.sleeve_ovality or 0.0) * UM, "clearance")
