@@ -106,7 +106,7 @@ def some(names: Sequence[str], most: int) -> Sentence:
     return Sentence("{names}", names=tuple(names))
 
 
-class _Listed:
+class Listed:
     """Several values, written with commas between; ``{values!r}`` quotes them as Python does."""
 
     __slots__ = ("values",)
@@ -128,5 +128,5 @@ def filled(template: str, values: Mapping[str, Any]) -> str:
     """Write a template with its values; without values it stands as it is."""
     if not values:
         return str(template)
-    listed = {name: _Listed(value) if type(value) in (tuple, list) else value for name, value in values.items()}
+    listed = {name: Listed(value) if type(value) in (tuple, list) else value for name, value in values.items()}
     return str(template).format_map(listed)

@@ -16,7 +16,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from atleak.errors import AtleakError, Place, unknown
 from atleak.look import look_of
-from atleak.sentence import Name, Sentence, filled
+from atleak.sentence import Listed, Name, Sentence, filled
 from atleak.unit_systems import Quantity, ShownUnit, unit_system
 from atleak.verdicts import Band, Verdict
 from atleak.workshop_units import PERCENT, RPM
@@ -301,19 +301,10 @@ class _Spoken:
         return written.translate(str.maketrans({",": _NARROW, ".": decimal, "-": "−"}))
 
 
-class _SpokenList:
+class _SpokenList(Listed):
     """Several values as a sentence writes them: semicolons between numbers that have a decimal comma."""
 
-    __slots__ = ("values",)
-
-    def __init__(self, values: tuple[Any, ...] | list[Any], say: Wording) -> None:
-        self.values = type(values)(_Spoken(each, say) for each in values)
-
-    def __repr__(self) -> str:
-        return repr(self.values)
-
-    def __str__(self) -> str:
-        return format(self, "")
+    __slots__ = ()
 
     def __format__(self, specification: str) -> str:
         comma = any(
@@ -324,7 +315,7 @@ class _SpokenList:
 
 def _spoken(value: Any, say: Wording) -> Any:
     if type(value) in (tuple, list):
-        return _SpokenList(value, say)
+        return _SpokenList(type(value)(_Spoken(each, say) for each in value))
     return _Spoken(value, say)
 
 

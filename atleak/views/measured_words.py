@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
-from atleak.gauges.check import PressureCheck
 from atleak.rules import Rule
 from atleak.views.gauge_rows import tap_text
 from atleak.views.road_words import deciding_sentence as of_log
@@ -29,15 +28,11 @@ def measured_sentence(diagnosis: Diagnosis, say: Wording) -> str | None:
 
 def _within(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     if diagnosis.pressures is not None:
-        yield gauges_within(diagnosis.pressures, say)
+        readings = diagnosis.pressures.readings
+        judged = sum(each.verdict is not None for each in readings)
+        yield say(f"gauges.{'within' if judged else 'unjudged'}", judged=judged, count=len(readings))
     if diagnosis.log is not None:
         yield of_log(diagnosis.log, None, say)
-
-
-def gauges_within(check: PressureCheck, say: Wording) -> str:
-    """Say how many gauge readings can be judged, where none of them has reached a limit."""
-    judged = sum(each.verdict is not None for each in check.readings)
-    return say(f"gauges.{'within' if judged else 'unjudged'}", judged=judged, count=len(check.readings))
 
 
 def _of_gauge(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str:

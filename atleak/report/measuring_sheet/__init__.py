@@ -145,7 +145,6 @@ def write_readings(
         formats = formats_of(book, say)
         sheet = _Sheet(book.add_worksheet(say.sentence(SHEET)), formats, controller, say)
         sheet.head(fields or {})
-        sheet.lay_out(rows)
         sheet.body(rows, drawn=blank_rows)
         sheet.set_up(len(rows), (fields or {}).get(JOB, ""))
         lands, gauges, instructions = (
@@ -202,14 +201,11 @@ class _Sheet:
             sheet.set_row(row, height)
         draw_head(sheet, code_text(controller, fields), say)
 
-    def lay_out(self, rows: Sequence[Row]) -> None:
-        """Find where pages begin, so that none cuts a component, or a part or plane of a large one."""
-        self.breaks = self.paging.breaks(blocks_of(rows))
-        for row in range(len(rows)):
-            self.sheet.set_row(HEADER + 1 + row, self.paging.row_height)
-
     def body(self, rows: Sequence[Row], *, drawn: bool) -> None:
         """Write a row for every reading; what several rows share is merged, on each page anew, with its spool drawn."""
+        self.breaks = self.paging.breaks(blocks_of(rows))  # none cuts a component, or a part or plane of a large one
+        for row in range(len(rows)):
+            self.sheet.set_row(HEADER + 1 + row, self.paging.row_height)
         pages = [bisect_right(self.breaks, row) for row in range(len(rows))]
         numbered = list(enumerate(rows, start=HEADER + 1))
         on_pages = {first: (last, entry.land.component) for first, last, entry in runs(numbered, pages, of_component)}

@@ -35,6 +35,7 @@ from atleak.report.xlsx.sheets import Sheets
 from atleak.sentence import Sentence
 from atleak.version import __version__
 from atleak.views.diagnosis_record import FORMAT, head_record
+from atleak.views.log_rows import event_table
 from atleak.wording import wording
 
 __all__ = ["report_workbook", "write_workbook"]
@@ -97,7 +98,11 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     if diagnosis.log is not None:
         road = RoadSheets(book, diagnosis, diagnosis.log)
         road.write(book.sheet(ROAD_TEST))
-        road.write_events(book.sheet(ROAD_EVENTS, frozen=(1, 0)))
+        events = book.sheet(ROAD_EVENTS, frozen=(1, 0))
+        if diagnosis.log.events:
+            book.table(events, 0, event_table(diagnosis.log.events, book.metric))
+        else:
+            book.put(events, 0, 0, book.say("findings.no_events"))
     if not diagnosis.without_sheet:
         live.totals.write(book, book.sheet(CONDITIONS, frozen=(1, 2)))
         live.limits.write(book, book.sheet(LIMITS, frozen=(1, 1)))

@@ -135,19 +135,14 @@ class Book:
             row += 1
         return row
 
-    def records(
-        self, sheet: Worksheet, row: int, records: Sequence[Mapping[Any, Any]], kinds: Mapping[str, str] | None = None
-    ) -> int:
-        """Write a heading row and a row per record, numbers formatted by ``kinds``; return the next free row."""
+    def records(self, sheet: Worksheet, row: int, records: Sequence[Mapping[Any, Any]]) -> int:
+        """Write a heading row and a row per record, all of the same names; return the next free row."""
         if not records:
             return row
-        names = list(dict.fromkeys(name for record in records for name in record))
-        self.headings(sheet, row, names)
+        self.headings(sheet, row, records[0])
         for line, record in enumerate(records, start=row + 1):
-            for column, name in enumerate(names):
-                self.put(
-                    sheet, line, column, record.get(name), self.form((kinds or {}).get(name, "plain"), align="left")
-                )
+            for column, value in enumerate(record.values()):
+                self.put(sheet, line, column, value, self.form(align="left"))
         return row + len(records) + 1
 
     def table(self, sheet: Worksheet, row: int, content: Table, width: int = 13) -> int:

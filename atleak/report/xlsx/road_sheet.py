@@ -13,7 +13,7 @@ from atleak.look import CHART_GRID, PAPER
 from atleak.report.xlsx.book import Book, span
 from atleak.road_findings import RoadFindings
 from atleak.sentence import Name, Sentence
-from atleak.views.log_rows import event_table, place_table
+from atleak.views.log_rows import place_table
 from atleak.views.road_instants import instant_table
 from atleak.views.road_series import road_series
 from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
@@ -44,7 +44,9 @@ class RoadSheets:
         for sentence, leads in self.findings():
             row = self.book.put_text(sheet, row, 0, sentence, self.book.bold if leads else None) + 1
         row += 1
-        row = self._places(sheet, row) + 1
+        if self.log.permitted is not None:
+            row = self.book.table(sheet, row, place_table(self.log.permitted, self.book.metric))
+        row += 1
         if road is not None:
             self._leakage(sheet, row, road)
         sheet.set_column(0, 0, 36)
@@ -59,20 +61,6 @@ class RoadSheets:
         if checks:
             yield say("findings.check_next"), True
         yield from ((check, False) for check in checks)
-
-    def _places(self, sheet: Worksheet, row: int) -> int:
-        """Write main pressure in each gear and state beside what is permitted there."""
-        permitted = self.log.permitted
-        if permitted is None:
-            return row
-        return self.book.table(sheet, row, place_table(permitted, self.book.metric))
-
-    def write_events(self, sheet: Worksheet) -> None:
-        """Write every event of the log, one a row."""
-        if self.log.events:
-            self.book.table(sheet, 0, event_table(self.log.events, self.book.metric))
-        else:
-            self.book.put(sheet, 0, 0, self.book.say("findings.no_events"))
 
     def _leakage(self, sheet: Worksheet, row: int, road: RoadLeakage) -> None:
         book, say = self.book, self.book.say

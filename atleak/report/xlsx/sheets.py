@@ -297,7 +297,7 @@ class Sheets:
         ]
         for number, at in enumerate(live.conditions):
             heading = Sentence("share of pump capacity [%], {condition}", condition=at.label)
-            columns.append(LiveColumn(("share", at.prefix), heading, "share", partial(_share_at, number),
+            columns.append(LiveColumn(("share", at.prefix), heading, "share", lambda row, n=number: row.cells[n].share,
                                       partial(share, at), PERCENT, 16))
             heading = Sentence("verdict of the share, {condition}", condition=at.label)
             columns.append(LiveColumn(("verdict", at.prefix), heading, "plain", partial(verdict, number),
@@ -381,7 +381,3 @@ class Sheets:
         if name in ("grade", "decision") and isinstance(value, str):
             return self.say.get("grades" if name == "grade" else "job_decisions", value)
         return value if value is None or isinstance(value, bool | int | float | str) else str(value)
-
-
-def _share_at(number: int, row: MatrixRow) -> float:
-    return row.cells[number].share
