@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import cast
 
@@ -204,7 +204,8 @@ def check_pressures(
     guard_factor
         k of the guard band of every limit.
     """
-    checker = _Checker(table, model, limits, projections, assumptions, guard_factor)
+    at_hand = {projection.condition: projection for projection in projections}
+    checker = _Checker(table, model, limits, at_hand, assumptions, guard_factor)
     taps, order = taps_of(model.controller), ranges_of(model.controller)
     taken = sorted(
         table.readings,
@@ -226,24 +227,26 @@ def check_pressures(
     return PressureCheck(table, judged, patterns, (*table.messages, *checker.messages(judged)))
 
 
+@dataclass
 class _Checker:
     """Judges the readings of one table."""
 
-    def __init__(
-        self,
-        table: PressureTable,
-        model: LeakageModel,
-        limits: Limits,
-        projections: Sequence[Projection],
-        assumptions: Assumptions,
-        guard_factor: float,
-    ) -> None:
-        self.table, self.model, self.limits = table, model, limits
-        self.controller: Controller = model.controller
-        self.assumptions, self.guard_factor = assumptions, guard_factor
-        self.uncertainty = assumptions.main_pressure
-        self.at_hand = {projection.condition: projection for projection in projections}
-        self.outside: list[DomainError] = []
+    table: PressureTable
+    model: LeakageModel
+    limits: Limits
+    at_hand: dict[OperatingPoint, Projection]
+    assumptions: Assumptions
+    guard_factor: float
+    outside: list[DomainError] = field(default_factory=list)
+
+    @property
+    def controller(self) -> Controller:
+        return self.model.controller
+
+    @property
+    def uncertainty(self) -> float:
+        """Return the gauge's relative standard uncertainty."""
+        return self.assumptions.main_pressure
 
     def checked(self, reading: GaugeReading) -> CheckedReading:
         """Return one reading beside what is permissible and expected, main pressure judged."""

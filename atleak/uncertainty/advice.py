@@ -53,25 +53,15 @@ def remedy(
     land: LandSources,
     rule: RuleDecision,
     per_clearance: float,
-    guard_factor: float,
-    distance: float,
-    measurable: bool = True,
+    allowed: float,
+    measurable: bool,
 ) -> Remedy:
-    """Work out how a conditional decision could be decided.
-
-    Parameters
-    ----------
-    per_clearance
-        change of the rule's value per change of the clearance [1/m]; 1 for the clearance itself.
-    distance
-        by which the value, or a new pair where the limit is not measurable, is apart from the limit.
-    """
+    """Work out how a conditional decision could be decided, as `allowed_variance` says how sure it must be."""
     measured = [part for part in PARTS if part in land.plans]
     first = max(measured, key=land.part_fraction, default=None)
     variance = rule.standard_uncertainty**2
     by_reading = (per_clearance * land.standard_uncertainty) ** 2
     reading_part = min(by_reading / variance, 1.0) if variance > 0.0 and math.isfinite(variance) else 0.0
-    allowed = _allowed_variance(land, rule, per_clearance, guard_factor, distance)
     repeats, parts = _repeats(land, measured, first, allowed)
     return Remedy(
         first=first,
@@ -86,10 +76,18 @@ def remedy(
     )
 
 
-def _allowed_variance(
+def allowed_variance(
     land: LandSources, rule: RuleDecision, per_clearance: float, guard_factor: float, distance: float
 ) -> float:
-    """Return the variance [m²] that the clearance may have for a guard band as wide as the distance; −1 for none."""
+    """Return the variance [m²] that the clearance may have for a guard band as wide as a distance; −1 for none.
+
+    Parameters
+    ----------
+    per_clearance
+        change of the rule's value per change of the clearance [1/m]; 1 for the clearance itself.
+    distance
+        by which the value, or a new pair where the limit is not measurable, is apart from the limit.
+    """
     variance = rule.standard_uncertainty**2
     if not (per_clearance and math.isfinite(variance)):
         return -1.0
@@ -98,12 +96,9 @@ def _allowed_variance(
     return (needed**2 - rest) / per_clearance**2
 
 
-def gauges_that_do(
-    land: LandSources, rule: RuleDecision, per_clearance: float, guard_factor: float, distance: float
-) -> Sentence:
+def gauges_that_do(land: LandSources, allowed: float) -> Sentence:
     """Say which gauges of the catalogue tell the limit from a new pair."""
     measured = [part for part in PARTS if part in land.plans]
-    allowed = _allowed_variance(land, rule, per_clearance, guard_factor, distance)
     choices = _better(land, measured, allowed) if allowed > 0.0 else ()
     if not choices:
         return Sentence("No gauge of the catalogue would do: set a limit of so many µm (at_least_um).")

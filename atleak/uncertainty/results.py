@@ -13,7 +13,7 @@ from atleak.engine.extremes import Instant
 from atleak.errors import Message
 from atleak.rules import Rule, UnitRules
 from atleak.sentence import Sentence
-from atleak.uncertainty.advice import Remedy, advise, gauges_that_do, remedy
+from atleak.uncertainty.advice import Remedy, advise, allowed_variance, gauges_that_do, remedy
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.decision import Decision, RuleDecision
 from atleak.uncertainty.sources import LandSources, RepeatSpread
@@ -128,8 +128,10 @@ class LandUncertainty:
 
     def gauges_that_do(self, rule: RuleDecision) -> Sentence:
         """Say which gauges of the catalogue tell the limit from a new pair."""
-        allowed = self._allowed_wear(rule) or 0.0
-        return gauges_that_do(self.sources, rule, self._per_clearance(rule), self.guard_factor, allowed)
+        return gauges_that_do(self.sources, self._allowed_variance(rule, self._allowed_wear(rule)))
+
+    def _allowed_variance(self, rule: RuleDecision, distance: float | None) -> float:
+        return allowed_variance(self.sources, rule, self._per_clearance(rule), self.guard_factor, distance or 0.0)
 
     def remedy(self, rule: RuleDecision) -> Remedy | None:
         """Return what would decide a conditional rule; None where it is decided already.
@@ -140,7 +142,8 @@ class LandUncertainty:
             return None
         measurable = self.measurable(rule)
         distance = abs(rule.value - rule.limit) if measurable else self._allowed_wear(rule)
-        return remedy(self.sources, rule, self._per_clearance(rule), self.guard_factor, distance or 0.0, measurable)
+        allowed = self._allowed_variance(rule, distance)
+        return remedy(self.sources, rule, self._per_clearance(rule), allowed, measurable)
 
     def advice_on(self, rule: RuleDecision) -> str | None:
         """Say in plain words what would decide a conditional rule; None where it is decided already."""
