@@ -42,7 +42,7 @@ TOLD_AFTER, TOLD_EVERY = 10.0, 60.0  # [s] without any worker
 _NO_ANSWER = 60.0  # [s] without an answer of a scheduler that seems to be there
 _TICK = 0.5  # [s]
 _LOOK = 2.0  # [s] between two looks at which workers there are
-_MOMENT = 0.005  # [s] between two looks at whether a unit is done
+_MOMENT = 0.02  # [s] between two looks at whether a unit is done
 _MEMORY = "worker-restart-memory"  # dask's topic of workers that took more memory than they may
 _TOLD_WITHIN = 1.0  # [s] after such a worker has ended
 
