@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import pyarrow.compute as pc
-
 from atleak.errors import FleetError, Place
 from atleak.fleet.columns import HASH, DataSet
 from atleak.fleet.results import Results
@@ -58,31 +56,28 @@ class KeptUnit:
         return reopened(self.unit["reference"], choices=self.unit["choices"] or "", input_sha256=self.unit[HASH])
 
 
-def kept_unit(results: Results, controller: str, reference: str) -> KeptUnit:
+def kept_unit(results: Results, sha256: str) -> KeptUnit:
     """Read the rows of a unit.
 
     Parameters
     ----------
     results
         open for reading.
-    controller
-        id of its valve body.
-    reference
-        by which it is opened again.
+    sha256
+        the hash of all that its result rests on.
 
     Raises
     ------
     FleetError
         the results hold no such unit; a part of them that is damaged.
     """
-    known = results.table("units", [HASH, "reference"], [controller])
-    found = known.filter(pc.equal(known["reference"], reference))[HASH].to_pylist()
-    if not found:
-        raise FleetError(Sentence("holds no result of this unit any more"), place=Place(file=str(results.folder)))
 
     def rows(data_set: DataSet, columns: Sequence[str] | None = None) -> tuple[Row, ...]:
-        return tuple(results.table(data_set, columns, [controller], found).to_pylist())
+        return tuple(results.table(data_set, columns, hashes={sha256}).to_pylist())
 
+    found = rows("units")
+    if not found:
+        raise FleetError(Sentence("holds no result of this unit any more"), place=Place(file=str(results.folder)))
     ranks = {str(verdict): verdict.rank for verdict in Verdict}
     lands = sorted(rows("lands", _OF_LANDS), key=lambda land: -ranks.get(land["verdict"], 0))
-    return KeptUnit(rows("units")[0], tuple(lands), rows("conditions", _OF_CONDITIONS))
+    return KeptUnit(found[0], tuple(lands), rows("conditions", _OF_CONDITIONS))

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from atleak.errors import FleetError, Message, Place
-from atleak.fleet.columns import ERROR_KINDS, PARTITION
+from atleak.fleet.columns import ERROR_KINDS, HASH, PARTITION
 from atleak.fleet.groups import compared
 from atleak.fleet.lands import Lands, read_lands
 from atleak.fleet.results import Results
@@ -28,7 +28,7 @@ from atleak.version import __version__
 
 _MESSAGES = 5  # of errors of one kind that are told
 _DIAGNOSED_WITH = ("controller_sha256", "limits_sha256", "fluid_sha256", "profile")
-_AS_THEY_ARE = (PARTITION, "reference", "name", "group", "label", "number", "vin", "serial", "decision")
+_AS_THEY_ARE = (HASH, PARTITION, "reference", "name", "group", "label", "number", "vin", "serial", "decision")
 
 
 def summed_up(

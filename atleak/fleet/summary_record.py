@@ -8,6 +8,7 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 from atleak.errors import Message
+from atleak.fleet.columns import HASH
 from atleak.fleet.summed import (
     Difference,
     ErrorKind,
@@ -58,7 +59,9 @@ def _record(value: Any) -> Any:
 
 def _fields(value: Any) -> dict[str, Any]:
     """Return the record of an object: its fields by their names, a land's key by component and land."""
-    own = {each.name: each.name for each in fields(value)} | {name: name for name in _BESIDE.get(type(value), ())}
+    own = {each.name: each.name for each in fields(value) if each.name != HASH} | {
+        name: name for name in _BESIDE.get(type(value), ())
+    }
     made: dict[str, Any] = {}
     for key, name in _KEYS.get(type(value), own).items():
         of_it = getattr(value, name)

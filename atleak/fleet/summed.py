@@ -236,6 +236,7 @@ class GroupComparison:
 class SummedUnit:
     """A unit in the list that leads to its own result: as it was evaluated last."""
 
+    input_sha256: str  # of all that its result rests on; no part of a record
     controller: str  # id of the valve body
     reference: str  # by which `atleak.fleet.sources.reopened` opens it
     name: str

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import streamlit as st
 
-from atleak.errors import AtleakError, FleetError, Place
+from atleak.errors import AtleakError, FleetError
 from atleak.job.judged_anew import judged_otherwise
 from atleak.job.of_sheet import with_sheet
 from atleak.sentence import Sentence
@@ -74,7 +74,6 @@ def follow_address(open_from_book: Callable[[str], bool]) -> None:
 
 
 def _kept(wanted: str) -> tuple[KeptUnit, str]:
-    from atleak.fleet.columns import HASH, PARTITION
     from atleak.fleet.kept_unit import kept_unit
     from atleak.fleet.known import known_folders
     from atleak.fleet.results import Results
@@ -84,11 +83,7 @@ def _kept(wanted: str) -> tuple[KeptUnit, str]:
     if folder is None:
         problem = Sentence("the folder of results that the address names is not known on this computer")
         raise FleetError(problem, expected=Sentence("the folder that 'atleak fleet run' was given for its results"))
-    results = Results.open(folder.path)
-    rows = results.table("units", [HASH, "reference", PARTITION], hashes={sha256}).to_pylist()
-    if not rows:
-        raise FleetError(Sentence("holds no result of this unit any more"), place=Place(file=str(folder.path)))
-    return kept_unit(results, rows[0][PARTITION], rows[0]["reference"]), folder.id
+    return kept_unit(Results.open(folder.path), sha256), folder.id
 
 
 def _without_circuits(record: dict[str, Any]) -> dict[str, Any]:

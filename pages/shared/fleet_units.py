@@ -179,7 +179,7 @@ def opened() -> bool:
 def draw(folder: KnownFolder, unit: SummedUnit, words: FleetWords) -> None:
     """Show what the results hold of a unit, and offer its own job."""
     say = words.say
-    kept = _kept(str(folder.path), reads(folder), unit.controller, unit.reference)
+    kept = _kept(str(folder.path), reads(folder), unit.input_sha256)
     with st.container(border=True):
         st.markdown(f"**{show.plain(unit.name)}** · {show.plain(say.signed(unit.verdict))}{_state(kept, say)}")
         st.button(
@@ -201,8 +201,8 @@ def draw(folder: KnownFolder, unit: SummedUnit, words: FleetWords) -> None:
 
 
 @st.cache_resource(max_entries=8, show_spinner=False)
-def _kept(folder: str, state: str, controller: str, reference: str) -> KeptUnit:
-    return kept_unit(Results.open(folder), controller, reference)
+def _kept(folder: str, state: str, sha256: str) -> KeptUnit:
+    return kept_unit(Results.open(folder), sha256)
 
 
 def _state(kept: KeptUnit, say: Wording) -> str:

@@ -11,7 +11,7 @@ from atleak.fleet.kept_unit import kept_unit
 from atleak.fleet.results import Results
 from atleak.fleet.sources import find_units
 from atleak.fleet.work import evaluate
-from atleak.job.case import Case
+from atleak.job.case import Case, SourceFile
 from atleak.job.file import write_job_file
 from atleak.job.judged_anew import differs
 from atleak.job.record import Job
@@ -41,7 +41,7 @@ def test_a_unit_is_found_among_others_with_its_lands_the_worst_first(tmp_path: P
     units = results.table("units", controllers=[CONTROLLERS[1]]).to_pylist()
     lands = results.table("lands", controllers=[CONTROLLERS[1]]).to_pylist()
     for unit in units[:3]:
-        kept = kept_unit(results, CONTROLLERS[1], unit["reference"])
+        kept = kept_unit(results, unit["input_sha256"])
         mine = [row for row in lands if row["input_sha256"] == unit["input_sha256"]]
         assert kept.unit == unit
         assert {(row["component"], row["land"], row["wear_percent"]) for row in kept.lands} == {
@@ -55,12 +55,12 @@ def test_a_unit_is_found_among_others_with_its_lands_the_worst_first(tmp_path: P
 def test_a_unit_that_the_results_do_not_hold_is_said(tmp_path: Path) -> None:
     results = made_up_results(tmp_path / "fleet", units=4)
     with pytest.raises(FleetError, match="no result of this unit any more"):
-        kept_unit(results, CONTROLLERS[0], "file:/elsewhere.zip")
+        kept_unit(results, "0" * 64)
 
 
 def test_its_own_job_is_opened_and_is_judged_as_its_rows_say(tmp_path: Path) -> None:
     path = job_file(tmp_path / "1.zip")
-    kept = kept_unit(results_of(path, folder=tmp_path / "fleet"), "minimal_example", f"file:{path}")
+    kept = kept_unit(results_of(path, folder=tmp_path / "fleet"), SourceFile.at(path).sha256)
     case, job = kept.opened()
     assert (job.number, type(case)) == ("N1", Case)
     today = diagnosis_record(case.diagnose())
@@ -72,7 +72,7 @@ def test_its_own_job_is_opened_and_is_judged_as_its_rows_say(tmp_path: Path) -> 
 
 def test_a_job_that_has_changed_since_or_is_gone_is_not_opened(tmp_path: Path) -> None:
     path = job_file(tmp_path / "1.zip")
-    kept = kept_unit(results_of(path, folder=tmp_path / "fleet"), "minimal_example", f"file:{path}")
+    kept = kept_unit(results_of(path, folder=tmp_path / "fleet"), SourceFile.at(path).sha256)
     job_file(path, number=2)
     with pytest.raises(InputError, match="other content now"):
         kept.opened()
