@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import partial
 
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
@@ -34,11 +35,14 @@ def effect_table(effect: Sequence[RepairedAt], say: Wording) -> Table:
     def reserve(total: Total) -> Judged:
         return judged(RuleKind.RESERVE, total, say.number(total.reserve, 2))
 
+    def at_end(of: Callable[[Total], Judged], end: str, at: RepairedAt) -> Judged:
+        return of(getattr(at, end))
+
     columns = [Column("condition", of=lambda at: say.condition(at.condition))]
     for name, of in (("share", share), ("line", line), ("reserve", reserve)):
         heading, then = say(f"repair_plan.column_{name}"), say(f"repair_plan.column_{name}_then")
-        columns.append(Column(name, words=heading, of=lambda at, of=of: of(at.before)))
-        columns.append(Column(f"{name}_then", words=then, of=lambda at, of=of: of(at.after)))
+        columns.append(Column(name, words=heading, of=partial(at_end, of, "before")))
+        columns.append(Column(f"{name}_then", words=then, of=partial(at_end, of, "after")))
     if any(_worst_circuit(at.after) for at in effect):
         heading = say("repair_plan.column_worst_circuit")
         columns.append(Column("worst_circuit", words=heading, of=lambda at: _circuit(at, say)))

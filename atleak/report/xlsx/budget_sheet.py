@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from xlsxwriter.worksheet import Worksheet
 
@@ -257,7 +257,7 @@ class _Budget:
         known = INFINITE if math.isinf(nu) else nu
         bold = {"bold": True}
         squares, factor = f"SQRT(SUMSQ({contributions}))", f"NORMSINV((1+{names.COVERAGE})/2)"
-        whole = {
+        whole: dict[Sentence, tuple[str, Any, str, dict[str, Any]]] = {
             Sentence("combined standard uncertainty u(c_r) [µm]"): ("nu", u * UM, squares, bold),
             Sentence("effective degrees of freedom (JCGM 100, G.4.1)"): ("degrees", known, degrees, {"align": "right"}),
             Sentence("coverage factor k, of a normal distribution"): ("nu", k, factor, {}),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,7 @@ from atleak.catalogue.instruments import Part
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import Station
 from atleak.report.xlsx.book import span
-from atleak.report.xlsx.live_cells import EXPANSIONS, LiveColumn, LiveSheet, component_width
+from atleak.report.xlsx.live_cells import EXPANSIONS, Cells, LiveColumn, LiveSheet, component_width
 from atleak.rules import LandKey
 from atleak.sentence import Sentence
 from atleak.workshop_units import MM, UM
@@ -43,15 +44,15 @@ class DirectionCells:
         for row, line in enumerate(lines, start=1):
             self.rows[line.land.key] = (self.rows.get(line.land.key, (row, row))[0], row)
 
-        def diameter(part: Part) -> str:
-            def formula(line: _Line, _: object) -> str:
+        def diameter(part: Part) -> Callable[[_Line, Cells], str]:
+            def formula(line: _Line, _: Cells) -> str:
                 key = line.land.key
                 there = live.readings.at(key, part, line.station, live.of_land(key, EXPANSIONS[part]))
                 return there or live.of_land(key, part)
 
             return formula
 
-        def off(line: _Line, here: dict[str, str]) -> str:
+        def off(line: _Line, here: Cells) -> str:
             rows, place = self.rows[line.land.key], self.sheet.place
             clearances, weights = (span(*rows, place[key]) for key in ("c", "weight"))
             return f"{here['c']}-SUMPRODUCT({clearances},{weights})"

@@ -277,6 +277,9 @@ class Sheets:
         live, say, names = self.live, self.say, self.diagnosis.controller.components
         left = {"align": "left"}
 
+        def share_value(number: int, row: MatrixRow) -> float:
+            return row.cells[number].share
+
         def share(at: SheetCondition, row: MatrixRow, _: Cells) -> str:
             return live.sheet.cell(live.row_of[row.land.key], ("share", at.prefix))
 
@@ -297,7 +300,7 @@ class Sheets:
         ]
         for number, at in enumerate(live.conditions):
             heading = Sentence("share of pump capacity [%], {condition}", condition=at.label)
-            columns.append(LiveColumn(("share", at.prefix), heading, "share", lambda row, n=number: row.cells[n].share,
+            columns.append(LiveColumn(("share", at.prefix), heading, "share", partial(share_value, number),
                                       partial(share, at), PERCENT, 16))
             heading = Sentence("verdict of the share, {condition}", condition=at.label)
             columns.append(LiveColumn(("verdict", at.prefix), heading, "plain", partial(verdict, number),
