@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 from operator import attrgetter
 
 from atleak.catalogue.complaints import LandKey
@@ -249,7 +250,10 @@ def _exchanged(
         )
     ]
     lands = {land.key: land for land in far}
-    like = {land.key: [other.key for other in far if _is_like(by_land[land.key], other)] for land in far}
+    like: dict[LandKey, list[LandKey]] = defaultdict(list)
+    for land, other in product(far, far):
+        if all(abs(each.diameter - other.nominal_of(each.part)) <= _EXCHANGED for each in by_land[land.key]):
+            like[land.key].append(other.key)
     for land in far:
         circle = [lands[key] for key in _circle(land.key, like)]
         if not circle:
@@ -282,10 +286,6 @@ def _circle(start: LandKey, like: Mapping[LandKey, Sequence[LandKey]]) -> list[L
                 reached.add(other)
                 ways.append([*way, other])
     return []
-
-
-def _is_like(readings: Sequence[Reading], land: Land) -> bool:
-    return all(abs(each.diameter - land.nominal_of(each.part)) <= _EXCHANGED for each in readings)
 
 
 def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> Iterator[ReadingsError]:

@@ -18,7 +18,7 @@ from atleak.intake.readings.sizes import Sizes
 from atleak.intake.readings.table import Table
 from atleak.intake.readings.turned import turned
 from atleak.intake.readings.values import Key
-from atleak.intake.readings.words import is_blank, is_repeat_title, letters
+from atleak.intake.readings.words import is_repeat_title, letters
 from atleak.intake.sheets.extent import FAULTS
 from atleak.intake.sheets.sheet import Sheet
 from atleak.phrases import PART_WORDS
@@ -224,12 +224,9 @@ def _incomplete(table: Table, sizes: Sizes) -> ReadingsError:
 
 def _of_size(table: Table, sizes: Sizes) -> list[str]:
     """Return the headings that say nothing known, and under which most numbers are of the size of a diameter."""
-    found = []
-    for index in range(table.sheet.width):
-        cells = [cell for row in table.rows if not is_blank(cell := table.sheet.cell(row, index))]
-        if table.role(index) in (None, "quantity") and table.heading(index) and sizes.fill(cells):
-            found.append(table.heading(index))
-    return found
+    headed = (index for index in range(table.sheet.width) if table.role(index) in (None, "quantity"))
+    found = [table.heading(index) for index in headed if sizes.fill(table.cells(index).values())]
+    return list(filter(None, found))
 
 
 def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsError]:

@@ -138,7 +138,8 @@ def _headings(sheet: Sheet, first: int, last: int) -> list[str]:
             below = [level[column] for level in levels[depth + 1 :]]
             beside = [level[column - 1] for level in levels[depth + 1 :]]
             same_above = all(level[column] == level[column - 1] for level in levels[:depth])
-            if any(below) and any(beside) and same_above and _heads_part(below):
+            # below stand only a part, a place or a repeat, so that what they are of stands over them
+            if any(below) and any(beside) and same_above and all(map(_is_under_another, filter(None, below))):
                 texts[column] = texts[column - 1]
     return [" ".join(dict.fromkeys(text for text in texts if text)) for texts in zip(*levels, strict=True)]
 
@@ -154,11 +155,6 @@ def _is_under_another(text: str) -> bool:
     words = tokens_of(rest)
     of_another = words.any("mean", "sum", "mean_in_heading", "of_specification", "of_reading")
     return of_another or is_explained(spot_of_heading(words)[1])
-
-
-def _heads_part(texts: Sequence[str]) -> bool:
-    """Return whether headings say only a part, a place or a repeat, so that what they are of stands over them."""
-    return all(_is_under_another(text) for text in texts if text)
 
 
 def _numbered(columns: Sequence[Column], headings: Sequence[str]) -> list[Column]:

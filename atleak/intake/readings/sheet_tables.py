@@ -97,7 +97,7 @@ def _by_content(table: Table, sizes: Sizes) -> Table:
     """Return the table without a "result" that is no diameter, and without raw readings beside others."""
     kept = []
     for column in table.columns:
-        if not column.tentative or sizes.fill(_below(table, column.index)):
+        if not column.tentative or sizes.fill(table.cells(column.index).values()):
             kept.append(column)
         elif column.otherwise is not None:
             kept.append(replace(column, role=column.otherwise, tentative=False))
@@ -108,10 +108,6 @@ def _by_content(table: Table, sizes: Sizes) -> Table:
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             kept[at] = replace(column, role="raw")
     return _with_counts(replace(table, columns=tuple(kept)))
-
-
-def _below(table: Table, index: int) -> list[Cell]:
-    return [cell for row in table.rows if not is_blank(cell := table.sheet.cell(row, index))]
 
 
 def _with_counts(table: Table) -> Table:
