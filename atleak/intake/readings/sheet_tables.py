@@ -204,8 +204,8 @@ def _said(table: Table, lines: Sequence[tuple[Sentence, str]], names: Controller
         found = next(((line, said) for line, text in lines if (said := read(text)) is not None), None)
         if wanted and found is not None:
             said_by.append(found[0])
-            said: dict[str, Any] = {name: found[1]}
-            table = replace(table, **said)
+            told: dict[str, Any] = {name: found[1]}
+            table = replace(table, **told)
     return replace(table, said_by=all_of(dict.fromkeys(said_by))) if said_by else table
 
 
