@@ -6,6 +6,7 @@ every other one that lacks the same, and the next is asked for.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -194,33 +195,27 @@ class Search:
                 ({variable: 1.0, place: -1.0, new: 1.0}, 0.0),
             ]
 
-    def _variable(self, move: Move, key: LandKey) -> int:
-        """Return the variable that says that a land is as a repair leaves it."""
-        place = self._place[move.key]
-        return place if move.option is None else self._overridden.get((key, place), place)
-
     @cached_property
-    def _expressions(self) -> Mapping[LandState, tuple[float, dict[int, float]]]:
-        """Return for every state of a land a constant and factors of variables: together 1 where the land is in it."""
-        states: dict[LandState, tuple[float, dict[int, float]]] = {}
-        for key in self.unit.states:
-            states[key, 0] = (1.0, {})
-        for move in self.moves.all:
+    def _variables(self) -> Mapping[LandKey, Mapping[int, int]]:
+        """Return by land and state the variable that says that the land is in it; it is as measured where none does."""
+        variables: dict[LandKey, dict[int, int]] = defaultdict(dict)
+        for place, move in enumerate(self.moves.all):
             for key in move.lands:
-                variable = self._variable(move, key)
-                states[key, self.moves.state_after(move, key)] = (0.0, {variable: 1.0})
-                states[key, 0][1][variable] = -1.0
-        return states
+                own = place if move.option is None else self._overridden.get((key, place), place)
+                variables[key][self.moves.state_after(move, key)] = own
+        return variables
 
     def _add_needed(self, states: Iterable[LandState]) -> None:
         """Add that one land at least is in one of some states."""
-        expressions, least = self._expressions, 1.0
-        factors: dict[int, float] = {}
-        for state in states:
-            constant, variables = expressions[state]
-            least -= constant
-            for variable, factor in variables.items():
-                factors[variable] = factors.get(variable, 0.0) + factor
+        factors: dict[int, float] = defaultdict(float)
+        least = 1.0
+        for key, number in states:
+            if number:
+                factors[self._variables[key][number]] += 1.0
+                continue
+            least -= 1.0
+            for variable in self._variables[key].values():
+                factors[variable] -= 1.0
         self._rows.append((factors or {0: 0.0}, least))
 
     def _add_draw(self, target: Target, chosen: Sequence[Move]) -> None:
