@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.errors import ReadingsError
@@ -14,21 +15,16 @@ from atleak.readings import Readings
 
 
 def read_several(
-    sources: Iterable[tuple[str, str | Path | bytes]],
-    controller: Controller,
-    *,
-    sheet: str | None = None,
-    unit: str | None = None,
-    where: Mapping[str, str] | None = None,
-    fill_down: bool = False,
-    made_for: str | None = None,
+    sources: Iterable[tuple[str, str | Path | bytes]], controller: Controller, **choices: Any
 ) -> list[Readings]:
-    """Return the readings of measuring sheets, in their order; what each choice means: `read_readings`.
+    """Return the readings of measuring sheets, in their order.
 
     Parameters
     ----------
     sources
         name, and path or bytes, of each; a name that comes again is numbered.
+    choices
+        as of `read_readings`: which sheet, unit and rows.
 
     Raises
     ------
@@ -42,21 +38,9 @@ def read_several(
         counted[given] += 1
         name = given if counted[given] == 1 else f"{given} ({counted[given]})"  # of another folder
         try:
-            sheets.append(
-                read_readings(
-                    *(source, controller),
-                    name=name,
-                    sheet=sheet,
-                    unit=unit,
-                    where=where,
-                    fill_down=fill_down,
-                    made_for=made_for,
-                )
-            )
-        except ReadingsRefused as refused:
-            faults.extend(refused.problems)
+            sheets.append(read_readings(source, controller, name=name, **choices))
         except ReadingsError as fault:
-            faults.append(fault)
+            faults += fault.problems if isinstance(fault, ReadingsRefused) else [fault]
     if faults:
         raise together(faults)
     return sheets
