@@ -148,6 +148,11 @@ def _with_place(message: Message) -> str:
     return plain(message.text) + (f" — *{place}*" if place else "")
 
 
+def _heading(title: str) -> str:
+    """Begin a column's title with a capital, unless it begins with a symbol or a unit: q, µm."""
+    return begun(title) if title[1:2].isalpha() and not title.startswith("µ") else title
+
+
 def table(content: Table, *, empty: bool = False, **options: Any) -> Any:
     """Show a table, unless ``empty`` without the columns that no row has a value in.
 
@@ -155,7 +160,7 @@ def table(content: Table, *, empty: bool = False, **options: Any) -> Any:
     of `st.dataframe`; returned is what it returns, such as the rows that are selected.
     """
     content, say = content if empty else content.filled, content.say
-    titled = (replace(column, words=begun(column.title(say))) for column in content.columns)
+    titled = (replace(column, words=_heading(column.title(say))) for column in content.columns)
     content = replace(content, columns=tuple(titled))
     frame = content.frame(rounded=True)
     style, config = frame.style, {}

@@ -28,7 +28,7 @@ def test_study_is_shown_beside_its_printed_tables(page) -> None:
     assert page.title[0].value == "The source study, reproduced"
     assert not page.radio
     table_2, table_3, points = (widget.value for widget in page.dataframe[:3])
-    assert table_2["variant"].tolist() == [f"W{number}" for number in range(1, 9)]
+    assert table_2["Variant"].tolist() == [f"W{number}" for number in range(1, 9)]
     assert " ".join(table_3["q printed [dm³/min]"]) == "2.16 2.81 3.64 8.56 0.021 0.38 1.43 11.23"
     assert table_3["q digits"].tolist() == ["✓"] * 8
     assert table_3["U digits"].tolist() == ["✓", "✓", "≠", "✓", "✓", "≠", "≠", "≠"]
