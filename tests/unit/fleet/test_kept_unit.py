@@ -13,7 +13,7 @@ from atleak.fleet.sources import find_units
 from atleak.fleet.work import evaluate
 from atleak.job.case import Case, SourceFile
 from atleak.job.file import write_job_file
-from atleak.job.judged_anew import differs
+from atleak.job.judged_anew import judged_otherwise
 from atleak.job.record import Job
 from atleak.verdicts import Verdict
 from atleak.views.diagnosis_record import diagnosis_record
@@ -65,9 +65,9 @@ def test_its_own_job_is_opened_and_is_judged_as_its_rows_say(tmp_path: Path) -> 
     assert (job.number, type(case)) == ("N1", Case)
     today = diagnosis_record(case.diagnose())
     without_circuits = {**today, "conditions": [{**each, "circuits": []} for each in today["conditions"]]}
-    assert differs(kept.result, without_circuits) == ()
+    assert judged_otherwise(kept.result, without_circuits, numbers=True) == ()
     worse = {**without_circuits, "verdict": "critical"}
-    assert [str(each.what) for each in differs(kept.result, worse)] == ["the unit"]
+    assert [str(each.what) for each in judged_otherwise(kept.result, worse, numbers=True)] == ["the unit"]
 
 
 def test_a_job_that_has_changed_since_or_is_gone_is_not_opened(tmp_path: Path) -> None:
