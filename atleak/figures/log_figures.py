@@ -18,7 +18,7 @@ from atleak.figures.frame import framed
 from atleak.look import CURVES, SCALE_OF_SHARES, SCALE_OF_TIME, SCREEN, SUSPECT, look_of
 from atleak.road_test import Channel, RoadTest
 from atleak.thinning import thinned
-from atleak.views.log_rows import Scales
+from atleak.views.log_rows import Scales, as_it_is
 from atleak.views.operating_map import Histogram, OperatingMap
 from atleak.views.road_series import RoadSeries, road_series
 from atleak.views.road_words import event_name
@@ -86,7 +86,7 @@ def log_channels(
         _lane(figure, inside, kinds, test, say)
     drawing = _Drawing(figure, test, points, over)
     for row, channel in enumerate(channels, start=1 + lane):
-        unit, convert = scales.get(channel.quantity, (channel.unit, _as_it_is))
+        unit, convert = scales.get(channel.quantity, (channel.unit, as_it_is))
         shown = _Shown(say(f"log_quantities.{channel.quantity}"), unit, convert, row, channel.quantity in _STEPS)
         drawing.channel(channel, shown)
         drawing.doubtful(channel, shown, say("road_test.suspect"))
@@ -102,10 +102,6 @@ def log_channels(
     _mark(figure, test, inside, say)
     figure.update_xaxes(title=f"{say('log_quantities.time')} [s]", row=max(rows, 1))
     return framed(figure, 70 + sum(heights), hovermode="x unified", showlegend=False)
-
-
-def _as_it_is(value: Any) -> Any:
-    return value
 
 
 class _Shown(NamedTuple):

@@ -93,7 +93,7 @@ def log_curves(test: RoadTest, road: RoadLeakage | None, scales: Scales, say: Wo
     curves: list[Curve] = []
     for name in test.channels:
         channel = test.channels[name]
-        unit, convert = scales.get(name, (channel.unit, _as_it_is))
+        unit, convert = scales.get(name, (channel.unit, as_it_is))
         curves.append((named(say(f"log_quantities.{name}")), channel.time, convert(channel.good), unit))
     if road is not None:
         flow = say.unit("flow")
@@ -164,5 +164,6 @@ def whole(count: int | None, say: Wording) -> str:
     return say.number(None if count is None else float(count), 0)
 
 
-def _as_it_is(values: Any) -> Any:
+def as_it_is(values: Any) -> Any:
+    """Return values in the unit that they are in."""
     return values

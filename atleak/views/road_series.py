@@ -32,13 +32,14 @@ def road_series(road: RoadLeakage, points: int) -> RoadSeries:
 
     They are `thinned` by leakage and share; the instants that the result names are among them.
     """
-    keep = _samples(road, points)
+    series, instants = [road.leakage] if road.share is None else [road.leakage, road.share], road_instants(road)
+    keep = thinned(series, points, keep=[row.instant.sample for row in instants])
     named = _columns(road)
     return RoadSeries(
         columns={name: array[keep] * factor for name, _, _, array, factor in named},
         labels={name: (label, unit) for name, label, unit, _, _ in named},
         samples=len(road.time),
-        instants=road_instants(road),
+        instants=instants,
     )
 
 
@@ -69,8 +70,3 @@ def _columns(road: RoadLeakage) -> list[tuple[str, Sentence, str, np.ndarray, fl
         if values is not None:
             columns.append((name, said, unit, values, factor))
     return columns
-
-
-def _samples(road: RoadLeakage, points: int) -> np.ndarray:
-    series = [road.leakage] if road.share is None else [road.leakage, road.share]
-    return thinned(series, points, keep=[row.instant.sample for row in road_instants(road)])

@@ -19,7 +19,7 @@ from atleak.job.case import SourceFile
 from atleak.job.record import LogFormula
 from atleak.keeping import kept_with
 from atleak.road_test import RoadTest, hold
-from atleak.views.log_rows import Curve, event_table, log_curves, value_rows, whole
+from atleak.views.log_rows import Curve, as_it_is, event_table, log_curves, value_rows, whole
 from atleak.views.operating_map import histogram, operating_map
 from atleak.views.road_words import event_name
 from atleak.wording import Wording
@@ -341,7 +341,7 @@ def _map(part: Part, road: RoadLeakage | None, say: Wording) -> None:
 def _histogram(part: Part, name: str, computed: FormulaChannel | None, say: Wording) -> None:
     test = part.test
     if computed is None:
-        unit, convert = channel_scales(test, say).get(name, (test.channels[name].unit, lambda value: value))
+        unit, convert = channel_scales(test, say).get(name, (test.channels[name].unit, as_it_is))
         values, label = test.values(name), say(f"log_quantities.{name}")
     else:
         unit, convert = formula_scale(computed.dimension, say)

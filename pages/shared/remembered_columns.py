@@ -69,10 +69,9 @@ def _choices(entry: RememberedColumns, say: Wording) -> str:
         column = entry.mapping.get(name)
         shown = say("remembered.no_choice") if column is None else column or say("mapping.not_in_log")
         quantity = say.get("log_quantities", name)
-        if unit := entry.units.get(name):
-            parts.append(say("remembered.pair_unit", quantity=quantity, column=shown, unit=unit))
-        else:
-            parts.append(say("remembered.pair", quantity=quantity, column=shown))
+        unit = entry.units.get(name)
+        key = "remembered.pair_unit" if unit else "remembered.pair"
+        parts.append(say(key, quantity=quantity, column=shown, unit=unit))
     return "; ".join(parts) or say("remembered.no_choice")
 
 

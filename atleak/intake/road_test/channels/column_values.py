@@ -108,25 +108,24 @@ def rows_of(
     RoadTestError
         where another header with other columns begins.
     """
-    left, word_for_time = LeftOut.of(frame, table), words_for_time(frame, times, table)
-    if len(word_for_time) >= REMARKS * len(frame):
+    left, word_for_time = LeftOut.of(frame, table), _words_for_time(frame, times, table)
+    if len(word_for_time) >= _REMARKS * len(frame):
         word_for_time = word_for_time[:0]
-    frame, left.lines = without_words(frame, times, channels, table, assigner, word_for_time)
-    attributes, end = frame.attrs, last_filled(frame)
-    if frame.empty or not end:  # the columns are blank throughout, but the rows exist
-        end = len(frame)
-    left.blank = len(frame) - end
-    if left.blank:
-        frame = frame.iloc[:end]
+    frame, left.lines = _without_words(frame, times, channels, table, assigner, word_for_time)
+    if len(frame) and frame.iloc[-1].isna().all():
+        filled = np.flatnonzero(frame.notna().any(axis=1))
+        end = int(filled[-1]) + 1 if len(filled) else len(frame)  # blank throughout, but the rows exist
+        left.blank = len(frame) - end
+        attributes, frame = frame.attrs, frame.iloc[:end]
         frame.attrs = attributes
     left.say(assigner)
     return Rows(frame, left.rows)
 
 
-REMARKS = 0.3  # part of a log's lines that may have a word in place of the time: more are no remarks
+_REMARKS = 0.3  # part of a log's lines that may have a word in place of the time: more are no remarks
 
 
-def without_words(
+def _without_words(
     frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner,
     word_for_time: np.ndarray,
 ) -> tuple[pd.DataFrame, int]:  # fmt: skip
@@ -159,7 +158,7 @@ def without_words(
             text_columns.append(index)
     # only rows without a single number so far need a closer look
     without_number = np.flatnonzero(~has_number)
-    clocks_at = {candidate.heading.index for candidate in times if holds_clocks(table, candidate.heading)}
+    clocks_at = {candidate.heading.index for candidate in times if _holds_clocks(table, candidate.heading)}
     for index in text_columns if len(without_number) else ():
         column = frame[index].iloc[without_number]
         text = column.astype("str").str.strip()
@@ -186,27 +185,19 @@ def without_words(
     return frame, count
 
 
-def last_filled(frame: pd.DataFrame) -> int:
-    """Return the number of rows up to the last one that is not blank."""
-    if frame.empty or not frame.iloc[-1].isna().all():
-        return len(frame)
-    filled = frame.notna().any(axis=1).to_numpy()
-    return len(filled) - int(np.argmax(filled[::-1])) if filled.any() else 0
-
-
-def words_for_time(frame: pd.DataFrame, times: list[Candidate], table: LogTable) -> np.ndarray:
+def _words_for_time(frame: pd.DataFrame, times: list[Candidate], table: LogTable) -> np.ndarray:
     """Return the lines with a word in place of the time: remarks, or a header in the middle of the log."""
-    for candidate in times[:1]:
-        column = frame[candidate.heading.index]
-        # before its version 3 pandas keeps text as objects, too
-        objects = column.dtype == object and pd.api.types.infer_dtype(column) != "string"
-        if column.dtype.kind == "M" or objects or holds_clocks(table, candidate.heading):
-            continue
-        return words_of(frame, candidate.heading.index, table.decimal).index.to_numpy()
-    return np.empty(0, int)
+    if not times:
+        return np.empty(0, int)
+    column = frame[times[0].heading.index]
+    # before its version 3 pandas keeps text as objects, too
+    objects = column.dtype == object and pd.api.types.infer_dtype(column) != "string"
+    if column.dtype.kind == "M" or objects or _holds_clocks(table, times[0].heading):
+        return np.empty(0, int)
+    return words_of(frame, times[0].heading.index, table.decimal).index.to_numpy()
 
 
-def holds_clocks(table: LogTable, heading: Heading) -> bool:
+def _holds_clocks(table: LogTable, heading: Heading) -> bool:
     """Return whether most cells of a column are clock readings."""
     cells = table.sampled(heading.index)
     return sum(is_clock(cell) for cell in cells) > 0.5 * len(cells)

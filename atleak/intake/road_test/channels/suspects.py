@@ -99,7 +99,7 @@ def spikes(series: pd.Series, step: float) -> pd.Series:
     result = np.zeros(len(values), bool)
     if len(values) >= 3:
         change = np.diff(values)
-        big = np.flatnonzero(np.abs(change) > step)
+        big = np.flatnonzero((change > step) | (change < -step))
         leaves, returns = big[:-1], big[1:]
         near = (returns - leaves <= _HELD) & (change[leaves] * change[returns] < 0)
         near &= np.abs(values[returns + 1] - values[leaves]) < 0.25 * np.abs(change[leaves])

@@ -45,7 +45,8 @@ def clock_of(
             return Clock(np.full(len(column), np.nan), "clock", form="date and time")
         seconds = np.round((column - stamps.iloc[0]).dt.total_seconds().to_numpy(), 9)
         return Clock(seconds, "clock", form="date and time", date=stamps.iloc[0].date())
-    if _typed(column):
+    some = column.head(50).dropna().tolist() if column.dtype == object else []
+    if some and isinstance(some[0], dt.datetime | dt.time | dt.timedelta):
         cells = column.tolist()
         # a cell of a time alone is a datetime in the year 1899 or 1900
         first = next((cell.date() for cell in cells if isinstance(cell, dt.datetime) and cell.year > 1900), None)
@@ -108,13 +109,6 @@ def _rounded(seconds: np.ndarray) -> bool:
     return len(seconds) >= 8 and 4 * len(onward) < len(seconds) and not (onward < _COARSE).any()
 
 
-def _typed(column: pd.Series) -> bool:
-    if column.dtype != object:
-        return False
-    first = next((cell for cell in column.head(50) if cell is not None and cell == cell), None)
-    return isinstance(first, dt.datetime | dt.time | dt.timedelta)
-
-
 def best_clock(
     times: list[Candidate], rows: Rows, table: LogTable, assigner: Assigner, motions: Sequence[Motion]
 ) -> tuple[str, Clock]:
@@ -159,24 +153,15 @@ def _best(readable: list[tuple[Candidate, Clock]]) -> tuple[Candidate, Clock]:
     """Return the clock that serves best: what the user names, no counter of rows, no coarse or second clock."""
     if len(readable) == 1:
         return readable[0]
-    stamps = {
-        candidate.heading.index: int(np.count_nonzero(np.diff(clock.seconds[np.isfinite(clock.seconds)]) > 0))
-        for candidate, clock in readable
-    }
-    most = max(stamps.values())
+    rises = [int(np.count_nonzero(np.diff(clock.seconds[np.isfinite(clock.seconds)]) > 0)) for _, clock in readable]
 
-    def worth(pair: tuple[Candidate, Clock]) -> tuple[bool, bool, int, bool, int]:
-        candidate, clock = pair
-        count = stamps[candidate.heading.index]
-        return candidate.mapped, 2 * count >= most, -candidate.tier, not _counts_rows(clock.seconds), count
+    def worth(place: int) -> tuple[bool, bool, int, bool, int]:
+        candidate, clock = readable[place]
+        part = clock.seconds[:10_000]
+        counts_rows = len(part) > 2 and bool((np.diff(part) == 1).all())  # no time, perhaps
+        return candidate.mapped, 2 * rises[place] >= max(rises), -candidate.tier, not counts_rows, rises[place]
 
-    return max(readable, key=worth)
-
-
-def _counts_rows(seconds: np.ndarray) -> bool:
-    """Return whether a clock goes on by exactly one with every row: a number of rows, perhaps, and no time."""
-    part = seconds[:10_000]
-    return len(part) > 2 and bool((np.diff(part) == 1).all())
+    return readable[max(range(len(readable)), key=worth)]
 
 
 def _counted(table: LogTable, assigner: Assigner, rows: Rows) -> Clock:
@@ -268,10 +253,8 @@ def runs(seconds: np.ndarray) -> bool:
 def _compare_clocks(best: tuple[Candidate, Clock], readable: list[tuple[Candidate, Clock]], assigner: Assigner) -> None:
     span = _span(best[1].seconds)
     for candidate, clock in readable:
-        if candidate is best[0]:
-            continue
         other = _span(clock.seconds)
-        if abs(other - span) > max(2.0, 0.02 * span):
+        if candidate is not best[0] and abs(other - span) > max(2.0, 0.02 * span):
             text = Sentence(
                 "the clocks {first!r} and {second!r} disagree ({span:.1f} s and {other:.1f} s): the first is used",
                 first=best[0].label,

@@ -98,7 +98,8 @@ def _units_place(header: Sequence[Row]) -> int | None:
         return None
     share, place = max((units_share(row), index) for index, row in enumerate(header))
     others = [row for index, row in enumerate(header) if index != place]
-    if _names_besides_units(header[place]) and not any(map(known_names, others)):  # groups stand above the names
+    named = any(not is_unit(cell) and match_name(split_unit(cell).text) is not None for cell in header[place] if cell)
+    if named and not any(map(known_names, others)):  # groups stand above the names
         return None
     if share >= 0.5 and (place > 0 or max(map(known_names, others)) >= known_names(header[0])):
         return place
@@ -108,10 +109,6 @@ def _units_place(header: Sequence[Row]) -> int | None:
     clear = [(_clear_units(row), -index) for index, row in enumerate(header) if index > 0]
     count, place = max(clear)
     return -place if count else None
-
-
-def _names_besides_units(row: Row) -> bool:
-    return any(not is_unit(cell) and match_name(split_unit(cell).text) is not None for cell in row if cell)
 
 
 def _clear_units(row: Row) -> int:
