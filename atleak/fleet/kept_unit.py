@@ -36,7 +36,7 @@ class KeptUnit:
 
     @property
     def result(self) -> Row:
-        """Return what the rows say as `atleak.job.judged_anew.differs` takes it; of circuits nothing."""
+        """Return what the rows say as `atleak.job.judged_anew.judged_otherwise` takes it; of circuits nothing."""
         unit = {"decision": self.unit["decision"]}
         return {
             "verdict": self.unit["verdict"],

@@ -67,7 +67,8 @@ def test_its_own_job_is_opened_and_is_judged_as_its_rows_say(tmp_path: Path) -> 
     without_circuits = {**today, "conditions": [{**each, "circuits": []} for each in today["conditions"]]}
     assert judged_otherwise(kept.result, without_circuits, numbers=True) == ()
     worse = {**without_circuits, "verdict": "critical"}
-    assert [str(each.what) for each in judged_otherwise(kept.result, worse, numbers=True)] == ["the unit"]
+    (said,) = judged_otherwise(kept.result, worse, numbers=True)
+    assert str(said).startswith("the unit")
 
 
 def test_a_job_that_has_changed_since_or_is_gone_is_not_opened(tmp_path: Path) -> None:
