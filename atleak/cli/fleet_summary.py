@@ -33,7 +33,7 @@ def add_summary(group: Any) -> None:
         "--by", metavar="HEADING", help="compare the groups of units by a column of their table, or by `group`"
     )
     parser.add_argument("--controller", metavar="ID", help="the units of this valve body alone")
-    parser.add_argument("--list", metavar="N", type=_count, help="list so many of the worst units")
+    parser.add_argument("--list", metavar="N", type=_units_count, help="list so many of the worst units")
     parser.add_argument("--errors", action="store_true", help="list instead every unit without a result, and why")
     parser.add_argument("--pdf", metavar="FILE.pdf", help="the summary on a few pages, with charts")
     parser.add_argument("--xlsx", metavar="FILE.xlsx", help="everything of the summary as a workbook, with charts")
@@ -47,7 +47,7 @@ def add_summary(group: Any) -> None:
     add_force(parser)
 
 
-def _count(text: str) -> int:
+def _units_count(text: str) -> int:
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f"{text!r} is no number of units")
     return int(text)

@@ -14,7 +14,7 @@ from atleak.rules import LandKey
 from atleak.verdicts import VERDICTS, Verdict
 
 _CLEARANCES = ("mounting_clearance_low_um", "radial_clearance_um", "mounting_clearance_um")
-_COLUMNS = (HASH, "component", "land", "measured", "seal", "fitted_repair", "wear_percent", "verdict", *_CLEARANCES)
+_OF_LANDS = (HASH, "component", "land", "measured", "seal", "fitted_repair", "wear_percent", "verdict", *_CLEARANCES)
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Lands:
 
 def read_lands(results: Results, controller: str, visits: Visits) -> Lands:
     """Read the lands of one valve body."""
-    frame = results.table("lands", _COLUMNS, [controller])
+    frame = results.table("lands", _OF_LANDS, [controller])
     frame = frame.to_pandas().assign(visit=visits.places(frame[HASH]))
     frame = frame[frame["visit"] >= 0]
     low, clearance, high = (frame[name] for name in _CLEARANCES)

@@ -35,7 +35,7 @@ _FROZEN = {"pairs": 3, "wear": 3, "latest": 3, "temperatures": 3, "rates_compare
            "deciders": 2, "conditions": 2}  # fmt: skip  # columns that stay in sight
 _NUMBER, _LEAST, _MOST, _WIDEST = 12, 10, 48, 90  # [characters] of columns: numbers, words, long texts that wrap
 _LONG, _BARS = "message", "pair_replace.percent"  # columns of long texts, and of bars behind their numbers
-_ACROSS = 240  # characters that a page has room for side by side, at six tenths of their size
+_ON_A_PAGE = 240  # characters that a page has room for side by side, at six tenths of their size
 _SIDE = 0.4  # [in] margins
 _HIGHEST = 409.0  # [pt] that Excel allows
 
@@ -112,7 +112,7 @@ class _Writer:
         sheet = book.sheet(made.title, frozen=(1, frozen), protected=False)
         sheet.set_row(0, row_height(zip(made.headings, widths, strict=True), bold=True, line=LINE_OF_A_BOOK))
         sheet.repeat_columns(0, frozen - 1)
-        across = max(_ACROSS - sum(widths[:frozen]), 1)  # on so many pages beside one another words stay legible
+        across = max(_ON_A_PAGE - sum(widths[:frozen]), 1)  # on so many pages beside one another words stay legible
         sheet.fit_to_pages(max(math.ceil(sum(widths[frozen:]) / across), 1), 0)
         sheet.set_margins(left=_SIDE, right=_SIDE)
         for number, (column, heading, values) in enumerate(zip(made.columns, made.headings, cells, strict=True)):
