@@ -123,7 +123,9 @@ class Column:
 
     def cell(self, item: Any, say: Wording, *, rounded: bool = False) -> Any:
         """Return the value of an item's cell in the reader's unit; ``rounded`` as exact as it is shown."""
-        value = self.judged(item).value
+        return self._shown(self.judged(item).value, say, rounded=rounded)
+
+    def _shown(self, value: Any, say: Wording, *, rounded: bool) -> Any:
         if isinstance(value, bool):
             return say(f"answers.{'yes' if value else 'no'}")
         if value is None or not self.is_number or isinstance(value, str):
@@ -137,7 +139,11 @@ class Column:
 
     def text(self, item: Any, say: Wording) -> str:
         """Return an item's cell as words: numbers as the reader writes them, verdicts signed, a dash for nothing."""
-        value = self.cell(item, say, rounded=True)
+        return self.said(self.judged(item).value, say)
+
+    def said(self, judged: Any, say: Wording) -> str:
+        """Return the value of a cell, in the unit of atleak's records, as words."""
+        value = self._shown(judged, say, rounded=True)
         if value is None:
             return "–"
         if isinstance(value, Verdict | Band):

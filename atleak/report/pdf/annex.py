@@ -6,7 +6,7 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 from atleak.catalogue.limits import RuleKind
@@ -45,7 +45,7 @@ class _Row:
 class Annex(Part):
     """The parts of a report by which somebody else can judge its measurements."""
 
-    @property
+    @cached_property
     def _numbered(self) -> bool:
         """Tell whether every component has a number, so that lands are named in a few signs."""
         return all(has_number(self.diagnosis.controller, land.key[0]) for land in self.diagnosis.lands)

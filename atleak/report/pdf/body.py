@@ -43,7 +43,7 @@ from atleak.sentence import Sentence
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.charts import LayerOf, RowChart, layers_of
-from atleak.views.diagnosis_record import diagnosis_record
+from atleak.views.diagnosis_record import head_record
 from atleak.views.drawing import controller_svg, shortened
 from atleak.views.land_names import component_words
 from atleak.views.road_series import RoadSeries
@@ -442,11 +442,20 @@ class Body(Part):
         )
         yield text(say("annex.whole"), small=True)
         yield text(say("texts.made_with", version=__version__, profile=profile, language=say.texts["language"]))
-        record = diagnosis_record(self.diagnosis)
-        used = ("readings", "road_test", "pressure_table", "controller", "fluid", "limits")
+        diagnosis, record = self.diagnosis, head_record(self.diagnosis)
+        tables = (diagnosis.log and diagnosis.log.road_test, diagnosis.pressures and diagnosis.pressures.table)
+        files = {
+            "readings": record["readings"],
+            **{
+                name: {"file": table.file, "sha256": table.sha256}
+                for name, table in zip(("road_test", "pressure_table"), tables, strict=True)
+                if table is not None
+            },
+            **{name: record[name] for name in ("controller", "fluid", "limits")},
+        }
         yield listed(
             say,
-            [(name, record[name]) for name in used if record[name] and record[name].get("sha256")],
+            [(name, file) for name, file in files.items() if file.get("sha256")],
             Column("", words="", width=100, of=lambda each: say(f"facts.{each[0]}")),
             Column("file", width=150, of=lambda each: each[1].get("file") or each[1].get("id")),
             Column("", words="SHA-256", width=400, of=lambda each: each[1]["sha256"]),

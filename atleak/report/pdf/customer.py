@@ -16,7 +16,7 @@ from atleak.engine.line import LINE
 from atleak.job.doubts import needless_work
 from atleak.job.estimate import Line
 from atleak.repair import Total
-from atleak.report.pdf.blocks import Block, joined, listed, printed, signatures
+from atleak.report.pdf.blocks import Block, joined, listed, signatures
 from atleak.report.pdf.printed_names import Part, PrintedNames
 from atleak.verdicts import VERDICTS, Band, Verdict
 from atleak.views.complaint import explanations, most_lost
@@ -309,11 +309,12 @@ class CustomerPage(Part):
             Column("customer.felt", width=300, of=self._felt),
             Column("customer.alone", width=350, of=self._alone),
         )
+        columns = Table("", columns, self.valves, say).filled.columns
         shortened_to = [self.valves[: each.valves] for each in LENGTHS]
         note = say("customer.alone_means") if any(each.helped for each in self.valves) else ""
         return {
             "title": say("customer.valves"),
-            "tables": [printed(Table("", columns, each, say).filled) for each in shortened_to],
+            "tables": [listed(say, each, *columns) for each in shortened_to],
             "notes": [joined((self._more(len(self.valves) - len(each)), note), " ") for each in shortened_to],
         }
 
