@@ -232,6 +232,7 @@ def _unit_formula(measure: Measure) -> str:
 def _offer(page: Worksheet, first: int, last: int, column: int, declared: Column) -> None:
     """Add the drop-down of a column; where other names are possible too, it only advises."""
     kind = declared.kind
+    offer: dict[str, Any]
     if isinstance(kind, Choice):
         offer = {"source": list(kind.shown)}
     elif isinstance(kind, YesNo):
