@@ -11,6 +11,7 @@ from atleak.catalogue.repairs import Repair
 from atleak.repair import Cost, Option, RepairPlan, RepairStep
 from atleak.rules import LandKey
 from atleak.views.condition_record import named, of_land, scaled
+from atleak.views.table import span
 from atleak.wording import Wording
 from atleak.workshop_units import MM, UM
 
@@ -43,9 +44,16 @@ class OptionRow:
         label = repair_name(self.option.repair, say)
         return f"{label} ({say('plan.representative')})" if self.representative else label
 
+    @property
+    def left(self) -> list[float]:
+        """Return the radial clearance that it leaves of the step's land [µm], or the ends of a range."""
+        state = self.option.states[self.step.land.key]
+        ends = (state.radial_clearance,) if self.option.repair.keeps_clearance else state.land.mounting_ends
+        return [end * UM for end in ends]
+
     def leaves(self, say: Wording) -> str:
-        """Return the radial clearance that it leaves of the step's land [µm]."""
-        return leaves(self.option, self.step.land.key, say)
+        """Return what it leaves in the reader's unit, without it: a number, or the ends of a range."""
+        return span(self.left, "clearance", say)
 
     def price(self, say: Wording) -> str:
         """Return the price with its currency; a dash where the file states none."""
@@ -71,18 +79,6 @@ def repair_name(repair: Repair, say: Wording) -> str:
     return f"{name} ({repair.part_number})" if repair.part_number else name
 
 
-def leaves(option: Option, key: LandKey, say: Wording) -> str:
-    """Return the radial clearance that an option leaves of a land [µm]: a number, or the ends of a range."""
-    return "–".join(say.value(end, "clearance", 1) for end in _left(option, key))
-
-
-def _left(option: Option, key: LandKey) -> list[float]:
-    """Return the radial clearance that an option leaves of a land [µm], or the ends of a range."""
-    state = option.states[key]
-    ends = (state.radial_clearance,) if option.repair.keeps_clearance else state.land.mounting_ends
-    return [end * UM for end in ends]
-
-
 def option_rows(plan: RepairPlan) -> list[OptionRow]:
     """Return every option of every step of a plan, those of the file's order, the planned one first."""
     return [
@@ -97,7 +93,7 @@ def planned(row: OptionRow, say: Wording) -> str:
     hours = row.option.repair.hours
     said = [
         row.name(say),
-        say("plan.leaves", clearance=say.span(_left(row.option, row.step.land.key), "clearance", 1)),
+        say("plan.leaves", clearance=say.span(row.left, "clearance", 1)),
         "" if row.option.repair.price is None else row.price(say),
         "" if hours is None else say("plan.hours", hours=row.hours(say)),
         row.option.repair.tool or "",
