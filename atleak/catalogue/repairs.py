@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, model_validator
@@ -28,6 +29,13 @@ from atleak.faults import NotAccepted
 from atleak.sentence import Name, Sentence
 
 RepairKind = Literal["clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "other"]
+
+
+class Goal(StrEnum):
+    """What a choice of repairs is to reach."""
+
+    EVERY_LIMIT = "every_limit"  # every flagged land repaired, totals and pressures green at every condition
+    GREEN = "green"  # totals and pressures green at every condition: of the flagged lands those that are worth it
 
 
 def currency_code(text: str) -> str:

@@ -5,9 +5,5 @@
 
 from atleak.channel_formulas.evaluation import NAMES, FormulaChannel, evaluate, formula_channel
 from atleak.channel_formulas.parsing import FUNCTIONS, parse
-from atleak.channel_formulas.scales import channel_scales, formula_scale
 
-__all__ = [
-    "FUNCTIONS", "NAMES", "FormulaChannel", "channel_scales", "evaluate", "formula_channel", "formula_scale",
-    "parse",
-]  # fmt: skip
+__all__ = ["FUNCTIONS", "NAMES", "FormulaChannel", "evaluate", "formula_channel", "parse"]

@@ -167,10 +167,9 @@ def chosen_job(options: argparse.Namespace) -> tuple[Case, Job | None]:
     case = chosen_case(options)
     if options.job is None:
         return case, None
-    from atleak.job.case import SLOTS, Reader
+    from atleak.job.case import SLOTS, Reader, with_record
     from atleak.job.decisions import check_decisions
     from atleak.job.file import load_job
-    from atleak.job.of_sheet import with_record
 
     job = load_job(options.job)
     if job.repair_decisions:

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from atleak.catalogue.limits import Limits
-from atleak.channel_formulas import FormulaChannel, formula_scale
+from atleak.channel_formulas import FormulaChannel
+from atleak.channel_formulas.scales import formula_scale
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.events import Event
 from atleak.figures.figure import Figure

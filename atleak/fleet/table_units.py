@@ -21,8 +21,7 @@ from atleak.fleet.units import TABLE, FleetUnit, travelling
 from atleak.intake.dates import Order
 from atleak.intake.road_test import default_path, head_of_parquet, understand
 from atleak.intake.unit_table import MEASURED, TableColumn, TableRow, UnitTable, nearest_heading, read_unit_table
-from atleak.job.case import SLOTS, Case, Choice, SourceFile, with_log_choices
-from atleak.job.of_sheet import with_record
+from atleak.job.case import SLOTS, Case, Choice, SourceFile, with_log_choices, with_record
 from atleak.job.record import Job
 from atleak.sentence import Sentence
 from atleak.written_numbers import (

@@ -42,6 +42,7 @@ from atleak.intake.gauge_table import read_pressure_table
 from atleak.intake.plain_words import words
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import NOT_LOGGED, Understood, default_path, recall, understand
+from atleak.job.record import Job
 from atleak.keeping import kept_with
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
@@ -496,3 +497,18 @@ def differing_options(profile: Profile) -> Pairs:
 def pairs_of(values: Mapping[str, Any] | None) -> Pairs:
     """Return a mapping as the pairs that a case keeps."""
     return tuple((values or {}).items())
+
+
+def with_record(case: CaseKind, job: Job) -> CaseKind:
+    """Return a case with the mileage, the measuring temperature and the pump's clearances that the record states.
+
+    Parameters
+    ----------
+    case
+        what it says of these counts.
+    job
+        what the workshop wrote down.
+    """
+    stated: dict[str, Any] = {"mileage": job.vehicle.mileage_km, "measuring_temperature": job.measuring_temperature_c}
+    missing = {name: value for name, value in stated.items() if getattr(case, name) is None}
+    return replace(case, **missing, pump_clearances=case.pump_clearances.or_else(job.pump_clearances))

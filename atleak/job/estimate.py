@@ -13,13 +13,14 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.repairs import Goal
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import repaired
 from atleak.job.decisions import covered
 from atleak.job.record import EstimateTerms, Job, RepairDecision, RepairState
 from atleak.land_diagnosis import LandDiagnosis
 from atleak.readings import LandClearance
-from atleak.repair import Choice, Gain, Goal, Move, MoveKey, Prices, Stated, choose, gain_of, in_order
+from atleak.repair import Choice, Gain, Move, MoveKey, Prices, Stated, choose, gain_of, in_order
 from atleak.repair.money import amount, product
 from atleak.repair.totals import RepairableUnit, Total
 from atleak.rules import LandKey, Rule

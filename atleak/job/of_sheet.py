@@ -5,12 +5,10 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 from atleak.errors import Message
 from atleak.intake.readings.words import plain, text_of
-from atleak.job.case import CaseKind
 from atleak.job.record import InstrumentUsed, Job
 from atleak.readings import TYPED_MARK, Readings, SheetIdentity
 from atleak.sentence import Sentence
@@ -142,18 +140,3 @@ def _number_of_plan(sheet: bytes) -> str | None:
         return None
     number = text_of(row[1].partition(":")[2]) if row[:1] == [TYPED_MARK] and len(row) > 1 else ""
     return number if 0 < len(number) <= 200 else None  # signs: 0.2.0 took no longer text for a field
-
-
-def with_record(case: CaseKind, job: Job) -> CaseKind:
-    """Return a case with the mileage, the measuring temperature and the pump's clearances that the record states.
-
-    Parameters
-    ----------
-    case
-        what it says of these counts.
-    job
-        what the workshop wrote down.
-    """
-    stated: dict[str, Any] = {"mileage": job.vehicle.mileage_km, "measuring_temperature": job.measuring_temperature_c}
-    missing = {name: value for name, value in stated.items() if getattr(case, name) is None}
-    return replace(case, **missing, pump_clearances=case.pump_clearances.or_else(job.pump_clearances))

@@ -18,8 +18,7 @@ from annotated_types import Ge, GroupedMetadata, Le
 from pydantic import AfterValidator, AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
 
 from atleak.catalogue.pump import PumpClearances
-from atleak.catalogue.repairs import currency_code
-from atleak.repair import Goal
+from atleak.catalogue.repairs import Goal, currency_code
 from atleak.sentence import Sentence
 from atleak.written_numbers import (
     HOURS,

@@ -15,7 +15,7 @@ from functools import cached_property
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.land_diagnosis import LandDiagnosis
-from atleak.repair.choice import Basis, Choice, Gain, Goal, choose, gain_of
+from atleak.repair.choice import Basis, Choice, Gain, choose, gain_of
 from atleak.repair.moves import Move, MoveKey, Prices, Stated
 from atleak.repair.offered import OfferedRepair, OfferedRepairs, ticked
 from atleak.repair.options import Cost, Option, cost_of
@@ -28,7 +28,6 @@ __all__ = [
     "Choice",
     "Cost",
     "Gain",
-    "Goal",
     "Move",
     "MoveKey",
     "OfferedRepair",

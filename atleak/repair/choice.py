@@ -10,6 +10,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from atleak.catalogue.repairs import Goal
 from atleak.diagnosis import Diagnosis
 from atleak.repair.bounds import Target
 from atleak.repair.money import decimals
@@ -21,13 +22,6 @@ from atleak.rules import LandKey, Rule
 from atleak.verdicts import Verdict
 
 _WORTH_SAYING = 1e-3  # of a limit, by which something must be worse to be named: choice of this project
-
-
-class Goal(StrEnum):
-    """What a choice of repairs is to reach."""
-
-    EVERY_LIMIT = "every_limit"  # every flagged land repaired, totals and pressures green at every condition
-    GREEN = "green"  # totals and pressures green at every condition: of the flagged lands those that are worth it
 
 
 class Basis(StrEnum):

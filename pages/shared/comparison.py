@@ -7,7 +7,7 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.channel_formulas import channel_scales
+from atleak.channel_formulas.scales import channel_scales
 from atleak.comparison import Comparison, LandComparison
 from atleak.diagnosis import Diagnosis
 from atleak.figures import comparison_figures as figures

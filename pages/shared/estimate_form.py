@@ -10,11 +10,12 @@ from typing import Any, get_args
 
 import streamlit as st
 
+from atleak.catalogue.repairs import Goal
 from atleak.diagnosis import Diagnosis
 from atleak.job.decisions import decision_faults
 from atleak.job.estimate import Estimate, Line, estimate, with_line
 from atleak.job.record import EstimateTerms, Job, RepairDecision, RepairState, clean_text
-from atleak.repair import Choice, Goal, Prices, choose
+from atleak.repair import Choice, Prices, choose
 from atleak.report.estimate_words import EstimateWords
 from atleak.wording import Wording
 from atleak.written_numbers import HOURS, LABOUR_RATE, PRICE, TAX

@@ -12,7 +12,7 @@ from typing import Any
 import pandas as pd
 import streamlit as st
 
-from atleak.channel_formulas import channel_scales
+from atleak.channel_formulas.scales import channel_scales
 from atleak.engine.assumed_pressure import OPERATING_POINTS
 from atleak.errors import AtleakError
 from atleak.intake.road_test import FORMATS, NOT_LOGGED, Ambiguous, LogColumn, Understood, describe

@@ -8,7 +8,8 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.channel_formulas import FUNCTIONS, NAMES, FormulaChannel, channel_scales, formula_channel, formula_scale
+from atleak.channel_formulas import FUNCTIONS, NAMES, FormulaChannel, formula_channel
+from atleak.channel_formulas.scales import channel_scales, formula_scale
 from atleak.diagnosis import Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, FormulaError

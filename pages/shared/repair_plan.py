@@ -7,10 +7,11 @@ from functools import partial
 
 import streamlit as st
 
+from atleak.catalogue.repairs import Goal
 from atleak.diagnosis import Diagnosis
 from atleak.job.estimate import prices_of
 from atleak.job.repair_set import decided_repairs, with_repairs
-from atleak.repair import Basis, Goal, MoveKey, OfferedRepair, OfferedRepairs, Total, choose, ticked
+from atleak.repair import Basis, MoveKey, OfferedRepair, OfferedRepairs, Total, choose, ticked
 from atleak.views.repair_effect import effect_sentences, effect_table, offered_words
 from atleak.wording import Wording
 from pages.shared import address, fields, pairs, reader, show

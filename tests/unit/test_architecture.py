@@ -64,7 +64,7 @@ FLOORS = (
     ("catalogue", "wording", "system.drafts", "system.entries", "admission", "spreads"),
     ("written_numbers", "phrases", "report.printed_fonts"),
     ("pressure_table", "controller_sheets", "own_lands", "wear_line"),
-    ("readings", "road_test", "gauge_study"),
+    ("readings", "road_test", "gauge_study", "job.record"),
     ("events", "engine.profile", "engine.extremes", "engine.restrictions"),
     ("engine.balance",),
     ("engine.circuits",),
@@ -85,7 +85,6 @@ FLOORS = (
     (
         "figures",
         "measuring",
-        "job.record",
         "job.case",
         "report.printed_charts",
         "report.terminal",

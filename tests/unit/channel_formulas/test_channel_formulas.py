@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from atleak.channel_formulas import channel_scales, formula_channel, formula_scale
+from atleak.channel_formulas import formula_channel
 from atleak.channel_formulas.evaluation import kind_in_words
+from atleak.channel_formulas.scales import channel_scales, formula_scale
 from atleak.errors import FormulaError
 from atleak.road_test import Channel, RoadTest, Segment
 from atleak.wording import wording

@@ -10,7 +10,7 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.catalogue.repairs import Repair
+from atleak.catalogue.repairs import Goal, Repair
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
@@ -18,7 +18,7 @@ from atleak.job.estimate import estimate, prices_of
 from atleak.job.record import Job
 from atleak.job.repair_set import decided_repairs, with_repairs
 from atleak.readings import Readings
-from atleak.repair import Basis, Goal, OfferedRepairs, choose, ticked
+from atleak.repair import Basis, OfferedRepairs, choose, ticked
 
 PR, TCC, ACC = "pressure_regulator", "tcc_regulator", "accumulator"
 SLEEVE, SPOOL = (

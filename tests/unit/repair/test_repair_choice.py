@@ -17,14 +17,14 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
-from atleak.catalogue.repairs import Repair
+from atleak.catalogue.repairs import Goal, Repair
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
 from atleak.job.estimate import Estimate
 from atleak.job.record import EstimateTerms
 from atleak.readings import Readings
-from atleak.repair import Basis, Choice, Goal, Move, Prices, Stated, choose
+from atleak.repair import Basis, Choice, Move, Prices, Stated, choose
 from atleak.report.estimate_words import EstimateWords
 from atleak.rules import LandKey, unit_rules
 from atleak.verdicts import Band
