@@ -120,7 +120,8 @@ def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | 
     if len(values) < LEAST_RUN:
         return pd.Series(result, series.index)
     same = values[1:] == values[:-1]
-    edges = np.flatnonzero(np.diff(same.view(np.int8), prepend=0, append=0))
+    still = np.int8(0)  # of the size of the others
+    edges = np.flatnonzero(np.diff(same.view(np.int8), prepend=still, append=still))
     starts, stops = edges[::2], edges[1::2]  # first and last samples of one value
     long = (stops - starts >= LEAST_RUN) & (time[stops] - time[starts] > seconds) & (values[starts] != 0)
     starts, stops = starts[long], stops[long]
