@@ -131,9 +131,10 @@ def _cell(column: Column, interval: tuple[Column, Column] | None, item: Any, say
     value, level = column.judged(item)
     if isinstance(value, dict):  # boxes to tick, or words in a language of their own
         return value
-    text = say.level(value) if isinstance(value, Verdict | Band) else column.said(value, say)
+    if type(value) is not str:  # nor one of the program's sentences, which are words of some language
+        value = say.level(value) if isinstance(value, Verdict | Band) else column.said(value, say)
     low, high = (each.text(item, say) for each in interval) if interval else ("–", "–")
-    text = text if low == "–" else f"{text}\n({low}–{high})"
+    text = value if low == "–" else f"{value}\n({low}–{high})"
     return text if level is None else {"sign": level.verdict if isinstance(level, Band) else level, "text": text}
 
 

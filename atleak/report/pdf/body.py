@@ -443,16 +443,14 @@ class Body(Part):
         yield text(say("annex.whole"), small=True)
         yield text(say("texts.made_with", version=__version__, profile=profile, language=say.texts["language"]))
         diagnosis, record = self.diagnosis, head_record(self.diagnosis)
-        tables = (diagnosis.log and diagnosis.log.road_test, diagnosis.pressures and diagnosis.pressures.table)
-        files = {
-            "readings": record["readings"],
-            **{
-                name: {"file": table.file, "sha256": table.sha256}
-                for name, table in zip(("road_test", "pressure_table"), tables, strict=True)
-                if table is not None
-            },
-            **{name: record[name] for name in ("controller", "fluid", "limits")},
-        }
+        files: dict[str, dict[str, Any]] = {"readings": record["readings"]}
+        if diagnosis.log is not None:
+            test = diagnosis.log.road_test
+            files["road_test"] = {"file": test.file, "sha256": test.sha256}
+        if diagnosis.pressures is not None:
+            table = diagnosis.pressures.table
+            files["pressure_table"] = {"file": table.file, "sha256": table.sha256}
+        files |= {name: record[name] for name in ("controller", "fluid", "limits")}
         yield listed(
             say,
             [(name, file) for name, file in files.items() if file.get("sha256")],
