@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -15,6 +16,7 @@ from atleak.wording import Wording, begun, isolated
 
 Block = dict[str, Any]
 
+_PLAIN = re.compile(r"[−\d\s]+([.,]\d+)?(?:\n.*)?$")  # a number, with its interval below it
 _NOTE = 1500  # letters of a note that a page can hold together with the last rows of its table
 
 
@@ -107,7 +109,7 @@ def printed(content: Table, *, whole: bool = False) -> Block:
         "widths": [  # what is left of the page is shared by words, in parts of 50 pixels of the screen
             0 if column.is_number or column.kind == VERDICT else (column.width or 0) // 50 for column in shown
         ],
-        "aligned": "".join("d" if column.is_number or column.words_of else "l" for column in shown),
+        "aligned": "".join(map(_side, shown, zip(*(row for row in rows if len(row) == len(shown)), strict=True))),
         "whole": whole,
     }
     if content.group is not None:
@@ -125,6 +127,15 @@ def _name(column: Column, say: Wording) -> str:
     unit = column.unit(say)
     title = begun(title) if title[:2].isalpha() else title
     return f"{title}\n{unit}" if unit else title
+
+
+def _side(column: Column, cells: Iterable[Any]) -> str:
+    """Return how a column is set: words to the left, plain numbers to the right, others by their decimal signs."""
+    if not (column.is_number or column.words_of):
+        return "l"
+    texts = [cell.get("text", "") if isinstance(cell, dict) else cell for cell in cells]
+    decimals = {len(found[1] or "") if (found := _PLAIN.match(text)) else -1 for text in texts if text != "–"}
+    return "d" if len(decimals) > 1 or -1 in decimals else "r"
 
 
 def _cell(column: Column, interval: tuple[Column, Column] | None, item: Any, say: Wording) -> Any:

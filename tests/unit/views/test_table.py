@@ -106,7 +106,7 @@ def test_paper_has_the_unit_below_the_heading_and_each_value_in_its_own_colour()
         ["a group"],
         [{"sign": "replace", "text": "replace"}, "8/1 <b>", "25.5", {"sign": "watch", "text": "3.2"}],
     ]
-    assert block["aligned"] == "lldd"
+    assert block["aligned"] == "llrr"
 
 
 def test_a_sheet_has_numbers_as_exact_as_they_are_in_the_readers_unit() -> None:
