@@ -39,7 +39,7 @@ def remarks(found: Comparison) -> Iterator[Message]:
     alone = {side: [each.projection.condition for each in found.conditions if each.only_on(side)] for side in SIDES}
     for side, conditions in alone.items():
         if conditions:
-            text = Sentence(_JUDGED_ONLY[side].template, conditions=in_a_row(conditions))
+            text = _JUDGED_ONLY[side].of(conditions=in_a_row(conditions))
             yield Message("info", "conditions_on_one_side", text)
     yield from _missing_logs(found)
 
@@ -80,15 +80,13 @@ def _missing_lands(found: Comparison) -> Iterator[Message]:
     for side in SIDES:
         absent = [each for each in found.lands if each.described_only_on(side)]
         if absent:
-            yield Message(
-                "warning", f"land_only_{side}", Sentence(_DESCRIBED_ONLY[side].template, lands=_names(absent))
-            )
+            yield Message("warning", f"land_only_{side}", _DESCRIBED_ONLY[side].of(lands=_names(absent)))
         alone = [each for each in found.lands if each.only_on(side) and not each.described_only_on(side)]
         if alone:
             several = Sentence("On the other side they count as new in totals and pressures")
             one = Sentence("On the other side it counts as new in totals and pressures")
             counts = several if len(alone) > 1 else one
-            text = Sentence(_MEASURED_ONLY[side].template, lands=_names(alone), counts=counts)
+            text = _MEASURED_ONLY[side].of(lands=_names(alone), counts=counts)
             yield Message("warning", f"measured_only_{side}", text)
     half = [land for land in found.compared if land.half]
     if half:

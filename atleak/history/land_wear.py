@@ -137,7 +137,7 @@ def _restarts(lands: Sequence[LandWear], visits: Visits) -> Iterator[Message]:
         numbers = {land.series.since for land in lands if land.series.restart is why}
         for number in sorted(number for number in numbers if number is not None):
             at = [land for land in lands if land.series.restart is why and land.series.since == number]
-            text = Sentence(_BEGINS[why].template, lands=_listed(at), visit=visits.visits[number].label)
+            text = _BEGINS[why].of(lands=_listed(at), visit=visits.visits[number].label)
             yield Message("warning" if why is Restart.NARROWER else "info", f"series_{why}", text)
 
 

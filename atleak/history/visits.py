@@ -112,7 +112,7 @@ def in_order(visits: Sequence[Visit]) -> Visits:
     ]
     unstated = Sentence("The visit of {visit} states no mileage: its clearances count in no rate of wear.")
     messages += [
-        Message("warning", "visit_without_mileage", Sentence(unstated.template, visit=visit.label))
+        Message("warning", "visit_without_mileage", unstated.of(visit=visit.label))
         for visit in kept
         if visit.mileage is None and visit.lands
     ]

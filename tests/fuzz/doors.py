@@ -24,7 +24,7 @@ from atleak.intake.road_test import log_columns, remember, understand
 from atleak.intake.road_test.names.memory import recall_all
 from atleak.job.case import SourceFile, load_source
 from atleak.job.file import parse_job, read_job_file
-from atleak.job.judged_anew import differs
+from atleak.job.judged_anew import judged_otherwise
 from atleak.job.kinds import kind_of
 from atleak.job.photo_notes import without_notes
 from atleak.measuring.typed_file import typed_in
@@ -50,7 +50,7 @@ def _controller() -> Controller:
 
 def _job(name: str, content: bytes) -> None:
     job = read_job_file(content, name=name)
-    differs(job.result, diagnosis_record(job.diagnose()))
+    judged_otherwise(job.result, diagnosis_record(job.diagnose()))
 
 
 def _typed(name: str, content: bytes) -> None:

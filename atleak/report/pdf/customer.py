@@ -309,12 +309,12 @@ class CustomerPage(Part):
             Column("customer.felt", width=300, of=self._felt),
             Column("customer.alone", width=350, of=self._alone),
         )
-        columns = Table("", columns, self.valves, say).filled.columns
+        filled = Table("", columns, self.valves, say).filled.columns
         shortened_to = [self.valves[: each.valves] for each in LENGTHS]
         note = say("customer.alone_means") if any(each.helped for each in self.valves) else ""
         return {
             "title": say("customer.valves"),
-            "tables": [listed(say, each, *columns) for each in shortened_to],
+            "tables": [listed(say, each, *filled) for each in shortened_to],
             "notes": [joined((self._more(len(self.valves) - len(each)), note), " ") for each in shortened_to],
         }
 
