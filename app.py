@@ -4,7 +4,7 @@ from pathlib import Path
 
 import streamlit as st
 
-from atleak.system.memory import collect_soon
+from atleak.common.memory import collect_soon
 from pages.shared import entrance, reader
 
 HERE = Path(__file__).parent

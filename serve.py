@@ -9,7 +9,7 @@ from pathlib import Path
 
 import streamlit as st
 
-from atleak.system.printable import printable_log
+from atleak.common.printable import printable_log
 from pages.shared.entrance import may_send_files
 from pages.shared.left_sessions import let_go_in_time
 from pages.shared.requests_let_in import bracketed, guards

@@ -11,52 +11,52 @@ from typing import TYPE_CHECKING, Any
 from atleak.version import __version__ as __version__
 
 if TYPE_CHECKING:  # for type checkers; `_MODULES` says the same to the interpreter, and a test compares the two
+    from atleak.analysis.repair.plan import plan_repairs as plan_repairs
     from atleak.catalogue.controller import Controller as Controller
-    from atleak.catalogue.controller_reading import load_controller as load_controller
+    from atleak.catalogue.controller_file import load_controller as load_controller
     from atleak.catalogue.fluid import Fluid as Fluid
     from atleak.catalogue.fluid import load_fluid as load_fluid
     from atleak.catalogue.limits import Limits as Limits
     from atleak.catalogue.limits import load_limits as load_limits
-    from atleak.diagnosis import Diagnosis as Diagnosis
-    from atleak.diagnosis import diagnose as diagnose
+    from atleak.common.errors import AtleakError as AtleakError
+    from atleak.diagnosis.diagnosis import Diagnosis as Diagnosis
+    from atleak.diagnosis.diagnosis import diagnose as diagnose
     from atleak.engine.leakage import LeakageModel as LeakageModel
     from atleak.engine.profile import PROFILES as PROFILES
     from atleak.engine.profile import Profile as Profile
     from atleak.engine.profile import find_profile as find_profile
-    from atleak.errors import AtleakError as AtleakError
-    from atleak.intake.gauge_table import read_pressure_table as read_pressure_table
-    from atleak.intake.readings import read_readings as read_readings
-    from atleak.intake.road_test import read_road_test as read_road_test
-    from atleak.pressure_table import PressureTable as PressureTable
-    from atleak.readings import Readings as Readings
-    from atleak.readings import clearances as clearances
-    from atleak.repair import plan_repairs as plan_repairs
-    from atleak.road_test import RoadTest as RoadTest
-    from atleak.views.diagnosis_record import diagnosis_record as diagnosis_record
+    from atleak.measurements.gauge_readings import PressureTable as PressureTable
+    from atleak.measurements.readings import Readings as Readings
+    from atleak.measurements.readings import clearances as clearances
+    from atleak.measurements.road_test import RoadTest as RoadTest
+    from atleak.readers.gauges.gauge_table import read_pressure_table as read_pressure_table
+    from atleak.readers.logs import read_road_test as read_road_test
+    from atleak.readers.sheets.measuring_sheet import read_readings as read_readings
+    from atleak.report.json.diagnosis import diagnosis_record as diagnosis_record
 
 _MODULES = {
-    "AtleakError": "errors",
+    "AtleakError": "common.errors",
     "Controller": "catalogue.controller",
-    "Diagnosis": "diagnosis",
+    "Diagnosis": "diagnosis.diagnosis",
     "Fluid": "catalogue.fluid",
     "LeakageModel": "engine.leakage",
     "Limits": "catalogue.limits",
     "PROFILES": "engine.profile",
-    "PressureTable": "pressure_table",
+    "PressureTable": "measurements.gauge_readings",
     "Profile": "engine.profile",
-    "Readings": "readings",
-    "RoadTest": "road_test",
-    "clearances": "readings",
-    "diagnose": "diagnosis",
-    "diagnosis_record": "views.diagnosis_record",
+    "Readings": "measurements.readings",
+    "RoadTest": "measurements.road_test",
+    "clearances": "measurements.readings",
+    "diagnose": "diagnosis.diagnosis",
+    "diagnosis_record": "report.json.diagnosis",
     "find_profile": "engine.profile",
-    "load_controller": "catalogue.controller_reading",
+    "load_controller": "catalogue.controller_file",
     "load_fluid": "catalogue.fluid",
     "load_limits": "catalogue.limits",
-    "plan_repairs": "repair",
-    "read_pressure_table": "intake.gauge_table",
-    "read_readings": "intake.readings",
-    "read_road_test": "intake.road_test",
+    "plan_repairs": "analysis.repair.plan",
+    "read_pressure_table": "readers.gauges.gauge_table",
+    "read_readings": "readers.sheets.measuring_sheet",
+    "read_road_test": "readers.logs",
 }
 
 __all__ = sorted(_MODULES)

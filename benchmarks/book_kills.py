@@ -30,10 +30,10 @@ from timing import options
 
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import JobParts, job_parts
-from atleak.job.record import Job
-from atleak.jobs.book import Book, open_book
-from atleak.jobs.search import Query
-from atleak.jobs.verify import problems_of, verify
+from atleak.job_book.backup import problems_of, verify
+from atleak.job_book.book import Book, open_book
+from atleak.job_book.search import Query
+from atleak.measurements.job_card import Job
 
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--sqlite", type=int, default=1000, metavar="N", help="kills on SQLite")

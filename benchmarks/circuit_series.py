@@ -21,7 +21,7 @@ from timing import median_time, options
 
 from atleak.catalogue.circuits import Circuit, Feed, SetPressure
 from atleak.catalogue.controller import Gap
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import LeakageModel
@@ -29,7 +29,7 @@ from atleak.engine.profile import WORKSHOP
 from atleak.engine.series import leakage_series
 from atleak.equations import gap as gap_equations
 from atleak.equations import orifice as orifice_equations
-from atleak.readings import clearances
+from atleak.measurements.readings import clearances
 
 OPTIONS = options(__doc__)
 SAMPLES, SMALL, SLOW = 1_800_000, 20_000, 200

@@ -22,15 +22,15 @@ from timing import median_time, options
 
 from atleak.catalogue.circuits import Circuit, Feed, SetPressure
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
-from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel
+from atleak.engine.network import Network
+from atleak.engine.operation import with_new
 from atleak.engine.profile import WORKSHOP
-from atleak.engine.repaired import with_new
-from atleak.readings import clearances
+from atleak.measurements.readings import clearances
 
 OPTIONS = options(__doc__)
 CIRCUITS, LANDS = 12, 60

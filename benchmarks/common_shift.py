@@ -20,12 +20,12 @@ from simulated.pairs import Pair, random_forms
 from timing import options
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.instruments import load_instruments
-from atleak.readings import clearances
-from atleak.sheet_checks import common_shift
-from atleak.uncertainty import DEFAULTS
-from atleak.uncertainty.sources import find_sources
+from atleak.diagnosis.messages import common_shift
+from atleak.diagnosis.uncertainty import DEFAULTS
+from atleak.diagnosis.uncertainty.sources import find_sources
+from atleak.measurements.readings import clearances
 
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--units", type=int, default=400, help="units of each kind")

@@ -32,15 +32,15 @@ import numpy as np
 import psutil
 from timing import options
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.fleet.cluster import connected
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress, run_fleet
 from atleak.fleet.sources import find_units
 from atleak.job.case import Case, SourceFile
-from atleak.job.issued import issued_record
-from atleak.job.record import Job
-from atleak.views.diagnosis_record import to_json
+from atleak.job.result import issued_record
+from atleak.measurements.job_card import Job
+from atleak.report.json.diagnosis import to_json
 
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--units", type=int, default=10_000, metavar="N")

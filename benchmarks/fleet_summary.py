@@ -24,11 +24,11 @@ import psutil
 import pyarrow as pa
 from timing import options
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.verdicts import VERDICTS, Verdict
 from atleak.fleet.columns import HASH, DataSet, Rows, columns_of
 from atleak.fleet.results import Results
 from atleak.fleet.summary import summed_up
-from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 
 OPTIONS = options(__doc__)

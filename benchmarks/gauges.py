@@ -25,8 +25,8 @@ from simulated.gauged import Gauges, file_of, simulate
 from timing import options
 
 from atleak.catalogue.limits import load_limits
-from atleak.diagnosis import diagnose
-from atleak.uncertainty import DEFAULTS
+from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.uncertainty import DEFAULTS
 
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--units", type=int, default=1000, help="units of each valve body")

@@ -32,11 +32,11 @@ from timing import options
 
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import JobParts, job_parts
-from atleak.job.record import Job
-from atleak.jobs.across import across_units
-from atleak.jobs.book import Book, open_book
-from atleak.jobs.search import Query, search_words_of
-from atleak.jobs.tables import files, job_files, jobs, key_of, lands, results, search_words, units, visits
+from atleak.job_book.book import Book, open_book
+from atleak.job_book.search import Query, search_words_of
+from atleak.job_book.tables import files, job_files, jobs, key_of, lands, results, search_words, units, visits
+from atleak.job_book.units_of_a_kind import across_units
+from atleak.measurements.job_card import Job
 
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--jobs", type=int, default=50_000, metavar="N", help="of the large book")

@@ -21,13 +21,13 @@ import numpy as np
 from timing import median_time, options
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.series import leakage_series
 from atleak.equations import gap as gap_equations
-from atleak.readings import clearances
+from atleak.measurements.readings import clearances
 
 OPTIONS = options(__doc__)
 SAMPLES = 1_800_000

@@ -31,7 +31,7 @@ import pyarrow.csv
 import pyarrow.parquet as pq
 from timing import options
 
-from atleak.intake.road_test import read_road_test
+from atleak.readers.logs import read_road_test
 
 FORMS = ("parquet", "csv")
 OPTIONS = options(__doc__)

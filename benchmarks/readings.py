@@ -11,9 +11,9 @@ import io
 import openpyxl
 from timing import median_time, options
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.intake.readings import read_readings
-from atleak.readings import clearances
+from atleak.catalogue.controller_file import load_controller
+from atleak.measurements.readings import clearances
+from atleak.readers.sheets.measuring_sheet import read_readings
 
 OPTIONS = options(__doc__)
 ROWS = 5000

@@ -31,20 +31,20 @@ from rich.progress import Progress
 from timing import options
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
-from atleak.diagnosis import Diagnosis, diagnose
-from atleak.intake.road_test import read_road_test
-from atleak.job.file import write_job_file
-from atleak.job.record import Job
-from atleak.paper import find_paper
-from atleak.readings import Reading, Readings
+from atleak.common.style import find_paper
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.job.batch import write_reports
+from atleak.job.zip_file import write_job_file
+from atleak.measurements.job_card import Job
+from atleak.measurements.readings import Reading, Readings
+from atleak.readers.logs import read_road_test
 from atleak.report import pdf
-from atleak.report.batch import write_reports
-from atleak.report.pdf import compiling
+from atleak.report.pdf import typesetting as compiling
 from atleak.report.xlsx import write_workbook
-from atleak.wording import wording
 
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--batch", type=int, default=0, metavar="N", help="also the reports of so many job files")

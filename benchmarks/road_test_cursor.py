@@ -25,9 +25,9 @@ from streamlit.testing.v1 import AppTest
 from timing import options
 
 from atleak.catalogue.controller import Controller
-from atleak.intake.road_test import Understood
 from atleak.job.case import SLOTS, Case, Choice, Reader, Slot
-from atleak.readings import Readings
+from atleak.measurements.readings import Readings
+from atleak.readers.logs import Understood
 
 OPTIONS = options(__doc__)
 ROOT = Path(__file__).resolve().parents[1]

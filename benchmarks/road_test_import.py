@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 from timing import options
 
-from atleak.intake.road_test import read_road_test
+from atleak.readers.logs import read_road_test
 
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--rows", type=int, default=1_800_000)
@@ -75,7 +75,7 @@ def timed(work: Callable[[], object]) -> float:
 
 PEAK = """
 import sys
-from atleak.intake.road_test import read_road_test
+from atleak.readers.logs import read_road_test
 read_road_test(sys.argv[1])
 with open("/proc/self/status", encoding="ascii") as status:
     print(next(line.split()[1] for line in status if line.startswith("VmHWM")))

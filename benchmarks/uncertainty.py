@@ -21,17 +21,17 @@ import numpy as np
 from circuits import unit
 from timing import median_time, options
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
+from atleak.diagnosis.rules import unit_rules
+from atleak.diagnosis.uncertainty import UnitUncertainty, assess
+from atleak.diagnosis.uncertainty.propagation import DRAWS, DRAWS_OF_CIRCUITS, SEED
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project, project_unworn
-from atleak.intake.readings import read_readings
-from atleak.readings import Readings, clearances
-from atleak.rules import unit_rules
-from atleak.uncertainty import UnitUncertainty, assess
-from atleak.uncertainty.propagation import DRAWS, DRAWS_OF_CIRCUITS, SEED
+from atleak.measurements.readings import Readings, clearances
+from atleak.readers.sheets.measuring_sheet import read_readings
 
 SAMPLE = Path(__file__).resolve().parents[1] / "sample_data" / "measuring_sheet_four_speed.xlsx"
 OPTIONS = options(__doc__)

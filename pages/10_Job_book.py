@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from atleak.errors import BookError
+from atleak.common.errors import BookError
 from pages.shared import job_list, panel, reader, show
 from pages.shared.book import book
 from pages.shared.state import new_job

@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from atleak.errors import BookError
+from atleak.common.errors import BookError
 from pages.shared import panel, reader, show, unit
 from pages.shared.book import book
 

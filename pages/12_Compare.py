@@ -2,9 +2,9 @@
 
 import streamlit as st
 
-from atleak.errors import AtleakError
-from atleak.figures import comparison_figures as figures
-from atleak.views.comparison_rows import land_table
+from atleak.common.errors import AtleakError
+from atleak.report.charts import comparison_figures as figures
+from atleak.report.tables.comparison import land_table
 from pages.shared import comparison, panel, reader, show
 
 panel.shown()

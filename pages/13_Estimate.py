@@ -4,10 +4,10 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.job.doubts import record_doubts
-from atleak.report.estimate_words import EstimateWords
+from atleak.analysis.record_doubts import record_doubts
+from atleak.common.wording import wording
 from atleak.report.pdf import write_pdf
-from atleak.wording import wording
+from atleak.report.tables.estimate import EstimateWords
 from pages.shared import estimate_form, files, font_form, panel, reader, show
 from pages.shared.state import job
 

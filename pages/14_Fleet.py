@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from atleak.errors import AtleakError
+from atleak.common.errors import AtleakError
 from pages.shared import fleet, fleet_units, panel, reader, show
 
 panel.shown()

@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from atleak.job.doubts import record_doubts
+from atleak.analysis.record_doubts import record_doubts
 from pages.shared import job_form, panel, reader, show
 
 case, diagnosis = panel.shown()

@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from atleak.views.gauge_rows import pattern_text
+from atleak.report.tables.gauges import pattern_text
 from pages.shared import panel, pressure_form, reader, show
 
 case, diagnosis = panel.shown()

@@ -2,12 +2,12 @@
 
 import streamlit as st
 
-from atleak.figures import uncertainty_figures as figures
-from atleak.figures.diagnosis_figures import total_share
-from atleak.views.clearances import budget_rows
-from atleak.views.drawing import spool_svg
-from atleak.views.sentences import land_in_words
-from atleak.views.table import Column, Table
+from atleak.report.charts import land_figures as figures
+from atleak.report.charts.drawing import spool_svg
+from atleak.report.charts.land_figures import total_share
+from atleak.report.tables.clearances import budget_rows
+from atleak.report.tables.sentences import land_in_words
+from atleak.report.tables.table import Column, Table
 from pages.shared import panel, reader, show, words
 
 case, diagnosis = panel.shown()

@@ -2,8 +2,8 @@
 
 import streamlit as st
 
-from atleak.figures import gauge_study_figures as figures
-from atleak.views.gauge_study import anova_table, component_table, result_sentence
+from atleak.report.charts import study_figures as figures
+from atleak.report.tables.gauge_study import anova_table, component_table, result_sentence
 from pages.shared import gauge_study_form, panel, reader, show
 
 panel.shown()

@@ -3,8 +3,8 @@
 import streamlit as st
 
 from atleak.catalogue.entries import own_folder
-from atleak.figures.fluid_figures import viscosity_curve
-from atleak.views import catalogue_rows as rows
+from atleak.report.charts.condition_figures import viscosity_curve
+from atleak.report.tables import catalogue as rows
 from pages.shared import panel, reader, show
 from pages.shared.cases import catalogue_list, own_faults, shown_name
 

@@ -2,11 +2,11 @@
 
 import streamlit as st
 
-from atleak.errors import AtleakError
-from atleak.figures import variant_figures as figures
-from atleak.variants.article import compare_points
-from atleak.views.diagnosis_record import to_json
-from atleak.views.variant_rows import (
+from atleak.analysis.source_study.article import compare_points
+from atleak.common.errors import AtleakError
+from atleak.report.charts import study_figures as figures
+from atleak.report.json.diagnosis import to_json
+from atleak.report.tables.source_study import (
     errata_table,
     option_share_table,
     option_table,

@@ -2,11 +2,11 @@
 
 import streamlit as st
 
-from atleak.figures import diagnosis_figures as figures
-from atleak.report.measuring_sheet import write_template
-from atleak.report.measuring_sheet.head import fields_of
-from atleak.views.clearances import clearance_table
-from atleak.views.sentences import measuring_temperature
+from atleak.report.charts import land_figures as figures
+from atleak.report.sheets.measuring_head import fields_of
+from atleak.report.sheets.measuring_sheet import write_template
+from atleak.report.tables.clearances import clearance_table
+from atleak.report.tables.sentences import measuring_temperature
 from pages.shared import measuring_form, panel, reader, sheet_form, show, state
 
 case, diagnosis = panel.shown()

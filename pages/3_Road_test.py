@@ -4,10 +4,10 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.errors import AtleakError
-from atleak.events import events
-from atleak.intake.road_test import tidy_csv
-from atleak.keeping import kept_with
+from atleak.common.cache import kept_with
+from atleak.common.errors import AtleakError
+from atleak.measurements.events import events
+from atleak.readers.logs import tidy_csv
 from pages.shared import log_form, log_view, panel, reader, remembered_columns, show
 from pages.shared import road as road_page
 

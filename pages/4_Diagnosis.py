@@ -2,10 +2,10 @@
 
 import streamlit as st
 
-from atleak.figures import diagnosis_figures as figures
-from atleak.repair import plan_repairs
-from atleak.views.diagnosis_record import diagnosis_record
-from atleak.views.pair_table import pair_table
+from atleak.analysis.repair.plan import plan_repairs
+from atleak.report.charts import land_figures as figures
+from atleak.report.json.diagnosis import diagnosis_record
+from atleak.report.tables.lands import pair_table
 from pages.shared import conditions, fields, files, pairs, panel, pressures, reader, repair_plan, road, show, words
 from pages.shared.state import session
 

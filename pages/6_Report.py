@@ -5,12 +5,12 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.job.file import write_job_file
-from atleak.job.issued import issued_record
+from atleak.job.result import issued_record
+from atleak.job.zip_file import write_job_file
+from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.xlsx import write_workbook
-from atleak.views.diagnosis_record import to_json
 from pages.shared import conditions, files, font_form, panel, reader
 from pages.shared.cases import case_with_columns
 from pages.shared.state import job

@@ -16,11 +16,11 @@ import pytest
 from hypothesis import settings
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits, load_limits
 from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
-from atleak.uncertainty.propagation import DRAWS, DRAWS_OF_CIRCUITS
+from atleak.diagnosis.uncertainty.propagation import DRAWS, DRAWS_OF_CIRCUITS
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -103,7 +103,9 @@ FEW_DRAWS = 1_024
 
 def drawing(draws: int, of_circuits: int) -> Iterator[None]:
     """Let a diagnosis draw so many times, until the fixture that yields from this ends."""
-    module = importlib.import_module("atleak.uncertainty.assess")  # the package's name for it is the function in it
+    module = importlib.import_module(
+        "atleak.diagnosis.uncertainty.assess"
+    )  # the package's name for it is the function in it
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "DRAWS", draws)
         patch.setattr(module, "DRAWS_OF_CIRCUITS", of_circuits)

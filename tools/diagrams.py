@@ -25,20 +25,20 @@ from xml.etree import ElementTree
 import numpy as np
 import picture_jobs as made
 
-from atleak.diagnosis import Diagnosis
+from atleak.analysis.pressures import HeldPressure, pressures_at
+from atleak.analysis.what_if import WhatIf, tried
+from atleak.common.style import PAPER, SHEET_COLOURS, SHEET_OF_PAPER, SPREADS, look_of
+from atleak.common.unit_systems import DM3_MIN, KPA, MM, UM
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import Wording, wording
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.equations.gap import ENTRY_AND_EXIT_LOSS, eccentricity_factor, entry_loss_flow
-from atleak.look import PAPER, SHEET_COLOURS, SHEET_OF_PAPER, SPREADS, look_of
-from atleak.measuring.plan import DIRECTIONS
-from atleak.report.printed_charts import plotting
-from atleak.report.printed_charts.curves import pump_chart
-from atleak.verdicts import Verdict
-from atleak.views.drawing import sign_svg, spool_svg, svg_head, svg_text
-from atleak.views.pressures import HeldPressure, pressures_at
-from atleak.views.pump_speed import pump_over_speed
-from atleak.what_if import WhatIf, tried
-from atleak.wording import Wording, wording
-from atleak.workshop_units import DM3_MIN, KPA, MM, UM
+from atleak.measurements.measuring_plan import DIRECTIONS
+from atleak.report.charts import paper_axes as plotting
+from atleak.report.charts.drawing import sign_svg, spool_svg, svg_head, svg_text
+from atleak.report.charts.paper_curves import pump_chart
+from atleak.report.tables.pump_speed import pump_over_speed
 
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 APART = 0.06  # [px] that two drawings may differ by at any place

@@ -33,15 +33,15 @@ from pathlib import Path
 
 import numpy as np
 
+from atleak.analysis.source_study import VARIANTS, Variant, variant_fluid
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.unit_systems import DM3_MIN
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER
 from atleak.engine.projection import with_wear
 from atleak.engine.series import leakage_series
-from atleak.readings import clearances
-from atleak.variants import VARIANTS, Variant, variant_fluid
-from atleak.workshop_units import DM3_MIN
+from atleak.measurements.readings import clearances
 
 ROOT = Path(__file__).resolve().parent.parent
 CONTROLLER = ROOT / "atleak" / "catalogue" / "controllers" / "four_speed_2023.toml"

@@ -14,9 +14,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from atleak.catalogue.controller import Controller, Land
-from atleak.catalogue.controller_reading import load_controller
-from atleak.readings import Reading
-from atleak.report.measuring_sheet import write_readings
+from atleak.catalogue.controller_file import load_controller
+from atleak.measurements.readings import Reading
+from atleak.report.sheets.measuring_sheet import write_readings
 
 SAMPLE_DATA = Path(__file__).resolve().parents[1] / "sample_data"
 SEED = 7667

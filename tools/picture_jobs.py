@@ -14,20 +14,20 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.diagnosis import Diagnosis
-from atleak.fleet.known import note
+from atleak.catalogue.controller_file import load_controller
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.fleet.folder import note
 from atleak.fleet.results import Results
 from atleak.fleet.units import FleetUnit
-from atleak.fleet.work import evaluate
-from atleak.intake.readings import read_readings
+from atleak.fleet.worker import evaluate
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
-from atleak.job.record import Job, RepairDecision, Transmission, Vehicle
-from atleak.jobs.book import open_book
-from atleak.jobs.tables import jobs, results
-from atleak.readings import Reading, clearances
-from atleak.report.measuring_sheet import write_readings
+from atleak.job_book.book import open_book
+from atleak.job_book.tables import jobs, results
+from atleak.measurements.job_card import Job, RepairDecision, Transmission, Vehicle
+from atleak.measurements.readings import Reading, clearances
+from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.report.sheets.measuring_sheet import write_readings
 
 SAMPLE_DATA = Path(__file__).resolve().parents[1] / "sample_data"
 FOUR_SPEED, FIVE_SPEED = "measuring_sheet_four_speed.xlsx", "measuring_sheet_five_speed.xlsx"

@@ -39,7 +39,7 @@ import pypdfium2
 from PIL import Image, ImageChops, ImageStat
 from playwright.sync_api import Browser, Error, Locator, Page, expect, sync_playwright
 
-from atleak.comparison import compare
+from atleak.analysis.comparison import compare
 from atleak.fleet.results import Results
 from atleak.fleet.summary import summed_up
 from atleak.fleet.summary_pdf import write_summary_pdf

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from atleak.look import SHEET_COLOURS
-from atleak.report.controller_workbook.instructions import SPOOL_PICTURE
+from atleak.common.style import SHEET_COLOURS
+from atleak.report.controller_workbook import SPOOL_PICTURE
 
 _INK, _SOFT = SHEET_COLOURS["heading"], SHEET_COLOURS["soft"]
 _BODY, _SPOOL = SHEET_COLOURS["bore"], SHEET_COLOURS["spool"]

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, field_validator, model_validator
 
-from atleak.catalogue import usual
+from atleak.catalogue import usual_values as usual
 from atleak.catalogue.entries import (
     ID_HELP,
     Finite,
@@ -20,8 +20,8 @@ from atleak.catalogue.entries import (
     Strict,
 )
 from atleak.catalogue.keys import key
-from atleak.faults import NotAccepted
-from atleak.sentence import Sentence
+from atleak.common.file_faults import NotAccepted
+from atleak.common.sentences import Sentence
 
 State = Literal["idle", "stall", "driving"]
 StandingState = Literal["idle", "fast_idle", "stall", "driving"]  # fast idle: of gauge readings alone

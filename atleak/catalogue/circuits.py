@@ -15,8 +15,8 @@ import numpy as np
 from atleak.catalogue.circuit_tables import SelectorRange, StandingState
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
-from atleak.errors import unknown
-from atleak.sentence import Sentence
+from atleak.common.errors import unknown
+from atleak.common.sentences import Sentence
 
 
 @dataclass(frozen=True)

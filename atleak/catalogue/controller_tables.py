@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from atleak.catalogue import usual
+from atleak.catalogue import usual_values as usual
 from atleak.catalogue.circuit_tables import (
     CircuitTable,
     ConsumerTable,
@@ -19,7 +19,6 @@ from atleak.catalogue.circuit_tables import (
     PermissiblePressureTable,
     State,
 )
-from atleak.catalogue.complaints import ComplaintTable
 from atleak.catalogue.entries import (
     ID_HELP,
     Entry,
@@ -36,9 +35,9 @@ from atleak.catalogue.entries import (
 )
 from atleak.catalogue.keys import key
 from atleak.catalogue.pump_tables import PumpTable
-from atleak.catalogue.repairs import RepairTable
-from atleak.faults import NotAccepted
-from atleak.sentence import Sentence
+from atleak.catalogue.repairs import ComplaintTable, RepairTable
+from atleak.common.file_faults import NotAccepted
+from atleak.common.sentences import Sentence
 
 ContactLength = Annotated[float, Field(gt=0, lt=200)]
 LandValue = Literal["nominal_diameter_mm", "contact_length_mm", "mounting_clearance_um"]

@@ -16,7 +16,7 @@ from pydantic import BaseModel
 
 from atleak.catalogue.entries import read_tables, shipped_files
 from atleak.catalogue.keys import usual_values
-from atleak.catalogue.usual import (
+from atleak.catalogue.usual_values import (
     DISPLACEMENT,
     EACH,
     NEW_CLEARANCE,
@@ -26,10 +26,10 @@ from atleak.catalogue.usual import (
     Pattern,
     Usual,
 )
+from atleak.common.errors import Message, Steps
+from atleak.common.file_faults import place_of
+from atleak.common.sentences import Sentence
 from atleak.equations.fluid import astm_d341, astm_d341_coefficients
-from atleak.errors import Message, Steps
-from atleak.faults import place_of
-from atleak.sentence import Sentence
 
 _CLEARANCE = "mounting_clearance_um"
 _OF_USED = "mounting_clearance_of_used_unit"

@@ -23,13 +23,11 @@ from typing import Annotated, Any, Generic, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, StringConstraints
 
 from atleak.catalogue.keys import key
-from atleak.doors import own_errors_only
-from atleak.errors import CatalogueError, OutputError, Place, unknown
-from atleak.faults import NotAccepted
-from atleak.sentence import Sentence
-from atleak.system.files import replace_file
-from atleak.system.home import home, made
-from atleak.system.reasons import reason_of, text_reason
+from atleak.common.damage import own_errors_only
+from atleak.common.errors import CatalogueError, OutputError, Place, reason_of, text_reason, unknown
+from atleak.common.file_faults import NotAccepted
+from atleak.common.files import home, made, replace_file
+from atleak.common.sentences import Sentence
 
 
 class Evidence(StrEnum):

@@ -12,26 +12,16 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from pydantic import Field, field_validator
 
-from atleak.catalogue import usual
+from atleak.catalogue import usual_values as usual
 from atleak.catalogue.doubts import doubts_of
-from atleak.catalogue.entries import (
-    NO_ENTRY,
-    Entry,
-    Headed,
-    Origin,
-    Shelf,
-    Strict,
-    read_tables,
-    shipped_files,
-)
+from atleak.catalogue.entries import NO_ENTRY, Entry, Headed, Origin, Shelf, Strict, read_tables, shipped_files
 from atleak.catalogue.keys import key, made
+from atleak.common.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
+from atleak.common.file_faults import NotAccepted, place_of, validated
+from atleak.common.sentences import Name, Sentence
+from atleak.common.unit_systems import PERCENT, Quantity
 from atleak.equations import fluid as fluid_equations
 from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
-from atleak.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
-from atleak.faults import NotAccepted, place_of, validated
-from atleak.sentence import Name, Sentence
-from atleak.unit_systems import Quantity
-from atleak.workshop_units import PERCENT
 
 ViscosityModel = Literal["d341", "tabulated", "regression"]
 FluidState = Literal["fresh", "used"]

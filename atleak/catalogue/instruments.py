@@ -9,13 +9,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from atleak.catalogue import usual
+from atleak.catalogue import usual_values as usual
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Entry, Headed, Origin, Shelf
 from atleak.catalogue.keys import key, made
-from atleak.errors import CatalogueError, InputError, Message, one_of
-from atleak.faults import validated
-from atleak.sentence import Name, Sentence
+from atleak.common.errors import CatalogueError, InputError, Message, one_of
+from atleak.common.file_faults import validated
+from atleak.common.sentences import Name, Sentence
 
 Part = Literal["spool", "sleeve"]
 DEFAULT_SPOOL_INSTRUMENT = "workshop_microscope"  # as in the source study

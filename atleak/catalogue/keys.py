@@ -16,8 +16,8 @@ from typing import Any, NamedTuple, TypeVar
 from pydantic import BaseModel, Field
 from pydantic.fields import FieldInfo
 
-from atleak.catalogue.usual import EACH, Pattern, Usual
-from atleak.faults import model_in
+from atleak.catalogue.usual_values import EACH, Pattern, Usual
+from atleak.common.file_faults import model_in
 
 Made = TypeVar("Made")
 _KEY = "key"

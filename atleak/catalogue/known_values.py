@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple, get_args
 
-from atleak.catalogue.controller_tables import ControllerFile, LandValue, PumpTable
+from atleak.catalogue.controller_tables import ControllerFile, LandValue
 from atleak.catalogue.entries import Evidence
-from atleak.catalogue.pump_tables import OF_GAPS
+from atleak.catalogue.pump_tables import OF_GAPS, PumpTable
 
 LAND_VALUES: tuple[LandValue, ...] = get_args(LandValue)
 _OF_PUMP = ("volumetric_efficiency", "slip_coefficient")

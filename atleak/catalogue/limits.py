@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, create_model, model_validator
 
-from atleak.catalogue import usual
+from atleak.catalogue import usual_values as usual
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Entry, Headed, NonEmptyText, Origin, Shelf, Strict
 from atleak.catalogue.keys import key, made, unit_of
-from atleak.errors import CatalogueError, Message
-from atleak.faults import NotAccepted, WrongTogether, validated
-from atleak.sentence import Sentence
-from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
-from atleak.workshop_units import KPA, PERCENT, UM
+from atleak.common.errors import CatalogueError, Message
+from atleak.common.file_faults import NotAccepted, WrongTogether, validated
+from atleak.common.sentences import Sentence
+from atleak.common.unit_systems import KPA, PERCENT, UM
+from atleak.common.verdicts import BANDS, FLAGGED, Band, Verdict
 
 Level = Verdict | Band
 DEFAULT_LIMITS = "project_default"

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.pump_tables import PumpKind
+from atleak.common.sentences import Sentence
 from atleak.equations import pump as equations
-from atleak.sentence import Sentence
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from atleak.catalogue import usual
+from atleak.catalogue import usual_values as usual
 from atleak.catalogue.entries import NonEmptyText, Positive, Strict
 from atleak.catalogue.keys import key
-from atleak.faults import NotAccepted
-from atleak.sentence import Sentence
+from atleak.common.file_faults import NotAccepted
+from atleak.common.sentences import Sentence
 
 PumpKind = Literal["external_gear", "crescent", "gerotor", "vane"]
 

@@ -9,9 +9,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from atleak.catalogue.complaints import written_land
-from atleak.errors import CatalogueError, Steps
-from atleak.faults import steps_to
+from atleak.catalogue.repairs import written_land
+from atleak.common.errors import CatalogueError, Steps
+from atleak.common.file_faults import steps_to
 
 # What stands for a head, a pump, a material or a default that is wrong: none of it matters to the other tables.
 _STAND_INS: dict[str, Any] = {

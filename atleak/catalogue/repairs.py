@@ -1,4 +1,7 @@
-"""Describe how a component can be repaired: with which part, at what price, and what clearance that leaves."""
+"""Describe how a component can be repaired: with which part, at what price, and what clearance that leaves.
+
+Map what a customer complains of to the operating points and lands of a controller that can explain it.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, model_validator
 
-from atleak.catalogue import usual
+from atleak.catalogue import usual_values as usual
 from atleak.catalogue.entries import (
     ID_HELP,
     Evidence,
@@ -24,9 +27,9 @@ from atleak.catalogue.entries import (
     Strict,
 )
 from atleak.catalogue.keys import key
-from atleak.errors import InputError, unknown
-from atleak.faults import NotAccepted
-from atleak.sentence import Name, Sentence
+from atleak.common.errors import InputError, unknown
+from atleak.common.file_faults import NotAccepted
+from atleak.common.sentences import Name, Sentence
 
 RepairKind = Literal["clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "other"]
 
@@ -150,3 +153,46 @@ def find_repairs(repairs: Sequence[Repair], wanted: Iterable[str], controller: s
                 raise InputError(problem, expected=Sentence("one repair of each land"))
         chosen.append(known[name])
     return tuple(chosen)
+
+
+LandKey = tuple[str, int]
+
+
+class ComplaintTable(Strict):
+    """A complaint as a controller's file states it; lands are written ``"8/1"``, component and land."""
+
+    id: Identifier = key("Id", ID_HELP, width=20)
+    label: NonEmptyText = key("Label", "What people see", width=30)
+    conditions: list[Identifier] = key("Operating points", "Their names, with commas", width=28, min_length=1)
+    lands: list[NonEmptyText] | None = key(
+        "Lands", "That can explain it: boost_valve/2, 8/1", width=24, default=None, min_length=1
+    )
+    source: Source | None = key("Source", "Manual and page, or who measured it", width=40, default=None)
+
+
+@dataclass(frozen=True)
+class Complaint:
+    """What a customer says, and where the leakage behind it shows."""
+
+    id: str
+    label: str
+    conditions: tuple[str, ...]  # names of operating points
+    lands: tuple[LandKey, ...]  # that can explain it; none where every land that leaks in those conditions can
+    source: str
+
+    @property
+    def record(self) -> dict[str, str | list[str]]:
+        """Return the complaint as the catalogue lists it."""
+        return {
+            "id": self.id,
+            "label": self.label,
+            "conditions": list(self.conditions),
+            "lands": [written_land(key) for key in self.lands],
+            "source": self.source,
+        }
+
+
+def written_land(key: LandKey) -> str:
+    """Write a land as complaints name it: ``8/1``."""
+    component, land = key
+    return f"{component}/{land}"

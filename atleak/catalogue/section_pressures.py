@@ -9,9 +9,9 @@ from typing import Any, Literal
 
 from atleak.catalogue.controller_tables import RelationTable
 from atleak.catalogue.keys import in_si
+from atleak.common.file_faults import NotAccepted
+from atleak.common.sentences import Sentence
 from atleak.equations import pressure as pressure_equations
-from atleak.faults import NotAccepted
-from atleak.sentence import Sentence
 
 SECTIONS = ("p_g", "p_s", "p_m", "p_k")
 DRAINS = ("0", "drain")

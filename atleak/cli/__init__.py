@@ -17,8 +17,8 @@ from contextlib import ExitStack, contextmanager
 from importlib import import_module
 
 from atleak.cli.parser import COMMANDS, Parser, add_shown, groups_of, parsed
-from atleak.errors import AtleakError
-from atleak.system.printable import only_what_is_asked_for, printable_streams
+from atleak.common.errors import AtleakError
+from atleak.common.printable import only_what_is_asked_for, printable_streams
 from atleak.version import __version__
 
 _BROKEN_PIPE = 141  # the status by which a shell reports a program whose reader went away

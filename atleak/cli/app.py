@@ -15,13 +15,11 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
-from atleak.admission import ALLOWED, answered_names, is_here_alone, read_allowed, read_sign_in
 from atleak.cli.parser import add_command
-from atleak.errors import InputError, extra_installed
-from atleak.sentence import Sentence
-from atleak.system.files import shipped
-from atleak.system.home import DATABASE_URL, HOME, home
-from atleak.system.reasons import reason_of
+from atleak.common.access import ALLOWED, answered_names, is_here_alone, read_allowed, read_sign_in
+from atleak.common.errors import InputError, extra_installed, reason_of
+from atleak.common.files import DATABASE_URL, HOME, home, shipped
+from atleak.common.sentences import Sentence
 
 PORT = 8501  # streamlit's own
 _HERE = "127.0.0.1"
@@ -129,7 +127,7 @@ def _places() -> dict[str, str]:
     """Return where the environment says that the job book is, for a server that runs in a folder of its own."""
     places = {HOME: str(home())} if os.environ.get(HOME) else {}
     if os.environ.get(DATABASE_URL):
-        from atleak.jobs.opening import database_url
+        from atleak.job_book.database import database_url
 
         places[DATABASE_URL] = database_url().render_as_string(hide_password=False)
     return places

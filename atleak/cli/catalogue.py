@@ -9,20 +9,20 @@ import argparse
 import sys
 from typing import Any
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import KINDS, Evidence, Listed, listed, own_folder
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instrument
 from atleak.catalogue.limits import load_limits
 from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import Outputs, add_force, add_json
+from atleak.common.files import made
+from atleak.common.printable import asked_for
+from atleak.common.wording import wording
+from atleak.report.json.diagnosis import limits_record
+from atleak.report.tables.valve_body import evidence_counts, open_values
 from atleak.report.terminal import print_records
-from atleak.system.home import made
-from atleak.system.printable import asked_for
 from atleak.version import __version__
-from atleak.views.diagnosis_record import limits_record
-from atleak.views.evidence_rows import evidence_counts, open_values
-from atleak.wording import wording
 
 
 def add_parser(commands: Any, name: str) -> None:

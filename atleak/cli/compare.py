@@ -8,8 +8,8 @@ from typing import Any
 
 from atleak.cli.parser import add_command
 from atleak.cli.shared import Outputs, add_force, add_json, add_print, print_font, print_options, say_doubts
-from atleak.jobs.compared import compare_jobs, compared_record, job_of
-from atleak.wording import wording
+from atleak.common.wording import wording
+from atleak.job_book.compared_jobs import compare_jobs, compared_record, job_of
 
 
 def add_parser(commands: Any, name: str) -> None:
@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
 
     outputs.write(pdf=pdf, json=lambda: compared_record(compared))
     if outputs.shown:
-        from atleak.report.comparison_terminal import print_comparison
+        from atleak.report.terminal import print_comparison
 
         print_comparison(compared.comparison, wording(printed["language"], printed["units"]))
     outputs.say_written()

@@ -1,25 +1,131 @@
-"""Describe a valve body in a workbook: ``atleak controller template|from-workbook|to-workbook|learn|check``."""
+"""Describe a valve body in a workbook: ``atleak controller template|from-workbook|to-workbook|learn|check``.
+
+Learn mounting clearances from measuring sheets of new units: ``atleak controller learn``.
+"""
 
 from __future__ import annotations
 
 import argparse
+import datetime as dt
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from atleak.catalogue.catalogue_toml import written_toml
+from atleak.analysis.learning.learned_clearances import Learned, learn
+from atleak.analysis.learning.learned_words import messages, summary, with_learned
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import checked_controller, load_controller, written_toml
 from atleak.catalogue.entries import Entry, read_tables
-from atleak.cli.learn import add_learn
+from atleak.catalogue.instruments import load_instruments
+from atleak.catalogue.workbook.cells import CLEARANCES, LENGTHS, PRESSURES, Units
+from atleak.cli.job_options import add_sheet
 from atleak.cli.parser import add_command, add_group
-from atleak.cli.shared import Outputs, add_force
-from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
-from atleak.intake.controller_workbook import is_workbook, read_controller_workbook
+from atleak.cli.shared import Outputs, add_force, add_json
+from atleak.common.errors import InputError
+from atleak.common.sentences import Sentence
+from atleak.common.wording import wording
+from atleak.job_book.book import open_book
+from atleak.job_book.new_sheets import NewSheet, new_sheets, shared_instruments
+from atleak.readers.controller_workbook import is_workbook, read_controller_workbook
+from atleak.readers.sheets.measuring_sheet import read_several
 from atleak.report.controller_workbook import write_controller_workbook
-from atleak.views.evidence_rows import evidence_counts, open_values
-from atleak.wording import wording
+from atleak.report.tables.learned import learned_lands, learned_record
+from atleak.report.tables.table import Column
+from atleak.report.tables.valve_body import evidence_counts, open_values
+from atleak.report.terminal import print_table
+
+
+def add_learn(group: Any) -> None:
+    """Add the command to those about the description of a valve body."""
+    parser = add_command(
+        group,
+        "learn",
+        run,
+        "mounting clearances from measuring sheets of new or known-good units",
+        usage="atleak controller learn [SHEET ...] --controller ID|FILE [options]",
+        examples=(
+            "controller learn new_1.xlsx new_2.xlsx --controller my_unit.toml -o my_unit_learned.toml",
+            "controller learn --from-book --controller four_speed_2023",
+        ),
+    )
+    parser.add_argument(
+        "sheets",
+        metavar="SHEET",
+        nargs="*",
+        help="measuring sheet of one unit; of a used one the readings marked as taken at unworn ends count",
+    )
+    parser.add_argument(
+        "--from-book",
+        action="store_true",
+        help="also the sheets of the job book of units that are new, and of lands that were repaired",
+    )
+    parser.add_argument("--controller", metavar="ID|FILE", required=True, help="the valve body that they are of")
+    parser.add_argument("-o", "--output", metavar="FILE.toml|-", help="its file with the clearances that were learned")
+    add_sheet(parser)
+    help = "the valve body that the sheets name, where this one was copied from it"
+    parser.add_argument("--made-for", metavar="ID", help=help)
+    add_json(parser)
+    add_force(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Learn, write the file that was asked for, and show what was learned."""
+    if options.output == options.json == "-":
+        problem = Sentence("only one of -o and --json can be written to standard output")
+        raise InputError(problem, expected=Sentence("a file for the other"))
+    outputs = Outputs(options, [options.controller, *options.sheets], "TOML file")
+    controller = load_controller(options.controller)
+    chosen = {"spool": options.spool_instrument, "sleeve": options.sleeve_instrument}
+    of_book = _of_book(options, controller.id)
+    instruments = (
+        shared_instruments(of_book)
+        if of_book and not any(chosen.values())
+        else load_instruments(**{part: named for part, named in chosen.items() if named is not None})
+    )
+    sheets = read_several(
+        ((Path(name).name, name) for name in options.sheets),
+        controller,
+        sheet=options.sheet,
+        unit=options.sheet_unit,
+        where=dict(options.where),
+        fill_down=options.fill_down,
+        made_for=options.made_for,
+    )
+    sheets += [sheet.readings(controller) for sheet in of_book]
+    learned = learn(controller, sheets, instruments=instruments, temperature=options.measuring_temperature)
+    outputs.write(output=lambda: _learned_toml(options, learned), json=lambda: learned_record(learned))
+    if outputs.shown:
+        _show(learned)
+    outputs.say_written()
+    return 0
+
+
+def _of_book(options: argparse.Namespace, controller: str) -> tuple[NewSheet, ...]:
+    """Return the sheets of the job book that are asked for; of a valve body that was copied those of the original."""
+    if not options.from_book:
+        if not options.sheets:
+            expected = Sentence("one for each unit, or --from-book")
+            raise InputError(Sentence("no measuring sheet is given"), expected=expected)
+        return ()
+    return new_sheets(open_book(), options.made_for or controller)
+
+
+def _learned_toml(options: argparse.Namespace, learned: Learned) -> str:
+    tables = with_learned(read_tables("controllers", options.controller)[0], learned, dt.date.today())
+    checked_controller(tables, str(options.output))
+    return written_toml(tables)
+
+
+def _show(learned: Learned) -> None:
+    print(summary(learned))
+    lands = learned_lands(learned, wording("en"))
+    pair = Column("pair", of=lambda each: "{}/{}".format(*each.land.key), whole=True)  # as options and records take it
+    print_table(replace(lands, columns=(pair, *lands.columns[1:])))
+    for message in messages(learned):
+        print(f"{'! ' if message.level == 'warning' else ''}{message.text}")
+
 
 _LOST = "comments and the order of keys in a TOML file are not kept on the way through a workbook"
 

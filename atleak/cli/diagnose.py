@@ -18,7 +18,7 @@ from atleak.cli.shared import (
     print_options,
     say_doubts,
 )
-from atleak.verdicts import FLAGGED, Verdict
+from atleak.common.verdicts import FLAGGED, Verdict
 
 
 def add_parser(commands: Any, name: str) -> None:
@@ -70,7 +70,7 @@ def _diagnosed(options: argparse.Namespace) -> int:
     if options.sections is not None and options.pdf is None:
         doubt_option("--sections", ["--pdf"])
     diagnosis = case.diagnose()
-    from atleak.job.of_sheet import with_sheet
+    from atleak.analysis.record_doubts import with_sheet
 
     job = with_sheet(job, diagnosis.readings)
 
@@ -86,12 +86,12 @@ def _diagnosed(options: argparse.Namespace) -> int:
         return write_pdf(diagnosis, job, **printed, sections=sections, font=font)
 
     def job_file() -> bytes:
-        from atleak.job.file import write_job_file
+        from atleak.job.zip_file import write_job_file
 
         return write_job_file(diagnosis, job, as_read(case))
 
     def record() -> dict[str, Any]:
-        from atleak.job.issued import issued_record
+        from atleak.job.result import issued_record
 
         return issued_record(diagnosis, job)
 
@@ -102,7 +102,7 @@ def _diagnosed(options: argparse.Namespace) -> int:
         print_diagnosis(diagnosis)
     outputs.say_written()
     if job is not None:
-        from atleak.job.doubts import record_doubts
+        from atleak.analysis.record_doubts import record_doubts
 
         say_doubts(record_doubts(job, diagnosis))
         if options.pdf is not None:

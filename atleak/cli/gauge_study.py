@@ -5,17 +5,17 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from atleak.analysis.gauge_study import ALPHA, analysed
+from atleak.catalogue.written_numbers import decimal_number
 from atleak.cli.parser import add_command
 from atleak.cli.shared import Outputs, add_force, add_json
-from atleak.errors import InputError
-from atleak.gauge_study.anova import ALPHA, analysed
-from atleak.intake.gauge_study import read_study
+from atleak.common.errors import InputError
+from atleak.common.sentences import Sentence
+from atleak.common.unit_systems import MM
+from atleak.common.wording import wording
+from atleak.readers.gauges.gauge_study import read_study
+from atleak.report.tables.gauge_study import study_record
 from atleak.report.terminal import print_gauge_study
-from atleak.sentence import Sentence
-from atleak.views.gauge_study import study_record
-from atleak.wording import wording
-from atleak.workshop_units import MM
-from atleak.written_numbers import decimal_number
 
 
 def add_parser(commands: Any, name: str) -> None:

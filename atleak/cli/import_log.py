@@ -9,10 +9,10 @@ from typing import Any
 
 from atleak.cli.parser import add_command
 from atleak.cli.shared import SAMPLE_LOG, Outputs, add_columns, add_force, add_json, log_choices, or_sample
-from atleak.errors import InputError, OutputError, Place
-from atleak.intake.road_test import default_path, describe, remember, tidy_csv, understand
+from atleak.common.errors import InputError, OutputError, Place
+from atleak.common.sentences import Sentence
+from atleak.readers.logs import default_path, describe, remember, tidy_csv, understand
 from atleak.report.terminal import print_log
-from atleak.sentence import Sentence
 
 
 def add_parser(commands: Any, name: str) -> None:

@@ -6,6 +6,14 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
+from atleak.catalogue.written_numbers import (
+    ENGINE_SPEED,
+    MEASURING_TEMPERATURE,
+    MILEAGE,
+    PUMP_SIDE_CLEARANCE,
+    PUMP_TIP_CLEARANCE,
+    TEMPERATURE,
+)
 from atleak.cli.parser import Options
 from atleak.cli.shared import (
     SAMPLE_LOG,
@@ -18,20 +26,12 @@ from atleak.cli.shared import (
     number_of,
     or_sample,
 )
-from atleak.errors import InputError, unknown
-from atleak.sentence import Sentence
-from atleak.written_numbers import (
-    ENGINE_SPEED,
-    MEASURING_TEMPERATURE,
-    MILEAGE,
-    PUMP_SIDE_CLEARANCE,
-    PUMP_TIP_CLEARANCE,
-    TEMPERATURE,
-)
+from atleak.common.errors import InputError, unknown
+from atleak.common.sentences import Sentence
 
 if TYPE_CHECKING:
     from atleak.job.case import Case
-    from atleak.job.record import Job
+    from atleak.measurements.job_card import Job
 
 _POSITION = "eccentricity"  # an option of the profile that people also look for among the assumptions
 
@@ -167,9 +167,9 @@ def chosen_job(options: argparse.Namespace) -> tuple[Case, Job | None]:
     case = chosen_case(options)
     if options.job is None:
         return case, None
+    from atleak.analysis.record_doubts import check_decisions
     from atleak.job.case import SLOTS, Reader, with_record
-    from atleak.job.decisions import check_decisions
-    from atleak.job.file import load_job
+    from atleak.job.zip_file import load_job
 
     job = load_job(options.job)
     if job.repair_decisions:

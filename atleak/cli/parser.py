@@ -7,8 +7,8 @@ import sys
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from atleak.errors import nearest_name, unknown
-from atleak.sentence import Sentence
+from atleak.common.errors import nearest_name, unknown
+from atleak.common.sentences import Sentence
 
 Options = argparse.ArgumentParser | argparse._ArgumentGroup
 """What options are added to: a command, or one of the groups under which its help lists them."""

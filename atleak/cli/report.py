@@ -21,7 +21,7 @@ from atleak.cli.shared import (
     say_doubts,
     say_written,
 )
-from atleak.report.batch import KINDS, report_paths, write_reports
+from atleak.job.batch import KINDS, report_paths, write_reports
 from atleak.report.terminal import TerminalConsole
 
 

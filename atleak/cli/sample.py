@@ -8,9 +8,9 @@ from typing import Any
 
 from atleak.cli.parser import add_command
 from atleak.cli.shared import SAMPLES, say_written, write_file
-from atleak.errors import OutputError, Place
-from atleak.sentence import Sentence
-from atleak.system.files import shipped
+from atleak.common.errors import OutputError, Place
+from atleak.common.files import shipped
+from atleak.common.sentences import Sentence
 
 
 def add_parser(commands: Any, name: str) -> None:

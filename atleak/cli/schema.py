@@ -7,7 +7,7 @@ from typing import Any
 
 from atleak.cli.parser import add_command
 from atleak.cli.shared import write_file
-from atleak.schemas import DIALECT, OUTPUTS, schema
+from atleak.report.json.schemas import DIALECT, OUTPUTS, schema
 
 _UNLESS_GIVEN = "diagnose"
 _JOB = "job"  # what people write for --job
@@ -31,7 +31,7 @@ def add_parser(commands: Any, name: str) -> None:
 def run(options: argparse.Namespace) -> int:
     """Print the schema."""
     if options.output == _JOB:
-        from atleak.job.record import Job
+        from atleak.measurements.job_card import Job
 
         record = {"$schema": DIALECT, "$id": "urn:atleak:job:1", **Job.model_json_schema()}
     else:

@@ -10,22 +10,22 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from atleak.catalogue.written_numbers import INTERVAL, AskedNumber, decimal_number, read_number
 from atleak.cli.parser import Options
-from atleak.errors import InputError, Message, Place, unknown
-from atleak.paper import DEFAULT_PAPER, PAPERS
-from atleak.sentence import Sentence
-from atleak.system import marks
-from atleak.system.files import replace_file, shipped
-from atleak.system.marks import Kind
-from atleak.system.printable import asked_for, unguarded
-from atleak.unit_systems import SYSTEMS
-from atleak.wording import languages
-from atleak.written_numbers import INTERVAL, AskedNumber, decimal_number, read_number
+from atleak.common import seals as marks
+from atleak.common.errors import InputError, Message, Place, unknown
+from atleak.common.files import replace_file, shipped
+from atleak.common.printable import asked_for, unguarded
+from atleak.common.seals import Kind
+from atleak.common.sentences import Sentence
+from atleak.common.style import DEFAULT_PAPER, PAPERS
+from atleak.common.unit_systems import SYSTEMS
+from atleak.common.wording import languages
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
-    from atleak.report.own_font import OwnFont
-    from atleak.road_test import RoadTest
+    from atleak.measurements.road_test import RoadTest
+    from atleak.report.pdf.fonts import OwnFont
 
 
 # --- options ------------------------------------------------------------------------------------------------------
@@ -43,7 +43,7 @@ def add_pairs(parser: Options, option: str, metavar: str, help: str, read: Calla
 
 
 def add_job_id(parser: Options, count: str | None = None) -> None:
-    """Add the argument that names a job of the book, or several, which `atleak.jobs.named.named_job` finds."""
+    """Add the argument that names a job of the book, or several, which `compared_jobs.named_job` finds."""
     help = "id of a job, its first characters, or the job's number"
     parser.add_argument("job" if count is None else "jobs", metavar="ID", nargs=count, help=help)
 
@@ -128,7 +128,7 @@ def print_font(options: argparse.Namespace, formats: Collection[str], asked: str
         if options.font is not None:
             doubt_option("--font", [asked])
         return None
-    from atleak.report.own_font import font_at, kept_font
+    from atleak.report.pdf.fonts import font_at, kept_font
 
     return kept_font() if options.font is None else font_at(options.font)
 
@@ -220,7 +220,7 @@ def length_of(asked: AskedNumber) -> Callable[[str], float]:
     in_own_unit = number_of(asked)
 
     def read(text: str) -> float:
-        from atleak.intake.units import find_unit, unit
+        from atleak.common.units import find_unit, unit
 
         match = _WITH_UNIT.fullmatch(text.strip())
         found = find_unit(match["unit"], "length") if match else None
@@ -237,9 +237,9 @@ def constant(text: str) -> tuple[str, float | str]:
 
     Main pressure may be that of the valve body's operating points, ``main_pressure=operating-points``.
     """
-    from atleak.engine.assumed_pressure import OPERATING_POINTS
-    from atleak.intake.units import unit
-    from atleak.road_test import QUANTITIES
+    from atleak.common.units import unit
+    from atleak.engine.road_leakage import OPERATING_POINTS
+    from atleak.measurements.road_test import QUANTITIES
 
     name, value = pair(text)
     if name not in QUANTITIES:
@@ -279,7 +279,7 @@ def log_constants(options: argparse.Namespace) -> tuple[tuple[str, float | str],
 
 def chosen_road_test(options: argparse.Namespace) -> RoadTest:
     """Read the log that the command line names, its columns as they are chosen or remembered."""
-    from atleak.intake.road_test import default_path, read_road_test
+    from atleak.readers.logs import default_path, read_road_test
 
     return read_road_test(Path(options.road_test), **log_choices(options), remembered=default_path())
 
@@ -369,7 +369,7 @@ def write_file(target: str, content: Any) -> list[str]:
     What is read by a program is written as it is; a terminal gets no control character.
     """
     if not isinstance(content, bytes | str):
-        from atleak.views.diagnosis_record import to_json
+        from atleak.report.json.diagnosis import to_json
 
         content = to_json(content)
     if target == "-":

@@ -5,14 +5,15 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from atleak.catalogue.written_numbers import MILEAGE
 from atleak.cli.parser import add_command
 from atleak.cli.shared import Outputs, add_controller, add_force, chosen_controller, number_of
-from atleak.job.file import load_job
-from atleak.job.record import Job, clean_text
-from atleak.report.measuring_sheet import head, write_template
-from atleak.unit_systems import SYSTEMS
-from atleak.wording import languages
-from atleak.written_numbers import MILEAGE
+from atleak.common.unit_systems import SYSTEMS
+from atleak.common.wording import languages
+from atleak.job.zip_file import load_job
+from atleak.measurements.job_card import Job, clean_text
+from atleak.report.sheets import measuring_head as head
+from atleak.report.sheets.measuring_sheet import write_template
 
 _TEXTS = {
     "number": "the job's number",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from atleak.analysis.source_study import run_variants, sample_log
 from atleak.cli.parser import add_command
 from atleak.cli.shared import (
     Outputs,
@@ -15,10 +16,9 @@ from atleak.cli.shared import (
     chosen_controller,
     chosen_road_test,
 )
+from atleak.common.wording import wording
+from atleak.report.tables.source_study import table_2, table_3, variants_record
 from atleak.report.terminal import print_table
-from atleak.variants import run_variants, sample_log
-from atleak.views.variant_rows import table_2, table_3, variants_record
-from atleak.wording import wording
 
 
 def add_parser(commands: Any, name: str) -> None:

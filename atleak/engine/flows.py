@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from enum import StrEnum
 from types import MappingProxyType
 
-from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.engine.circuits import Balance, Network
+from atleak.catalogue.repairs import LandKey
+from atleak.engine.balance import Balance
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.line import LINE, Operation, wanted
+from atleak.engine.network import Network
+from atleak.engine.operation import LINE, Operation, wanted
 
 _ROUNDING = 1e-9  # relative to the pump's flow: less than that is no flow
 

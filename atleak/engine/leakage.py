@@ -29,15 +29,15 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.section_pressures import SECTIONS
-from atleak.engine import circuits, restrictions
+from atleak.common.errors import Message
+from atleak.common.sentences import Sentence
+from atleak.common.unit_systems import PERCENT, UM, Quantity
+from atleak.engine import network as circuits
+from atleak.engine import restrictions
 from atleak.engine.profile import UNKNOWN, Profile
 from atleak.equations import clearance as clearance_equations
 from atleak.equations import gap as gap_equations
 from atleak.equations import pump as pump_equations
-from atleak.errors import Message
-from atleak.sentence import Sentence
-from atleak.unit_systems import Quantity
-from atleak.workshop_units import PERCENT, UM
 
 #: Part of a gap's flow [-] from which on the entry loss is reported: choice of this project.
 ENTRY_LOSS_WORTH_SAYING = 0.1

@@ -7,9 +7,9 @@ from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from atleak.catalogue.fluid import ViscosityModel
-from atleak.errors import InputError, unknown
-from atleak.sentence import Sentence
-from atleak.written_numbers import decimal_number
+from atleak.catalogue.written_numbers import decimal_number
+from atleak.common.errors import InputError, unknown
+from atleak.common.sentences import Sentence
 
 #: The eccentricity of a spool of which nobody knows where it lies: e/c uniform from 0 to 1, a choice of this project.
 UNKNOWN: Literal["unknown"] = "unknown"

@@ -12,15 +12,16 @@ import numpy as np
 from atleak.catalogue.circuits import Circuit, Leak, PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import STATED, OperatingPoint
-from atleak.engine.circuits import Balance, Network, leaks_both_ways
+from atleak.common.errors import InputError, Message, one_of
+from atleak.common.sentences import Name, Sentence
+from atleak.common.unit_systems import KPA, PERCENT, Quantity
+from atleak.engine.balance import Balance
 from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
-from atleak.engine.line import SURELY_LESS, Held, Operation, consumed
+from atleak.engine.network import Network
+from atleak.engine.operation import SURELY_LESS, Held, Operation, consumed
+from atleak.engine.restrictions import leaks_both_ways
 from atleak.equations.clearance import worn_clearance
-from atleak.errors import InputError, Message, one_of
-from atleak.readings import LandClearance
-from atleak.sentence import Name, Sentence
-from atleak.unit_systems import Quantity
-from atleak.workshop_units import KPA, PERCENT
+from atleak.measurements.readings import LandClearance
 
 
 @dataclass(frozen=True)

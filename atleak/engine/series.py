@@ -49,10 +49,9 @@ import numpy as np
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import SECTIONS
-from atleak.engine.circuit_series import CircuitLog
-from atleak.engine.gap_polynomials import follows_polynomial, polynomial, without_entry_loss
-from atleak.engine.gap_polynomials import powers as write_powers
 from atleak.engine.leakage import GapGeometry, GapLaw, LeakageModel
+from atleak.engine.log_gaps import CircuitLog, follows_polynomial, polynomial, without_entry_loss
+from atleak.engine.log_gaps import powers as write_powers
 
 _CHUNK = 32_768  # samples worked on at a time: the work arrays of one chunk stay in the processor's cache
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from atleak.errors import DomainError
-from atleak.sentence import Sentence
+from atleak.common.errors import DomainError
+from atleak.common.sentences import Sentence
 
 POSITIVE, _NOT_NEGATIVE = Sentence("positive"), Sentence("zero or positive")
 # Those that a file or a person can state so that no equation holds; any other is named to programmers only.

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from atleak.common.errors import DomainError
+from atleak.common.sentences import Sentence
 from atleak.equations._domain import above, positive, refuse, result, values, within
-from atleak.errors import DomainError
-from atleak.sentence import Sentence
 
 #: Temperatures for which the source study states its regressions [°C].
 STUDY_LOWEST, STUDY_HIGHEST = -40.0, 100.0

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from atleak.common.sentences import Sentence
 from atleak.equations._domain import not_negative, positive, refuse, result, values
-from atleak.sentence import Sentence
 
 #: Below this Reynolds number gap flow is laminar for certain [-]: choice of this project, half of the 2000 from which
 #: on flow in a duct is commonly taken as turbulent.

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from atleak.common.sentences import Sentence
 from atleak.equations._domain import POSITIVE, not_negative, positive, refuse, result, values
-from atleak.sentence import Sentence
 
 
 def annulus_area(diameter: ArrayLike, rod_diameter: ArrayLike = 0.0) -> Any:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from atleak.common.sentences import Sentence
 from atleak.equations._domain import STATED, not_negative, positive, refuse, result, values, within
 from atleak.equations.gap import entry_loss_terms, restricted_flow
-from atleak.sentence import Sentence
 
 #: Working pressure angle of a pump's involute gears where only their outlines are known [rad]: the usual 20°, choice of
 #: this project. At 27° a displacement is 1 % larger.

@@ -13,8 +13,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
-from atleak.errors import FleetError, Message, extra_installed
-from atleak.sentence import Sentence
+from atleak.common.errors import FleetError, Message, extra_installed
+from atleak.common.sentences import Sentence
 
 if TYPE_CHECKING:
     from distributed import Client

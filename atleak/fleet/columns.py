@@ -14,8 +14,8 @@ from typing import Any, Literal, cast, get_args
 
 import pyarrow as pa
 
-from atleak.schemas import schema as json_schema
-from atleak.verdicts import BANDS, Verdict
+from atleak.common.verdicts import BANDS, Verdict
+from atleak.report.json.schemas import schema as json_schema
 
 DataSet = Literal["units", "lands", "conditions", "circuits", "events", "temperatures", "errors"]
 DATA_SETS: tuple[DataSet, ...] = get_args(DataSet)

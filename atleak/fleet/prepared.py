@@ -12,8 +12,8 @@ import signal
 
 from distributed import Scheduler, Worker
 
-import atleak.fleet.task  # noqa: F401 (imported so that no unit waits for it)
-from atleak.system.memory import set_imports_aside
+import atleak.fleet.worker  # noqa: F401 (imported so that no unit waits for it)
+from atleak.common.memory import set_imports_aside
 
 
 def dask_setup(server: Scheduler | Worker) -> None:

@@ -21,25 +21,29 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from filelock import FileLock
 
-from atleak.doors import DAMAGE, damaged
-from atleak.errors import FleetError, OutputError, Place
+from atleak.common.damage import DAMAGE, damaged
+from atleak.common.errors import FleetError, OutputError, Place, reason_of
+from atleak.common.sentences import Sentence
 from atleak.fleet.columns import DATA_SETS, HASH, PARTITION, DataSet, Rows, columns_of
-from atleak.fleet.parts import (
+from atleak.fleet.folder import (
     BESIDE,
     COMMITTING,
     UNFINISHED,
     Part,
+    check_free,
+    check_readable,
+    check_version,
     folder_of,
+    locked,
     name_after,
     parts_of,
     read_part,
+    remove_empty,
     settle,
     write_columns,
     write_part,
+    write_run,
 )
-from atleak.fleet.results_folder import check_free, check_readable, check_version, locked, remove_empty, write_run
-from atleak.sentence import Sentence
-from atleak.system.reasons import reason_of
 
 _SMALL = 1000  # units: a part with fewer is merged with others
 _TRIES = 20  # at reading while a run puts other parts in place of those that were there

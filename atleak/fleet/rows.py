@@ -8,17 +8,17 @@ from typing import Any
 
 import pyarrow as pa
 
-from atleak.diagnosis import Diagnosis
-from atleak.engine.road_bands import TemperatureClass
+from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT
+from atleak.common.verdicts import Verdict, worst
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.engine.road_pressure import TemperatureClass
 from atleak.fleet.columns import HASH, DataSet, ErrorKind, Rows, columns_of
-from atleak.fleet.parts import folder_of
+from atleak.fleet.folder import folder_of
 from atleak.fleet.units import FleetUnit
-from atleak.job.issued import result_sha256
-from atleak.job.record import Job
-from atleak.verdicts import Verdict, worst
+from atleak.job.result import result_sha256
+from atleak.measurements.job_card import Job
+from atleak.report.json.diagnosis import diagnosis_record
 from atleak.version import __version__
-from atleak.views.diagnosis_record import diagnosis_record
-from atleak.workshop_units import DM3_MIN, KPA, PERCENT
 
 _INSTANTS = {  # of the record of a road test: the columns of `units` that stand in it
     "max_leakage": ("leakage_dm3_min", "leakage_low_dm3_min", "leakage_high_dm3_min"),

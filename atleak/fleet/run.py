@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from distributed import Client
 
-    from atleak.errors import Message
+    from atleak.common.errors import Message
     from atleak.fleet.columns import ErrorKind
+    from atleak.fleet.dispatch import Run
     from atleak.fleet.results import Results
-    from atleak.fleet.running import Run
     from atleak.fleet.sources import FoundUnits
     from atleak.fleet.units import FleetUnit
 
@@ -96,7 +96,7 @@ def run_fleet(
     FleetError
         the scheduler or all workers are lost for good; what was finished is kept.
     """
-    from atleak.fleet.running import Run
+    from atleak.fleet.dispatch import Run
 
     begun = time.monotonic()
     results.tidy()

@@ -11,19 +11,24 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from atleak.errors import FleetError, Message, Place
+from atleak.common.errors import FleetError, Message, Place
+from atleak.common.sentences import Sentence
+from atleak.common.verdicts import Verdict
+from atleak.diagnosis.uncertainty import DECISIONS
 from atleak.fleet.columns import ERROR_KINDS, HASH, PARTITION
+from atleak.fleet.counts import (
+    conditions_of,
+    counts_of,
+    deciders_of,
+    groups_of,
+    temperatures_of,
+    troubles_of,
+    wear_over_mileage,
+)
 from atleak.fleet.groups import compared
-from atleak.fleet.lands import Lands, read_lands
 from atleak.fleet.results import Results
-from atleak.fleet.summed import LISTED, ErrorKind, FleetSummary, SummedUnit, ValveBody
-from atleak.fleet.temperatures import conditions_of, temperatures_of
-from atleak.fleet.verdict_counts import counts_of, deciders_of, groups_of, troubles_of
-from atleak.fleet.visits import Visits, read_visits
-from atleak.fleet.wear import wear_over_mileage
-from atleak.sentence import Sentence
-from atleak.uncertainty import DECISIONS
-from atleak.verdicts import Verdict
+from atleak.fleet.sums import LISTED, ErrorKind, FleetSummary, SummedUnit, ValveBody
+from atleak.fleet.visits import Lands, Visits, read_lands, read_visits
 from atleak.version import __version__
 
 _MESSAGES = 5  # of errors of one kind that are told

@@ -7,8 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from atleak.analysis.rates import Rate
+from atleak.common.style import LOOKS, OK_IN_PART, PAPER, SCREEN, Look, SignShape, look_of
+from atleak.common.unit_systems import PERCENT
+from atleak.common.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.fleet.summary_words import NAME, FleetWords, within
-from atleak.fleet.summed import (
+from atleak.fleet.sums import (
     Difference,
     Group,
     LandOverMileage,
@@ -18,11 +22,7 @@ from atleak.fleet.summed import (
     VerdictCounts,
     WearDifference,
 )
-from atleak.look import LOOKS, OK_IN_PART, PAPER, SCREEN, Look, SignShape, look_of
-from atleak.spreads import Rate
-from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
-from atleak.views.charts import ClassChart, Field, Layer, RowChart, Span
-from atleak.workshop_units import PERCENT
+from atleak.report.charts.chart import ClassChart, Field, Layer, RowChart, Span
 
 _BAR, _NARROW = 0.72, 0.45  # of a row: a bar, and one over it
 _MARKS = dict(zip(FLAGGED, np.linspace(0.27, -0.27, len(FLAGGED)).tolist(), strict=True))  # above the row's middle

@@ -9,20 +9,18 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from atleak.common.style import DEFAULT_PAPER, HEADING, find_paper
+from atleak.common.wording import wording
 from atleak.fleet.summary_sections import Depth, FleetSections
 from atleak.fleet.summary_words import FleetWords
-from atleak.fleet.summed import FleetSummary
-from atleak.job.record import Job
-from atleak.look import HEADING
-from atleak.paper import DEFAULT_PAPER, find_paper
-from atleak.report.own_font import OwnFont
+from atleak.fleet.sums import FleetSummary
+from atleak.measurements.job_card import Job
+from atleak.report.charts.drawing import shortened
+from atleak.report.charts.paper import drawn
 from atleak.report.pdf.blocks import joined, section_blocks
-from atleak.report.pdf.compiling import common_data, compile_pdf
-from atleak.report.pictures import write_pictures
-from atleak.report.printed_charts.charts import drawn
-from atleak.views.drawing import shortened
-from atleak.views.section import Picture
-from atleak.wording import wording
+from atleak.report.pdf.fonts import OwnFont
+from atleak.report.pdf.typesetting import common_data, compile_pdf, write_pictures
+from atleak.report.tables.section import Picture
 
 DETAILED = 3  # most valve bodies with sections of their own
 DEPTHS = {  # by the number of valve bodies with sections: eight pages hold them
@@ -49,11 +47,11 @@ def write_summary_pdf(
     summary
         the fleet in numbers; nothing is computed from it.
     language
-        one of `atleak.wording.languages`.
+        one of `atleak.common.wording.languages`.
     paper
-        one of `atleak.paper.PAPERS`.
+        one of `atleak.common.style.PAPERS`.
     units
-        one of `atleak.unit_systems.SYSTEMS`.
+        one of `atleak.common.unit_systems.SYSTEMS`.
     font
         for characters that the bundled fonts lack.
     letterhead

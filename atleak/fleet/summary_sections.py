@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from atleak.common.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.fleet.summary_charts import FleetCharts
 from atleak.fleet.summary_tables import Counted, FleetTables, by_trouble, counted_groups
 from atleak.fleet.summary_words import TERMS, FleetWords, called, within
-from atleak.fleet.summed import GroupComparison, ValveBody, WearDifference
-from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
-from atleak.views.drawing import shortened
-from atleak.views.section import Facts, Part, Picture, Points, Section, Text
+from atleak.fleet.sums import GroupComparison, ValveBody, WearDifference
+from atleak.report.charts.drawing import shortened
+from atleak.report.tables.section import Facts, Part, Picture, Points, Section, Text
 
 ROWS = 12  # most rows of valve bodies in a table
 _RATES = tuple(f"past_{level}" for level in FLAGGED)

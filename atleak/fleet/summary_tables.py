@@ -10,15 +10,15 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
+from atleak.analysis.rates import Rate, Spread
+from atleak.common.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
+from atleak.common.wording import Wording
+from atleak.diagnosis.uncertainty import DECISIONS
 from atleak.fleet.summary_words import FleetWords, called, cumulated
-from atleak.fleet.summed import ConditionSpread, FleetSummary, LandOverMileage, ValveBody, VerdictCounts
-from atleak.spreads import Rate, Spread
-from atleak.uncertainty import DECISIONS
-from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
-from atleak.views.table import VERDICT, Column, Judged, Table
-from atleak.wording import Wording
+from atleak.fleet.sums import ConditionSpread, FleetSummary, LandOverMileage, ValveBody, VerdictCounts
+from atleak.report.tables.table import VERDICT, Column, Judged, Table
 
-_QUANTILES = ("quantile_5", "quantile_25", "median", "quantile_75", "quantile_95")  # `atleak.spreads.PARTS`
+_QUANTILES = ("quantile_5", "quantile_25", "median", "quantile_75", "quantile_95")  # `atleak.analysis.rates.PARTS`
 Of = str | Callable[[Any], Any]  # what a cell holds of its row, or the names that lead there from it, or its item
 Bodies = Iterable[ValveBody]
 

@@ -5,11 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from atleak.analysis.rates import Rate, Spread
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import catalogue_files
-from atleak.errors import CatalogueError, Message
-from atleak.fleet.summed import (
+from atleak.catalogue.repairs import LandKey
+from atleak.common.errors import CatalogueError, Message
+from atleak.common.unit_systems import RPM
+from atleak.common.verdicts import FLAGGED, VERDICTS, Verdict
+from atleak.common.wording import Wording
+from atleak.fleet.sums import (
     GROUP,
     ConditionSpread,
     Decider,
@@ -21,12 +26,7 @@ from atleak.fleet.summed import (
     ValveBody,
     WearDifference,
 )
-from atleak.rules import LandKey
-from atleak.spreads import Rate, Spread
-from atleak.verdicts import FLAGGED, VERDICTS, Verdict
-from atleak.views.land_names import land_number, land_words
-from atleak.wording import Wording
-from atleak.workshop_units import RPM
+from atleak.report.tables.names import land_number, land_words
 
 NAME = 36  # letters of a group's name, where it is one of several in a line
 

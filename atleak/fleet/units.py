@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from atleak.errors import AtleakError, InputError, Place
+from atleak.common.errors import AtleakError, InputError, Place
+from atleak.common.sentences import Sentence
 from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile
-from atleak.job.file import read_job_file
 from atleak.job.parts import name_within
-from atleak.job.record import Job
-from atleak.sentence import Sentence
+from atleak.job.zip_file import read_job_file
+from atleak.measurements.job_card import Job
 
 FILE, TABLE, BOOK = "file:", "table:", "book:"
 """What a reference begins with: that of a job file, of a row of a table, of a job of the book."""

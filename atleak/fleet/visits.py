@@ -1,4 +1,7 @@
-"""Tell which rows of a fleet are visits of one unit, and which of them counts."""
+"""Tell which rows of a fleet are visits of one unit, and which of them counts.
+
+Lay out the lands of one valve body: a row for each visit, a column for each land.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +13,14 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from atleak.errors import InputError, unknown
+from atleak.catalogue.repairs import LandKey
+from atleak.common.errors import InputError, unknown
+from atleak.common.sentences import Sentence
+from atleak.common.verdicts import VERDICTS, Verdict
 from atleak.fleet.columns import HASH, PARTITION
 from atleak.fleet.results import Results
-from atleak.fleet.summed import GROUP, MOST_GROUPS
-from atleak.jobs.units import key_of_numbers
-from atleak.sentence import Sentence
+from atleak.fleet.sums import GROUP, MOST_GROUPS
+from atleak.job_book.units import key_of_numbers
 
 _COLUMNS = (
     *(HASH, PARTITION, "reference", "name", GROUP, "atleak", "evaluated_at"),
@@ -133,3 +138,57 @@ def _stated(table: pa.Table, heading: str) -> pd.Series:
     text = pc.utf8_trim_whitespace(column)
     stated: pd.Series = pc.if_else(pc.equal(text, ""), None, text).to_pandas().astype(object)
     return stated.where(stated.notna(), None)
+
+
+_CLEARANCES = ("mounting_clearance_low_um", "radial_clearance_um", "mounting_clearance_um")
+_OF_LANDS = (HASH, "component", "land", "measured", "seal", "fitted_repair", "wear_percent", "verdict", *_CLEARANCES)
+
+
+@dataclass(frozen=True)
+class Lands:
+    """What is known of every land (column) at every visit (row) of a valve body, in the order of `Visits.rows`."""
+
+    keys: tuple[LandKey, ...]  # by component and land
+    measured: np.ndarray  # whether both of its parts were, and no ring seals it
+    rank: np.ndarray  # of its verdict
+    repaired: np.ndarray  # whether a repair was fitted
+    wear: np.ndarray  # [%]; none within what new ones have; NaN where not measured, and of a land that was repaired
+
+    def at(self, visits: np.ndarray) -> Lands:
+        """Return the same at some visits."""
+        return Lands(self.keys, *(each[visits] for each in (self.measured, self.rank, self.repaired, self.wear)))
+
+
+def read_lands(results: Results, controller: str, visits: Visits) -> Lands:
+    """Read the lands of one valve body."""
+    frame = results.table("lands", _OF_LANDS, [controller])
+    frame = frame.to_pandas().assign(visit=visits.places(frame[HASH]))
+    frame = frame[frame["visit"] >= 0]
+    low, clearance, high = (frame[name] for name in _CLEARANCES)
+    frame = frame.assign(
+        measured=(frame["measured"] == "measured") & frame["seal"].isna(),
+        repaired=frame["fitted_repair"].notna(),
+        rank=frame["verdict"].map({str(each): each.rank for each in VERDICTS}),
+        wear=frame["wear_percent"].mask((low < high) & (low <= clearance) & (clearance <= high), 0.0),
+    )
+    keys = sorted(set(zip(frame["component"], frame["land"], strict=True)), key=_by_number)
+
+    def laid_out(name: str) -> pd.DataFrame:
+        wide = frame.pivot(index="visit", columns=["component", "land"], values=name)  # noqa: PD010 - nothing to average
+        return wide[keys].reindex(visits.rows.index)
+
+    measured, repaired = (laid_out(name).eq(True).to_numpy(bool) for name in ("measured", "repaired"))
+    return Lands(
+        keys=tuple(keys),
+        measured=measured,
+        rank=laid_out("rank").fillna(Verdict.NOT_MEASURED.rank).to_numpy(int),
+        repaired=repaired,
+        wear=np.where(measured & ~repaired, laid_out("wear").to_numpy(float), np.nan),
+    )
+
+
+def _by_number(key: LandKey) -> tuple[tuple[int, str], int]:
+    """Return what sorts components as people count them: 2 before 10."""
+    component, land = key
+    digits = "".join(letter for letter in component if letter.isdigit())
+    return (int(digits) if digits else 0, component), land

@@ -1,1 +1,1 @@
-"""Hold a job: its files and choices, what the workshop writes down, and all of it in one zip."""
+"""Turn files and choices into a diagnosis, and keep the whole job as one file."""

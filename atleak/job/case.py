@@ -18,7 +18,7 @@ from types import MappingProxyType
 from typing import Any, Self, TypeVar
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import own_files, shipped_files
 from atleak.catalogue.fluid import FluidState, load_fluid
 from atleak.catalogue.instruments import (
@@ -32,25 +32,24 @@ from atleak.catalogue.limits import DEFAULT_LIMITS, load_limits
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import find_repairs
-from atleak.diagnosis import Diagnosis, diagnose
-from atleak.doors import DAMAGE, reason_in_short
-from atleak.engine.assumed_pressure import OPERATING_POINTS, with_assumed_pressure
+from atleak.common.cache import kept_with
+from atleak.common.damage import DAMAGE, reason_in_short
+from atleak.common.errors import AtleakError, InputError, Message, Place, RoadTestError, reason_of
+from atleak.common.sentences import Sentence
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, LandSources
+from atleak.diagnosis.uncertainty.sources import sources_of_sheet
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
-from atleak.errors import AtleakError, InputError, Message, Place, RoadTestError
-from atleak.intake.gauge_table import read_pressure_table
-from atleak.intake.plain_words import words
-from atleak.intake.readings import read_readings
-from atleak.intake.road_test import NOT_LOGGED, Understood, default_path, recall, understand
-from atleak.job.record import Job
-from atleak.keeping import kept_with
-from atleak.pressure_table import PressureTable
-from atleak.readings import Readings
-from atleak.road_test import RoadTest
-from atleak.sentence import Sentence
-from atleak.system.reasons import reason_of
-from atleak.uncertainty import DEFAULTS, GUARD_FACTOR, LandSources
-from atleak.uncertainty.sources import sources_of_sheet
+from atleak.engine.road_leakage import OPERATING_POINTS, with_assumed_pressure
+from atleak.measurements.gauge_readings import PressureTable
+from atleak.measurements.job_card import Job
+from atleak.measurements.readings import Readings
+from atleak.measurements.road_test import RoadTest
+from atleak.readers.dates import words
+from atleak.readers.gauges.gauge_table import read_pressure_table
+from atleak.readers.logs import NOT_LOGGED, Understood, default_path, recall, understand
+from atleak.readers.sheets.measuring_sheet import read_readings
 
 Loaded = TypeVar("Loaded")
 CaseKind = TypeVar("CaseKind", bound="Case")

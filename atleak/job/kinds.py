@@ -12,11 +12,11 @@ from pathlib import Path
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import shipped_files
-from atleak.doors import DAMAGE, is_own_fault, own_errors_only
-from atleak.errors import InputError
-from atleak.intake.kinds import Table, table_kind
+from atleak.common.damage import DAMAGE, is_own_fault, own_errors_only
+from atleak.common.errors import InputError
 from atleak.job.case import SLOTS, SourceFile
-from atleak.job.record import Job
+from atleak.measurements.job_card import Job
+from atleak.readers.file_kinds import Table, table_kind
 
 _PICTURES = (b"\x89PNG\r\n", b"\xff\xd8\xff")
 _TOML = re.compile(r"(\s*#.*\n|\s*\n)*\s*(\w+ *= *[\"'0-9\[]|\[\w+\])")

@@ -13,23 +13,29 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, AwareDatetime, BaseModel, ConfigDict, Field
 
+from atleak.analysis.record_doubts import without_plan_as_number
 from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.entries import Origin, catalogue_files
 from atleak.catalogue.fluid import FluidState
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.diagnosis import Diagnosis
-from atleak.doors import own_errors_only
+from atleak.common.damage import own_errors_only
+from atleak.common.errors import InputError, Place
+from atleak.common.file_faults import validated
+from atleak.common.sentences import Sentence
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR
 from atleak.engine.profile import find_profile
-from atleak.errors import InputError, Place
-from atleak.faults import validated
 from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name
-from atleak.job.of_sheet import without_plan_as_number
-from atleak.job.photo_notes import without_notes
-from atleak.job.record import Job, MeasuringCelsius, PumpSideMicrometres, PumpTipMicrometres, without_surrogates
-from atleak.sentence import Sentence
-from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
+from atleak.job.photos import without_notes
+from atleak.measurements.job_card import (
+    Job,
+    MeasuringCelsius,
+    PumpSideMicrometres,
+    PumpTipMicrometres,
+    without_surrogates,
+)
+from atleak.report.json.diagnosis import diagnosis_record
 from atleak.version import __version__
-from atleak.views.diagnosis_record import diagnosis_record
 
 FORMAT: Literal[1] = 1
 _RECORD_LIMIT = 16 << 20  # bytes

@@ -1,1 +1,1 @@
-"""Turn a diagnosis into bytes and records. Renderers compute nothing: every number comes from the result."""
+"""Print answers: tables, charts and sentences on the terminal, as PDF, workbook, JSON and blank sheets."""

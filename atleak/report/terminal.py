@@ -1,4 +1,7 @@
-"""Show a diagnosis on a terminal."""
+"""Show a comparison of two jobs on a terminal.
+
+Show a diagnosis on a terminal.
+"""
 
 from __future__ import annotations
 
@@ -13,39 +16,49 @@ from rich.segment import Segment
 from rich.table import Table as Grid
 from rich.text import Text
 
-from atleak.diagnosis import Diagnosis
+from atleak.analysis.comparison import Comparison
+from atleak.analysis.gauge_study import GaugeStudy
+from atleak.analysis.pressures import pressures_at
+from atleak.analysis.repair.plan import RepairStep, plan_repairs
+from atleak.common.printable import printable, unguarded
+from atleak.common.style import look_of
+from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM, UM
+from atleak.common.units import HHMMSS, find_unit, kinds_of
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import Wording, begun, signed, wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.rules import Rule
+from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.gauge_study.anova import GaugeStudy
-from atleak.intake.units import HHMMSS, find_unit, kinds_of
-from atleak.land_diagnosis import LandDiagnosis
-from atleak.look import look_of
-from atleak.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
-from atleak.pressure_table import LINE
-from atleak.repair import RepairStep, plan_repairs
-from atleak.road_findings import RoadFindings
-from atleak.rules import Rule
-from atleak.system.printable import printable, unguarded
-from atleak.uncertainty import UnitUncertainty
-from atleak.verdicts import Verdict
-from atleak.views.caveats import caveat_marks, caveats
-from atleak.views.complaint import finding, measure_first, reason
-from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
-from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
-from atleak.views.gauge_rows import gauge_table, pattern_sentences
-from atleak.views.gauge_study import anova_table, component_table, result_sentence
-from atleak.views.pair_table import pair_table
-from atleak.views.positions import positions
-from atleak.views.pressures import pressures_at
-from atleak.views.pump_words import pump_sentence, worn_pump
-from atleak.views.repair_options import option_rows, planned
-from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.road_instants import instant_record, road_instants
-from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
-from atleak.views.section import Facts, Part, Picture, Points, Section
-from atleak.views.section import Text as Paragraph
-from atleak.views.sentences import (
+from atleak.measurements.gauge_readings import LINE
+from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
+from atleak.report.tables.comparison import (
+    changed_sentence,
+    condition_table,
+    event_table,
+    land_table,
+    total_sentence,
+    verdicts_sentence,
+    visit_caveats,
+)
+from atleak.report.tables.complaint import finding, measure_first, reason
+from atleak.report.tables.first_sentence import impossible_part, may_parts, pump_sentence, shown_verdict, worn_pump
+from atleak.report.tables.gauge_study import anova_table, component_table, result_sentence
+from atleak.report.tables.gauges import gauge_table, pattern_sentences
+from atleak.report.tables.lands import LandAtCondition, leaking_worst_first, pair_table
+from atleak.report.tables.names import positions
+from atleak.report.tables.repairs import no_help, option_rows, plan_ends, planned
+from atleak.report.tables.road_test import instant_record, road_instants
+from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
+from atleak.report.tables.section import Facts, Part, Picture, Points, Section
+from atleak.report.tables.section import Text as Paragraph
+from atleak.report.tables.sentences import (
     because_of,
+    caveat_marks,
+    caveats,
     circuit_sentence,
     counted_in_speed,
     fluid_in_state,
@@ -55,9 +68,7 @@ from atleak.views.sentences import (
     reserve_sentence,
     when_new,
 )
-from atleak.views.table import VERDICT, Column, Table, span
-from atleak.wording import Wording, begun, signed, wording
-from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM, UM
+from atleak.report.tables.table import VERDICT, Column, Table, span
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
@@ -473,3 +484,32 @@ def _share(cell: LandAtCondition) -> Text:
         return Text(share)
     look = look_of(cell.verdict)
     return Text(f"{look.sign} {share}", style=look.style)
+
+
+_LEFT_OUT = ("wear", "share", "decision")  # of each land, before and after
+
+
+def print_comparison(comparison: Comparison, say: Wording) -> None:
+    """Print both verdicts, the lands that are flagged or changed, totals and pressures, events, and messages."""
+    console = TerminalConsole()
+    console.print(Text(f"{say.name(comparison.after.controller.name)} · {say('comparison.title')}"))
+    console.print(Text(verdicts_sentence(comparison, say), style=look_of(comparison.after.verdict).style))
+    for sentence in (changed_sentence(comparison, say), total_sentence(comparison, say)):
+        if sentence is not None:
+            console.print(Text(sentence))
+    for line in visit_caveats(comparison, say):
+        console.print(Text(line))
+    shown = [*comparison.flagged, *(land for land in comparison.changed if not land.flagged)]
+    lands = land_table(comparison, shown, say)
+    tables = [
+        lands.without(*(f"{key}_{side}" for key in _LEFT_OUT for side in ("before", "after"))),
+        condition_table(comparison, say, brief=True),
+        *([] if comparison.logs is None else [event_table(comparison.logs, say)]),
+    ]
+    for table in tables:
+        if table.rows:
+            console.print(laid_out(replace(table, title=say(f"compare.{table.name}"))))
+        elif table.name == "lands":
+            console.print(Text(say("compare.no_land")))
+    for message in comparison.messages:
+        console.print(Text(f"{'!' if message.level == 'warning' else '·'} {say.sentence(message.text)}"))

@@ -6,9 +6,9 @@ from collections import Counter
 from typing import Any
 
 from atleak.catalogue.limits import RuleKind
-from atleak.land_diagnosis import LandDiagnosis
-from atleak.uncertainty import LandUncertainty, RuleDecision, TotalUncertainty
-from atleak.verdicts import Verdict
+from atleak.common.verdicts import Verdict
+from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.uncertainty import LandUncertainty, RuleDecision, TotalUncertainty
 from simulated import population, worlds
 from simulated.pairs import Pair
 from simulated.population import Known

@@ -11,7 +11,7 @@ import numpy as np
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.uncertainty import Assumptions
+from atleak.diagnosis.uncertainty import Assumptions
 from simulated.pairs import Pair
 
 LandKey = tuple[str, int]

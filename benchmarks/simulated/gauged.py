@@ -16,15 +16,15 @@ import numpy as np
 
 from atleak.catalogue.circuits import Leak
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project
-from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable
-from atleak.readings import clearances
+from atleak.measurements.gauge_readings import LINE, Cell, Engine, GaugeReading, PressureTable
+from atleak.measurements.readings import clearances
 
 Gauges = Literal["each reading", "each tap", "one"]  # what errs alike
 WORN = 0.2  # of the lands

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atleak.catalogue.instruments import Instruments, Part
-from atleak.readings import Reading, Readings
+from atleak.measurements.readings import Reading, Readings
 from simulated.pairs import Pair
 
 PARTS: tuple[Part, ...] = ("spool", "sleeve")

@@ -14,13 +14,14 @@ from functools import cache
 
 import numpy as np
 
-from atleak.catalogue.controller import Controller, Land, NewOrigin
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.instruments import Instruments, load_instrument
 from atleak.catalogue.limits import Limits, load_limits
-from atleak.diagnosis import Diagnosis, diagnose
-from atleak.uncertainty import DEFAULTS
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.uncertainty import DEFAULTS
 from simulated.flows import Circumstances, TrueFlows, true_flows
 from simulated.gauges import Reader
 from simulated.pairs import Pair, random_forms

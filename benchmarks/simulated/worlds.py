@@ -9,17 +9,17 @@ from functools import cache
 import numpy as np
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.instruments import Instrument, Instruments, load_instrument
 from atleak.catalogue.limits import LimitOrigin, Limits, Steps, load_limits
+from atleak.common.verdicts import Band, Verdict
+from atleak.diagnosis.rules import unit_rules
+from atleak.diagnosis.uncertainty import DEFAULTS, UnitUncertainty, assess
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import UNKNOWN, WORKSHOP
 from atleak.engine.projection import project, project_unworn
-from atleak.readings import clearances
-from atleak.rules import unit_rules
-from atleak.uncertainty import DEFAULTS, UnitUncertainty, assess
-from atleak.verdicts import Band, Verdict
+from atleak.measurements.readings import clearances
 from simulated.flows import Circumstances, TrueFlows, true_flows
 from simulated.gauges import Reader
 from simulated.pairs import Pair, random_forms

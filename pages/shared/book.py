@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import streamlit as st
 
-from atleak.errors import AtleakError, ChangedElsewhere, ErasedElsewhere
-from atleak.job.judged_anew import judged_otherwise
+from atleak.common.errors import AtleakError, ChangedElsewhere, ErasedElsewhere
+from atleak.common.files import home
+from atleak.common.sentences import Sentence
 from atleak.job.parts import job_parts
-from atleak.sentence import Sentence
-from atleak.system.home import home
+from atleak.job.result import judged_otherwise
 from pages.shared import fleet_job, reader
 from pages.shared.cases import case_with_columns, diagnosis_of, held, opened_case
 from pages.shared.state import (
@@ -34,7 +34,7 @@ from pages.shared.state import (
 from pages.shared.undo import Left, Step, Steps
 
 if TYPE_CHECKING:
-    from atleak.jobs.book import Book
+    from atleak.job_book.book import Book
 
 
 def book() -> Book:
@@ -45,7 +45,7 @@ def book() -> Book:
     BookError
         where it cannot be opened.
     """
-    from atleak.jobs.opening import DATABASE_URL
+    from atleak.common.files import DATABASE_URL
 
     opened: Book = _book(os.environ.get(DATABASE_URL) or str(home()))
     return opened
@@ -53,7 +53,7 @@ def book() -> Book:
 
 @st.cache_resource(max_entries=4, show_spinner=False)
 def _book(where: str) -> Any:
-    from atleak.jobs.book import open_book
+    from atleak.job_book.book import open_book
 
     return open_book()
 

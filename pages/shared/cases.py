@@ -19,18 +19,18 @@ import streamlit as st
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import Listed, catalogue_files, listed, own_files
 from atleak.catalogue.instruments import Instruments
-from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError, CatalogueError, Message, OutputError
-from atleak.intake.readings import read_readings
-from atleak.intake.road_test import LogColumn, Understood, default_path, log_columns, recall, remember, understand
-from atleak.intake.road_test.names.memory import RememberedColumns
+from atleak.common.cache import kept_with
+from atleak.common.errors import AtleakError, CatalogueError, Message, OutputError
+from atleak.common.memory import give_back_soon
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, Reader, Slot, SourceFile, with_log_choices
-from atleak.keeping import kept_with
-from atleak.measuring.plan import PARTS
-from atleak.pressure_table import PressureTable
-from atleak.readings import Readings
-from atleak.system.memory import give_back_soon
-from atleak.wording import Wording
+from atleak.measurements.gauge_readings import PressureTable
+from atleak.measurements.measuring_plan import PARTS
+from atleak.measurements.readings import Readings
+from atleak.readers.logs import LogColumn, Understood, default_path, log_columns, recall, remember, understand
+from atleak.readers.logs.remembered_columns import RememberedColumns
+from atleak.readers.sheets.measuring_sheet import read_readings
 
 CaseKind = TypeVar("CaseKind", bound=Case)
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"

@@ -7,22 +7,28 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.channel_formulas.scales import channel_scales
-from atleak.comparison import Comparison, LandComparison
-from atleak.diagnosis import Diagnosis
-from atleak.figures import comparison_figures as figures
-from atleak.job.file import read_job_file
+from atleak.analysis.comparison import Comparison, LandComparison
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.parts import JobFile
-from atleak.jobs.book import JobRow
-from atleak.jobs.compared import ComparedJobs, compare_jobs, compared_record
-from atleak.jobs.search import Query
-from atleak.jobs.unit_visits import unit_of_job
+from atleak.job.zip_file import read_job_file
+from atleak.job_book.book import JobRow
+from atleak.job_book.compared_jobs import ComparedJobs, compare_jobs, compared_record
+from atleak.job_book.search import Query
+from atleak.job_book.visits import unit_of_job
+from atleak.report.charts import comparison_figures as figures
+from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf.comparison import write_comparison_pdf
-from atleak.verdicts import Verdict
-from atleak.views.comparison_rows import condition_table, event_table
-from atleak.views.comparison_words import changed_sentence, event_name, total_sentence, verdicts_sentence
-from atleak.views.diagnosis_record import to_json
-from atleak.wording import Wording
+from atleak.report.tables.comparison import (
+    changed_sentence,
+    condition_table,
+    event_name,
+    event_table,
+    total_sentence,
+    verdicts_sentence,
+)
+from atleak.report.tables.log_scales import channel_scales
 from pages.shared import files, font_form, reader, show
 from pages.shared.book import book, job_id
 from pages.shared.cases import diagnosis_of, opened_case, result_key

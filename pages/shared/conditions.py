@@ -10,18 +10,17 @@ from typing import Any
 import pandas as pd
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
-from atleak.look import look_of
-from atleak.repair import RepairPlan, RepairStep, Total
-from atleak.report.estimate_words import open_words
-from atleak.verdicts import Verdict
-from atleak.views.complaint import finding, measure_first, reason
-from atleak.views.condition_matrix import leaking_worst_first
-from atleak.views.repair_options import option_rows, repair_name
-from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
-from atleak.wording import Wording
-from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
+from atleak.analysis.repair.plan import RepairPlan, RepairStep, Total
+from atleak.common.style import look_of
+from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.report.tables.complaint import finding, measure_first, reason
+from atleak.report.tables.estimate import open_words
+from atleak.report.tables.lands import leaking_worst_first
+from atleak.report.tables.repairs import no_help, option_rows, plan_ends, repair_name
+from atleak.report.tables.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
 from pages.shared import reader, show
 from pages.shared.show import plain
 from pages.shared.state import choose, job, session

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from atleak.catalogue.catalogue_toml import written_toml
-from atleak.errors import AtleakError
-from atleak.intake.controller_workbook import read_controller_workbook
+from atleak.analysis.record_doubts import check_decisions
+from atleak.catalogue.controller_file import written_toml
+from atleak.common.errors import AtleakError
 from atleak.job.case import SLOTS, SourceFile
-from atleak.job.decisions import check_decisions
-from atleak.job.file import parse_job
 from atleak.job.kinds import Kind, kind_of, slots_of
-from atleak.report.pictures import printable_picture
+from atleak.job.zip_file import parse_job
+from atleak.readers.controller_workbook import read_controller_workbook
+from atleak.report.pdf.typesetting import printable_picture
 from pages.shared import reader
 from pages.shared.cases import catalogue_entry, controller_of
 from pages.shared.state import Refusal, job, open_job, pick, put_file, put_job, remember, session

@@ -11,11 +11,11 @@ from typing import Any
 import streamlit as st
 
 from atleak.catalogue.entries import own_files, read_tables
-from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
-from atleak.errors import OutputError
-from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
-from atleak.views.entry_form import Checked, Draft, Subject, checked, copy_of, draft_of, read_draft
-from atleak.wording import Wording
+from atleak.catalogue.workbook.cells import CLEARANCES, LENGTHS, PRESSURES, Units
+from atleak.catalogue.workbook.draft import Checked, Draft, Subject, checked, copy_of, draft_of, read_draft
+from atleak.common.errors import OutputError
+from atleak.common.files import draft_text, drafts, forget_draft, keep_draft, new_token
+from atleak.common.wording import Wording
 from pages.shared import entrance, reader, show
 
 _SHOWN = 15  # faults in one list

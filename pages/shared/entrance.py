@@ -8,8 +8,8 @@ from pathlib import Path
 import streamlit as st
 from streamlit.runtime.scriptrunner import get_script_run_ctx
 
-from atleak.admission import ALLOWED, is_here_alone, read_allowed
-from atleak.errors import InputError
+from atleak.common.access import ALLOWED, is_here_alone, read_allowed
+from atleak.common.errors import InputError
 from pages.shared import reader
 
 _INSIDE: set[str] = set()  # ids of the sessions that were let in

@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 import streamlit as st
 
-from atleak.controller_sheets.circuit_shapes import Mark
-from atleak.controller_sheets.description import Fault
-from atleak.controller_sheets.kinds import Choice, YesNo
-from atleak.controller_sheets.shapes import Column, Sheet
-from atleak.views.entry_form import Checked, Draft
-from atleak.wording import Wording
+from atleak.catalogue.workbook.cells import Choice, YesNo
+from atleak.catalogue.workbook.circuit_sheets import Mark
+from atleak.catalogue.workbook.draft import Checked, Draft
+from atleak.catalogue.workbook.shapes import Column, Fault, Sheet
+from atleak.common.wording import Wording
 from pages.shared import fields, reader, show
 
 if TYPE_CHECKING:

@@ -10,15 +10,15 @@ from typing import Any, get_args
 
 import streamlit as st
 
+from atleak.analysis.estimate import Estimate, Line, estimate, with_line
+from atleak.analysis.record_doubts import decision_faults
+from atleak.analysis.repair.plan import Choice, Prices, choose
 from atleak.catalogue.repairs import Goal
-from atleak.diagnosis import Diagnosis
-from atleak.job.decisions import decision_faults
-from atleak.job.estimate import Estimate, Line, estimate, with_line
-from atleak.job.record import EstimateTerms, Job, RepairDecision, RepairState, clean_text
-from atleak.repair import Choice, Prices, choose
-from atleak.report.estimate_words import EstimateWords
-from atleak.wording import Wording
-from atleak.written_numbers import HOURS, LABOUR_RATE, PRICE, TAX
+from atleak.catalogue.written_numbers import HOURS, LABOUR_RATE, PRICE, TAX
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.measurements.job_card import EstimateTerms, Job, RepairDecision, RepairState, clean_text
+from atleak.report.tables.estimate import EstimateWords
 from pages.shared import fields, reader, show
 from pages.shared.cases import result_key
 from pages.shared.job_form import key

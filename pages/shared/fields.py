@@ -9,9 +9,9 @@ from typing import Any, Literal, overload
 
 import streamlit as st
 
-from atleak.sentence import Sentence
-from atleak.wording import Wording
-from atleak.written_numbers import AskedNumber, WrittenNumber, read_number, written
+from atleak.catalogue.written_numbers import AskedNumber, WrittenNumber, read_number, written
+from atleak.common.sentences import Sentence
+from atleak.common.wording import Wording
 from pages.shared import reader, show
 
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.report.json.diagnosis import to_json
 from atleak.report.xlsx import write_workbook
-from atleak.views.diagnosis_record import to_json
 from pages.shared import reader, show
 from pages.shared.cases import PageCase
 from pages.shared.state import job

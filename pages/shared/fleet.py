@@ -11,8 +11,9 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.errors import AtleakError, InputError
-from atleak.fleet.known import KnownFolder, forget, known_folders, set_aside
+from atleak.common.errors import AtleakError, InputError
+from atleak.common.wording import Wording
+from atleak.fleet.folder import KnownFolder, forget, known_folders, set_aside
 from atleak.fleet.results import Results
 from atleak.fleet.summary import summed_up
 from atleak.fleet.summary_pdf import write_summary_pdf
@@ -20,8 +21,7 @@ from atleak.fleet.summary_sections import Depth, FleetSections
 from atleak.fleet.summary_tables import by_trouble
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summary_workbook import write_summary_workbook
-from atleak.fleet.summed import GROUP, FleetSummary, ValveBody
-from atleak.wording import Wording
+from atleak.fleet.sums import GROUP, FleetSummary, ValveBody
 from pages.shared import address, files, font_form, reader, show
 from pages.shared.state import job
 

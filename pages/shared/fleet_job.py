@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import streamlit as st
 
-from atleak.errors import AtleakError, FleetError
-from atleak.job.judged_anew import judged_otherwise
-from atleak.job.of_sheet import with_sheet
-from atleak.sentence import Sentence
-from atleak.views.diagnosis_record import diagnosis_record
+from atleak.analysis.record_doubts import with_sheet
+from atleak.common.errors import AtleakError, FleetError
+from atleak.common.sentences import Sentence
+from atleak.job.result import judged_otherwise
+from atleak.report.json.diagnosis import diagnosis_record
 from pages.shared import reader
 from pages.shared.cases import diagnosis_of, opened_case
 from pages.shared.state import OF_FLEET, InBook, Refusal, session, show_job, way_back
 from pages.shared.undo import Steps
 
 if TYPE_CHECKING:
-    from atleak.fleet.kept_unit import KeptUnit
+    from atleak.fleet.sources import KeptUnit
 
 
 def show_unit(kept: KeptUnit, folder: str, *, done: str = "") -> None:
@@ -74,9 +74,9 @@ def follow_address(open_from_book: Callable[[str], bool]) -> None:
 
 
 def _kept(wanted: str) -> tuple[KeptUnit, str]:
-    from atleak.fleet.kept_unit import kept_unit
-    from atleak.fleet.known import known_folders
+    from atleak.fleet.folder import known_folders
     from atleak.fleet.results import Results
+    from atleak.fleet.sources import kept_unit
 
     id, _, sha256 = wanted.partition("-")
     folder = next((each for each in known_folders() if each.id == id), None)

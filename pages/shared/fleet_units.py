@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 
 import streamlit as st
 
-from atleak.errors import AtleakError
-from atleak.fleet.kept_unit import KeptUnit, Row, kept_unit
-from atleak.fleet.known import KnownFolder
+from atleak.common.errors import AtleakError
+from atleak.common.verdicts import Verdict, level_named
+from atleak.common.wording import Wording
+from atleak.diagnosis.uncertainty import DECISIONS
+from atleak.fleet.folder import KnownFolder
 from atleak.fleet.results import Results
+from atleak.fleet.sources import KeptUnit, Row, kept_unit
 from atleak.fleet.summary_tables import FleetTables
 from atleak.fleet.summary_words import FleetWords
-from atleak.fleet.summed import GROUP, SummedUnit
+from atleak.fleet.sums import GROUP, SummedUnit
 from atleak.fleet.units import BOOK
-from atleak.uncertainty import DECISIONS
-from atleak.verdicts import Verdict, level_named
-from atleak.views.table import VERDICT, Column, Table
-from atleak.wording import Wording
+from atleak.report.tables.table import VERDICT, Column, Table
 from pages.shared import fields, reader, show
 from pages.shared.book import open_from_book
 from pages.shared.fleet import heading_words, reads

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 import streamlit as st
 from streamlit.runtime.uploaded_file_manager import UploadedFile
 
-from atleak.errors import AtleakError
-from atleak.job.record import Job
-from atleak.report.own_font import forget_font, keep_font, kept_file, kept_font
+from atleak.common.errors import AtleakError
+from atleak.common.wording import Wording
+from atleak.measurements.job_card import Job
 from atleak.report.pdf import missing_characters
-from atleak.wording import Wording
+from atleak.report.pdf.fonts import forget_font, keep_font, kept_file, kept_font
 from pages.shared import drop_zone, show
 
 _KEY = "workshop-data-font"

@@ -7,19 +7,18 @@ import hashlib
 
 import streamlit as st
 
-from atleak.catalogue.catalogue_toml import written_toml
+from atleak.analysis.gauge_study import ALPHA, GaugeStudy, analysed, instrument_tables
+from atleak.catalogue.controller_file import written_toml
 from atleak.catalogue.entries import id_from_name, own_files, write_own
 from atleak.catalogue.instruments import InstrumentFile
-from atleak.errors import InputError, OutputError
-from atleak.gauge_study.anova import ALPHA, GaugeStudy, analysed
-from atleak.gauge_study.instrument import instrument_tables
-from atleak.intake.gauge_study import read_study
+from atleak.catalogue.written_numbers import AskedNumber
+from atleak.common.errors import InputError, OutputError
+from atleak.common.sentences import Sentence
+from atleak.common.unit_systems import UM
+from atleak.common.wording import Wording
 from atleak.job.case import SLOTS, SourceFile
-from atleak.report.gauge_study_sheet import write_study_form
-from atleak.sentence import Sentence
-from atleak.wording import Wording
-from atleak.workshop_units import UM
-from atleak.written_numbers import AskedNumber
+from atleak.readers.gauges.gauge_study import read_study
+from atleak.report.sheets.gauge_study_form import write_study_form
 from pages.shared import fields, show
 from pages.shared.cases import catalogue_list, shown_name
 from pages.shared.state import pick, session

@@ -11,13 +11,13 @@ from pydantic import ValidationError
 from streamlit.delta_generator import DeltaGenerator
 from streamlit.runtime.uploaded_file_manager import UploadedFile
 
+from atleak.analysis.record_doubts import decision_faults
 from atleak.catalogue.controller import Controller
-from atleak.errors import InputError
-from atleak.job.decisions import decision_faults
-from atleak.job.record import PICTURE_SUFFIXES, Grade, Job, RepairState
-from atleak.report.pictures import printable_picture
-from atleak.views.land_names import component_words
-from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
+from atleak.catalogue.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
+from atleak.common.errors import InputError
+from atleak.measurements.job_card import PICTURE_SUFFIXES, Grade, Job, RepairState
+from atleak.report.pdf.typesetting import printable_picture
+from atleak.report.tables.names import component_words
 from pages.shared import drop_zone, fields, reader, show
 from pages.shared.state import RECORD, choose, job, job_generation, put_job, remember, session
 

@@ -10,15 +10,15 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.errors import AtleakError
-from atleak.jobs.book import Book, JobRow, local_time
-from atleak.jobs.erase import erase, jobs_of_customer, same_vehicle
-from atleak.jobs.exchange import export_zip, import_job
-from atleak.jobs.merge import duplicates, merge, merged_rows, part
-from atleak.jobs.search import Query, controllers_held
-from atleak.verdicts import Verdict
-from atleak.views.table import Column
-from atleak.wording import Wording
+from atleak.common.errors import AtleakError
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import Wording
+from atleak.job_book.book import Book, JobRow, local_time
+from atleak.job_book.erasure import erase, jobs_of_customer, same_vehicle
+from atleak.job_book.exchange import export_zip, import_job
+from atleak.job_book.merges import duplicates, merge, merged_rows, part
+from atleak.job_book.search import Query, controllers_held
+from atleak.report.tables.table import Column
 from pages.shared import reader, show
 from pages.shared.book import job_id, open_from_book, open_picked
 from pages.shared.fields import kept

@@ -9,17 +9,15 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.catalogue.catalogue_toml import written_toml
-from atleak.catalogue.controller_reading import checked_controller
+from atleak.analysis.learning.learned_clearances import Learned, learn
+from atleak.analysis.learning.learned_words import messages, summary, with_learned
+from atleak.catalogue.controller_file import checked_controller, written_toml
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.instruments import Part, instruments, load_instruments
-from atleak.errors import AtleakError
-from atleak.intake.readings.several import read_several
-from atleak.intake.units import unit_names
-from atleak.learning.learned import Learned, learn
-from atleak.learning.tables import with_learned
-from atleak.learning.words import messages, summary
-from atleak.views.learned_table import learned_lands, learned_outliers, learned_units
+from atleak.common.errors import AtleakError
+from atleak.common.units import unit_names
+from atleak.readers.sheets.measuring_sheet import read_several
+from atleak.report.tables.learned import learned_lands, learned_outliers, learned_units
 from pages.shared import reader, show
 from pages.shared.sheet_form import AS_STATED, unit_said
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.system.memory import give_back
+from atleak.common.memory import give_back
 
 EVERY = 30.0  # [s]
 _HELD = ("_session_state", "_fragment_storage", "_browser_queue")  # by a session of Streamlit's, of its visitor's

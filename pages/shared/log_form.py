@@ -12,18 +12,18 @@ from typing import Any
 import pandas as pd
 import streamlit as st
 
-from atleak.channel_formulas.scales import channel_scales
-from atleak.engine.assumed_pressure import OPERATING_POINTS
-from atleak.errors import AtleakError
-from atleak.intake.road_test import FORMATS, NOT_LOGGED, Ambiguous, LogColumn, Understood, describe
-from atleak.intake.road_test.describe import workshop_unit
-from atleak.intake.units import unit_names
+from atleak.catalogue.written_numbers import INTERVAL, read_number, written
+from atleak.common.cache import kept_with
+from atleak.common.errors import AtleakError
+from atleak.common.units import unit_names
+from atleak.common.wording import Wording
+from atleak.engine.road_leakage import OPERATING_POINTS
 from atleak.job.case import Case, Pairs, SourceFile
-from atleak.keeping import kept_with
-from atleak.road_test import QUANTITIES
-from atleak.views.log_rows import short, whole
-from atleak.wording import Wording
-from atleak.written_numbers import INTERVAL, read_number, written
+from atleak.measurements.road_test import QUANTITIES
+from atleak.readers.logs import FORMATS, NOT_LOGGED, Ambiguous, LogColumn, Understood, describe
+from atleak.readers.logs.understood import workshop_unit
+from atleak.report.tables.log_scales import channel_scales
+from atleak.report.tables.road_test import short, whole
 from pages.shared import fields, reader, show
 from pages.shared.cases import Kept, PageCase, columns_of, remember_columns, remembered_columns, understood
 from pages.shared.state import choose, put_file, session

@@ -8,23 +8,23 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.channel_formulas import FUNCTIONS, NAMES, FormulaChannel, formula_channel
-from atleak.channel_formulas.scales import channel_scales, formula_scale
-from atleak.diagnosis import Diagnosis
+from atleak.analysis.formulas import FUNCTIONS, NAMES, FormulaChannel, formula_channel
+from atleak.catalogue.written_numbers import SHIFT
+from atleak.common.cache import kept_with
+from atleak.common.errors import AtleakError, FormulaError
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.errors import AtleakError, FormulaError
-from atleak.events import Event
-from atleak.figures import log_figures as figures
-from atleak.figures.log_figures import LaidOver
 from atleak.job.case import SourceFile
-from atleak.job.record import LogFormula
-from atleak.keeping import kept_with
-from atleak.road_test import RoadTest, hold
-from atleak.views.log_rows import Curve, as_it_is, event_table, log_curves, value_rows, whole
-from atleak.views.operating_map import histogram, operating_map
-from atleak.views.road_words import event_name
-from atleak.wording import Wording
-from atleak.written_numbers import SHIFT
+from atleak.measurements.events import Event
+from atleak.measurements.job_card import LogFormula
+from atleak.measurements.road_test import RoadTest, hold
+from atleak.report.charts import log_figures as figures
+from atleak.report.charts.log_figures import LaidOver
+from atleak.report.charts.operating_map import histogram, operating_map
+from atleak.report.tables.log_scales import channel_scales, formula_scale
+from atleak.report.tables.road_test import Curve, as_it_is, event_table, log_curves, value_rows, whole
+from atleak.report.tables.road_words import event_name
 from pages.shared import fields, log_form, reader, show
 from pages.shared.cases import understood
 from pages.shared.state import RECORD, job, job_generation, session

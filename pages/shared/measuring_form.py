@@ -10,17 +10,15 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError
-from atleak.intake.gauge_table.typed import TYPED_FILE as TYPED_GAUGES
-from atleak.intake.gauge_table.typed import TypedGauges
-from atleak.intake.units import unit_names
+from atleak.common.errors import AtleakError
+from atleak.common.units import unit_names
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SourceFile
-from atleak.measuring.doubts import Judged, judge
-from atleak.measuring.plan import MOST_DIRECTIONS, MOST_REPEATS, Order
-from atleak.measuring.record import Grid, grid_record
-from atleak.measuring.typed import Typed
-from atleak.measuring.typed_file import TYPED_FILE, typed_in, written
+from atleak.measurements.measuring_plan import MOST_DIRECTIONS, MOST_REPEATS, Order
+from atleak.readers.gauges.typed_gauges import TYPED_FILE as TYPED_GAUGES
+from atleak.readers.gauges.typed_gauges import TypedGauges
+from atleak.readers.typed_sheet import TYPED_FILE, Judged, Typed, judge, typed_in, written
+from atleak.report.measuring_grid import Grid, grid_record
 from pages.shared import book, fields, reader, show, words
 from pages.shared.cases import PageCase, controller_of, diagnosis_of, instruments_of, readings_of
 from pages.shared.state import new_job, put_file, remember, session

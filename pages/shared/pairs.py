@@ -9,15 +9,14 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
-from atleak.land_diagnosis import LandDiagnosis
-from atleak.look import look_of
-from atleak.views.drawing import component_svgs, on_dark, spool_svg
-from atleak.views.land_names import component_words, has_number
-from atleak.views.opened_pair import OpenedLand, component_verdict, components_worst_first, opened_lands
-from atleak.views.pair_table import pair_table
-from atleak.views.table import Table, leveled
-from atleak.wording import Wording
+from atleak.common.style import look_of
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.land import LandDiagnosis
+from atleak.report.charts.drawing import component_svgs, on_dark, spool_svg
+from atleak.report.tables.lands import OpenedLand, component_verdict, components_worst_first, opened_lands, pair_table
+from atleak.report.tables.names import component_words, has_number
+from atleak.report.tables.table import Table, leveled
 from pages.shared import address, reader, show
 from pages.shared.state import session
 

@@ -11,12 +11,12 @@ import streamlit as st
 from streamlit.runtime.uploaded_file_manager import UploadedFile
 
 from atleak.catalogue.controller import Controller
-from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError, ErasedElsewhere
-from atleak.intake.units import unit
+from atleak.catalogue.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
+from atleak.common.errors import AtleakError, ErasedElsewhere
+from atleak.common.units import unit
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SourceFile
-from atleak.wording import Wording
-from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 from pages.shared import book, choices, drop_zone, dropped, fields, reader, show
 from pages.shared.cases import PageCase, controller_of, diagnosis_of, own_faults
 from pages.shared.state import (

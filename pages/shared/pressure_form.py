@@ -9,14 +9,13 @@ import streamlit as st
 from streamlit.delta_generator import DeltaGenerator
 
 from atleak.catalogue.controller import Controller
-from atleak.errors import PressureTableError
-from atleak.intake.gauge_table import read_pressure_table
-from atleak.intake.gauge_table.rows import asked_pressure
-from atleak.intake.gauge_table.typed import TYPED_FILE, TypedGauges, typed_gauges
-from atleak.intake.units import unit, unit_names
+from atleak.catalogue.written_numbers import ENGINE_SPEED, TEMPERATURE, read_number
+from atleak.common.errors import PressureTableError
+from atleak.common.units import unit, unit_names
 from atleak.job.case import SourceFile
-from atleak.pressure_table import Cell, Engine, ranges_of, tap_name, taps_of
-from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE, read_number
+from atleak.measurements.gauge_readings import Cell, Engine, ranges_of, tap_name, taps_of
+from atleak.readers.gauges.gauge_table import asked_pressure, read_pressure_table
+from atleak.readers.gauges.typed_gauges import TYPED_FILE, TypedGauges, typed_gauges
 from pages.shared import fields, reader, show
 from pages.shared.cases import PageCase, controller_of
 from pages.shared.state import put_file, session

@@ -6,21 +6,15 @@ from collections.abc import Sequence
 
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
-from atleak.figures import pressure_figures as figures
-from atleak.repair import Total
-from atleak.views.flow_diagram import flow_diagram, flow_table
-from atleak.views.flow_svg import flow_svg
-from atleak.views.pressure_tables import condition_table, held_table
-from atleak.views.pressures import lowest_first, pressures_at
-from atleak.views.pump_speed import pump_over_speed
-from atleak.views.pump_words import pump_sentence
-from atleak.views.sentences import (
-    full_stroke,
-    pressure_sentence,
-    reserve_sentence,
-    unsolved,
-)
+from atleak.analysis.pressures import lowest_first, pressures_at
+from atleak.analysis.repair.plan import Total
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.report.charts import condition_figures as figures
+from atleak.report.charts.flows import flow_diagram, flow_svg, flow_table
+from atleak.report.tables.first_sentence import pump_sentence
+from atleak.report.tables.pressures import condition_table, held_table
+from atleak.report.tables.pump_speed import pump_over_speed
+from atleak.report.tables.sentences import full_stroke, pressure_sentence, reserve_sentence, unsolved
 from pages.shared import fields, reader, show
 from pages.shared.show import plain
 from pages.shared.state import session

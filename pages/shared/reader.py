@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping
 import streamlit as st
 from streamlit.delta_generator import DeltaGenerator
 
-from atleak.paper import DEFAULT_PAPER, PAPERS
-from atleak.unit_systems import SYSTEMS
-from atleak.wording import Wording, languages, wording
+from atleak.common.style import DEFAULT_PAPER, PAPERS
+from atleak.common.unit_systems import SYSTEMS
+from atleak.common.wording import Wording, languages, wording
 
 OTHERWISE = "en", "metric"
 _CHOICES = ("language", "units")

@@ -6,11 +6,11 @@ import datetime as dt
 
 import streamlit as st
 
-from atleak.errors import OutputError
-from atleak.intake.road_test import FORMATS, default_path, forget
-from atleak.intake.road_test.names.memory import RememberedColumns, recall_all, restore
-from atleak.system.entries import damaged_before
-from atleak.wording import Wording
+from atleak.common.errors import OutputError
+from atleak.common.files import damaged_before
+from atleak.common.wording import Wording
+from atleak.readers.logs import FORMATS, default_path, forget
+from atleak.readers.logs.remembered_columns import RememberedColumns, recall_all, restore
 from pages.shared import fields, reader, show
 from pages.shared.state import choose, session
 

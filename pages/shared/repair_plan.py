@@ -7,13 +7,12 @@ from functools import partial
 
 import streamlit as st
 
+from atleak.analysis.estimate import decided_repairs, prices_of, with_repairs
+from atleak.analysis.repair.plan import Basis, MoveKey, OfferedRepair, OfferedRepairs, Total, choose, ticked
 from atleak.catalogue.repairs import Goal
-from atleak.diagnosis import Diagnosis
-from atleak.job.estimate import prices_of
-from atleak.job.repair_set import decided_repairs, with_repairs
-from atleak.repair import Basis, MoveKey, OfferedRepair, OfferedRepairs, Total, choose, ticked
-from atleak.views.repair_effect import effect_sentences, effect_table, offered_words
-from atleak.wording import Wording
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.report.tables.repairs import effect_sentences, effect_table, offered_words
 from pages.shared import address, fields, pairs, reader, show
 from pages.shared.cases import result_key
 from pages.shared.show import plain

@@ -6,22 +6,21 @@ from itertools import islice
 
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
+from atleak.common.cache import kept_with
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.figures import log_figures as figures
-from atleak.keeping import kept_with
-from atleak.road_findings import RoadFindings
-from atleak.uncertainty import UnitUncertainty
-from atleak.views.log_rows import circuit_table, place_table, whole
-from atleak.views.road_instants import instant_table
-from atleak.views.road_words import (
+from atleak.report.charts import log_figures as figures
+from atleak.report.tables.road_test import circuit_table, instant_table, place_table, whole
+from atleak.report.tables.road_words import (
     check_sentences,
     deciding_sentence,
     log_sentences,
     pressure_sentences,
     test_sentences,
 )
-from atleak.wording import Wording
 from pages.shared import reader, show
 from pages.shared.show import plain
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import streamlit as st
 
-from atleak.intake.units import unit_names
+from atleak.common.units import unit_names
 from atleak.job.case import SourceFile
-from atleak.measuring.typed_file import TYPED_FILE
+from atleak.readers.typed_sheet import TYPED_FILE
 from pages.shared import reader, show
 from pages.shared.cases import PageCase
 from pages.shared.state import choose, put_file, session

@@ -20,25 +20,24 @@ import plotly.io as pio
 import streamlit as st
 from plotly.basedatatypes import BaseFigure
 
-from atleak.diagnosis import Diagnosis
-from atleak.doors import unexpected
-from atleak.driven import NO_LEAKAGE
-from atleak.errors import AtleakError, Message
-from atleak.figures.charts import drawn
-from atleak.figures.figure import Figure
-from atleak.gauges.check import PressureCheck
-from atleak.look import DARK, SCREEN, look_of
-from atleak.sentence import Sentence
-from atleak.verdicts import Band, Verdict
-from atleak.views.caveats import caveat_marks, caveats
-from atleak.views.drawing import on_dark
-from atleak.views.first_sentence import first_sentence as first_sentence_of
-from atleak.views.first_sentence import shown_verdict
-from atleak.views.gauge_rows import gauge_table
-from atleak.views.section import Facts, Picture, Points, Section, Text
-from atleak.views.sentences import fluid_in_state, rule_name
-from atleak.views.table import VERDICT, Column, Table
-from atleak.wording import Wording, begun
+from atleak.common.damage import unexpected
+from atleak.common.errors import AtleakError, Message
+from atleak.common.sentences import Sentence
+from atleak.common.style import DARK, SCREEN, look_of
+from atleak.common.verdicts import Band, Verdict
+from atleak.common.wording import Wording, begun
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.gauge_check import PressureCheck
+from atleak.diagnosis.road import NO_LEAKAGE
+from atleak.report.charts.drawing import on_dark
+from atleak.report.charts.figure import Figure
+from atleak.report.charts.screen import drawn
+from atleak.report.tables.first_sentence import first_sentence as first_sentence_of
+from atleak.report.tables.first_sentence import shown_verdict
+from atleak.report.tables.gauges import gauge_table
+from atleak.report.tables.section import Facts, Picture, Points, Section, Text
+from atleak.report.tables.sentences import caveat_marks, caveats, fluid_in_state, rule_name
+from atleak.report.tables.table import VERDICT, Column, Table
 from pages.shared import reader
 from pages.shared.state import Refusal
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
-from atleak.errors import (
+from atleak.analysis.record_doubts import taken_from_sheet, with_sheet
+from atleak.common.errors import (
     AtleakError,
     CatalogueError,
     OtherControllerError,
@@ -19,14 +19,14 @@ from atleak.errors import (
     ReadingsError,
     RoadTestError,
 )
+from atleak.common.memory import give_back_soon
+from atleak.common.sentences import Sentence
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SLOTS, Choice, SourceFile
-from atleak.job.file import read_job_file
-from atleak.job.judged_anew import judged_otherwise
-from atleak.job.of_sheet import taken_from_sheet, with_sheet
-from atleak.job.record import Job
-from atleak.sentence import Sentence
-from atleak.system.memory import give_back_soon
-from atleak.views.diagnosis_record import diagnosis_record
+from atleak.job.result import judged_otherwise
+from atleak.job.zip_file import read_job_file
+from atleak.measurements.job_card import Job
+from atleak.report.json.diagnosis import diagnosis_record
 from pages.shared import reader
 from pages.shared.cases import (
     FITTED,

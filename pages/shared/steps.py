@@ -6,8 +6,8 @@ from pathlib import Path
 
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
-from atleak.job.steps import Step, job_steps
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.job.result import Step, job_steps
 from pages.shared import reader, show
 from pages.shared.state import job
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.intake.road_test import read_road_test
+from atleak.analysis.source_study import compare_options, run_variants, sample_log, temperature_curves
 from atleak.job.case import Case
-from atleak.variants import compare_options, run_variants, sample_log, temperature_curves
+from atleak.readers.logs import read_road_test
 from pages.shared.cases import controller_of
 
 CITED = "Dziubak & Szczepaniak, *Energies* 2023, 16, 7667, [doi 10.3390/en16227667](https://doi.org/10.3390/en16227667)"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import streamlit as st
 
-from atleak.catalogue.pump_reading import other_dimensions
-from atleak.intake.controller_workbook import read_controller_workbook
+from atleak.catalogue.pump_dimensions import other_dimensions
+from atleak.catalogue.workbook.draft import Checked, Draft, draft_of
+from atleak.catalogue.workbook.subjects import CONTROLLER
+from atleak.readers.controller_workbook import read_controller_workbook
 from atleak.report.controller_workbook import write_controller_workbook
-from atleak.views.controller_form import CONTROLLER
-from atleak.views.entry_form import Checked, Draft, draft_of
-from atleak.views.evidence_rows import evidence_counts, open_values
+from atleak.report.tables.valve_body import evidence_counts, open_values
 from pages.shared import entry_tables, reader, workshop_data
 from pages.shared.editing import Desk, Editing
 from pages.shared.learn_form import learn_form

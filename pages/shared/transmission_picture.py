@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import streamlit as st
 
-from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller import Controller
-from atleak.diagnosis import Diagnosis, diagnose
-from atleak.errors import AtleakError
-from atleak.report.controller_workbook.instructions import SPOOL_PICTURE
-from atleak.views.controller_form import sketch
-from atleak.views.drawing import controller_svg
-from atleak.views.entry_form import Checked
-from atleak.views.flow_diagram import flow_diagram
-from atleak.views.flow_svg import flow_svg
+from atleak.catalogue.controller_file import written_toml
+from atleak.catalogue.workbook.draft import Checked
+from atleak.catalogue.workbook.subjects import sketch
+from atleak.common.errors import AtleakError
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.report.charts.drawing import controller_svg
+from atleak.report.charts.flows import flow_diagram, flow_svg
+from atleak.report.controller_workbook import SPOOL_PICTURE
 from pages.shared import reader, show
 from pages.shared.transmission import COMPONENTS, NEW_PARTS
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from atleak.job.case import Case
-from atleak.job.record import Job, Record
+from atleak.measurements.job_card import Job, Record
 
 if TYPE_CHECKING:
     from pages.shared.cases import PageCase

@@ -8,22 +8,22 @@ from typing import get_args
 
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError
-from atleak.figures import history_figures as figures
-from atleak.history.land_wear import WearHistory, wear_over_mileage
-from atleak.history.totals import totals_over_mileage
-from atleak.job.record import RepairDecision, RepairState
-from atleak.jobs.across import ENOUGH_UNITS, PARTS, AcrossUnits, Standing, across_units, standing
-from atleak.jobs.book import Book, JobRow
-from atleak.jobs.search import Query
-from atleak.jobs.unit_visits import VisitedJob, left_undone, unit_of_job, visits_of_unit
-from atleak.verdicts import Verdict
-from atleak.views.history_rows import soonest_first, total_table, wear_table
-from atleak.views.land_names import land_number, land_words
-from atleak.views.table import VERDICT, Column, Table
-from atleak.wording import Wording
-from atleak.workshop_units import PERCENT, UM
+from atleak.analysis.history.wear import WearHistory, totals_over_mileage, wear_over_mileage
+from atleak.analysis.rates import ENOUGH_UNITS, PARTS
+from atleak.common.errors import AtleakError
+from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.job_book.book import Book, JobRow
+from atleak.job_book.search import Query
+from atleak.job_book.units_of_a_kind import AcrossUnits, Standing, across_units, standing
+from atleak.job_book.visits import VisitedJob, left_undone, unit_of_job, visits_of_unit
+from atleak.measurements.job_card import RepairDecision, RepairState
+from atleak.report.charts import history_figures as figures
+from atleak.report.tables.history import soonest_first, total_table, wear_table
+from atleak.report.tables.names import land_number, land_words
+from atleak.report.tables.table import VERDICT, Column, Table
 from pages.shared import reader, show
 from pages.shared.book import job_id, open_picked
 from pages.shared.cases import Kept, diagnosis_of, opened_case

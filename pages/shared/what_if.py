@@ -9,12 +9,7 @@ from dataclasses import replace
 import numpy as np
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
-from atleak.engine.line import LINE
-from atleak.errors import AtleakError
-from atleak.figures.what_if_figures import Place, pressure_map, share_map
-from atleak.views.what_if_rows import circuit_table, study_table, total_table, tried_words
-from atleak.what_if import (
+from atleak.analysis.what_if import (
     Axis,
     Map,
     StudyTrial,
@@ -27,7 +22,12 @@ from atleak.what_if import (
     tried,
     wears_to_try,
 )
-from atleak.workshop_units import KPA
+from atleak.common.errors import AtleakError
+from atleak.common.unit_systems import KPA
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.engine.operation import LINE
+from atleak.report.charts.condition_figures import Place, pressure_map, share_map
+from atleak.report.tables.what_if import circuit_table, study_table, total_table, tried_words
 from pages.shared import reader, show, what_if_form
 from pages.shared.cases import PageCase, result_key
 

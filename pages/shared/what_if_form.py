@@ -8,12 +8,12 @@ from typing import Any, get_args
 
 import streamlit as st
 
+from atleak.analysis.what_if import WhatIf
 from atleak.catalogue.fluid import FluidState
-from atleak.diagnosis import Diagnosis
+from atleak.catalogue.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, decimal_number
+from atleak.common.unit_systems import PERCENT, RPM
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.profile import UNKNOWN
-from atleak.what_if import WhatIf
-from atleak.workshop_units import PERCENT, RPM
-from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, decimal_number
 from pages.shared import address, fields, reader
 from pages.shared.cases import PageCase, catalogue_entry, catalogue_list, shown_name
 from pages.shared.state import session

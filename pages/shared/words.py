@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from atleak.catalogue.controller import Controller
-from atleak.diagnosis import Diagnosis
-from atleak.land_diagnosis import LandDiagnosis
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.land import LandDiagnosis
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.views.land_names import land_words
-from atleak.views.sentences import land_in_words
-from atleak.wording import Wording
+from atleak.report.tables.names import land_words
+from atleak.report.tables.sentences import land_in_words
 from pages.shared import reader
 from pages.shared.show import plain
 from pages.shared.state import job

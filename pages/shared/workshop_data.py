@@ -13,13 +13,12 @@ import streamlit as st
 
 from atleak.catalogue.entries import own_files, remove_own, removed_own, restore_own, write_own
 from atleak.catalogue.fluid import Fluid
-from atleak.errors import AtleakError, CatalogueError, OutputError
-from atleak.figures.fluid_figures import viscosity_curve
+from atleak.catalogue.workbook.draft import Checked, draft_of
+from atleak.catalogue.workbook.subjects import SUBJECTS
+from atleak.common.errors import AtleakError, CatalogueError, OutputError, text_reason
+from atleak.common.wording import Wording
 from atleak.job.case import SLOTS, Slot, SourceFile
-from atleak.system.reasons import text_reason
-from atleak.views.entry_form import Checked, draft_of
-from atleak.views.workshop_data import SUBJECTS
-from atleak.wording import Wording
+from atleak.report.charts.condition_figures import viscosity_curve
 from pages.shared import show
 from pages.shared.cases import catalogue_list, shown_name
 from pages.shared.editing import Desk, Editing, ask_step, ask_unit

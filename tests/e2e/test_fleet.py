@@ -10,12 +10,12 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
-from atleak.fleet.known import note
+from atleak.fleet.folder import note
 from atleak.fleet.results import Results
 from atleak.fleet.sources import find_units
-from atleak.fleet.work import evaluate
-from atleak.job.file import write_job_file
-from atleak.job.record import Job
+from atleak.fleet.worker import evaluate
+from atleak.job.zip_file import write_job_file
+from atleak.measurements.job_card import Job
 
 from ..unit.fleet.small_units import small_unit
 from .conftest import AT_REST, from_menu

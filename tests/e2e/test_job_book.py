@@ -12,8 +12,8 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
-from atleak.job.record import Job
-from atleak.jobs.book import Book, open_book
+from atleak.job_book.book import Book, open_book
+from atleak.measurements.job_card import Job
 
 from .conftest import SOON, end, started
 

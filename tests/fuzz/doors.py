@@ -9,27 +9,27 @@ from functools import cache
 from pathlib import Path
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instrument
 from atleak.catalogue.limits import load_limits
-from atleak.doors import OWN_FAULT, damaged, own_line
-from atleak.errors import AtleakError, InputError
-from atleak.intake.controller_workbook import read_controller_workbook
-from atleak.intake.gauge_study import read_study
-from atleak.intake.gauge_table import read_pressure_table
-from atleak.intake.native.process import FaultOfChild
-from atleak.intake.readings import read_readings
-from atleak.intake.road_test import log_columns, remember, understand
-from atleak.intake.road_test.names.memory import recall_all
+from atleak.common.damage import OWN_FAULT, damaged, own_line
+from atleak.common.errors import AtleakError, InputError
 from atleak.job.case import SourceFile, load_source
-from atleak.job.file import parse_job, read_job_file
-from atleak.job.judged_anew import judged_otherwise
 from atleak.job.kinds import kind_of
-from atleak.job.photo_notes import without_notes
-from atleak.measuring.typed_file import typed_in
-from atleak.report.pictures import printable_picture
-from atleak.views.diagnosis_record import diagnosis_record
+from atleak.job.photos import without_notes
+from atleak.job.result import judged_otherwise
+from atleak.job.zip_file import parse_job, read_job_file
+from atleak.readers.controller_workbook import read_controller_workbook
+from atleak.readers.gauges.gauge_study import read_study
+from atleak.readers.gauges.gauge_table import read_pressure_table
+from atleak.readers.logs import log_columns, remember, understand
+from atleak.readers.logs.remembered_columns import recall_all
+from atleak.readers.process.parent import FaultOfChild
+from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.readers.typed_sheet import typed_in
+from atleak.report.json.diagnosis import diagnosis_record
+from atleak.report.pdf.typesetting import printable_picture
 
 SECONDS = 2.0
 """Time of this process's own that a file may take; what a child process takes has a budget of its own."""

@@ -14,13 +14,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from PIL import Image
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import read_tables, shipped_files
-from atleak.controller_sheets.units import Units
+from atleak.catalogue.workbook.cells import Units
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import write_job_file
-from atleak.job.record import Job
-from atleak.measuring.plan import Plan
+from atleak.job.zip_file import write_job_file
+from atleak.measurements.job_card import Job
+from atleak.measurements.measuring_plan import Plan
 from atleak.report.controller_workbook import write_controller_workbook
 
 File = tuple[str, bytes]  # name and content
@@ -165,8 +165,7 @@ def _toml(kind: str) -> list[File]:
 
 
 def _typed() -> list[File]:
-    from atleak.measuring.typed import Entry, Typed
-    from atleak.measuring.typed_file import TYPED_FILE, written
+    from atleak.readers.typed_sheet import TYPED_FILE, Entry, Typed, written
 
     controller = load_controller("minimal_example")
     cells = Plan().cells(controller)[:4]

@@ -9,8 +9,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
-from atleak.errors import InputError
-from atleak.sentence import Sentence
+from atleak.common.errors import InputError
+from atleak.common.sentences import Sentence
 
 from . import doors, run
 from .damage import damaged
@@ -56,7 +56,7 @@ def test_what_comes_out_and_should_not_is_counted_and_kept(tmp_path, monkeypatch
 
 
 def test_a_fault_of_atleak_s_own_is_no_refusal_of_the_file(tmp_path, monkeypatch):
-    monkeypatch.setattr("atleak.job.file.tomllib", None)  # so that `parse_job` itself fails
+    monkeypatch.setattr("atleak.job.zip_file.tomllib", None)  # so that `parse_job` itself fails
     monkeypatch.setattr(run, "ROUND", 5)
     with pytest.raises(OwnFault, match=r"^AttributeError at job/file\.py:\d+$"):
         passes("record", "job.toml", b'number = "7"')
@@ -72,7 +72,7 @@ def test_a_fault_that_a_library_raises_is_one_of_the_file():
 
 
 def test_a_fault_behind_another_refusal_is_found(monkeypatch):
-    monkeypatch.setattr("atleak.job.file.tomllib", None)
+    monkeypatch.setattr("atleak.job.zip_file.tomllib", None)
 
     def again(name: str, content: bytes) -> None:
         try:

@@ -10,14 +10,14 @@ import json
 from pathlib import Path
 from typing import Any
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
-from atleak.diagnosis import diagnose
+from atleak.diagnosis.diagnosis import diagnose
 from atleak.engine.profile import PROFILES
-from atleak.intake.readings import read_readings
-from atleak.intake.road_test import read_road_test
-from atleak.views.diagnosis_record import diagnosis_record
+from atleak.readers.logs import read_road_test
+from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.report.json.diagnosis import diagnosis_record
 
 COMMAND = "python tests/golden/regenerate.py"
 HERE = Path(__file__).resolve().parent

@@ -4,13 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from atleak.equations.clearance import (
-    effective_clearance,
-    radial_clearance,
-    thermal_rate,
-    wear,
-    worn_clearance,
-)
+from atleak.equations.clearance import effective_clearance, radial_clearance, thermal_rate, wear, worn_clearance
 from tests.unit.equations.referees import effective_clearance_two_temperatures
 
 

@@ -4,13 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from atleak.equations.fluid import (
-    astm_d341,
-    astm_d341_coefficients,
-    dynamic_viscosity,
-    study_density,
-    study_viscosity,
-)
+from atleak.equations.fluid import astm_d341, astm_d341_coefficients, dynamic_viscosity, study_density, study_viscosity
 
 # Dziubak & Szczepaniak, Energies 2023, 16, 7667, table 2: temperature °C, viscosity mm²/s, density g/cm³.
 TABLE_2 = [(80.0, 10.93, 0.783), (-40.0, 1923.0, 0.870), (20.0, 145.0, 0.826)]

@@ -7,12 +7,7 @@ import math
 import pytest
 
 from atleak.equations.clearance import effective_clearance, thermal_rate, worn_clearance
-from atleak.equations.gap import (
-    annular_flow,
-    eccentricity_factor,
-    entry_loss_flow,
-    obliteration,
-)
+from atleak.equations.gap import annular_flow, eccentricity_factor, entry_loss_flow, obliteration
 from tests.unit.equations.referees import annular_flow_compressible, exact_annulus_flow
 
 # White F. M., Fluid Mechanics, 7th ed., McGraw-Hill 2011, table of laminar friction factors for a concentric

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from atleak.gauge_study.anova import GaugeStudy, analysed
-from atleak.gauge_study.readings import StudyReadings
+from atleak.analysis.gauge_study import GaugeStudy, analysed
+from atleak.measurements.gauge_study import StudyReadings
 
 # AIAG, Measurement Systems Analysis, 4th ed., chapter III: 10 parts (columns), 3 appraisers, 3 trials of each (rows).
 AIAG = """

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from atleak.equations.proportions import newcombe_interval, wilson_interval
-from atleak.errors import DomainError
+from atleak.common.errors import DomainError
+from atleak.equations.statistics import newcombe_interval, wilson_interval
 
 
 @pytest.mark.parametrize(

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from atleak.analysis.source_study import compare_options, run_variants
 from atleak.catalogue.controller import Controller
-from atleak.intake.road_test import read_road_test
-from atleak.variants import compare_options, run_variants
-from atleak.views.variant_rows import option_share_table, option_table
-from atleak.wording import wording
+from atleak.common.wording import wording
+from atleak.readers.logs import read_road_test
+from atleak.report.tables.source_study import option_share_table, option_table
 
 DM3_MIN = 6e4
 

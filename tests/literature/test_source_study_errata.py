@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from atleak.analysis.source_study import VariantResult, run_variants
+from atleak.analysis.source_study.article import ERRATA
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.engine.profile import PAPER
 from atleak.equations import clearance, fluid, gap, pressure, pump
-from atleak.intake.road_test import read_road_test
-from atleak.variants import VariantResult, run_variants
-from atleak.variants.article import ERRATA
+from atleak.readers.logs import read_road_test
 from tests.unit.equations import referees
 
 DM3_MIN = 6e4

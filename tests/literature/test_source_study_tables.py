@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from atleak.analysis.source_study import VARIANTS, VariantResult, gear_at_most_leakage, run_variants
+from atleak.analysis.source_study.article import ComparedPoint, compare_points
 from atleak.catalogue.controller import Controller
-from atleak.intake.road_test import read_road_test
-from atleak.variants import VARIANTS, VariantResult, gear_at_most_leakage, run_variants
-from atleak.variants.article import ComparedPoint, compare_points
+from atleak.readers.logs import read_road_test
 
 # variant: fluid temperature °C, wear %, kinematic viscosity mm²/s, density g/cm³
 TABLE_2 = {

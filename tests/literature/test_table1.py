@@ -11,9 +11,9 @@ import io
 import openpyxl
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.intake.readings import read_readings
-from atleak.readings import clearances
+from atleak.catalogue.controller_file import load_controller
+from atleak.measurements.readings import clearances
+from atleak.readers.sheets.measuring_sheet import read_readings
 
 HEADINGS = (
     *("No. Acc. to Figure 8", "Component", "Measurement Plane", "Measurement Direction:"),

@@ -13,12 +13,12 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import Instrument, Instruments
 from atleak.catalogue.limits import Limits
+from atleak.diagnosis.rules import unit_rules
+from atleak.diagnosis.uncertainty import Assumptions, UnitUncertainty, assess
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project, project_unworn
-from atleak.readings import Reading, Readings, clearances
-from atleak.rules import unit_rules
-from atleak.uncertainty import Assumptions, UnitUncertainty, assess
+from atleak.measurements.readings import Reading, Readings, clearances
 
 UM = 1e-6
 ASSUMED = Assumptions(

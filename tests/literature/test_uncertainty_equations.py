@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy import integrate, special, stats
 
-from atleak.equations import uncertainty as equations
-from atleak.errors import DomainError
+from atleak.common.errors import DomainError
+from atleak.equations import statistics as equations
 from tests.unit.equations import referees
 
 CASES = [(25.0, 1.06), (30.0, 0.1), (10.0, 2.0), (3.0, 2.5), (40.0, 8.0)]

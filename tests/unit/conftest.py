@@ -16,17 +16,17 @@ import pytest
 from openpyxl.worksheet.merge import MergedCellRange
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits, load_limits
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.common.errors import Place
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PROFILES
-from atleak.errors import Place
-from atleak.intake.readings import read_readings
-from atleak.intake.road_test import read_road_test
-from atleak.readings import Reading, Readings
-from atleak.road_test import Channel, RoadTest, Segment
+from atleak.measurements.readings import Reading, Readings
+from atleak.measurements.road_test import Channel, RoadTest, Segment
+from atleak.readers.logs import read_road_test
+from atleak.readers.sheets.measuring_sheet import read_readings
 
 Edited = Callable[..., Path]
 

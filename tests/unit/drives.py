@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from atleak.road_test import Channel, RoadTest, Segment
+from atleak.measurements.road_test import Channel, RoadTest, Segment
 
 NAN = float("nan")
 ALL = (

@@ -146,7 +146,7 @@ def _taken(path: Path) -> set[str]:
 
 
 def _module(name: str) -> str:
-    """The module in which an imported name stands: ``atleak.rules.Rule`` is in ``rules``."""
+    """The module in which an imported name stands: ``atleak.diagnosis.rules.Rule`` is in ``rules``."""
     parts = name.split(".")[1:]
     for length in range(len(parts), 0, -1):
         for module in (".".join(parts[:length]), ".".join([*parts[:length], "__init__"])):
@@ -211,8 +211,8 @@ def test_import_is_quick_because_rooms_are_loaded_when_used() -> None:
 
 def test_diagnosing_needs_no_heavy_room() -> None:
     heavy = ("streamlit", "plotly", "matplotlib", "typst", "openpyxl", "scipy", "asammdf", "xlsxwriter")
-    code = f"import sys, atleak.cli, atleak.diagnosis, atleak.intake.readings\n\
-import atleak.views.diagnosis_record, atleak.report.terminal\n\
+    code = f"import sys, atleak.cli, atleak.diagnosis.diagnosis, atleak.readers.sheets.measuring_sheet\n\
+import atleak.report.json.diagnosis, atleak.report.terminal\n\
 print([m for m in {heavy!r} if m in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.uncertainty.assumptions import DEFAULTS
+from atleak.diagnosis.uncertainty.assumptions import DEFAULTS
 from atleak.version import __version__
 
 PAGES = ("CONTRIBUTING.md", "docs/architecture.md", "docs/nomenclature.md")

@@ -8,15 +8,14 @@ from collections.abc import Iterator
 
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import shipped_files
 from atleak.catalogue.fluid import fluids
 from atleak.catalogue.instruments import instruments
 from atleak.catalogue.limits import limit_sets
-from atleak.unit_systems import SYSTEMS
-from atleak.wording import languages, wording
-
-from .product_code import ROOT, nodes
+from atleak.common.unit_systems import SYSTEMS
+from atleak.common.wording import languages, wording
+from tests.unit.product_code import ROOT, nodes
 
 ENGLISH = wording("en").texts
 KEYS = {f"{table}.{key}" for table, texts in ENGLISH.items() if isinstance(texts, dict) for key in texts}
@@ -64,7 +63,7 @@ def test_every_column_has_its_heading() -> None:
     named = [
         (path, node.args[0].value)
         for path, found in nodes().items()
-        if any(isinstance(each, ast.ImportFrom) and each.module == "atleak.views.table" for each in found)
+        if any(isinstance(each, ast.ImportFrom) and each.module == "atleak.report.tables.table" for each in found)
         for node in found
         if isinstance(node, ast.Call)
         and getattr(node.func, "id", "") == "Column"

@@ -10,21 +10,20 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from atleak.diagnosis import Diagnosis
-from atleak.errors import Message
-from atleak.job.record import Job
-from atleak.paper import DEFAULT_PAPER, Paper, find_paper
-from atleak.report.own_font import OwnFont
+from atleak.common.errors import Message
+from atleak.common.sentences import Sentence
+from atleak.common.style import DEFAULT_PAPER, Paper, find_paper
+from atleak.common.wording import Wording, wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.measurements.job_card import Job
 from atleak.report.pdf.annex import Annex
 from atleak.report.pdf.body import Body, chosen_sections
-from atleak.report.pdf.compiling import common_data, compile_pdf, named_characters, unprintable
 from atleak.report.pdf.customer import CustomerPage
+from atleak.report.pdf.fonts import OwnFont
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.report.pictures import write_pictures
-from atleak.sentence import Sentence
-from atleak.views.road_series import road_series
-from atleak.wording import Wording, wording
+from atleak.report.pdf.typesetting import common_data, compile_pdf, named_characters, unprintable, write_pictures
+from atleak.report.tables.road_test import road_series
 
 _ROAD_POINTS = 1200
 
@@ -48,14 +47,14 @@ def write_pdf(
     job
         what the workshop wrote down; what is not filled in is left out.
     language
-        one of `atleak.wording.languages`.
+        one of `atleak.common.wording.languages`.
     paper
-        one of `atleak.paper.PAPERS`.
+        one of `atleak.common.style.PAPERS`.
     sections
         names of `atleak.report.pdf.body.SECTIONS`; all of them unless given, or of a road test alone those that are not
         about lands.
     units
-        one of `atleak.unit_systems.SYSTEMS`.
+        one of `atleak.common.unit_systems.SYSTEMS`.
     font
         for characters that the bundled fonts lack.
 

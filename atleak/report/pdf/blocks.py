@@ -9,10 +9,10 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from atleak.verdicts import Band, Verdict
-from atleak.views.section import Facts, Part, Picture, Points, Section, Text
-from atleak.views.table import VERDICT, Column, Table
-from atleak.wording import Wording, begun, isolated
+from atleak.common.verdicts import Band, Verdict
+from atleak.common.wording import Wording, begun, isolated
+from atleak.report.tables.section import Facts, Part, Picture, Points, Section, Text
+from atleak.report.tables.table import VERDICT, Column, Table
 
 Block = dict[str, Any]
 

@@ -1,4 +1,9 @@
-"""Build the sections of a printed report as blocks of ready text: the template only places them."""
+"""Build the estimate of a printed report: what is to be done, what it costs, and a box to agree to each line.
+
+Build the section on gauge readings: each beside what is permissible and expected, and the patterns they show.
+
+Build the sections of a printed report as blocks of ready text: the template only places them.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +11,29 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from math import isfinite
+from operator import itemgetter
 from typing import Any
 
+from atleak.analysis.estimate import Line
+from atleak.analysis.record_doubts import record_doubts
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
+from atleak.catalogue.words import PART_WORDS
+from atleak.common.errors import unknown
+from atleak.common.sentences import Sentence
+from atleak.common.style import look_of
+from atleak.common.unit_systems import G_CM3, MM2_S, PERCENT, UM
+from atleak.common.verdicts import VERDICTS, Verdict
+from atleak.common.wording import Wording, isolated
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.profile import UNKNOWN
-from atleak.errors import unknown
-from atleak.job.doubts import record_doubts
-from atleak.job.record import RepairDecision, Scratch
-from atleak.land_diagnosis import LandDiagnosis
-from atleak.look import look_of
-from atleak.phrases import PART_WORDS
-from atleak.report.estimate_words import open_words
-from atleak.report.pdf.annex import Annex
+from atleak.measurements.job_card import RepairDecision, Scratch
+from atleak.report.charts.chart import LayerOf, RowChart, layers_of
+from atleak.report.charts.drawing import controller_svg, shortened
+from atleak.report.charts.paper import drawn as printed_chart
+from atleak.report.json.diagnosis import head_record
+from atleak.report.pdf.annex import Annex, Budget
 from atleak.report.pdf.blocks import (
     Block,
     bullets,
@@ -31,26 +46,67 @@ from atleak.report.pdf.blocks import (
     text,
     with_notes,
 )
-from atleak.report.pdf.budget import Budget
-from atleak.report.pdf.conditions import Conditions
-from atleak.report.pdf.estimate import estimate_blocks
-from atleak.report.pdf.gauges import gauge_blocks
-from atleak.report.pdf.pressures import Pressures
+from atleak.report.pdf.conditions import Conditions, Pressures, RoadTestSection
 from atleak.report.pdf.printed_names import Part, PrintedNames
-from atleak.report.pdf.road import RoadTestSection
-from atleak.report.printed_charts.charts import drawn as printed_chart
-from atleak.sentence import Sentence
-from atleak.verdicts import VERDICTS, Verdict
+from atleak.report.tables.estimate import open_words
+from atleak.report.tables.gauges import gauge_table, pattern_sentences
+from atleak.report.tables.names import component_words
+from atleak.report.tables.road_test import RoadSeries
+from atleak.report.tables.sentences import fluid_in_state, measuring_temperature
+from atleak.report.tables.table import Column, Table
 from atleak.version import __version__
-from atleak.views.charts import LayerOf, RowChart, layers_of
-from atleak.views.diagnosis_record import head_record
-from atleak.views.drawing import controller_svg, shortened
-from atleak.views.land_names import component_words
-from atleak.views.road_series import RoadSeries
-from atleak.views.sentences import fluid_in_state, measuring_temperature
-from atleak.views.table import Column, Table
-from atleak.wording import isolated
-from atleak.workshop_units import G_CM3, MM2_S, PERCENT, UM
+
+
+def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
+    """Return lines, sums and what is open; nothing where the job states no terms and no price."""
+    say, words = names.say, names.estimate
+    if words is None:
+        return
+    yield text(" ".join(words.chosen_by()), leads=True)
+
+    def done(line: Line) -> str:
+        return "\n".join(filter(None, (words.work(line), line.decision.part_number, line.decision.reason)))
+
+    yield listed(
+        say,
+        words.estimate.lines,
+        Column("pair", width=250, of=words.pair),
+        Column("work", width=200, of=done),
+        Column("price", digits=2, of=lambda line: words.money(line.part)),
+        Column("hours", digits=1, of=words.hours),
+        Column("labour", digits=2, of=lambda line: words.money(line.work)),
+        Column("amount", digits=2, of=words.amount),
+        Column("agreed", of=words.agreed),
+        told=lambda line: f"{say('printed.lacks')}: {words.lacks(line)}",
+    )
+    sums = ("parts", "labour", "net", "tax", "gross")
+    yield listed(
+        say,
+        [words.sum_row(*each) for each in words.sums],
+        Column("state", width=50, of=itemgetter(0)),
+        *(Column(name, digits=2, of=itemgetter(place)) for place, name in enumerate(sums, start=1)),
+    )
+    yield from map(text, (*words.missing(), *words.ends()))
+    yield text(words.rounding(), small=True)
+
+
+def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
+    """Yield where gauge readings of the standing vehicle are from, the table, the patterns, and who set the limits."""
+    check = diagnosis.pressures
+    if check is None:
+        return
+    yield named_facts("facts", say, pressures=joined((check.table.file, check.table.sheet or "")))
+    yield printed(gauge_table(check, say).without("lost_between", "past_limit"))
+    sources = dict.fromkeys(each.permissible.source for each in check.readings if each.permissible)
+    if sources:
+        yield text(say("texts.permissible_from", sources=joined(sources, "; ")), small=True)
+    for reason in dict.fromkeys(each.unjudged for each in check.readings if each.unjudged is not None):
+        yield text(say("texts.gauges_unjudged", reason=say.sentence(reason)), small=True)
+    items = pattern_sentences(check, diagnosis.controller, say)
+    if items:
+        yield text(say("texts.patterns"))
+        yield bullets(items)
+
 
 # those that say what was measured of lands, and what follows from it
 _OF_LANDS = (

@@ -11,26 +11,24 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from atleak.comparison import Comparison, ConditionComparison, LandComparison
-from atleak.comparison.results import SIDES
-from atleak.diagnosis import Diagnosis
+from atleak.analysis.comparison import Comparison, ConditionComparison, LandComparison
+from atleak.analysis.comparison.results import SIDES
+from atleak.common.style import DEFAULT_PAPER, STATED, find_paper, look_of
+from atleak.common.unit_systems import KPA, PERCENT, UM
+from atleak.common.verdicts import Band, Verdict
+from atleak.common.wording import Wording, isolated, wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.projection import Projection
-from atleak.job.record import Job
-from atleak.land_diagnosis import LandDiagnosis
-from atleak.look import STATED, look_of
-from atleak.paper import DEFAULT_PAPER, find_paper
-from atleak.report.own_font import OwnFont
+from atleak.measurements.job_card import Job
+from atleak.report.charts.chart import LayerOf, RowChart, layers_of
+from atleak.report.charts.paper import drawn as printed_chart
 from atleak.report.pdf.blocks import Block, bullets, joined, listed, named_facts, picture, signatures, text
-from atleak.report.pdf.compiling import common_data, compile_pdf
-from atleak.report.pictures import write_pictures
-from atleak.report.printed_charts.charts import drawn as printed_chart
-from atleak.verdicts import Band, Verdict
-from atleak.views.charts import LayerOf, RowChart, layers_of
-from atleak.views.comparison_words import differing_sentence, how_sure, visit_caveats, with_uncertainty
-from atleak.views.measured_words import measured_sentence
-from atleak.views.table import VERDICT, Column, span
-from atleak.wording import Wording, isolated, wording
-from atleak.workshop_units import KPA, PERCENT, UM
+from atleak.report.pdf.fonts import OwnFont
+from atleak.report.pdf.typesetting import common_data, compile_pdf, write_pictures
+from atleak.report.tables.comparison import differing_sentence, how_sure, visit_caveats, with_uncertainty
+from atleak.report.tables.first_sentence import measured_sentence
+from atleak.report.tables.table import VERDICT, Column, span
 
 PAIRS = range(12, 2, -1)  # how many pairs the page lists, as many as fit; the report of each job has them all
 LEFT = 6  # most pairs that it names as still to be repaired
@@ -57,11 +55,11 @@ def write_comparison_pdf(
     before, after
         their records: whose car it is, and which repairs are noted as done.
     language
-        one of `atleak.wording.languages`.
+        one of `atleak.common.wording.languages`.
     paper
-        one of `atleak.paper.PAPERS`.
+        one of `atleak.common.style.PAPERS`.
     units
-        one of `atleak.unit_systems.SYSTEMS`.
+        one of `atleak.common.unit_systems.SYSTEMS`.
     font
         for characters that the bundled fonts lack.
 

@@ -1,23 +1,41 @@
-"""Build what depends on the condition: the complaint, the matrix of lands, the repairs and what they bring."""
+"""Build what depends on the condition: the complaint, the matrix of lands, the repairs and what they bring.
+
+Build the section on pressures: what line and circuits hold at each condition, and what the pump has left.
+
+Build the section on the road test: what the log says by itself, what to check next, and the leakage over it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from atleak.land_diagnosis import LandDiagnosis
-from atleak.repair import RepairStep, Total
-from atleak.report.pdf.blocks import Block, joined, listed, printed, text
-from atleak.report.pdf.printed_names import Part
-from atleak.views.complaint import finding, measure_first, reason
-from atleak.views.condition_matrix import MatrixRow, leaking_worst_first
-from atleak.views.land_names import land_number
-from atleak.views.repair_options import OptionRow, option_rows
-from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.sentences import replace_at, shares_add_up
-from atleak.views.table import VERDICT, Column, Judged, Table
-from atleak.workshop_units import PERCENT
+from atleak.analysis.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
+from atleak.analysis.repair.plan import RepairStep, Total
+from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.wording import begun
+from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.uncertainty import RuleDecision
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_words
+from atleak.report.charts.paper import drawn
+from atleak.report.charts.paper_curves import pump_chart, road_chart
+from atleak.report.pdf.blocks import Block, bullets, ends, joined, listed, named_facts, picture, printed, text
+from atleak.report.pdf.printed_names import Part, PrintedNames
+from atleak.report.tables.complaint import finding, measure_first, reason
+from atleak.report.tables.first_sentence import pump_sentence
+from atleak.report.tables.lands import MatrixRow, leaking_worst_first
+from atleak.report.tables.names import land_number
+from atleak.report.tables.pressures import held_table, pressure_chart
+from atleak.report.tables.pump_speed import PumpOverSpeed, pump_over_speed
+from atleak.report.tables.repairs import OptionRow, no_help, option_rows, plan_ends
+from atleak.report.tables.road_test import RoadInstant, RoadSeries, event_table, instant_table, place_table
+from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
+from atleak.report.tables.sentences import circuit_sentence, replace_at, shares_add_up
+from atleak.report.tables.table import VERDICT, Column, Judged, Table
 
 ABREAST = 5  # conditions beside one another in a table
 MEASURE_FIRST = 6  # lands named for a complaint
@@ -150,3 +168,217 @@ class Conditions(Part):
         """Yield tables of as many conditions as have room beside one another."""
         for start in range(0, len(columns), ABREAST):
             yield listed(self.say, rows, *first, *columns[start : start + ABREAST])
+
+
+_DRAWN = 4  # lands drawn by themselves where the flow goes
+_LANDS = 4  # named as causes of one circuit's loss
+_SHOWS = 0.5  # [kPa] that a whole number shows
+
+
+class Pressures(Part):
+    """What a report says of the pressures held."""
+
+    def blocks(self) -> Iterable[Block]:
+        """Return the line and the pump at every condition, then the circuits of each, and their drawings."""
+        say, diagnosis, plan = self.say, self.diagnosis, self.names.plan
+        solved = diagnosis.profile.circuits == "on"
+        repaired = plan.ends if plan.steps else ()
+        conditions = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
+        first = lowest_first(diagnosis)[0]  # at which a pressure or the reserve is judged worst
+        lowest = next(each for each in conditions if each.projection is first)
+        yield self._pump(conditions)
+        measured = pump_sentence(diagnosis, say)
+        if measured is not None:
+            yield text(measured)
+        yield text(say("texts.held") if solved else say("held.not_solved"), small=True)
+        if not solved:
+            return
+        yield from self._held(conditions)
+        speeds = pump_over_speed(diagnosis, first, say)
+        yield self._drawing("pump", pump_chart(speeds, say), self._crossings(speeds), lowest)
+        if diagnosis.controller.circuits:
+            yield text(say("texts.circuits"), small=True)
+            held = (circuit_sentence(diagnosis, each, say) for each in lowest.applied)
+            yield self._drawing("pressures", drawn(pressure_chart(lowest, say), say), f"{joined(held, '. ')}.", lowest)
+            flows = flow_diagram(diagnosis, first, leaks_only=True, lands=_DRAWN, say=say)
+            words = self._flows(flows)
+            yield self._drawing("flows", flow_svg(flows, words, say), words, lowest)
+
+    # --- drawings
+
+    def _drawing(self, name: str, svg: str, words: str, at: PressuresAt) -> Block:
+        """Return a drawing with its caption and, for a screen reader, its words."""
+        caption = self.say(f"charts.caption_{name}", condition=self._condition(at))
+        return picture(svg, f"{caption} {words}", caption)
+
+    def _crossings(self, speeds: PumpOverSpeed) -> str:
+        say = self.say
+        crossings = []
+        for each in speeds.demands:
+            taken = say("charts.taken_at", temperature=say.plain_value(each.temperature, "temperature"))
+            flow = f"{say.value(each.flow * DM3_MIN, 'flow', 2)} {say.unit('flow')}"
+            crossings.append(f"{taken}: {flow}, {say.number(each.crossing * RPM, 0)} 1/min")
+        return f"{joined(crossings, '; ')}."
+
+    def _flows(self, diagram: FlowDiagram) -> str:
+        say, places = self.say, diagram.places
+        flows = (
+            say(
+                "flows.flow",
+                source=places[each.source].name,
+                target=places[each.target].name,
+                flow=flow_words(each.flow, say),
+            )
+            for each in diagram.flows
+        )
+        return say("flows.alt", flows=f"{joined(flows, '; ')}.")
+
+    # --- tables
+
+    def _condition(self, at: PressuresAt) -> str:
+        return self.say.condition(at.projection.condition)
+
+    def _held(self, conditions: Sequence[PressuresAt]) -> Iterator[Block]:
+        """Yield what the line and every circuit hold at each condition, and which circuits are not applied there."""
+        held = held_table(self.diagnosis, conditions, self.say).without("lands_that_cost").filled
+        yield printed(replace(held, told=self._told))
+        for at in conditions:
+            vented = joined(self.names.section(each.id) for each in at.circuits if each.vented)
+            if vented:
+                said = self.say("texts.vented", circuits=vented)
+                yield text(f"{begun(self._condition(at))}: {said}", small=True)
+
+    def _pump(self, conditions: Sequence[PressuresAt]) -> Block:
+        def band(at: PressuresAt) -> Judged:
+            rule, verdict = at.reserve_rule, at.reserve_verdict
+            if rule is None or verdict is None:
+                return Judged(None)
+            return Judged(self.say.level(rule.level if verdict == rule.verdict else verdict), verdict)
+
+        def flow(what: str, at: PressuresAt) -> float:
+            return float(getattr(at.projection, what))
+
+        flows = {"supply": "pump_supply", "leakage": "leakage", "slip": "slip"}
+        flows |= {"consumers": "consumers", "short": "starved"}
+        reserve = Column("reserve", digits=2, of=lambda at: at.projection.reserve)
+        columns = [
+            *(Column(key, "flow", of=partial(flow, what), times=DM3_MIN) for key, what in flows.items()),
+            reserve,
+            *ends(lambda at: at.reserve_interval, reserve),
+            Column("reserve_new", digits=2),
+            Column("reserve_repaired", digits=2),
+            Column("band", of=band),
+            Column(
+                "reserve_decision",
+                words=self.say("printed.decision"),
+                width=50,
+                of=lambda at: self._decision(at.reserve_decided),
+            ),
+        ]
+        whole = Table("", tuple(columns), conditions, self.say, group=self._condition)
+        kept = {column.key for column in whole.filled.columns}
+        return printed(whole.without(*({"reserve_repaired", "band", "reserve_decision"} - kept)))
+
+    def _decision(self, decided: RuleDecision | None) -> str | None:
+        return None if decided is None else self.names.decided(decided.decision, decided.probability_over_limit)
+
+    def _told(self, each: HeldPressure) -> str:
+        """Name the lands that cost it most."""
+        say, controller = self.say, self.diagnosis.controller
+        shown = [cause for cause in each.causes.items() if abs(cause[1]) * KPA >= _SHOWS]
+        causes = sorted(shown, key=lambda cause: -abs(cause[1]))
+        named = [
+            f"{land_number(controller, key, say)}\u00a0{say.value(loss * KPA, 'pressure', 0)}"
+            for key, loss in causes[:_LANDS]
+        ]
+        more = [say("texts.more_lands", count=len(causes) - _LANDS)] if len(causes) > _LANDS else []
+        return f"{say('printed.costs')}, {say.unit('pressure')}: {joined([*named, *more])}" if causes else ""
+
+
+EVENTS = 40  # that are listed one by one; the others stand in the workbook and in the JSON
+
+
+class RoadTestSection(Part):
+    """The section on the road test; ``series`` is the thinned leakage over it, None where there is none."""
+
+    def __init__(self, names: PrintedNames, series: RoadSeries | None) -> None:
+        super().__init__(names)
+        self.series = series
+
+    def blocks(self) -> Iterable[Block]:
+        """Yield what the log says by itself, then the leakage over it."""
+        log, road, say = self.diagnosis.log, self.diagnosis.road, self.say
+        if log is None:
+            return
+        test = log.road_test
+        duration, samples = f"{say.number(test.duration, 1)} s", say.number(test.rows, 0)
+        yield named_facts("facts", say, road_test=test.file, duration=duration, samples=samples)
+        yield from map(text, pressure_sentences(log, say))
+        if log.permitted is not None:
+            yield printed(place_table(log.permitted, say).without("place_source"))
+        yield from map(text, (*test_sentences(log, say), *log_sentences(log, say)))
+        checks = check_sentences(self.diagnosis, say)
+        if checks:
+            yield text(say("findings.check_next"))
+            yield bullets(checks)
+        yield from self._events(log)
+        if road is not None and self.series is not None:
+            yield from self._leakage(road, self.series)
+
+    def _events(self, log: RoadFindings) -> Iterator[Block]:
+        yield printed(event_table(log.events[:EVENTS], self.say).without("event_lasts", "event_source"))
+        more = len(log.events) - EVENTS
+        if more > 0:
+            yield text(self.say("findings.more_events", count=more), small=True)
+
+    # --- leakage over the log
+
+    def _leakage(self, road: RoadLeakage, series: RoadSeries) -> Iterator[Block]:
+        say, names = self.say, self.names
+        shares = joined(
+            f"{names.section(name)} {say.percent(share, 0)}"
+            for name, share in road.section_shares.items()
+            if share is not None
+        )
+        yield named_facts("facts", say, gears=joined(map(str, road.gears)), sections=shares)
+        yield self._drawing(road, series)
+        numbers = {row.label(say): number for number, row in enumerate(_marked(series), start=1)}
+        number = Column("", digits=0, words="", of=lambda row: numbers.get(row["instant"]))
+        table = instant_table(road, self.diagnosis.uncertainty, say)
+        yield printed(replace(table, columns=(number, *table.columns)))
+        notes = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
+        notes += [say("texts.lower_bound")] if road.lower_bound else []
+        yield text(" ".join(notes), small=True)
+
+    def _drawing(self, road: RoadLeakage, series: RoadSeries) -> Block:
+        """Return the leakage over the log with the instants that are read first marked by numbers."""
+        say = self.say
+        marked = _marked(series)
+        points = [
+            (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)
+            for at in (row.instant for row in marked)
+        ]
+        bands = [(band, limit * PERCENT) for band, limit in self.diagnosis.limits.fixed_bands]
+        spoken = " ".join(
+            say(
+                "charts.instant_alt",
+                instant=row.label(say),
+                share=say.quantity(leakage, "flow", 2) if share is None else say.number(share, 1) + "\u00a0%",
+                time=say.number(time, 1),
+            )
+            for row, (time, leakage, share) in zip(marked, points, strict=True)
+        )
+        thinned = ""
+        if series.thinned:
+            kept = say.number(len(series.columns["time_s"]), 0)
+            thinned = say("charts.caption_thinned", kept=kept, samples=say.number(series.samples, 0))
+        listed = joined(f"{number} {row.label(say)}" for number, row in enumerate(marked, start=1))
+        return picture(
+            road_chart(series, points, bands, say),
+            say("charts.road_alt" if road.share is not None else "charts.road_alt_no_share", instants=spoken),
+            say("charts.caption_road", instants=listed, thinned=thinned).strip(),
+        )
+
+
+def _marked(series: RoadSeries) -> list[RoadInstant]:
+    return [row for row in series.instants if row.leads]

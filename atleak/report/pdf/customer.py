@@ -12,24 +12,22 @@ from functools import cached_property
 from itertools import starmap
 from typing import Any
 
-from atleak.engine.line import LINE
-from atleak.job.doubts import needless_work
-from atleak.job.estimate import Line
-from atleak.repair import Total
+from atleak.analysis.estimate import Line
+from atleak.analysis.pressures import lowest_first, pressures_at
+from atleak.analysis.record_doubts import needless_work
+from atleak.analysis.repair.plan import Total
+from atleak.common.unit_systems import KPA, PERCENT
+from atleak.common.verdicts import VERDICTS, Band, Verdict
+from atleak.common.wording import begun, isolated
+from atleak.engine.operation import LINE
+from atleak.report.charts.drawing import controller_svg, shortened
 from atleak.report.pdf.blocks import Block, joined, listed, signatures
 from atleak.report.pdf.printed_names import Part, PrintedNames
-from atleak.verdicts import VERDICTS, Band, Verdict
-from atleak.views.complaint import explanations, most_lost
-from atleak.views.drawing import controller_svg, shortened
-from atleak.views.first_sentence import impossible_part, may_parts, shown_verdict
-from atleak.views.land_names import has_number
-from atleak.views.measured_words import measured_sentence
-from atleak.views.pressures import lowest_first, pressures_at
-from atleak.views.pump_words import worn_pump
-from atleak.views.table import VERDICT, Column, Judged, Table
-from atleak.views.worn_valves import End, WornValve, worn_valves
-from atleak.wording import begun, isolated
-from atleak.workshop_units import KPA, PERCENT
+from atleak.report.tables.complaint import explanations, most_lost
+from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump
+from atleak.report.tables.names import has_number
+from atleak.report.tables.table import VERDICT, Column, Judged, Table
+from atleak.report.tables.worn_valves import End, WornValve, worn_valves
 
 NAMED = 4  # valves that a sentence names
 FELT = 2  # complaints, and ways of the oil, that are named for one valve

@@ -6,17 +6,17 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
+from atleak.analysis.pressures import lowest_first, pressures_at
+from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.verdicts import Verdict
 from atleak.engine.projection import Projection
 from atleak.report.pdf.blocks import Block, ends, joined, listed, named_facts
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import Part
-from atleak.verdicts import Verdict
-from atleak.views.caveats import caveat_marks, caveats
-from atleak.views.first_sentence import first_sentence
-from atleak.views.measured_words import measured_sentence
-from atleak.views.pressures import lowest_first, pressures_at
-from atleak.views.pump_words import pump_sentence
-from atleak.views.sentences import (
+from atleak.report.tables.first_sentence import first_sentence, measured_sentence, pump_sentence
+from atleak.report.tables.sentences import (
+    caveat_marks,
+    caveats,
     circuit_sentence,
     counted_in_speed,
     position_sentence,
@@ -24,8 +24,7 @@ from atleak.views.sentences import (
     readings_in_doubt,
     reserve_sentence,
 )
-from atleak.views.table import Column, Judged
-from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
+from atleak.report.tables.table import Column, Judged
 
 _ROOM = 7  # conditions for whose totals the page has room
 

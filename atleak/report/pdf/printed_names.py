@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import cached_property
 
-from atleak.diagnosis import Diagnosis
-from atleak.job.estimate import estimate
-from atleak.job.record import Job
-from atleak.land_diagnosis import LandDiagnosis
-from atleak.repair import RepairPlan, plan_repairs
-from atleak.report.estimate_words import EstimateWords
+from atleak.analysis.estimate import estimate
+from atleak.analysis.repair.plan import RepairPlan, plan_repairs
+from atleak.common.unit_systems import DM3_MIN, MM, PERCENT, UM
+from atleak.common.wording import Wording, isolated
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.rules import Rule
+from atleak.diagnosis.uncertainty import Decision, Remedy
+from atleak.measurements.job_card import Job
 from atleak.report.pdf.blocks import joined
-from atleak.rules import Rule
-from atleak.uncertainty import Decision, Remedy
-from atleak.views.condition_matrix import LandAtCondition, MatrixRow
-from atleak.views.land_names import component_words, land_number
-from atleak.views.sentences import rule_name, rule_value, wear_words
-from atleak.views.table import VERDICT, Column, span
-from atleak.wording import Wording, isolated
-from atleak.workshop_units import DM3_MIN, MM, PERCENT, UM
+from atleak.report.tables.estimate import EstimateWords
+from atleak.report.tables.lands import LandAtCondition, MatrixRow
+from atleak.report.tables.names import component_words, land_number
+from atleak.report.tables.sentences import rule_name, rule_value, wear_words
+from atleak.report.tables.table import VERDICT, Column, span
 
 _MOSTLY = 0.5  # fraction of an uncertainty's variance
 

@@ -11,32 +11,28 @@ from collections.abc import Callable
 
 import xlsxwriter
 
-from atleak.diagnosis import Diagnosis
-from atleak.job.record import Job
-from atleak.paper import DEFAULT_PAPER, find_paper
-from atleak.report.paging import UNDATED, workbook
+from atleak.common.sentences import Sentence
+from atleak.common.style import DEFAULT_PAPER, find_paper
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.measurements.job_card import Job
+from atleak.report.json.diagnosis import FORMAT, head_record
+from atleak.report.sheets.paging import UNDATED, workbook
+from atleak.report.tables.road_test import event_table
 from atleak.report.xlsx.book import Book
-from atleak.report.xlsx.budget_sheet import BUDGET
-from atleak.report.xlsx.circuits_sheet import CIRCUITS
-from atleak.report.xlsx.conditions_sheet import CONDITIONS
+from atleak.report.xlsx.circuits import CIRCUITS
+from atleak.report.xlsx.conditions import CONDITIONS
 from atleak.report.xlsx.constants import CONSTANTS
-from atleak.report.xlsx.directions_sheet import DIRECTIONS
-from atleak.report.xlsx.estimate_sheet import SHEET as ESTIMATE
-from atleak.report.xlsx.estimate_sheet import write_estimate
-from atleak.report.xlsx.gauges_sheet import SHEET as GAUGES
-from atleak.report.xlsx.gauges_sheet import write_gauges
-from atleak.report.xlsx.instruments_sheet import INSTRUMENTS
-from atleak.report.xlsx.limit_cells import LIMITS
-from atleak.report.xlsx.live import LANDS, LiveSheets
-from atleak.report.xlsx.readings_sheet import READINGS
-from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets
-from atleak.report.xlsx.rules_sheet import RULES
+from atleak.report.xlsx.estimate import SHEET as ESTIMATE
+from atleak.report.xlsx.estimate import write_estimate
+from atleak.report.xlsx.lands import LANDS, LiveSheets
+from atleak.report.xlsx.readings import DIRECTIONS, READINGS
+from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets, write_gauges
+from atleak.report.xlsx.road_sheet import SHEET as GAUGES
+from atleak.report.xlsx.rules import LIMITS, RULES
 from atleak.report.xlsx.sheets import Sheets
-from atleak.sentence import Sentence
+from atleak.report.xlsx.uncertainty import BUDGET, INSTRUMENTS
 from atleak.version import __version__
-from atleak.views.diagnosis_record import FORMAT, head_record
-from atleak.views.log_rows import event_table
-from atleak.wording import wording
 
 __all__ = ["report_workbook", "write_workbook"]
 
@@ -58,12 +54,12 @@ def write_workbook(
     job
         what the workshop wrote down; what is not filled in is left out.
     language
-        one of `atleak.wording.languages`.
+        one of `atleak.common.wording.languages`.
     units
-        one of `atleak.unit_systems.SYSTEMS`, of what is said in sentences. Columns keep the units of their formulas,
-        which their headings name.
+        one of `atleak.common.unit_systems.SYSTEMS`, of what is said in sentences. Columns keep the units of their
+        formulas, which their headings name.
     paper
-        one of `atleak.paper.PAPERS`, for printing.
+        one of `atleak.common.style.PAPERS`, for printing.
 
     Raises
     ------

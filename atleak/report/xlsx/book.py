@@ -11,13 +11,12 @@ from xlsxwriter.format import Format
 from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.job.record import clean_text
-from atleak.look import HEADING, LOOKS, look_of
-from atleak.paper import Paper
-from atleak.sentence import Name, Sentence
-from atleak.verdicts import BANDS, VERDICTS, Band, Verdict
-from atleak.views.table import VERDICT, Table
-from atleak.wording import Wording, wording
+from atleak.common.sentences import Name, Sentence
+from atleak.common.style import HEADING, LOOKS, Paper, look_of
+from atleak.common.verdicts import BANDS, VERDICTS, Band, Verdict
+from atleak.common.wording import Wording, wording
+from atleak.measurements.job_card import clean_text
+from atleak.report.tables.table import VERDICT, Table
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity

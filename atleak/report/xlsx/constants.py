@@ -16,20 +16,27 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import ROUNDING
 from atleak.catalogue.pump import TIP_DENSITY, Pump, TipGaps
 from atleak.catalogue.section_pressures import Pressure
-from atleak.diagnosis import Diagnosis
+from atleak.common.sentences import Name, Sentence
+from atleak.common.unit_systems import DM3_MIN, G_CM3, KPA, MPA_S, UM
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.uncertainty import Assumptions, UnitUncertainty
+from atleak.diagnosis.uncertainty.sources import AVERAGED_FROM, ENOUGH_DEGREES, STEP_TOLERANCE, TOLERANCE_HOLDS
 from atleak.engine.leakage import GapLaw
 from atleak.engine.profile import UNKNOWN
 from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
 from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, FULLY_ECCENTRIC, MEAN_ECCENTRIC
-from atleak.readings import REPEAT_TOLERANCE
-from atleak.report.xlsx import names
+from atleak.measurements.readings import REPEAT_TOLERANCE
+from atleak.report.xlsx import live_sheet as names
 from atleak.report.xlsx.book import NO_DELIVERY, Book
-from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, Quantity
-from atleak.report.xlsx.names import constant_pressure, of_leak, of_relation, of_tips, share_of_pressure
-from atleak.sentence import Name, Sentence
-from atleak.uncertainty import Assumptions, UnitUncertainty
-from atleak.uncertainty.sources import AVERAGED_FROM, ENOUGH_DEGREES, STEP_TOLERANCE, TOLERANCE_HOLDS
-from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MPA_S, UM
+from atleak.report.xlsx.live_sheet import (
+    AFTER_A_NUMBER,
+    Quantity,
+    constant_pressure,
+    of_leak,
+    of_relation,
+    of_tips,
+    share_of_pressure,
+)
 
 CONSTANTS = Sentence("Constants")
 ORDERED_BELOW = 900_000.0  # share [%] that still tells two totals of a band apart

@@ -1,4 +1,7 @@
-"""Write the sheets on the road test: what the log says by itself, its events, and the leakage over it."""
+"""Write the sheets on the road test: what the log says by itself, its events, and the leakage over it.
+
+Write the sheet of gauge readings: what was shown, what is permissible and expected, verdicts, patterns.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +10,15 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.diagnosis import Diagnosis
+from atleak.common.sentences import Name, Sentence
+from atleak.common.style import CHART_GRID, PAPER
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.road_findings import RoadFindings
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.look import CHART_GRID, PAPER
+from atleak.report.tables.gauges import gauge_table, pattern_sentences
+from atleak.report.tables.road_test import instant_table, place_table, road_series
+from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 from atleak.report.xlsx.book import Book, span
-from atleak.road_findings import RoadFindings
-from atleak.sentence import Name, Sentence
-from atleak.views.log_rows import place_table
-from atleak.views.road_instants import instant_table
-from atleak.views.road_series import road_series
-from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 
 ROAD_TEST, ROAD_EVENTS = Sentence("Road test"), Sentence("Road test events")
 ROAD_ROWS = 2000  # rows of the thinned road test
@@ -129,3 +131,25 @@ class RoadSheets:
 
 def _with_unit(label: Sentence, unit: str) -> Sentence:
     return Sentence("{label} [{unit}]", label=label, unit=unit) if unit else label
+
+
+SHEET = Sentence("Gauge readings")
+
+
+def write_gauges(book: Book, sheet: Worksheet, diagnosis: Diagnosis) -> None:
+    """Write a row for every reading, in the order of the ranges, and the patterns below."""
+    check, say = diagnosis.pressures, book.say
+    if check is None:
+        return
+    free = book.table(sheet, 0, gauge_table(check, book.metric).without("lost_between"))
+    notes = [(Sentence("file"), check.table.file), (Sentence("sheet"), check.table.sheet or "")]
+    notes += [(Sentence("permitted by"), text) for text in dict.fromkeys(_sources(diagnosis))]
+    notes += [(Sentence("pattern"), each) for each in pattern_sentences(check, diagnosis.controller, say)]
+    for row, (name, text) in enumerate((note for note in notes if note[1]), start=free + 1):
+        book.put(sheet, row, 0, name, book.bold)
+        book.put(sheet, row, 1, text)
+
+
+def _sources(diagnosis: Diagnosis) -> list[str]:
+    readings = diagnosis.pressures.readings if diagnosis.pressures else ()
+    return [each.permissible.source for each in readings if each.permissible]

@@ -7,17 +7,24 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.diagnosis import Diagnosis
-from atleak.errors import MessageLevel
-from atleak.job.record import Job, Record
-from atleak.repair import RepairPlan, RepairStep, plan_repairs
-from atleak.report.estimate_words import open_words
+from atleak.analysis.repair.plan import RepairPlan, RepairStep, plan_repairs
+from atleak.common.errors import MessageLevel
+from atleak.common.sentences import Name, Sentence
+from atleak.common.unit_systems import DM3_MIN, PERCENT
+from atleak.common.verdicts import BANDS, VERDICTS, Verdict
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.measurements.job_card import Job, Record
+from atleak.report.tables.complaint import finding, measure_first, reason
+from atleak.report.tables.estimate import open_words
+from atleak.report.tables.first_sentence import first_sentence
+from atleak.report.tables.lands import MatrixRow, condition_matrix
+from atleak.report.tables.names import spools_taken
+from atleak.report.tables.repairs import no_help, option_rows, plan_ends
+from atleak.report.tables.sentences import caveat_marks, caveats, fluid_in_state, measuring_temperature
 from atleak.report.xlsx.book import Book, cell
-from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
-from atleak.report.xlsx.flagged_lands import OF_A_LAND, FlaggedLands
-from atleak.report.xlsx.headline import Headline
-from atleak.report.xlsx.live import LiveSheets
-from atleak.report.xlsx.live_cells import (
+from atleak.report.xlsx.conditions import AS_SPOOLS_MAY_LIE, DEMAND, covers
+from atleak.report.xlsx.lands import LiveSheets
+from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
     RANKED,
     Cell,
@@ -29,18 +36,8 @@ from atleak.report.xlsx.live_cells import (
     verdict_of_rank,
 )
 from atleak.report.xlsx.road_sheet import RoadSheets
+from atleak.report.xlsx.summary import OF_A_LAND, FlaggedLands, Headline
 from atleak.report.xlsx.summary_page import SummaryPage
-from atleak.sentence import Name, Sentence
-from atleak.verdicts import BANDS, VERDICTS, Verdict
-from atleak.views.caveats import caveat_marks, caveats
-from atleak.views.complaint import finding, measure_first, reason
-from atleak.views.condition_matrix import MatrixRow, condition_matrix
-from atleak.views.first_sentence import first_sentence
-from atleak.views.positions import spools_taken
-from atleak.views.repair_options import option_rows
-from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.sentences import fluid_in_state, measuring_temperature
-from atleak.workshop_units import DM3_MIN, PERCENT
 
 #: rows of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
 _TOTALS = (

@@ -8,11 +8,11 @@ from typing import Any
 from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.report.paging import LINE_OF_A_BOOK, row_height
+from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
+from atleak.report.tables.section import Facts, Points, Section, Text
+from atleak.report.tables.table import Column, Table
 from atleak.report.xlsx.book import Book, formula
-from atleak.report.xlsx.live_cells import Cell, write_cell
-from atleak.views.section import Facts, Points, Section, Text
-from atleak.views.table import Column, Table
+from atleak.report.xlsx.live_sheet import Cell, write_cell
 
 _LABELS = 25, 42  # [characters] least and most width of the first column
 _NAMES, _VERDICTS, _OTHERS = 22, 15, 12  # width of the second, the third and any other

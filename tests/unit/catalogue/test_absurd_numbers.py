@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from atleak.catalogue.controller_reading import checked_controller
+from atleak.catalogue.controller_file import checked_controller
 from atleak.catalogue.entries import shipped_files
 from atleak.catalogue.fluid import checked_fluid
 from atleak.catalogue.instruments import checked_instrument
 from atleak.catalogue.limits import checked_limits
-from atleak.errors import CatalogueError
+from atleak.common.errors import CatalogueError
 
 CHECKED = {
     "controllers": checked_controller,

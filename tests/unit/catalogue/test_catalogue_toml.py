@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from atleak.catalogue.catalogue_toml import written_toml
-from atleak.catalogue.controller_reading import checked_controller, load_controller
+from atleak.catalogue.controller_file import checked_controller, load_controller, written_toml
 from atleak.catalogue.entries import catalogue_files, read_tables
 
 every_controller = pytest.mark.parametrize("name", list(catalogue_files("controllers")))

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
-from atleak.errors import CatalogueError, InputError
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.errors import CatalogueError, InputError
 
 Edited = Callable[..., Path]
 

@@ -15,18 +15,18 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.controller_tables import ControllerFile
 from atleak.catalogue.fluid import FluidFile, load_fluid
 from atleak.catalogue.limits import LimitsFile, load_limits
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
-from atleak.diagnosis import diagnose
+from atleak.common.errors import CatalogueError
+from atleak.diagnosis.diagnosis import diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PROFILES
 from atleak.engine.projection import Projection, project
-from atleak.errors import CatalogueError
-from atleak.readings import Readings, clearances
+from atleak.measurements.readings import Readings, clearances
 
 Edited = Callable[..., Path]
 

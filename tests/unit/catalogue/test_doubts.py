@@ -8,15 +8,15 @@ from typing import Any
 
 import pytest
 
-from atleak.catalogue.controller_reading import checked_controller, load_controller
+from atleak.catalogue.controller_file import checked_controller, load_controller
 from atleak.catalogue.controller_tables import ControllerFile
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import KINDS, read_tables, shipped_files
 from atleak.catalogue.fluid import FluidFile, checked_fluid, load_fluid
 from atleak.catalogue.instruments import checked_instrument, load_instrument
 from atleak.catalogue.limits import LimitsFile, checked_limits, load_limits
-from atleak.diagnosis import diagnose
-from atleak.errors import CatalogueError
+from atleak.common.errors import CatalogueError
+from atleak.diagnosis.diagnosis import diagnose
 
 LOAD: Mapping[str, Callable[[str], Any]] = {
     "controllers": load_controller, "fluids": load_fluid, "limits": load_limits, "instruments": load_instrument,

@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from atleak.catalogue.controller_reading import controllers, load_controller
+from atleak.catalogue.controller_file import controllers, load_controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import fluids, load_fluid
 from atleak.catalogue.instruments import load_instrument
 from atleak.catalogue.limits import limit_sets, load_limits
-from atleak.errors import CatalogueError, InputError, Place, nearest_name
+from atleak.common.errors import CatalogueError, InputError, Place, nearest_name
 
 Edited = Callable[..., Path]
 LOADERS: dict[str, Callable[[Any], Any]] = {

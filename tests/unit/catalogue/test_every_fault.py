@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from atleak.catalogue.controller_reading import checked_controller
+from atleak.catalogue.controller_file import checked_controller
 from atleak.catalogue.entries import read_tables
-from atleak.errors import CatalogueError, InputError
+from atleak.common.errors import CatalogueError, InputError
 
 Tables = dict[str, Any]
 

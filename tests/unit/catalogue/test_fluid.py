@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atleak.catalogue.controller_reading import controllers
+from atleak.catalogue.controller_file import controllers
 from atleak.catalogue.fluid import Fluid, ViscosityModel, fluids, load_fluid
+from atleak.common.errors import CatalogueError, DomainError, InputError
 from atleak.engine.profile import PROFILES, Profile
-from atleak.errors import CatalogueError, DomainError, InputError
 
 Edited = Callable[..., Path]
 ALL = {fluid.id: fluid for fluid in fluids()}

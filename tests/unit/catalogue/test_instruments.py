@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from atleak.catalogue.instruments import STEEL_EXPANSION, instruments, load_instrument, load_instruments
-from atleak.errors import CatalogueError, InputError
+from atleak.common.errors import CatalogueError, InputError
 
 
 def test_shipped_instruments_state_their_source_and_what_is_representative() -> None:

@@ -13,7 +13,7 @@ from atleak.catalogue.fluid import FluidFile
 from atleak.catalogue.instruments import InstrumentFile
 from atleak.catalogue.keys import key, key_of, made, unit_of, usual_values
 from atleak.catalogue.limits import LimitsFile
-from atleak.faults import model_in
+from atleak.common.file_faults import model_in
 
 
 class Table(BaseModel):

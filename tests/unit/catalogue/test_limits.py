@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.catalogue.limits import LimitOrigin, Limits, Steps, load_limits, reaches
-from atleak.errors import CatalogueError
-from atleak.verdicts import VERDICTS, Band, Verdict, worst
+from atleak.common.errors import CatalogueError
+from atleak.common.verdicts import VERDICTS, Band, Verdict, worst
 
 Edited = Callable[..., Path]
 WEAR_WATCH = "watch = { percent = 10.0, at_least_um = 4.0 }"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller_reading import controllers, load_controller
+from atleak.catalogue.controller_file import controllers, load_controller
 from atleak.catalogue.entries import (
     KINDS,
     catalogue_files,
@@ -22,10 +22,10 @@ from atleak.catalogue.entries import (
     write_own,
 )
 from atleak.catalogue.fluid import load_fluid
-from atleak.errors import CatalogueError, OutputError
+from atleak.common.errors import CatalogueError, OutputError
+from atleak.common.files import made
 from atleak.job.case import Case
-from atleak.job.file import read_job_file, write_job_file
-from atleak.system.home import made
+from atleak.job.zip_file import read_job_file, write_job_file
 
 Put = Callable[..., Path]
 

@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from atleak.catalogue.controller_reading import checked_controller
-from atleak.catalogue.controller_tables import PumpTable
+from atleak.catalogue.controller_file import checked_controller
 from atleak.catalogue.entries import Evidence, read_tables
 from atleak.catalogue.known_values import known_values
 from atleak.catalogue.pump import Pump, PumpClearances
-from atleak.catalogue.pump_reading import other_dimensions
+from atleak.catalogue.pump_dimensions import other_dimensions
+from atleak.catalogue.pump_tables import PumpTable
+from atleak.common.errors import CatalogueError
 from atleak.equations import pump as equations
-from atleak.errors import CatalogueError
 
 GEAR: dict[str, Any] = {
     "kind": "external_gear",

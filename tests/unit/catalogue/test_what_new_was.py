@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller import NewOrigin
-from atleak.catalogue.controller_reading import load_controller
-from atleak.errors import CatalogueError
+from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.controller_tables import NewOrigin
+from atleak.common.errors import CatalogueError
 
 Edited = Callable[..., Path]
 FIRST = "land = 1, nominal_diameter_mm = 15.0, mounting_clearance_um = 18.0"

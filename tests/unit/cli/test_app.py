@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from atleak.cli import app
-
-from ..test_admission import secrets_of
+from tests.unit.common.test_admission import secrets_of
 
 Run = Callable[..., tuple[int, str, str]]
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import read_job_file, write_job_file
 from atleak.job.parts import job_parts
-from atleak.job.record import Job, Transmission
-from atleak.jobs.book import open_book
-from atleak.jobs.compared import compare_jobs
+from atleak.job.zip_file import read_job_file, write_job_file
+from atleak.job_book.book import open_book
+from atleak.job_book.compared_jobs import compare_jobs
+from atleak.measurements.job_card import Job, Transmission
 from atleak.version import __version__
 
 Run = Callable[..., tuple[int, str, str]]

@@ -12,7 +12,7 @@ import openpyxl
 import pytest
 
 from atleak import cli
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import shipped_files
 
 Run = Callable[..., tuple[int, str, str]]

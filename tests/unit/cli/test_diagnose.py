@@ -14,7 +14,7 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.job.case import SLOTS, Case
-from atleak.job.file import read_job_file
+from atleak.job.zip_file import read_job_file
 
 Run = Callable[..., tuple[int, str, str]]
 WithPressure = Callable[..., Path]

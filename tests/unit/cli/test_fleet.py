@@ -12,23 +12,22 @@ from typing import Any
 import pyarrow.parquet as pq
 import pytest
 
-from atleak.diagnosis import Diagnosis
-from atleak.errors import FleetError, Message
+from atleak.common.errors import FleetError, Message
+from atleak.common.sentences import Sentence
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.fleet import cluster
 from atleak.fleet import run as fleet_run
-from atleak.fleet.known import known_folders
+from atleak.fleet.folder import known_folders
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress
-from atleak.fleet.work import evaluate
+from atleak.fleet.worker import evaluate
 from atleak.job.case import Case
-from atleak.job.file import write_job_file
 from atleak.job.parts import job_parts
-from atleak.job.record import Job
-from atleak.jobs.book import open_book
-from atleak.sentence import Sentence
+from atleak.job.zip_file import write_job_file
+from atleak.job_book.book import open_book
+from atleak.measurements.job_card import Job
 from atleak.version import __version__
-
-from .conftest import Run
+from tests.unit.cli.conftest import Run
 
 _FREE = "a folder that is new or empty, or one with results of a fleet"
 

@@ -11,15 +11,14 @@ import pytest
 from PIL import Image
 from python_calamine import CalamineWorkbook
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.fleet.known import known_folders
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import wording
+from atleak.fleet.folder import known_folders
 from atleak.fleet.results import Results
-from atleak.verdicts import Verdict
-from atleak.wording import wording
-
-from ..fleet.few_units import Measured, Unit, condition, results_of, temperature_class
-from ..fleet.made_up import CONTROLLERS, made_up_results
-from .test_schema import closed
+from tests.unit.cli.test_schema import closed
+from tests.unit.fleet.few_units import Measured, Unit, condition, results_of, temperature_class
+from tests.unit.fleet.made_up import CONTROLLERS, made_up_results
 
 Run = Callable[..., tuple[int, str, str]]
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from atleak.intake.road_test import importer
-from atleak.intake.road_test.channels import assign
-from atleak.intake.road_test.channels.assign import BESIDE
+from atleak.readers.logs import columns as assign
+from atleak.readers.logs import importer
+from atleak.readers.logs.columns import BESIDE
 
 Run = Callable[..., tuple[int, str, str]]
 

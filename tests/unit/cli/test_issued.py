@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from atleak.version import __version__
-
-from .conftest import JOB
+from tests.unit.cli.conftest import JOB
 
 Run = Callable[..., tuple[int, str, str]]
 MINIMAL = ("--controller", "minimal_example")

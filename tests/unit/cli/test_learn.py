@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atleak.catalogue.catalogue_toml import written_toml
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller, written_toml
 from atleak.catalogue.entries import read_tables
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
-from atleak.job.record import Job
-from atleak.jobs.book import open_book
+from atleak.job_book.book import open_book
+from atleak.measurements.job_card import Job
 
 Run = Callable[..., tuple[int, str, str]]
 NAME = "minimal_example"

@@ -12,12 +12,12 @@ import openpyxl
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
-from atleak.provisional import Basis
-from atleak.readings import Reading
-from atleak.report.measuring_sheet import SHEET, UNWORN_END, write_readings
-from atleak.wording import wording
-from atleak.workshop_units import UM
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.unit_systems import UM
+from atleak.common.wording import wording
+from atleak.diagnosis.provisional import Basis
+from atleak.measurements.readings import Reading
+from atleak.report.sheets.measuring_sheet import SHEET, UNWORN_END, write_readings
 
 Run = Callable[..., tuple[int, str, str]]
 PAGE = Path(__file__).parents[3] / "docs" / "tutorials" / "my-first-transmission.md"

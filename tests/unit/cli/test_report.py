@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from atleak.cli.shared import job_files
-from atleak.errors import InputError
+from atleak.common.errors import InputError
 
 Run = Callable[..., tuple[int, str, str]]
 RecordOf = Callable[..., dict[str, Any]]

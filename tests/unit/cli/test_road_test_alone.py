@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from atleak.job.file import read_job_file
-from atleak.views.diagnosis_record import diagnosis_record
+from atleak.job.zip_file import read_job_file
+from atleak.report.json.diagnosis import diagnosis_record
 
 Run = Callable[..., tuple[int, str, str]]
 WithPressure = Callable[..., Path]

@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator, ValidationError
 
-from atleak.diagnosis import Diagnosis
-from atleak.job.issued import issued_record
-from atleak.job.record import Job
-from atleak.schemas import OUTPUTS, schema
-from atleak.views.diagnosis_record import to_json
-
-from .conftest import JOB
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.job.result import issued_record
+from atleak.measurements.job_card import Job
+from atleak.report.json.diagnosis import to_json
+from atleak.report.json.schemas import OUTPUTS, schema
+from tests.unit.cli.conftest import JOB
 
 Run = Callable[..., tuple[int, str, str]]
 

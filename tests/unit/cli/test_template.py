@@ -11,7 +11,7 @@ import openpyxl
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.intake.readings import read_readings
+from atleak.readers.sheets.measuring_sheet import read_readings
 
 Run = Callable[..., tuple[int, str, str]]
 RecordOf = Callable[..., dict[str, Any]]

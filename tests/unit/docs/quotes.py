@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from .pages import ROOT, Block, commands
+from tests.unit.docs.pages import ROOT, Block, commands
 
 _FRAMES = re.compile(r"[\s│┃]+")  # and how lines are broken
 

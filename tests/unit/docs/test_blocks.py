@@ -16,9 +16,8 @@ from typing import Any
 import pytest
 
 from atleak import cli
-
-from .pages import OTHER_PROGRAMS, ROOT, Block, Command, commands, pages, programs, split, text_of
-from .quotes import samples, unsaid
+from tests.unit.docs.pages import OTHER_PROGRAMS, ROOT, Block, Command, commands, pages, programs, split, text_of
+from tests.unit.docs.quotes import samples, unsaid
 
 PAGES = pages()
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 
-from atleak.diagnosis import Diagnosis
-from atleak.repair import OfferedRepairs
-from atleak.verdicts import Verdict
-
-from .pages import text_of
+from atleak.analysis.repair.plan import OfferedRepairs
+from atleak.common.verdicts import Verdict
+from atleak.diagnosis.diagnosis import Diagnosis
+from tests.unit.docs.pages import text_of
 
 TEXT = " ".join(text_of("docs/dashboard.md").split())
 

@@ -9,12 +9,11 @@ from pathlib import Path
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.diagnosis import diagnose
-from atleak.intake.road_test import read_road_test
-from atleak.verdicts import Verdict
-from atleak.workshop_units import KPA
-
-from .pages import ROOT, text_of
+from atleak.common.unit_systems import KPA
+from atleak.common.verdicts import Verdict
+from atleak.diagnosis.diagnosis import diagnose
+from atleak.readers.logs import read_road_test
+from tests.unit.docs.pages import ROOT, text_of
 
 TEXT = " ".join(text_of("docs/faq.md").split())
 

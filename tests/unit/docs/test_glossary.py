@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .pages import anchors, links, text_of
+from tests.unit.docs.pages import anchors, links, text_of
 
 GLOSSARY = "docs/nomenclature.md"
 TERMS = """

@@ -8,7 +8,7 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from .pages import ROOT, anchors, links, pages, slug, text_of
+from tests.unit.docs.pages import ROOT, anchors, links, pages, slug, text_of
 
 PAGES = pages()
 

@@ -11,9 +11,8 @@ from types import ModuleType
 
 import pytest
 
-from atleak.workshop_units import UM
-
-from .pages import ROOT, links, pages, text_of
+from atleak.common.unit_systems import UM
+from tests.unit.docs.pages import ROOT, links, pages, text_of
 
 PICTURES = ROOT / "docs" / "pictures"
 KEPT = sorted(path for path in PICTURES.iterdir() if path.suffix in (".png", ".svg"))

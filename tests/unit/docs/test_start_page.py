@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from .pages import ROOT, links, pages, split, text_of
+from tests.unit.docs.pages import ROOT, links, pages, split, text_of
 
 
 def set_up(page: str) -> list[str]:

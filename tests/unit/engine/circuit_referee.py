@@ -16,7 +16,7 @@ from atleak.catalogue.circuits import Circuit, Feed, Following, SetPressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
-from atleak.engine.circuits import Network
+from atleak.engine.network import Network
 from atleak.engine.restrictions import Branch, Gap, Orifice
 
 VISCOSITY, DENSITY = 6.2e-6, 797.0  # [m²/s, kg/m³]

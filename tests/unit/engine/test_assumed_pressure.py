@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.engine.assumed_pressure import with_assumed_pressure
+from atleak.catalogue.controller_file import load_controller
+from atleak.engine.road_leakage import with_assumed_pressure
 from atleak.engine.road_pressure import judge_pressure
-from atleak.intake.road_test import read_road_test
-from atleak.road_test import RoadTest
+from atleak.measurements.road_test import RoadTest
+from atleak.readers.logs import read_road_test
 
 
 def log(head: str = "Time (s),RPM (rpm),Gear", row: str = "{i},{rpm},{gear}") -> RoadTest:

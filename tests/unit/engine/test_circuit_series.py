@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.engine import circuit_series
+from atleak.engine import log_gaps as circuit_series
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import project
 from atleak.engine.series import LeakageSeries, leakage_series
-from atleak.readings import LandClearance, clearances
+from atleak.measurements.readings import LandClearance, clearances
 
 ON = WORKSHOP.with_options(entry_loss="on")
 LOSSLESS = WORKSHOP.with_options(entry_loss="off")

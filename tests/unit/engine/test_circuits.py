@@ -21,13 +21,13 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.balance import BALANCED, Balance
-from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel
+from atleak.engine.network import Network
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.engine.restrictions import Gap
 from atleak.equations import gap as gap_equations
 from atleak.equations import orifice as orifice_equations
-from atleak.readings import clearances
+from atleak.measurements.readings import clearances
 
 
 def _referee() -> ModuleType:

@@ -8,17 +8,16 @@ from dataclasses import replace
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.engine.flows import ENDS, SOURCES, Flows, Kind, Place, flows_at
 from atleak.engine.profile import PAPER
 from atleak.engine.projection import Projection, project
-from atleak.readings import Readings
-
-from ..conftest import with_clearances
+from atleak.measurements.readings import Readings
+from tests.unit.conftest import with_clearances
 
 Build = Callable[..., Readings]
 LINE = Place(Kind.SECTION, "p_g")

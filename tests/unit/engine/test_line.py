@@ -14,16 +14,15 @@ from scipy.optimize import brentq
 
 from atleak.catalogue.circuits import Consumer, Following, SetPressure
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.flows import ENDS, Kind, Place, flows_at
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.line import Held, Operation, hold, sections_held
+from atleak.engine.operation import Held, Operation, hold, sections_held, with_new
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import project
-from atleak.engine.repaired import with_new
-from atleak.readings import LandClearance, clearances
+from atleak.measurements.readings import LandClearance, clearances
 
 LOSSLESS = WORKSHOP.with_options(entry_loss="off")
 widths = st.floats(10e-6, 300e-6)

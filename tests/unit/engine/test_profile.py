@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from atleak.common.errors import InputError
 from atleak.engine.profile import PAPER, PROFILES, WORKSHOP, find_profile
-from atleak.errors import InputError
 
 
 def test_workshop_comes_first_and_paper_is_as_printed() -> None:

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
-from atleak.diagnosis import Diagnosis
+from atleak.common.errors import DomainError, InputError
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import Projection, project, repaired, stated_condition, with_wear
-from atleak.errors import DomainError, InputError
-from atleak.readings import Readings, clearances
+from atleak.measurements.readings import Readings, clearances
 
 
 def test_nothing_stated_is_the_first_operating_point(four_speed: Controller) -> None:

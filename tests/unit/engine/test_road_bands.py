@@ -14,16 +14,16 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.engine.lasting import CountedSamples
+from atleak.common.verdicts import BANDS, Band
+from atleak.engine.extremes import CountedSamples
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import model_unworn
-from atleak.engine.road_bands import temperature_classes
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
-from atleak.intake.readings import read_readings
-from atleak.readings import LandClearance, clearances
-from atleak.road_test import RoadTest, Segment
-from atleak.verdicts import BANDS, Band
+from atleak.engine.road_pressure import temperature_classes
+from atleak.measurements.readings import LandClearance, clearances
+from atleak.measurements.road_test import RoadTest, Segment
+from atleak.readers.sheets.measuring_sheet import read_readings
 
 LogOf = Callable[..., RoadTest]
 NAN = math.nan

@@ -12,12 +12,12 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
+from atleak.common.errors import RoadTestError
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
-from atleak.errors import RoadTestError
-from atleak.readings import clearances
-from atleak.road_test import RoadTest
+from atleak.measurements.readings import clearances
+from atleak.measurements.road_test import RoadTest
 
 LogOf = Callable[..., RoadTest]
 Over, Full = Callable[..., RoadLeakage], dict[str, object]

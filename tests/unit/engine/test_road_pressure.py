@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from atleak.catalogue.circuits import PermissiblePressure
 from atleak.catalogue.controller import Controller
-from atleak.engine.lasting import CountedSamples, Lasting
+from atleak.common.unit_systems import KPA, RPM
+from atleak.engine.extremes import CountedSamples, Lasting
 from atleak.engine.road_pressure import RoadPressure, compare_with_commanded, judge_pressure
-from atleak.road_test import RoadTest, Segment
-from atleak.workshop_units import KPA, RPM
+from atleak.measurements.road_test import RoadTest, Segment
 
 NAN = float("nan")
 STEP = 0.05

@@ -13,12 +13,12 @@ from hypothesis.extra.numpy import arrays
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.engine.gap_polynomials import ENTRY_LOSS_LEFT_OUT
 from atleak.engine.leakage import GapLaw, LeakageModel
+from atleak.engine.log_gaps import ENTRY_LOSS_LEFT_OUT
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.series import leakage_series
 from atleak.equations import gap as gap_equations
-from atleak.readings import LandClearance, Station, clearances
+from atleak.measurements.readings import LandClearance, Station, clearances
 from tests.unit.equations import referees
 
 LOSSLESS = WORKSHOP.with_options(entry_loss="off")

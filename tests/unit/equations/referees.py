@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.equations.uncertainty import normal_cdf, normal_quantile
+from atleak.equations.statistics import normal_cdf, normal_quantile
 
 
 def effective_clearance_two_temperatures(

@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
+from atleak.common.errors import DomainError
 from atleak.equations import pump
-from atleak.errors import DomainError
 
 Complex = np.ndarray  # outlines are points of the complex plane
 

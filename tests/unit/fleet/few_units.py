@@ -11,11 +11,10 @@ from typing import Any
 
 import pyarrow as pa
 
-from atleak.fleet.columns import HASH, DataSet, columns_of
+from atleak.catalogue.repairs import LandKey
+from atleak.common.verdicts import Verdict, worst
+from atleak.fleet.columns import HASH, DataSet, Rows, columns_of
 from atleak.fleet.results import Results
-from atleak.fleet.rows import Rows
-from atleak.rules import LandKey
-from atleak.verdicts import Verdict, worst
 from atleak.version import __version__
 
 

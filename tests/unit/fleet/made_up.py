@@ -14,14 +14,13 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.fleet.columns import ERROR_KINDS, HASH, DataSet, columns_of
+from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.repairs import LandKey
+from atleak.common.verdicts import BANDS, Verdict
+from atleak.fleet.columns import ERROR_KINDS, HASH, DataSet, Rows, columns_of
 from atleak.fleet.results import Results
-from atleak.fleet.rows import Rows
 from atleak.fleet.summary import summed_up
-from atleak.fleet.summed import FleetSummary
-from atleak.rules import LandKey
-from atleak.verdicts import BANDS, Verdict
+from atleak.fleet.sums import FleetSummary
 from atleak.version import __version__
 
 CONTROLLERS = ("four_speed_2023", "five_speed_2005")

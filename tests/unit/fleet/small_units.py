@@ -11,7 +11,7 @@ from pathlib import Path
 
 from atleak.fleet.units import FleetUnit
 from atleak.job.case import Case, SourceFile
-from atleak.job.record import Job
+from atleak.measurements.job_card import Job
 
 
 def small_unit(number: int, kind: type[FleetUnit] = FleetUnit, **more: object) -> FleetUnit:

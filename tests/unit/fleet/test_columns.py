@@ -9,7 +9,7 @@ import pyarrow as pa
 import pytest
 
 from atleak.fleet.columns import DATA_SETS, ERROR_KINDS, HASH, PARTITION, columns_of
-from atleak.schemas import schema
+from atleak.report.json.schemas import schema
 
 
 @pytest.mark.parametrize("data_set", DATA_SETS)

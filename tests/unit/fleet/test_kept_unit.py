@@ -6,20 +6,18 @@ from pathlib import Path
 
 import pytest
 
-from atleak.errors import FleetError, InputError
-from atleak.fleet.kept_unit import kept_unit
+from atleak.common.errors import FleetError, InputError
+from atleak.common.verdicts import Verdict
 from atleak.fleet.results import Results
-from atleak.fleet.sources import find_units
-from atleak.fleet.work import evaluate
+from atleak.fleet.sources import find_units, kept_unit
+from atleak.fleet.worker import evaluate
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import write_job_file
-from atleak.job.judged_anew import judged_otherwise
-from atleak.job.record import Job
-from atleak.verdicts import Verdict
-from atleak.views.diagnosis_record import diagnosis_record
-
-from .made_up import CONTROLLERS, POINTS, made_up_results
-from .small_units import small_unit
+from atleak.job.result import judged_otherwise
+from atleak.job.zip_file import write_job_file
+from atleak.measurements.job_card import Job
+from atleak.report.json.diagnosis import diagnosis_record
+from tests.unit.fleet.made_up import CONTROLLERS, POINTS, made_up_results
+from tests.unit.fleet.small_units import small_unit
 
 
 def job_file(path: Path, number: int = 1) -> Path:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from atleak.errors import OutputError
-from atleak.fleet import known
-from atleak.fleet.known import forget, known_folders, note
+from atleak.common.errors import OutputError
+from atleak.fleet import folder as known
+from atleak.fleet.folder import forget, known_folders, note
 from atleak.fleet.results import Results
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from atleak.fleet.label_shuffles import mean_differences
+from atleak.fleet.groups import mean_differences
 
 
 @pytest.fixture

@@ -10,16 +10,16 @@ from typing import Any
 
 import pytest
 
-from atleak.fleet import task
-from atleak.fleet.rows import Rows
-from atleak.fleet.table_units import TableUnits
+from atleak.fleet import worker as task
+from atleak.fleet.columns import Rows
+from atleak.fleet.unit_table import TableUnits
 from atleak.fleet.units import FleetUnit
-from atleak.fleet.work import evaluate
-from atleak.intake.road_test.channels import assign
-from atleak.intake.road_test.channels.assign import BESIDE
-from atleak.job import file as job_file
+from atleak.fleet.worker import evaluate
+from atleak.job import zip_file as job_file
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import write_job_file
+from atleak.job.zip_file import write_job_file
+from atleak.readers.logs import columns as assign
+from atleak.readers.logs.columns import BESIDE
 from atleak.version import __version__
 
 LITTLE = BESIDE + 10_000  # bytes of memory into which the sample log does not fit

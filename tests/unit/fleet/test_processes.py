@@ -16,15 +16,14 @@ import psutil
 import pytest
 from distributed import Client
 
-from atleak.errors import FleetError
-from atleak.fleet import running
+from atleak.common.errors import FleetError
+from atleak.fleet import dispatch as running
 from atleak.fleet.cluster import HERE, connected
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress, run_fleet
 from atleak.fleet.units import FleetUnit
-from atleak.job.issued import issued_record
-
-from .small_units import Deadly, Greedy, OnceDeadly, Slow, Stuck, bad_unit, small_unit
+from atleak.job.result import issued_record
+from tests.unit.fleet.small_units import Deadly, Greedy, OnceDeadly, Slow, Stuck, bad_unit, small_unit
 
 # draws as many as the workers do
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("all_draws")]

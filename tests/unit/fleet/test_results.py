@@ -12,14 +12,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from atleak.errors import FleetError, OutputError
-from atleak.fleet import parts, results
+from atleak.common.errors import FleetError, OutputError
+from atleak.fleet import folder as parts
+from atleak.fleet import results
 from atleak.fleet.columns import DATA_SETS, columns_of
 from atleak.fleet.results import Results
 from atleak.version import __version__
-
-from .made_up import CONTROLLERS, ERRORS, made_up_results
-from .writing import LANDS, failed, unit
+from tests.unit.fleet.made_up import CONTROLLERS, ERRORS, made_up_results
+from tests.unit.fleet.writing import LANDS, failed, unit
 
 
 def rows_in(folder: Path, data_set: str) -> int:

@@ -17,14 +17,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from atleak.errors import FleetError
+from atleak.common.errors import FleetError
 from atleak.fleet import results
 from atleak.fleet.columns import Rows
-from atleak.fleet.parts import Part, folder_of, write_part
+from atleak.fleet.folder import Part, folder_of, write_part
 from atleak.fleet.results import Results
-
-from . import writing
-from .writing import LANDS, failed, unit
+from tests.unit.fleet import writing
+from tests.unit.fleet.writing import LANDS, failed, unit
 
 State = dict[str, tuple[str, int, bool]]  # reference → hash, number of the evaluation, whether it is an error
 

@@ -12,13 +12,13 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.diagnosis import Diagnosis, diagnose
-from atleak.errors import InputError
+from atleak.common.errors import InputError
+from atleak.common.verdicts import BANDS, Verdict
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.fleet.columns import DATA_SETS, ERROR_KINDS, HASH, Rows, columns_of
 from atleak.fleet.rows import error_rows, rows_of
-from atleak.job.issued import issued_record
-from atleak.job.record import Job, Transmission, Vehicle
-from atleak.verdicts import BANDS, Verdict
+from atleak.job.result import issued_record
+from atleak.measurements.job_card import Job, Transmission, Vehicle
 from atleak.version import __version__
 
 

@@ -24,17 +24,18 @@ import pytest
 from distributed import Client, get_worker
 from distributed.scheduler import KilledWorker
 
-from atleak.errors import FleetError, Message
-from atleak.fleet import cluster, running, task
+from atleak.common.errors import FleetError, Message
+from atleak.fleet import cluster
+from atleak.fleet import dispatch as running
+from atleak.fleet import worker as task
 from atleak.fleet.cluster import HERE, SETTINGS, connected
+from atleak.fleet.dispatch import Run
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress, run_fleet
-from atleak.fleet.running import Run
-from atleak.fleet.task import BEGUN, OVERDUE, on_worker
 from atleak.fleet.units import FleetUnit
+from atleak.fleet.worker import BEGUN, OVERDUE, on_worker
+from tests.unit.fleet.small_units import Short, bad_unit, small_unit
 from tests.unit.own_loop import awaited
-
-from .small_units import Short, bad_unit, small_unit
 
 
 @pytest.fixture(scope="module")

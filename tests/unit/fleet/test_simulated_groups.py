@@ -10,9 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from atleak.fleet.label_shuffles import mean_differences
-
-from .simulated_groups import Called, called
+from atleak.fleet.groups import mean_differences
+from tests.unit.fleet.simulated_groups import Called, called
 
 WORSE = 30.0  # points of wear, on three of the lands
 

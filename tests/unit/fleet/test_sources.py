@@ -11,16 +11,16 @@ from typing import Any
 
 import pytest
 
-from atleak.diagnosis import Diagnosis
-from atleak.errors import BookError, InputError
+from atleak.common.errors import BookError, InputError
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.fleet.sources import FoundUnits, find_units, reopened
 from atleak.fleet.units import FleetUnit
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import write_job_file
 from atleak.job.parts import job_parts
-from atleak.job.record import Job, Photo
-from atleak.jobs.book import Book, open_book
-from atleak.jobs.search import Query
+from atleak.job.zip_file import write_job_file
+from atleak.job_book.book import Book, open_book
+from atleak.job_book.search import Query
+from atleak.measurements.job_card import Job, Photo
 
 Write = Callable[..., Path]
 

@@ -9,20 +9,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from atleak.diagnosis import Diagnosis
-from atleak.equations.proportions import newcombe_interval, wilson_interval
-from atleak.errors import FleetError, InputError
+from atleak.analysis.rates import PARTS, Rate, Spread
+from atleak.common.errors import FleetError, InputError
+from atleak.common.verdicts import Verdict
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.equations.statistics import newcombe_interval, wilson_interval
 from atleak.fleet.results import Results
 from atleak.fleet.rows import rows_of
 from atleak.fleet.summary import summed_up
-from atleak.fleet.summed import FleetSummary, ValveBody
-from atleak.spreads import PARTS, Rate, Spread
-from atleak.verdicts import Verdict
-
-from .few_units import Measured, Unit, results_of
-from .made_up import CONTROLLERS, ERRORS, GROUPS, WORSE, WORSE_BY, made_up_results
-from .test_rows import JOB, Named
-from .writing import failed
+from atleak.fleet.sums import FleetSummary, ValveBody
+from tests.unit.fleet.few_units import Measured, Unit, results_of
+from tests.unit.fleet.made_up import CONTROLLERS, ERRORS, GROUPS, WORSE, WORSE_BY, made_up_results
+from tests.unit.fleet.test_rows import JOB, Named
+from tests.unit.fleet.writing import failed
 
 BODY = CONTROLLERS[0]
 _NEAR = 1e-9  # in per cent, kPa and s

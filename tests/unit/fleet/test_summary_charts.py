@@ -6,11 +6,14 @@ from dataclasses import replace
 
 import pytest
 
-from atleak.figures.charts import drawn
-from atleak.figures.figure import Figure
+from atleak.analysis.rates import Rate, Spread
+from atleak.common.style import LOOKS, OK_IN_PART
+from atleak.common.verdicts import BANDS, FLAGGED, Band, Verdict
+from atleak.common.wording import Wording, wording
+from atleak.diagnosis.uncertainty import DECISIONS
 from atleak.fleet.summary_charts import FleetCharts
 from atleak.fleet.summary_words import FleetWords
-from atleak.fleet.summed import (
+from atleak.fleet.sums import (
     Difference,
     Group,
     LandOverMileage,
@@ -20,14 +23,10 @@ from atleak.fleet.summed import (
     VerdictCounts,
     WearDifference,
 )
-from atleak.look import LOOKS, OK_IN_PART
-from atleak.spreads import Rate, Spread
-from atleak.uncertainty import DECISIONS
-from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
-from atleak.views.charts import Chart
-from atleak.wording import Wording, wording
-
-from .made_up import summary
+from atleak.report.charts.chart import Chart
+from atleak.report.charts.figure import Figure
+from atleak.report.charts.screen import drawn
+from tests.unit.fleet.made_up import summary
 
 SAY = wording("en")
 US = wording("en", "us")

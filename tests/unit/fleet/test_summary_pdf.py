@@ -15,19 +15,18 @@ import pypdfium2
 import pytest
 from matplotlib.figure import Figure
 
+from atleak.analysis.rates import rate
+from atleak.common.style import OK_IN_PART
+from atleak.common.verdicts import FLAGGED, Verdict
+from atleak.common.wording import Wording, languages, wording
 from atleak.fleet.summary_charts import FleetCharts
 from atleak.fleet.summary_pdf import DEPTHS, DETAILED, write_summary_pdf
 from atleak.fleet.summary_words import TERMS, FleetWords, within
 from atleak.fleet.summary_workbook import write_summary_workbook
-from atleak.fleet.summed import FleetSummary, VerdictCounts
-from atleak.look import OK_IN_PART
-from atleak.report.printed_charts.charts import drawn
-from atleak.report.printed_charts.plotting import WIDTH
-from atleak.spreads import rate
-from atleak.verdicts import FLAGGED, Verdict
-from atleak.wording import Wording, languages, wording
-
-from .made_up import summary
+from atleak.fleet.sums import FleetSummary, VerdictCounts
+from atleak.report.charts.paper import drawn
+from atleak.report.charts.paper_axes import WIDTH
+from tests.unit.fleet.made_up import summary
 
 LONG = "Supplier of remanufactured valve bodies with an extraordinarily long name, branch {}"
 OWN = "a_description_of_a_workshop_that_no_catalogue_has"
@@ -161,7 +160,7 @@ def test_whatever_a_fleet_is_it_fits_eight_pages_within_their_edges(case: str) -
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_words_of_charts_and_tables_are_legible(case: str) -> None:
-    from ..report.test_typography import LEAST, sizes
+    from tests.unit.report.test_typography import LEAST, sizes
 
     content = write_summary_pdf(summary(**CASES[case]))
     small = sorted({(page, round(size, 1)) for page, size, _ in sizes(content) if size < LEAST})
@@ -245,9 +244,7 @@ def test_numbers_of_mileage_do_not_run_into_one_another(units: str) -> None:
     charts = FleetCharts(FleetWords(made, wording("en", units)))
     small = [charts.wear(made.bodies[0], replace(made.bodies[0].wear[0], classes=classes))] * 2
     reaches = []
-    with patch(
-        "atleak.report.printed_charts.plotting.svg", side_effect=lambda figure: reaches.extend(_reaches(figure))
-    ):
+    with patch("atleak.report.charts.paper_axes.svg", side_effect=lambda figure: reaches.extend(_reaches(figure))):
         drawn(small, wording("en", units))
     assert len(reaches) > 6
     assert all(left_end + 2.0 < right for (_, left_end), (right, _) in pairwise(sorted(reaches)))

@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import wording
 from atleak.fleet.summary import summed_up
 from atleak.fleet.summary_words import FleetWords
-from atleak.verdicts import Verdict
-from atleak.wording import wording
-
-from .few_units import Measured, Unit, condition, results_of, temperature_class
+from tests.unit.fleet.few_units import Measured, Unit, condition, results_of, temperature_class
 
 _NEAR = 1e-9  # in per cent, kPa and s
 WORN = Measured(90.0, Verdict.REPLACE)

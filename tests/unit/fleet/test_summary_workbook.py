@@ -16,14 +16,13 @@ from openpyxl.utils import range_boundaries
 from openpyxl.worksheet.worksheet import Worksheet
 from python_calamine import CalamineWorkbook
 
+from atleak.common.verdicts import FLAGGED, Verdict
+from atleak.common.wording import languages, wording
 from atleak.fleet.summary_tables import FleetTables
 from atleak.fleet.summary_words import FleetWords, cumulated
 from atleak.fleet.summary_workbook import write_summary_workbook
-from atleak.fleet.summed import FleetSummary
-from atleak.verdicts import FLAGGED, Verdict
-from atleak.wording import languages, wording
-
-from .made_up import summary
+from atleak.fleet.sums import FleetSummary
+from tests.unit.fleet.made_up import summary
 
 FROZEN = {
     "verdicts": 2, "pairs": 3, "deciders": 2, "wear": 3, "latest": 3, "temperatures": 3, "conditions": 2,

@@ -10,15 +10,15 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError, InputError
+from atleak.common.errors import AtleakError, InputError
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.fleet.sources import find_units
-from atleak.fleet.table_units import choices_read, written_choices
+from atleak.fleet.unit_table import choices_read, written_choices
 from atleak.fleet.units import FleetUnit
-from atleak.intake.road_test import default_path, remember, understand
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import write_job_file
-from atleak.job.record import Job
+from atleak.job.zip_file import write_job_file
+from atleak.measurements.job_card import Job
+from atleak.readers.logs import default_path, remember, understand
 
 Fleet = Callable[..., list[FleetUnit]]
 

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from atleak.diagnosis import Diagnosis
-from atleak.errors import InputError, Place
+from atleak.common.errors import InputError, Place
+from atleak.common.sentences import Sentence
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.fleet import units
 from atleak.fleet.units import FleetUnit, travelling
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import write_job_file
-from atleak.job.record import Job, Photo, Vehicle
-from atleak.sentence import Sentence
+from atleak.job.zip_file import write_job_file
+from atleak.measurements.job_card import Job, Photo, Vehicle
 
 
 def _sent(unit: FleetUnit) -> FleetUnit:

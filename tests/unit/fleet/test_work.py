@@ -13,19 +13,18 @@ from typing import Any
 import pytest
 
 from atleak.catalogue.entries import catalogue_files
-from atleak.errors import InputError
-from atleak.fleet import work
+from atleak.common.errors import InputError
+from atleak.common.sentences import Sentence
+from atleak.fleet import worker as work
 from atleak.fleet.columns import DATA_SETS
 from atleak.fleet.units import FleetUnit
-from atleak.fleet.work import evaluate
+from atleak.fleet.worker import evaluate
+from atleak.job.batch import write_reports
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import write_job_file
-from atleak.job.issued import issued_record
-from atleak.job.record import Job
-from atleak.report.batch import write_reports
-from atleak.sentence import Sentence
-
-from .small_units import Faulty, Short, bad_unit, small_unit
+from atleak.job.result import issued_record
+from atleak.job.zip_file import write_job_file
+from atleak.measurements.job_card import Job
+from tests.unit.fleet.small_units import Faulty, Short, bad_unit, small_unit
 
 
 def _error(unit: FleetUnit, **options: Any) -> dict[str, Any]:

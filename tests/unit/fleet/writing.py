@@ -10,9 +10,9 @@ from typing import Any
 
 import pyarrow as pa
 
+from atleak.common.verdicts import Verdict
 from atleak.fleet.columns import HASH, DataSet, Rows, columns_of
 from atleak.fleet.results import Results
-from atleak.verdicts import Verdict
 
 LANDS = 3  # of every unit
 

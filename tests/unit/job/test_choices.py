@@ -14,10 +14,10 @@ import pytest
 
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.limits import load_limits
-from atleak.errors import CatalogueError, InputError
-from atleak.intake.road_test import default_path, read_road_test, remember, understand
+from atleak.common.errors import CatalogueError, InputError
 from atleak.job.case import Case, SourceFile, load_source, with_log_choices
-from atleak.job.file import read_job_file, write_job_file
+from atleak.job.zip_file import read_job_file, write_job_file
+from atleak.readers.logs import default_path, read_road_test, remember, understand
 
 SAMPLE = Path(__file__).resolve().parents[3] / "sample_data" / "measuring_sheet_four_speed.xlsx"
 ROWS = "".join(f"{step / 10};800;{6 + step};{9 + step};80;2\n" for step in range(30))

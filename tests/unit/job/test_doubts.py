@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from atleak.diagnosis import Diagnosis
-from atleak.job.doubts import record_doubts
-from atleak.job.record import Job
-from atleak.views.pressures import behind_limits
-from atleak.wording import languages, wording
+from atleak.analysis.pressures import behind_limits
+from atleak.analysis.record_doubts import record_doubts
+from atleak.common.wording import languages, wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.measurements.job_card import Job
 
 
 def instruments(*names: str) -> Job:

@@ -12,23 +12,23 @@ from typing import Any
 import openpyxl
 import pytest
 
+from atleak.analysis.estimate import Estimate, estimate, with_line
+from atleak.analysis.record_doubts import check_decisions, undecided
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.catalogue.repairs import Repair
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.common.errors import InputError
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
-from atleak.errors import InputError
-from atleak.job.decisions import check_decisions, undecided
-from atleak.job.estimate import Estimate, estimate, with_line
-from atleak.job.record import Job
-from atleak.readings import Readings
-from atleak.report.estimate_words import EstimateWords, open_words
+from atleak.measurements.job_card import Job
+from atleak.measurements.readings import Readings
 from atleak.report.pdf.body import Body
 from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.tables.estimate import EstimateWords, open_words
 from atleak.report.xlsx import write_workbook
-from atleak.wording import wording
 
 PR, ACC = "pressure_regulator", "accumulator"
 SLEEVE = Repair(

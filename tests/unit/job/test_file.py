@@ -13,27 +13,27 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.limits import load_limits
 from atleak.catalogue.pump import PumpClearances
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.common.errors import InputError
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import stated_condition
-from atleak.errors import InputError
-from atleak.intake.readings import read_readings
-from atleak.intake.road_test import read_road_test
 from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile
-from atleak.job.file import read_job_file, write_job_file
-from atleak.job.judged_anew import judged_otherwise
 from atleak.job.parts import FORMAT, entry_of
-from atleak.job.record import Job
-from atleak.uncertainty import DEFAULTS
+from atleak.job.result import judged_otherwise
+from atleak.job.zip_file import read_job_file, write_job_file
+from atleak.measurements.job_card import Job
+from atleak.readers.logs import read_road_test
+from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.report.json.diagnosis import diagnosis_record
 from atleak.version import __version__
-from atleak.views.diagnosis_record import diagnosis_record
-from atleak.wording import wording
 
 SHEET = b"""component;part;plane;direction;diameter 1 [mm];diameter 2 [mm]
 6;spool;1;0;9,939;9,940

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from atleak.job.judged_anew import judged_otherwise
-from atleak.wording import wording
+from atleak.common.wording import wording
+from atleak.job.result import judged_otherwise
 
 BEFORE = {
     "verdict": "replace",

@@ -10,12 +10,12 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import KINDS, catalogue_files
-from atleak.errors import InputError
+from atleak.common.errors import InputError
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import write_job_file
 from atleak.job.kinds import Kind, kind_of, slots_of
+from atleak.job.zip_file import write_job_file
 from atleak.report.controller_workbook import write_controller_workbook
-from atleak.report.measuring_sheet import write_template
+from atleak.report.sheets.measuring_sheet import write_template
 
 GAUGES = b"Range;Engine;Tap;Pressure [kPa]\nD;idle;line;412\nR;stall;line;1500\n"
 LOG = b"time [s];engine speed [rpm];line pressure [kPa]\n" + b"0,1;800;412\n" * 50
@@ -86,7 +86,7 @@ def test_an_instrument_is_chosen_for_what_it_measures() -> None:
 @pytest.mark.parametrize(
     ("content", "broken"),
     [
-        (b"a;b\n1;2\n", "atleak.intake.kinds.read_sheets"),
+        (b"a;b\n1;2\n", "atleak.readers.file_kinds.read_sheets"),
         (b"PK\x03\x04 and no more", "atleak.job.kinds.zipfile"),
         (b'{"number": "1"}', "atleak.job.kinds.json"),
     ],

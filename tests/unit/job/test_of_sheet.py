@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.diagnosis import Diagnosis
+from atleak.analysis.record_doubts import record_doubts, taken_from_sheet, with_sheet
+from atleak.catalogue.controller_file import load_controller
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import Case, SourceFile
-from atleak.job.doubts import record_doubts
-from atleak.job.file import read_job_file, write_job_file
-from atleak.job.of_sheet import taken_from_sheet, with_sheet
-from atleak.job.record import Job
-from atleak.readings import Readings, SheetIdentity
+from atleak.job.zip_file import read_job_file, write_job_file
+from atleak.measurements.job_card import Job
+from atleak.measurements.readings import Readings, SheetIdentity
 
 HEAD = SheetIdentity("4711", "Golf IV", "WVWZZZ1JZXW000001", "S-1", "J. K.", ("micrometer", "bore gauge"), 182_000.0)
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from PIL import Image, ImageOps, PngImagePlugin
 
-from atleak.job.photo_notes import without_notes
+from atleak.job.photos import without_notes
 
 PLACE = 0x8825
 SECRET = b"Secret Camera"

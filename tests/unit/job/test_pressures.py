@@ -9,13 +9,13 @@ from pathlib import Path
 import openpyxl
 import pytest
 
-from atleak.errors import PressureTableError, ReadingsError
+from atleak.common.errors import PressureTableError, ReadingsError
+from atleak.common.verdicts import Verdict
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import read_job_file, write_job_file
-from atleak.report.measuring_sheet import write_template
-from atleak.report.pressure_sheet import PRESSURES
-from atleak.verdicts import Verdict
-from atleak.views.diagnosis_record import diagnosis_record
+from atleak.job.zip_file import read_job_file, write_job_file
+from atleak.report.json.diagnosis import diagnosis_record
+from atleak.report.sheets.measuring_sheet import write_template
+from atleak.report.sheets.pressure_sheet import PRESSURES
 
 GAUGES = "range;slow idle [kPa];stall [kPa]\nD;380,5;1100\nP;400;\n"
 

@@ -8,9 +8,9 @@ import json
 import pytest
 from pydantic import ValidationError
 
-from atleak.errors import InputError
-from atleak.job.file import load_job, parse_job
-from atleak.job.record import Job, Photo
+from atleak.common.errors import InputError
+from atleak.job.zip_file import load_job, parse_job
+from atleak.measurements.job_card import Job, Photo
 
 TOML = """
 number = 417

@@ -7,18 +7,17 @@ from dataclasses import replace
 
 import pytest
 
+from atleak.analysis.estimate import decided_repairs, estimate, prices_of, with_repairs
+from atleak.analysis.repair.plan import Basis, OfferedRepairs, choose, ticked
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.catalogue.repairs import Goal, Repair
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
-from atleak.job.estimate import estimate, prices_of
-from atleak.job.record import Job
-from atleak.job.repair_set import decided_repairs, with_repairs
-from atleak.readings import Readings
-from atleak.repair import Basis, OfferedRepairs, choose, ticked
+from atleak.measurements.job_card import Job
+from atleak.measurements.readings import Readings
 
 PR, TCC, ACC = "pressure_regulator", "tcc_regulator", "accumulator"
 SLEEVE, SPOOL = (

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from atleak.diagnosis import Diagnosis
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import Case, SourceFile
-from atleak.job.record import Job, Vehicle
-from atleak.job.steps import job_steps
-from atleak.wording import wording
+from atleak.job.result import job_steps
+from atleak.measurements.job_card import Job, Vehicle
 
 PISTON = "component;part;plane;direction;diameter [mm]\naccumulator;piston;1;0;17,999\naccumulator;piston;1;90;17,999\n"
 SLEEVE = "accumulator;sleeve;1;0;18,028\naccumulator;sleeve;1;90;18,028\n"

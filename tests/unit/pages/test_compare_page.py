@@ -11,10 +11,9 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
-from atleak.job.record import Job
-from atleak.jobs.book import open_book
-
-from .conftest import texts
+from atleak.job_book.book import open_book
+from atleak.measurements.job_card import Job
+from tests.unit.pages.conftest import texts
 
 SHEET = "component;part;plane;direction;diameter [mm]\n" + "".join(
     f"{component};{part};1;{direction};{{{name}}}\n"

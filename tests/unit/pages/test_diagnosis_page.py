@@ -9,8 +9,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller import Controller
-
-from .conftest import choice, go, tables, texts, uploader
+from tests.unit.pages.conftest import choice, go, tables, texts, uploader
 
 
 def ticked(app: AppTest) -> list[bool]:

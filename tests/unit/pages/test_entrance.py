@@ -10,10 +10,9 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.admission import ALLOWED
+from atleak.common.access import ALLOWED
 from pages.shared import entrance
-
-from .conftest import ROOT, texts
+from tests.unit.pages.conftest import ROOT, texts
 
 
 class Visitor(dict):

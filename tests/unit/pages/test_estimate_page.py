@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.job.record import Job
-
-from .conftest import go, texts, uploader
+from atleak.measurements.job_card import Job
+from tests.unit.pages.conftest import go, texts, uploader
 
 pytestmark = pytest.mark.page("13_Estimate")
 

@@ -9,22 +9,21 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.fleet.known import known_folders, note
+from atleak.common.files import home
+from atleak.common.verdicts import Verdict
+from atleak.fleet.folder import known_folders, note
 from atleak.fleet.results import Results
 from atleak.fleet.sources import find_units
-from atleak.fleet.work import evaluate
-from atleak.job.file import write_job_file
+from atleak.fleet.worker import evaluate
 from atleak.job.parts import job_parts
-from atleak.job.record import Job
-from atleak.jobs.book import open_book
-from atleak.jobs.search import Query
-from atleak.system.home import home
-from atleak.verdicts import Verdict
+from atleak.job.zip_file import write_job_file
+from atleak.job_book.book import open_book
+from atleak.job_book.search import Query
+from atleak.measurements.job_card import Job
 from pages.shared import fleet, fleet_units
-
-from ..fleet.made_up import CONTROLLERS, GROUPS, made_up_results
-from ..fleet.small_units import small_unit
-from .conftest import go, texts
+from tests.unit.fleet.made_up import CONTROLLERS, GROUPS, made_up_results
+from tests.unit.fleet.small_units import small_unit
+from tests.unit.pages.conftest import go, texts
 
 PAGE = "14_Fleet"
 RANKS = ("not measured", "ok", "watch", "replace", "critical")

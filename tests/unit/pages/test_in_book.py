@@ -5,15 +5,14 @@ from __future__ import annotations
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.errors import InputError
+from atleak.common.errors import InputError
 from atleak.job.case import Case
-from atleak.job.file import packed_job
 from atleak.job.parts import JobParts, job_parts
-from atleak.job.record import Job
-from atleak.jobs.book import Book, open_book
+from atleak.job.zip_file import packed_job
+from atleak.job_book.book import Book, open_book
+from atleak.measurements.job_card import Job
 from pages.shared.files import named
-
-from .conftest import go, number, texts, uploader
+from tests.unit.pages.conftest import go, number, texts, uploader
 
 pytestmark = pytest.mark.page("1_Job")
 
@@ -118,7 +117,7 @@ def test_a_job_that_is_judged_otherwise_today_says_so(
     case = Case(controller="minimal_example")
     parts = job_parts(case.diagnose(), Job(), case)
     parts.__dict__["result"] = {**parts.result, "verdict": "ok"}  # as an earlier version might have said
-    monkeypatch.setattr("atleak.jobs.book.__version__", "0.1.9")
+    monkeypatch.setattr("atleak.job_book.book.__version__", "0.1.9")
     saved = book.save(parts)
     app.query_params["job"] = saved.id
     app.run()

@@ -10,11 +10,10 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import JobParts, job_parts
-from atleak.job.record import Job
-from atleak.jobs.book import Book, open_book
-from atleak.jobs.search import Query
-
-from .conftest import go, texts
+from atleak.job_book.book import Book, open_book
+from atleak.job_book.search import Query
+from atleak.measurements.job_card import Job
+from tests.unit.pages.conftest import go, texts
 
 VIN = "WVWZZZ1JZXW000001"
 

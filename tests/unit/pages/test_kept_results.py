@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.job.case import SourceFile
-from atleak.job.file import read_job_file, write_job_file
+from atleak.job.zip_file import read_job_file, write_job_file
 from pages.shared.cases import PageCase, diagnosis_of
 
 OWN = PageCase(controller="minimal_example", mileage=90_000.0)

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.catalogue.controller_reading import load_controller
-
-from .conftest import ROOT, go, texts
+from atleak.catalogue.controller_file import load_controller
+from tests.unit.pages.conftest import ROOT, go, texts
 
 NAME = "minimal_example"
 

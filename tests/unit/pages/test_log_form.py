@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.intake.road_test.names.memory import recall_all
 from atleak.job.case import SourceFile
-
-from .conftest import ROOT, go, texts, uploader
+from atleak.readers.logs.remembered_columns import recall_all
+from tests.unit.pages.conftest import ROOT, go, texts, uploader
 
 pytestmark = pytest.mark.page("3_Road_test")
 

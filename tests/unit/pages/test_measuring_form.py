@@ -10,10 +10,9 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller import Controller
-from atleak.intake.readings import read_readings
 from atleak.job.case import SourceFile
-
-from .conftest import ROOT
+from atleak.readers.sheets.measuring_sheet import read_readings
+from tests.unit.pages.conftest import ROOT
 
 SCRIPT = """
 import streamlit as st
@@ -110,9 +109,9 @@ def test_a_plan_that_changes_keeps_what_was_typed(opened: Opened) -> None:
 
 
 def test_a_sheet_that_was_given_is_gone_on_from_with_its_gauge_readings(opened: Opened, four_speed: Controller) -> None:
-    from atleak.pressure_table import Cell, Engine, GaugeReading, PressureTable
-    from atleak.readings import Reading
-    from atleak.report.measuring_sheet import write_readings
+    from atleak.measurements.gauge_readings import Cell, Engine, GaugeReading, PressureTable
+    from atleak.measurements.readings import Reading
+    from atleak.report.sheets.measuring_sheet import write_readings
 
     one = Reading("8", "spool", "1", 0.0, 1, 10e-3)
     gauges = PressureTable("", "", None, ("kPa",), (GaugeReading(Cell("D", Engine.SLOW_IDLE), 450e3),))

@@ -10,23 +10,22 @@ import openpyxl
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.limits import load_limits
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.engine.profile import PROFILES
 from atleak.engine.projection import stated_condition
-from atleak.intake.readings import read_readings
-from atleak.intake.road_test import default_path, read_road_test, remember, understand
 from atleak.job.case import Case, SourceFile, load_source, pairs_of
-from atleak.job.file import read_job_file, write_job_file
-from atleak.job.record import Job
-from atleak.uncertainty import DEFAULTS
-from atleak.views.diagnosis_record import diagnosis_record
-
-from .conftest import ROOT, go, uploader
+from atleak.job.zip_file import read_job_file, write_job_file
+from atleak.measurements.job_card import Job
+from atleak.readers.logs import default_path, read_road_test, remember, understand
+from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.report.json.diagnosis import diagnosis_record
+from tests.unit.pages.conftest import ROOT, go, uploader
 
 pytestmark = pytest.mark.page("2_Readings")
 LOG = (

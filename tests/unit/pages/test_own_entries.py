@@ -5,9 +5,8 @@ from __future__ import annotations
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.entries import own_folder, shipped_files
-from atleak.system.home import made
-
-from .conftest import choice, go, texts
+from atleak.common.files import made
+from tests.unit.pages.conftest import choice, go, texts
 
 
 def test_an_own_valve_body_is_offered_used_and_kept_though_its_file_breaks_and_goes(app: AppTest) -> None:

@@ -13,14 +13,25 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
-from atleak.diagnosis import Diagnosis
-from atleak.figures.diagnosis_figures import leakage_ranking, wear
-from atleak.look import PAPER
-from atleak.report.measuring_sheet import write_template
-from atleak.views.drawing import controller_svg, on_dark, spool_svg
-from atleak.wording import wording
-
-from .conftest import ROOT, choice, flagged, flagged_pairs, go, number, settle, tables, texts, unfold, uploader
+from atleak.common.style import PAPER
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.report.charts.drawing import controller_svg, on_dark, spool_svg
+from atleak.report.charts.land_figures import leakage_ranking, wear
+from atleak.report.sheets.measuring_sheet import write_template
+from tests.unit.pages.conftest import (
+    ROOT,
+    choice,
+    flagged,
+    flagged_pairs,
+    go,
+    number,
+    settle,
+    tables,
+    texts,
+    unfold,
+    uploader,
+)
 
 PAGES = (
     "0_Start", "1_Job", "22_Settings",
@@ -56,7 +67,7 @@ def test_every_page_runs_with_the_sample_and_with_nothing(app: AppTest, page: st
     ("page", "breaks"),
     [
         pytest.param("3_Road_test", "pages.shared.road.findings", marks=pytest.mark.page("1_Job")),
-        pytest.param("4_Diagnosis", "atleak.views.diagnosis_record.diagnosis_record", marks=pytest.mark.page("1_Job")),
+        pytest.param("4_Diagnosis", "atleak.report.json.diagnosis.diagnosis_record", marks=pytest.mark.page("1_Job")),
         pytest.param("5_What_if", "pages.shared.what_if_form.draw", marks=pytest.mark.page("1_Job")),
         pytest.param("6_Report", "pages.shared.conditions.undecided", marks=pytest.mark.page("1_Job")),
     ],

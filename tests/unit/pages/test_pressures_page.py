@@ -9,13 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from streamlit.testing.v1 import AppTest
 
-from atleak.intake.gauge_table.typed import TYPED_FILE, TypedGauges, typed_gauges
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import write_job_file
-from atleak.pressure_table import RANGES, Cell, Engine
+from atleak.job.zip_file import write_job_file
+from atleak.measurements.gauge_readings import RANGES, Cell, Engine
+from atleak.readers.gauges.typed_gauges import TYPED_FILE, TypedGauges, typed_gauges
 from pages.shared.pressure_form import UNITS
-
-from .conftest import choice, go, texts, uploader
+from tests.unit.pages.conftest import choice, go, texts, uploader
 
 PAGE = "20_Pressures"
 pytestmark = pytest.mark.page(PAGE)

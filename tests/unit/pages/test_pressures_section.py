@@ -10,9 +10,8 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.catalogue.controller_reading import load_controller
-
-from .conftest import choice, go, opened, texts, unfold, uploader
+from atleak.catalogue.controller_file import load_controller
+from tests.unit.pages.conftest import choice, go, opened, texts, unfold, uploader
 
 pytestmark = pytest.mark.page("2_Readings")
 

@@ -8,19 +8,18 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.wording import wording
-
-from .conftest import ROOT, choice, go
-from .conftest import opened as dashboard
+from atleak.common.wording import wording
+from tests.unit.pages.conftest import ROOT, choice, go
+from tests.unit.pages.conftest import opened as dashboard
 
 
 def page() -> None:
     """A page of one table and the choices, as a page of the dashboard shows them."""
     import streamlit as st
 
-    from atleak.verdicts import Verdict
-    from atleak.views.table import Column
-    from atleak.written_numbers import TEMPERATURE
+    from atleak.catalogue.written_numbers import TEMPERATURE
+    from atleak.common.verdicts import Verdict
+    from atleak.report.tables.table import Column
     from pages.shared import fields, reader, show
 
     reader.mark_page()

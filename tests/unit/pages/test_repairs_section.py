@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from streamlit.testing.v1 import AppTest
 
-from .conftest import choice, texts, unfold, uploader
+from tests.unit.pages.conftest import choice, texts, unfold, uploader
 
 SHEET = """Valve;Land;Part;Diameter [mm];Contact length [mm]
 boost_valve;1;spool;9.855;4.5

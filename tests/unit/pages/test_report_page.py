@@ -12,10 +12,9 @@ import pytest
 from PIL import Image
 from streamlit.testing.v1 import AppTest
 
-from atleak.job.record import Job
+from atleak.measurements.job_card import Job
 from atleak.report.pdf.body import SECTIONS
-
-from .conftest import ROOT, go, uploader
+from tests.unit.pages.conftest import ROOT, go, uploader
 
 pytestmark = pytest.mark.page("1_Job")
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from atleak.analysis.source_study import VARIANTS
+from atleak.analysis.source_study.article import ERRATA, STATED_POINTS
+from atleak.analysis.source_study.variants import OPTION_STEPS
+from atleak.common.wording import wording
 from atleak.job.case import SourceFile
-from atleak.variants import VARIANTS
-from atleak.variants.article import ERRATA, STATED_POINTS
-from atleak.variants.run import OPTION_STEPS
-from atleak.wording import wording
 
 testing = pytest.importorskip("streamlit.testing.v1")
 

@@ -9,14 +9,13 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.entries import own_folder, read_tables
-from atleak.controller_sheets.layout import SHEETS
+from atleak.catalogue.workbook.sheets import SHEETS
+from atleak.common.files import drafts
 from atleak.report.controller_workbook import write_controller_workbook
-from atleak.system.drafts import drafts
 from pages.shared import entrance
 from pages.shared.transmission import STEPS
-
-from .conftest import choice, go, texts
-from .test_learn_form import sheets
+from tests.unit.pages.conftest import choice, go, texts
+from tests.unit.pages.test_learn_form import sheets
 
 PAGE = "27_Transmission"
 

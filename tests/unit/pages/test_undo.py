@@ -10,14 +10,13 @@ from hypothesis import strategies as st
 from PIL import Image
 from streamlit.testing.v1 import AppTest
 
-from atleak.job.record import Job, Photo, RepairDecision
-from atleak.jobs.book import open_book
-from atleak.jobs.erase import erase
+from atleak.job_book.book import open_book
+from atleak.job_book.erasure import erase
+from atleak.measurements.job_card import Job, Photo, RepairDecision
 from pages.shared.undo import Steps, taken_back
-
-from .conftest import go, texts, uploader
-from .test_in_book import field
-from .test_job_book_page import small_job
+from tests.unit.pages.conftest import go, texts, uploader
+from tests.unit.pages.test_in_book import field
+from tests.unit.pages.test_job_book_page import small_job
 
 pytestmark = pytest.mark.page("1_Job")
 SHEET = b"component;part;plane;direction;diameter [mm]\n8;spool;1;0;10.000\n8;sleeve;1;0;10.120\n"

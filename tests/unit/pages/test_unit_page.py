@@ -7,16 +7,15 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from atleak.history.series import Restart
+from atleak.analysis.history.series import Restart
+from atleak.common.wording import signed
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
-from atleak.job.record import Job
-from atleak.jobs.book import Book, open_book
-from atleak.jobs.unit_visits import unit_of_job, visits_of_unit
-from atleak.wording import signed
+from atleak.job_book.book import Book, open_book
+from atleak.job_book.visits import unit_of_job, visits_of_unit
+from atleak.measurements.job_card import Job
 from pages.shared import unit
-
-from .conftest import go, texts
+from tests.unit.pages.conftest import go, texts
 
 
 def saved(book: Book, sleeve: float, year: int, mileage: float, **record: Any) -> str:

@@ -6,8 +6,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from pages.shared.what_if_form import read_tried
-
-from .conftest import go, texts
+from tests.unit.pages.conftest import go, texts
 
 
 def share(app: AppTest) -> str:

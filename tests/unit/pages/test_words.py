@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from atleak.diagnosis import Diagnosis
-from atleak.job.record import Job
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.measurements.job_card import Job
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.wording import wording
 from pages.shared import words
 
 

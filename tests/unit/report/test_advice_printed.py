@@ -7,11 +7,11 @@ from dataclasses import replace
 import pytest
 
 from atleak.catalogue.limits import LimitOrigin, Steps
-from atleak.diagnosis import Diagnosis, diagnose
-from atleak.job.record import Job
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import languages, wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.measurements.job_card import Job
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.verdicts import Verdict
-from atleak.wording import languages, wording
 
 
 @pytest.fixture(scope="module")

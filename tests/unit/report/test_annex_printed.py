@@ -13,20 +13,19 @@ from typing import Any
 import pypdfium2
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.diagnosis import Diagnosis, diagnose
-from atleak.equations.uncertainty import normal_cdf
-from atleak.job.record import Job
+from atleak.analysis.pressures import pressures_at
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.unit_systems import UM
+from atleak.common.wording import languages, wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.uncertainty.results import MOST_BUDGETS
+from atleak.equations.statistics import normal_cdf
+from atleak.measurements.job_card import Job
 from atleak.report.pdf import write_pdf
-from atleak.report.pdf.annex import Annex
+from atleak.report.pdf.annex import Annex, Budget
 from atleak.report.pdf.body import Body
-from atleak.report.pdf.budget import Budget
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.uncertainty.budget import MOST_BUDGETS
-from atleak.views.pressures import pressures_at
-from atleak.wording import languages, wording
-from atleak.workshop_units import UM
 
 JOB = Job(
     number="2026-0417",

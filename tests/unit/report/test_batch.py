@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 
-from atleak.job.file import write_job_file
-from atleak.job.record import Job
-from atleak.report import batch
-from atleak.report.batch import Reported, write_reports
+from atleak.job import batch
+from atleak.job.batch import Reported, write_reports
+from atleak.job.zip_file import write_job_file
+from atleak.measurements.job_card import Job
 
 
 def test_every_job_gets_its_reports_and_progress_is_told(unmeasured, tmp_path):

@@ -13,21 +13,20 @@ import pandas as pd
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.common.style import find_paper
+from atleak.common.verdicts import Band, Verdict
+from atleak.common.wording import begun, languages, signed, wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.rules import Rule
 from atleak.engine.profile import PAPER, WORKSHOP
-from atleak.job.record import Job
-from atleak.paper import find_paper
+from atleak.measurements.job_card import Job
 from atleak.report.pdf import report_data, write_pdf
+from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.xlsx import write_workbook
-from atleak.rules import Rule
-from atleak.verdicts import Band, Verdict
-from atleak.views.first_sentence import first_sentence
-from atleak.wording import begun, languages, signed, wording
-
-from .read_back import is_archival, text_of
+from tests.unit.report.read_back import is_archival, text_of
 
 UM = 1e-6
 Sheets = Callable[..., pd.DataFrame]

@@ -10,15 +10,14 @@ from functools import cache
 
 import pytest
 
-from atleak.comparison import Comparison, compare
-from atleak.diagnosis import diagnose
-from atleak.job.record import Job
+from atleak.analysis.comparison import Comparison, compare
+from atleak.common.wording import languages, wording
+from atleak.diagnosis.diagnosis import diagnose
+from atleak.measurements.job_card import Job
+from atleak.report.charts.paper import drawn
 from atleak.report.pdf.comparison import _Page, write_comparison_pdf
-from atleak.report.printed_charts.charts import drawn
-from atleak.views import comparison_words
-from atleak.wording import languages, wording
-
-from .read_back import pages_of
+from atleak.report.tables import comparison as comparison_words
+from tests.unit.report.read_back import pages_of
 
 BEFORE = Job(number="17", date="2026-03-02", customer={"name": "Łucja Example"}, complaint="Slips when hot.")
 AFTER = Job(

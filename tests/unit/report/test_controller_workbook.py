@@ -10,12 +10,11 @@ from typing import Any
 import openpyxl
 import pytest
 
-from atleak.controller_sheets.kinds import Choice, YesNo
-from atleak.controller_sheets.layout import INSTRUCTIONS, LISTS, NAMES, SHEETS, UNIT_LINES
-from atleak.controller_sheets.shapes import Form
-from atleak.controller_sheets.units import Units
-from atleak.errors import OutputError
-from atleak.intake.controller_workbook import read_controller_workbook
+from atleak.catalogue.workbook.cells import Choice, Units, YesNo
+from atleak.catalogue.workbook.shapes import Form
+from atleak.catalogue.workbook.sheets import INSTRUCTIONS, LISTS, NAMES, SHEETS, UNIT_LINES
+from atleak.common.errors import OutputError
+from atleak.readers.controller_workbook import read_controller_workbook
 from atleak.report.controller_workbook import write_controller_workbook
 
 INCH = Units("inch", "diametral", "psi")

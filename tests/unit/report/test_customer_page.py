@@ -10,23 +10,22 @@ from types import SimpleNamespace
 
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.analysis.repair.plan import plan_repairs
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.section_pressures import Pressure
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.common.verdicts import Band, Verdict
+from atleak.common.wording import languages, wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.job.case import Case, SourceFile
-from atleak.job.record import Job
-from atleak.readings import Reading, Readings
-from atleak.repair import plan_repairs
+from atleak.measurements.job_card import Job
+from atleak.measurements.readings import Reading, Readings
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.customer import CustomerPage, digits_apart
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.verdicts import Band, Verdict
-from atleak.views.complaint import explanations
-from atleak.views.worn_valves import End, worn_valves
-from atleak.wording import languages, wording
-
-from . import read_back
+from atleak.report.tables.complaint import explanations
+from atleak.report.tables.worn_valves import End, worn_valves
+from tests.unit.report import read_back
 
 SIGNED = ("signatures",)
 LONG = " ".join(["Once it is hot it waits at the lights before it moves, and then it goes with a jerk."] * 24)

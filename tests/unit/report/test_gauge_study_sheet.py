@@ -8,10 +8,10 @@ import numpy as np
 import openpyxl
 import pytest
 
-from atleak.gauge_study.readings import GaugeStudyError
-from atleak.intake.gauge_study import read_study
-from atleak.report.gauge_study_sheet import HEADER, write_study_form
-from atleak.wording import languages, wording
+from atleak.common.wording import languages, wording
+from atleak.measurements.gauge_study import GaugeStudyError
+from atleak.readers.gauges.gauge_study import read_study
+from atleak.report.sheets.gauge_study_form import HEADER, write_study_form
 
 
 @pytest.mark.parametrize("language", languages())

@@ -9,16 +9,15 @@ import openpyxl
 import pandas as pd
 import pytest
 
-from atleak.diagnosis import Diagnosis
+from atleak.common.wording import languages, wording
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import Case, SourceFile
-from atleak.pressure_table import Engine
+from atleak.measurements.gauge_readings import Engine
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
-from atleak.report.xlsx.gauges_sheet import SHEET
-from atleak.report.xlsx.live_cells import RANKED
-from atleak.wording import languages, wording
-
-from .read_back import text_of
+from atleak.report.xlsx.live_sheet import RANKED
+from atleak.report.xlsx.road_sheet import SHEET
+from tests.unit.report.read_back import text_of
 
 TABLE = """range;tap;slow idle [kPa];fast idle 1500 rpm [kPa]
 R;line;900;1000

@@ -15,16 +15,16 @@ from openpyxl.cell import MergedCell
 from openpyxl.utils import get_column_letter
 from PIL import Image
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.errors import ReadingsError
-from atleak.intake.readings import read_readings
-from atleak.job.record import Job, Vehicle
-from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable, applied, taps_of
-from atleak.readings import Reading, clearances
-from atleak.report.lands_sheet import LANDS
-from atleak.report.measuring_sheet import INSTRUCTIONS, SHEET, write_readings, write_template
-from atleak.report.measuring_sheet.head import code_text, fields_of
-from atleak.report.pressure_sheet import PRESSURES
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.errors import ReadingsError
+from atleak.measurements.gauge_readings import LINE, Cell, Engine, GaugeReading, PressureTable, applied, taps_of
+from atleak.measurements.job_card import Job, Vehicle
+from atleak.measurements.readings import Reading, clearances
+from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.report.sheets.lands_sheet import LANDS
+from atleak.report.sheets.measuring_head import code_text, fields_of
+from atleak.report.sheets.measuring_sheet import INSTRUCTIONS, SHEET, write_readings, write_template
+from atleak.report.sheets.pressure_sheet import PRESSURES
 
 HEADER = 7  # row of the headings as a spreadsheet counts
 COMPONENT, NAME, PART, PLANE, DIRECTION, REPEAT, X1, X2, DIAMETER, NOMINAL, CLEARANCE, ORIGIN, DEVIATION = range(1, 14)

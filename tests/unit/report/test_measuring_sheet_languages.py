@@ -9,17 +9,17 @@ from dataclasses import replace
 import openpyxl
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.errors import ReadingsError
-from atleak.intake.readings import read_readings
-from atleak.job.of_sheet import with_sheet
-from atleak.job.record import Job, Transmission, Vehicle
-from atleak.own_lands import OwnLands, OwnLength
-from atleak.pressure_table import Cell, Engine, GaugeReading, PressureTable
-from atleak.readings import Reading, Readings
-from atleak.report.measuring_sheet import SHEET, UNWORN_END, write_readings, write_template
-from atleak.report.measuring_sheet.head import fields_of
-from atleak.wording import languages, wording
+from atleak.analysis.record_doubts import with_sheet
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.errors import ReadingsError
+from atleak.common.wording import languages, wording
+from atleak.measurements.gauge_readings import Cell, Engine, GaugeReading, PressureTable
+from atleak.measurements.job_card import Job, Transmission, Vehicle
+from atleak.measurements.own_lands import OwnLands, OwnLength
+from atleak.measurements.readings import Reading, Readings
+from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.report.sheets.measuring_head import fields_of
+from atleak.report.sheets.measuring_sheet import SHEET, UNWORN_END, write_readings, write_template
 
 READERS = [(language, units) for language in languages() for units in ("metric", "us")]
 UM = 1e-6

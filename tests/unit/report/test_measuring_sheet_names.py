@@ -12,13 +12,13 @@ from pathlib import Path
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_reading import checked_controller, load_controller
-from atleak.intake.kinds import Table, table_kind
-from atleak.intake.readings import read_readings
-from atleak.intake.readings.words import plain
-from atleak.pressure_table import Cell, Engine, GaugeReading, PressureTable, applied, ranges_of, taps_of
-from atleak.readings import Reading
-from atleak.report.measuring_sheet import write_readings
+from atleak.catalogue.controller_file import checked_controller, load_controller
+from atleak.measurements.gauge_readings import Cell, Engine, GaugeReading, PressureTable, applied, ranges_of, taps_of
+from atleak.measurements.readings import Reading
+from atleak.readers.file_kinds import Table, table_kind
+from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.readers.sheets.words import plain
+from atleak.report.sheets.measuring_sheet import write_readings
 
 SHIPPED = sorted(
     each.name.removesuffix(".toml") for each in (resources.files("atleak") / "catalogue/controllers").iterdir()

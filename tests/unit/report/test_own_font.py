@@ -13,11 +13,10 @@ from fontTools.pens.ttGlyphPen import TTGlyphPen
 
 from atleak.cli import main
 from atleak.cli.shared import print_font
-from atleak.errors import InputError
-from atleak.job.record import Job
-from atleak.report.own_font import forget_font, keep_font, kept_file, kept_font, read_font
+from atleak.common.errors import InputError
+from atleak.measurements.job_card import Job
 from atleak.report.pdf import missing_characters, write_pdf
-from atleak.report.printed_fonts import FONTS, fitting, width_of
+from atleak.report.pdf.fonts import FONTS, fitting, forget_font, keep_font, kept_file, kept_font, read_font, width_of
 
 NAME = "王小明"
 

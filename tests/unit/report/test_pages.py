@@ -14,13 +14,13 @@ import pypdfium2
 import pytest
 from PIL import Image
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.diagnosis import Diagnosis, diagnose
-from atleak.job.record import Job
-from atleak.paper import PAPERS
-from atleak.readings import Reading, Readings
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.style import PAPERS
+from atleak.common.wording import languages, wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.measurements.job_card import Job
+from atleak.measurements.readings import Reading, Readings
 from atleak.report.pdf import write_pdf
-from atleak.wording import languages, wording
 
 LONG = "Hydraulischer Hauptdruck-Regelventilkolben mit Verstärkungshülse und Rückstellfeder"
 SHORT = "Valve"

@@ -17,24 +17,23 @@ from types import MappingProxyType
 import pytest
 from PIL import Image
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.analysis.repair.plan import plan_repairs
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
-from atleak.diagnosis import diagnose
+from atleak.common.errors import InputError
+from atleak.common.style import look_of
+from atleak.common.wording import languages, own_texts, wording
+from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.land import Crossing
+from atleak.diagnosis.uncertainty import Assumptions
 from atleak.engine.profile import PAPER, WORKSHOP
-from atleak.errors import InputError
-from atleak.job.record import Job
-from atleak.look import look_of
-from atleak.repair import plan_repairs
+from atleak.measurements.job_card import Job
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
-from atleak.report.pictures import printable_picture
-from atleak.uncertainty import Assumptions
-from atleak.views.condition_matrix import leaking_worst_first
-from atleak.views.first_sentence import lands_part
-from atleak.wear_line import Crossing
-from atleak.wording import languages, own_texts, wording
-
-from .read_back import is_archival, pages_of, squeezed, text_of
+from atleak.report.pdf.typesetting import printable_picture
+from atleak.report.tables.first_sentence import lands_part
+from atleak.report.tables.lands import leaking_worst_first
+from tests.unit.report.read_back import is_archival, pages_of, squeezed, text_of
 
 # the first of the hostile texts at once, the others in the longer round
 FIRST_AND_THE_REST = pytest.mark.parametrize(

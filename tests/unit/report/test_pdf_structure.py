@@ -11,11 +11,11 @@ import pytest
 from PIL import Image
 
 from atleak.catalogue.limits import LimitOrigin
-from atleak.diagnosis import Diagnosis
-from atleak.job.record import Job
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.measurements.job_card import Job
 from atleak.report.pdf import write_pdf
 from atleak.version import __version__
-from atleak.wording import wording
 
 
 def picture() -> bytes:

@@ -11,20 +11,20 @@ from xml.etree import ElementTree
 
 import pytest
 
-from atleak.diagnosis import Diagnosis
-from atleak.job.record import Job
-from atleak.look import PAPER
-from atleak.repair import plan_repairs
+from atleak.analysis.pressures import pressures_at
+from atleak.analysis.repair.plan import plan_repairs
+from atleak.common.style import PAPER
+from atleak.common.verdicts import Band, Verdict
+from atleak.common.wording import languages, wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.measurements.job_card import Job
+from atleak.report.charts.paper import drawn
+from atleak.report.charts.paper_curves import pump_chart, road_chart
 from atleak.report.pdf.body import Body
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.report.printed_charts import pump_chart, road_chart
-from atleak.report.printed_charts.charts import drawn
-from atleak.verdicts import Band, Verdict
-from atleak.views.pressure_tables import pressure_chart
-from atleak.views.pressures import pressures_at
-from atleak.views.pump_speed import pump_over_speed
-from atleak.views.road_series import road_series
-from atleak.wording import languages, wording
+from atleak.report.tables.pressures import pressure_chart
+from atleak.report.tables.pump_speed import pump_over_speed
+from atleak.report.tables.road_test import road_series
 
 NEEDS_PUMP = ("share_percent", "pump_capacity_dm3_min")
 SVG = "{http://www.w3.org/2000/svg}"

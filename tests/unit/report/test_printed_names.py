@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.wording import wording
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.wording import wording
 
 REVERSE = "reverse_idle"
 

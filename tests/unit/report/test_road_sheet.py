@@ -9,11 +9,11 @@ from pathlib import Path
 import openpyxl
 import pytest
 
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import signed
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.job.case import Case, SourceFile
 from atleak.report.xlsx import write_workbook
-from atleak.verdicts import Verdict
-from atleak.wording import signed
 
 
 @pytest.mark.parametrize("factor", [0.4, 1.0])

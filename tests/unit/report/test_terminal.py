@@ -14,11 +14,10 @@ from rich.text import Text
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.common.printable import PrintableStream
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.report.terminal import TerminalConsole, print_diagnosis, print_records
-from atleak.system.printable import PrintableStream
-
-from ..conftest import with_clearances
+from tests.unit.conftest import with_clearances
 
 
 def test_counts_in_a_table_are_numbers(capsys: pytest.CaptureFixture[str]) -> None:

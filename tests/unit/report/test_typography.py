@@ -10,14 +10,14 @@ import pypdfium2
 import pypdfium2.raw as pdfium
 import pytest
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.job.record import Job
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.wording import languages, wording
+from atleak.measurements.job_card import Job
+from atleak.report.charts.drawing import controller_svg
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.blocks import listed, text, with_notes
 from atleak.report.pdf.body import picture_look
-from atleak.views.drawing import controller_svg
-from atleak.views.table import Column
-from atleak.wording import languages, wording
+from atleak.report.tables.table import Column
 
 LEAST = 8.9  # [pt]: 9 pt as the file rounds it
 

@@ -9,8 +9,8 @@ from importlib import resources
 import openpyxl
 import pytest
 
+from atleak.common.wording import wording
 from atleak.report.xlsx import write_workbook
-from atleak.wording import wording
 
 
 @pytest.fixture(scope="module")

@@ -8,10 +8,10 @@ from typing import Any
 import openpyxl
 import pytest
 
-from atleak.diagnosis import Diagnosis
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.report.tables.first_sentence import first_sentence, lands_part, total_part
 from atleak.report.xlsx import write_workbook
-from atleak.views.first_sentence import first_sentence, lands_part, total_part
-from atleak.wording import wording
 
 UM = 1e-6
 

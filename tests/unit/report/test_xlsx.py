@@ -11,17 +11,17 @@ import pandas as pd
 import pytest
 from python_calamine import CalamineWorkbook
 
-from atleak.catalogue.controller_reading import load_controller
-from atleak.diagnosis import diagnose
+from atleak.analysis.repair.plan import plan_repairs
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.errors import InputError
+from atleak.common.wording import signed, wording
+from atleak.diagnosis.diagnosis import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
-from atleak.errors import InputError
-from atleak.job.record import Job
-from atleak.repair import plan_repairs
+from atleak.measurements.job_card import Job
+from atleak.report.tables.lands import condition_matrix
+from atleak.report.tables.repairs import plan_ends
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.book import NUMBER_FORMATS
-from atleak.views.condition_matrix import condition_matrix
-from atleak.views.repair_words import plan_ends
-from atleak.wording import signed, wording
 
 SHEETS = ["Summary", "Lands", "Land by condition", "Gaps", "Gaps hot idle", "Rules", "Readings", "Directions"]
 SHEETS += ["Instruments", "Uncertainty budget", "Road test", "Road test events", "Conditions", "Limits", "Constants"]

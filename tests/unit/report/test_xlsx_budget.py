@@ -10,18 +10,17 @@ from typing import Any
 import openpyxl
 import pytest
 
-from atleak.catalogue.controller import NewOrigin
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.instruments import Instruments, load_instruments
-from atleak.diagnosis import Diagnosis, diagnose
-from atleak.readings import Readings
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.uncertainty.results import MOST_BUDGETS, combined, effective_degrees, every_line
+from atleak.diagnosis.uncertainty.sources import OF_A_DIAMETER, SLOPES
+from atleak.measurements.readings import Readings
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.book import NUMBER_FORMATS
-from atleak.uncertainty.budget import MOST_BUDGETS, combined, effective_degrees, every_line
-from atleak.uncertainty.sources import OF_A_DIAMETER, SLOPES
-from atleak.wording import wording
-
-from ..conftest import worn_readings
+from tests.unit.conftest import worn_readings
 
 UM = 1e-6
 SHEET = "Uncertainty budget"

@@ -14,17 +14,17 @@ import openpyxl
 import pytest
 from openpyxl.utils import get_column_letter
 
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import instruments
 from atleak.catalogue.limits import load_limits
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.common.style import INPUT
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
-from atleak.look import INPUT
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.constants import fluid_formulas
-from atleak.report.xlsx.live_cells import sheet_conditions
-from atleak.wording import wording
+from atleak.report.xlsx.live_sheet import sheet_conditions
 
 #: What a formula may hold itself: halves, squares, cubes and fourth powers, ranks and places, the 12 of flow between
 #: plates and of a rectangle's variance; the one decimal that the headline shows; minutes, percent and SI prefixes.

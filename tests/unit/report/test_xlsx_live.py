@@ -11,18 +11,19 @@ import openpyxl
 import pandas as pd
 import pytest
 
-from atleak.catalogue.controller import Controller, NewOrigin
-from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, Steps, load_limits
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.common.verdicts import Band, Verdict
+from atleak.common.wording import signed, wording
+from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import WORKSHOP
-from atleak.intake.readings import read_readings
-from atleak.readings import Readings
+from atleak.measurements.readings import Readings
+from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.book import NUMBER_FORMATS
-from atleak.verdicts import Band, Verdict
-from atleak.wording import signed, wording
 
 UM = 1e-6
 Book = openpyxl.Workbook

@@ -1,0 +1,9 @@
+"""Compute further channels of a road test from those it has, by formulas that people type: ``p_g − p_k``.
+
+`parse` reads a formula into a tree, `evaluate` computes the tree over a road test, units carried along.
+"""
+
+from atleak.analysis.formulas.evaluation import NAMES, FormulaChannel, evaluate, formula_channel
+from atleak.analysis.formulas.parsing import FUNCTIONS, parse
+
+__all__ = ["FUNCTIONS", "NAMES", "FormulaChannel", "evaluate", "formula_channel", "parse"]

@@ -1,0 +1,1 @@
+"""Choose repairs, put them in order and say what they bring."""

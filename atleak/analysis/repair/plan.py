@@ -1,0 +1,221 @@
+"""Plan the repairs of a unit: which lands, in which order, what each brings at every condition, and where that ends.
+
+A repaired land is as its repair leaves it where the controller's file names one, and as new otherwise. What a repair
+saves depends on those before it where lands share a circuit, so every stage of the plan is computed as a whole:
+leakage, line pressure and what each circuit holds.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+from atleak.analysis.repair.choice import Basis, Choice, Gain, OfferedRepair, OfferedRepairs, choose, gain_of, ticked
+from atleak.analysis.repair.options import Cost, Option, cost_of
+from atleak.analysis.repair.prices import Move, MoveKey, Prices, Stated
+from atleak.analysis.repair.totals import RepairedAt, Total
+from atleak.catalogue.repairs import LandKey
+from atleak.common.verdicts import Band
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.rules import Rule
+from atleak.engine.projection import Projection
+
+__all__ = [
+    "Basis",
+    "Choice",
+    "Cost",
+    "Gain",
+    "Move",
+    "MoveKey",
+    "OfferedRepair",
+    "OfferedRepairs",
+    "Option",
+    "Prices",
+    "Remainder",
+    "RepairPlan",
+    "RepairStep",
+    "RepairedAt",
+    "Stated",
+    "Total",
+    "choose",
+    "gain_of",
+    "in_order",
+    "plan_repairs",
+    "ticked",
+]
+
+
+@dataclass(frozen=True)
+class RepairStep:
+    """The repair of one land, and of what is mended together with it, after the steps before it."""
+
+    land: LandDiagnosis
+    conditions: tuple[RepairedAt, ...]  # in the order of the diagnosis, the stated one first
+    options: tuple[Option, ...] = ()  # of the controller's file for this land, in its order
+    chosen: Option | None = None  # None: as new, as no option mends the land
+    together: tuple[LandDiagnosis, ...] = ()  # further lands of the component that the chosen one changes
+
+    @property
+    def for_total(self) -> bool:
+        """Tell whether the land is within its limits, and is repaired for the sake of a total or a pressure alone."""
+        return not self.land.verdict.flagged
+
+    @property
+    def stays_past(self) -> tuple[LandDiagnosis, ...]:
+        """Return the flagged lands that the chosen repair leaves past a limit of their own."""
+        option, lands = self.chosen, (self.land, *self.together)
+        return tuple(each for each in lands if option and each.verdict.flagged and not option.mends(each.key))
+
+    @cached_property
+    def at(self) -> RepairedAt:
+        """Return the condition whose total the repair helps most, measured by its limit."""
+        return max(self.conditions, key=lambda each: each.saving)
+
+    @property
+    def helps(self) -> bool:
+        """Tell whether the repair lowers the total, or raises a pressure, at any condition."""
+        return self.at.saving > 0.0 or any(each.gained > 0.0 for each in self.conditions)
+
+    @property
+    def leaks(self) -> bool:
+        """Tell whether the land leaks at any condition as it was measured."""
+        return any(each.before.projection.leakage_of(self.land.key) > 0.0 for each in self.conditions)
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """A total that stays past its limits when the plan is carried out, and what else than the lands it may be up to."""
+
+    total: Total
+    new_share: float  # of the same unit with every land new
+    kinematic_viscosity: float  # [m²/s] of the fluid there
+    pump_loss: float  # part of what the pump displaces that it does not deliver there
+
+    @property
+    def new_is_past(self) -> bool:
+        """Tell whether a unit with every land new is past its limits there too."""
+        return Band(self.total.rule.steps.judge(self.new_share, Band.GREEN)[0]) is not Band.GREEN
+
+
+@dataclass(frozen=True)
+class RepairPlan:
+    """The repairs in their order, and the totals that they end at."""
+
+    steps: tuple[RepairStep, ...]
+    ends: tuple[Total, ...]  # at every condition, the stated one first
+    remaining: tuple[Remainder, ...]  # the ends that are not green
+    pressures_past: tuple[Rule, ...]  # rules of reserve and pressures that stay past a limit
+    unmeasured: int  # lands of which a part was not measured and is computed as new
+    choice: Choice  # that the steps carry out
+    judged: bool = True  # whether any land was measured: else there is nothing to plan
+    pump_first: bool = False  # the pump is past a limit: it is repaired first, and counts as new in all of this
+
+    @property
+    def cost(self) -> Cost | None:
+        """Return what the chosen options cost together; None where the controller's file names none for any step."""
+        return cost_of([step.chosen for step in self.steps]) if any(step.options for step in self.steps) else None
+
+    @property
+    def reached(self) -> bool:
+        """Tell whether the plan ends green at every condition, with every pressure and land within its limits."""
+        return self.judged and not self.remaining and not self.pressures_past and not self.lands_past
+
+    @property
+    def lands_past(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands that stay past a limit of their own with the repair that the workshop chose."""
+        return tuple(land for step in self.steps for land in step.stays_past)
+
+    @property
+    def for_total(self) -> int:
+        """Count the steps whose lands are within their limits."""
+        return sum(step.for_total for step in self.steps)
+
+
+def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
+    """Plan the repairs that a diagnosis calls for, over every condition that was judged.
+
+    First come the lands that reached a limit of their own, the worst verdict first; of equal ones that which saves
+    most, measured by the limit of the condition at which it saves most. Where totals or pressures are then not green,
+    those lands within their limits follow that bring each into the best band that repairs can bring it into.
+
+    Where the controller's file names repairs, a land is mended by one that leaves it within its limits of clearance,
+    wear and share, with the clearance that this leaves; where none does, or none is named, it is made as new. Which
+    of them, and which lands within their limits, `choose` says for `Goal.EVERY_LIMIT`: the cheapest, or the fewest.
+    """
+    choice = choose(diagnosis)
+    jobs = in_order(choice)
+    done: list[LandKey] = []
+    after_each = [done := [*done, *(land.key for land in lands)] for _, lands in jobs]
+    final = choice.moves.choice(choice.chosen)
+    stages = choice.unit.totals([{}, *({key: final[key] for key in keys} for keys in after_each)])
+    ends = stages[-1]
+    return RepairPlan(
+        steps=tuple(
+            RepairStep(
+                lands[0],
+                _both(before, after),
+                choice.moves.options.of(lands[0].key),
+                move.option,
+                together=tuple(lands[1:]),
+            )
+            for (move, lands), before, after in zip(jobs, stages, stages[1:], strict=False)
+        ),
+        ends=ends,
+        remaining=tuple(
+            _remainder(diagnosis, end, new)
+            for end, new in zip(ends, choice.unit.diagnosis.new_projections, strict=True)
+            if end.band is not Band.GREEN
+        ),
+        pressures_past=tuple(rule for end in ends for rule in end.pressure_rules if rule.verdict.flagged),
+        unmeasured=len(diagnosis.lands) - diagnosis.measured,
+        choice=choice,
+        judged=any(land.state.judged for land in diagnosis.lands),
+        pump_first=diagnosis.pump.verdict.flagged,
+    )
+
+
+def in_order(choice: Choice) -> list[tuple[Move, list[LandDiagnosis]]]:
+    """Return the repairs of a choice in their order, each with its lands, the one that calls for it first.
+
+    Each land stands with one repair alone: what is made as new is so whatever else changes it.
+    """
+    diagnosis = choice.unit.diagnosis
+    by_key = {land.key: land for land in diagnosis.lands}
+    treated = {key for move in choice.chosen for key in move.treats}
+    mine: list[tuple[Move, list[LandKey]]] = []
+    as_new = {key for move in choice.chosen if move.option is None for key in move.lands}
+    for move in choice.chosen:
+        mine.append((move, [key for key in move.lands if move.option is None or key not in as_new]))
+    final = choice.moves.choice(choice.chosen)
+    now, *alone = choice.unit.totals([{}, *({key: final[key]} for _, keys in mine for key in keys)])
+    keys = (key for _, keys in mine for key in keys)
+    saving = {key: max(each.saving for each in _both(now, after)) for key, after in zip(keys, alone, strict=True)}
+
+    def urgency(key: LandKey) -> tuple[bool, int, float]:
+        verdict = by_key[key].verdict
+        return key not in treated, -verdict.rank if verdict.flagged else 0, -saving[key]
+
+    jobs = [(move, sorted(keys, key=urgency)) for move, keys in mine if keys]
+    jobs.sort(key=lambda job: urgency(job[1][0]))
+    return [(move, [by_key[key] for key in keys]) for move, keys in jobs]
+
+
+def _both(before: Iterable[Total], after: Iterable[Total]) -> tuple[RepairedAt, ...]:
+    """Return what a repair brings at every condition."""
+    return tuple(itertools.starmap(RepairedAt, zip(before, after, strict=True)))
+
+
+def _remainder(diagnosis: Diagnosis, end: Total, new: Projection) -> Remainder:
+    condition, model = end.condition, diagnosis.model
+    displaced = model.controller.pump.displacement * condition.engine_speed
+    return Remainder(
+        total=end,
+        new_share=new.share,
+        kinematic_viscosity=float(
+            diagnosis.fluid.kinematic_viscosity(condition.temperature, diagnosis.profile.viscosity)
+        ),
+        pump_loss=1.0 - end.projection.pump_capacity / displaced,
+    )

@@ -1,0 +1,222 @@
+"""Compute a unit whose lands are repaired one way or another, and judge what it then does at every condition."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from atleak.catalogue.limits import RuleKind, falls_below, reaches
+from atleak.catalogue.operating_point import OperatingPoint
+from atleak.catalogue.repairs import LandKey
+from atleak.common.verdicts import BANDS, Band, Verdict
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.rules import Rule, permissible_low
+from atleak.engine.operation import LINE, WORTH_NAMING, LandStates, Repaired
+from atleak.engine.projection import Projection
+from atleak.equations.statistics import normal_quantile
+from atleak.measurements.readings import LandClearance
+
+LandChoice = Mapping[LandKey, int]  # the state of each land by its number; as measured where it is not named
+
+NEARLY = 1e-8  # relative: a value must be within its limit by more than floating point can tell
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One rule of the unit at one condition, to be judged again after repairs."""
+
+    rule: Rule  # of the unit as measured, whose limits hold after a repair too
+    projection: Projection  # as measured
+    likely: float = 1.0  # the likely value over the value, where the two have reached different levels
+
+    @classmethod
+    def of(cls, diagnosis: Diagnosis, rule: Rule, projection: Projection) -> Judged:
+        """Return a rule with how far its likely value is from its value: a repaired unit is no surer than before."""
+        decided = diagnosis.decided(rule)
+        passes, sign = (falls_below, -1.0) if rule.steps.falling else (reaches, 1.0)
+        levels = () if decided is None else zip(decided.levels, decided.level_uncertainties, strict=True)
+        apart = [
+            level.limit + sign * float(normal_quantile(min(max(level.probability_over, 0.001), 0.999))) * u
+            for level, u in levels
+            if (level.probability_over >= 0.5) != passes(rule.value, level.limit) and math.isfinite(u)
+        ]
+        return cls(rule, projection, apart[-1] / rule.value if apart and 0.0 < rule.value < math.inf else 1.0)
+
+    def value(self, leakage: Any, pressures: Mapping[str, Any]) -> Any:
+        """Return the rule's value from the leakage [m³/s] and the pressures held [Pa]; numbers or arrays."""
+        rule, at = self.rule, self.projection
+        if rule.kind is RuleKind.TOTAL_SHARE:
+            nothing = np.where(np.asarray(leakage) > 0.0, math.inf, 0.0)
+            return leakage / at.pump_capacity if at.pump_capacity > 0.0 else nothing
+        if rule.kind is RuleKind.RESERVE:
+            demand = np.asarray(leakage + at.slip + at.consumers, float)
+            return np.divide(at.pump_supply, demand, out=np.full(demand.shape, math.inf), where=demand > 0.0)
+        if rule.circuit is not None:
+            return abs((rule.new or 0.0) - pressures[rule.circuit.id])
+        low = permissible_low(at)
+        return 1.0 - pressures[LINE] / low if low else rule.value + 0.0 * pressures[LINE]
+
+    def after(self, leakage: float, pressures: Mapping[str, float], *, repaired: bool) -> Rule:
+        """Return the rule with the value that it has then, of a repaired unit at the level of the likely value."""
+        value = float(self.value(leakage, pressures))
+        if not repaired:
+            return replace(self.rule, value=value)
+        passes = falls_below if self.rule.steps.falling else reaches
+        past = tuple(float(passes(value * self.likely, limit)) for _, limit in self.rule.steps.levels)
+        return replace(self.rule, value=value, reached=past if self.likely != 1.0 else None)
+
+    def limit(self, worst: Verdict) -> float | None:
+        """Return the limit that the value must keep to be no worse than a verdict; None where there is none."""
+        steps = self.rule.steps
+        worse = [
+            limit
+            for level, limit in steps.levels
+            if (level.verdict if isinstance(level, Band) else level).rank > worst.rank
+        ]
+        if not worse:
+            return None
+        return (max(worse) if steps.falling else min(worse)) / self.likely
+
+
+@dataclass(frozen=True)
+class Total:
+    """The total at one condition with some lands repaired, judged by the rule of that condition."""
+
+    total: Judged
+    others: tuple[Judged, ...]  # reserve and pressures
+    leakage: float  # [m³/s] drawn from the pump
+    pressures: Mapping[str, float]  # [Pa] that the line, as p_g, and every circuit hold
+    repaired: bool  # whether any land was
+
+    @property
+    def projection(self) -> Projection:
+        """Return the projection as measured."""
+        return self.total.projection
+
+    @property
+    def condition(self) -> OperatingPoint:
+        """Return the condition."""
+        return self.projection.condition
+
+    @cached_property
+    def rule(self) -> Rule:
+        """Return the rule of the total, judged anew."""
+        return self.total.after(self.leakage, self.pressures, repaired=self.repaired)
+
+    @property
+    def share(self) -> float:
+        """Return leakage / pump capacity; infinite where the pump delivers nothing."""
+        return self.rule.value
+
+    @property
+    def reserve(self) -> float:
+        """Return the pump's reserve."""
+        return replace(self.projection, leakage=self.leakage).reserve
+
+    @cached_property
+    def pressure_rules(self) -> tuple[Rule, ...]:
+        """Return the rules of reserve, circuits and permissible pressure, judged anew."""
+        return tuple(each.after(self.leakage, self.pressures, repaired=self.repaired) for each in self.others)
+
+    @property
+    def past(self) -> tuple[Rule, ...]:
+        """Return every rule, the total's first, that is past a limit."""
+        return tuple(rule for rule in (self.rule, *self.pressure_rules) if rule.verdict.flagged)
+
+    @property
+    def band(self) -> Band:
+        """Return the band that the share has reached."""
+        return Band(self.rule.level)
+
+    def limit_above(self, band: Band) -> float:
+        """Return the share at which a band ends: the lowest limit of those that are worse."""
+        return min(limit for level, limit in self.rule.steps.levels if BANDS.index(Band(level)) > BANDS.index(band))
+
+
+@dataclass(frozen=True)
+class RepairedAt:
+    """What one repair brings at one condition."""
+
+    before: Total
+    after: Total
+
+    @property
+    def condition(self) -> OperatingPoint:
+        """Return the condition."""
+        return self.before.condition
+
+    @property
+    def saving(self) -> float:
+        """Return the share that is saved over the share at which green ends: so that conditions can be compared."""
+        saved = self.before.share - self.after.share
+        if abs(saved) <= NEARLY * self.before.share:  # what rounding leaves of nothing
+            return 0.0
+        return saved / self.before.limit_above(Band.GREEN) if math.isfinite(saved) else 0.0
+
+    @property
+    def gained(self) -> float:
+        """Return the pressure that the line, or the circuit that gains most by the repair, gains [Pa]."""
+        both = self.before.pressures, self.after.pressures
+        gain = max(both[1][name] - both[0][name] for name in both[0])
+        return gain if gain >= WORTH_NAMING else 0.0
+
+
+class RepairableUnit:
+    """A diagnosed unit of which each land is as measured, state 0, or as one of several repairs leaves it.
+
+    A pump past its limits is taken as new: it is repaired first, and what is then left is up to the lands.
+    ``states`` holds the further states of each land, the first of them with the number 1.
+    """
+
+    def __init__(self, diagnosis: Diagnosis, states: Mapping[LandKey, Sequence[LandClearance]]) -> None:
+        self.diagnosis, self.states = diagnosis.valve_body, states
+        model = self.diagnosis.model
+        models = [model]
+        for number in range(max(map(len, states.values()), default=0)):
+            clearances = (
+                states[each.land.key][number] if number < len(states.get(each.land.key, ())) else each
+                for each in model.clearances
+            )
+            models.append(replace(model, clearances=tuple(clearances)))
+        self._models = models
+
+    @cached_property
+    def conditions(self) -> tuple[LandStates, ...]:
+        """Return the unit at every condition, the stated one first."""
+        return tuple(LandStates.of(self._models, each.condition) for each in self.diagnosis.projections)
+
+    @cached_property
+    def judged(self) -> tuple[tuple[Judged, ...], ...]:
+        """Return the rules of every condition, that of its total first."""
+        return tuple(tuple(self._judged(each)) for each in self.diagnosis.projections)
+
+    def _judged(self, projection: Projection) -> Iterator[Judged]:
+        yield Judged.of(self.diagnosis, self.diagnosis.total_rule(projection), projection)
+        for rule in self.diagnosis.pressure_rules_at(projection):
+            yield Judged.of(self.diagnosis, rule, projection)
+
+    def repaired(self, choices: Sequence[LandChoice]) -> list[Repaired]:
+        """Compute every condition for several choices at once."""
+        return [at.repaired(choices) for at in self.conditions]
+
+    def totals(self, choices: Sequence[LandChoice]) -> list[tuple[Total, ...]]:
+        """Return the totals at every condition, the stated one first, for each of several choices."""
+        at_conditions = list(zip(self.judged, self.repaired(choices), strict=True))
+        return [
+            tuple(
+                Total(
+                    total,
+                    tuple(others),
+                    float(done.leakage[number]),
+                    {name: float(pressure[number]) for name, pressure in done.pressures.items()},
+                    repaired=bool(choices[number]),
+                )
+                for (total, *others), done in at_conditions
+            )
+            for number in range(len(choices))
+        ]

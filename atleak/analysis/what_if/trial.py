@@ -1,0 +1,287 @@
+"""Let the lands of a unit wear further, or bring them back to new.
+
+Say what of a job is tried otherwise: its condition, its fluid, its wear, where its spools lie.
+
+Compute a unit as it is tried, beside the job at its own condition, and as each variant of the source study.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any, Literal
+
+import numpy as np
+
+from atleak.analysis.source_study import VARIANTS, Variant
+from atleak.catalogue.controller import Land
+from atleak.catalogue.fluid import Fluid, FluidState
+from atleak.catalogue.operating_point import OperatingPoint
+from atleak.common.errors import DomainError, InputError, Message, unknown
+from atleak.common.sentences import Sentence
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.rules import Rule, unit_rules
+from atleak.engine.leakage import Clearance, LeakageModel, narrow_gap_messages
+from atleak.engine.projection import Projection, project, project_unworn, stated_condition
+from atleak.measurements.readings import LandClearance
+
+
+@dataclass(frozen=True)
+class TriedClearance:
+    """The clearance of a land as it is tried; arrays of one shape where several wears are."""
+
+    land: Land
+    spool_diameter: float  # [m]: the bore wears, the spool keeps its diameter
+    radial_clearance: Any  # [m], cold, the mean
+    form_moments: tuple[Any, Any]  # [m²], [m³]
+
+    @property
+    def sleeve_diameter(self) -> Any:
+        """Return the diameter of the worn bore [m]."""
+        return self.spool_diameter + 2.0 * self.radial_clearance
+
+
+def measured_growth(state: LandClearance) -> float:
+    """Return by how much a land's clearance has grown over what it may have been when new [m].
+
+    A reading within what new pairs have is no growth; a land that nobody measured, or that is tighter than new, has
+    none.
+    """
+    return max(state.radial_clearance - float(state.land.unworn(state.radial_clearance)), 0.0)
+
+
+def worn(states: Sequence[LandClearance], factor: Any, further: Any) -> tuple[Clearance, ...]:
+    """Return the lands with their measured growth times a factor, and further growth on top; arrays give arrays.
+
+    Parameters
+    ----------
+    states
+        the lands as measured.
+    factor
+        on the growth of each: 0 is as new, 1 as measured. What makes a worn gap uneven is part of its wear: deviations
+        from its mean clearance follow the factor too. A land without growth stays as it is.
+    further
+        of every land, as a fraction of its clearance when new, the same all around.
+    """
+    if np.ndim(factor) == np.ndim(further) == 0 and factor == 1.0 and further == 0.0:
+        return tuple(states)
+    return tuple(_worn(state, factor, further) for state in states)
+
+
+def _worn(state: LandClearance, factor: Any, further: Any) -> TriedClearance:
+    growth, (second, third) = measured_growth(state), state.form_moments
+    added = further * state.land.new_clearance
+    if not growth:
+        return TriedClearance(state.land, state.spool_diameter, state.radial_clearance + added, (second, third))
+    mean = state.radial_clearance + (factor - 1.0) * growth + added
+    return TriedClearance(state.land, state.spool_diameter, mean, (second * factor**2, third * factor**3))
+
+
+class Axis(StrEnum):
+    """Which of the two kinds of wear is varied."""
+
+    WEAR = "wear"  # the growth that was measured, times a factor
+    GROWTH = "growth"  # of every land, on top of that
+
+
+@dataclass(frozen=True)
+class WhatIf:
+    """What is tried; None, like the defaults of wear and growth, leaves it as the job has it.
+
+    Attributes
+    ----------
+    point
+        name of the operating point whose pressures hold, and whose temperature, speed and gear where none is given;
+        the stated condition unless given.
+    temperature, engine_speed, gear
+        [°C], [1/s] and the gear.
+    wear
+        factor on the growth of every measured land over a new one: 0 is as new, 1 as measured, 2 twice the wear.
+    growth
+        of every land's clearance on top of that, as a fraction of its clearance when new: the wear of the source
+        study's variants is 0.1 or 0.5 of it.
+    fluid
+        as its data are; the job's unless given.
+    fluid_state
+        whether it is fresh or used; as in the job unless given.
+    eccentricity
+        e/c of every spool, 0 to 1, or ``unknown``.
+    """
+
+    point: str | None = None
+    temperature: float | None = None
+    engine_speed: float | None = None
+    gear: int | None = None
+    wear: float = 1.0
+    growth: float = 0.0
+    fluid: Fluid | None = None
+    fluid_state: FluidState | None = None
+    eccentricity: float | Literal["unknown"] | None = None
+
+    def base(self, diagnosis: Diagnosis) -> OperatingPoint:
+        """Return the condition of the job from which this departs.
+
+        Raises
+        ------
+        InputError
+            a point that the job does not have.
+        """
+        if self.point is None:
+            return diagnosis.projection.condition
+        points = {each.condition.name: each.condition for each in diagnosis.projections}
+        if self.point not in points:
+            raise unknown(Sentence("no such condition of the job"), self.point, points)
+        return points[self.point]
+
+    def condition(self, diagnosis: Diagnosis) -> OperatingPoint:
+        """Return the condition that is tried; that of the job itself where nothing of it differs.
+
+        Raises
+        ------
+        InputError
+            a gear the valve body does not have, or a speed that is not positive.
+        """
+        base = self.base(diagnosis)
+        asked = {"temperature": self.temperature, "engine_speed": self.engine_speed, "gear": self.gear}
+        other = {name: value for name, value in asked.items() if value is not None and value != getattr(base, name)}
+        return stated_condition(diagnosis.controller, base=base, **other) if other else base  # type: ignore[arg-type]
+
+    def fluid_of(self, diagnosis: Diagnosis) -> Fluid:
+        """Return the fluid that is tried, in its state.
+
+        Raises
+        ------
+        InputError
+            data of a used fluid, asked for fresh.
+        """
+        fluid = diagnosis.fluid if self.fluid is None else self.fluid
+        state = self.fluid_state or ("used" if fluid.state == "used" else diagnosis.fluid.state)
+        return fluid.in_state(state)
+
+    def model(self, diagnosis: Diagnosis) -> LeakageModel:
+        """Return the engine with the job's lands, fluid and profile as they are tried.
+
+        Raises
+        ------
+        InputError
+            a wear or growth below zero, an eccentricity outside 0 to 1, data of a used fluid asked for fresh.
+        """
+        for problem, value in (
+            (Sentence("wear not accepted"), self.wear),
+            (Sentence("growth not accepted"), self.growth),
+        ):
+            if not value >= 0.0:
+                raise InputError(problem, value=value, expected=Sentence("0 or more"))
+        model = diagnosis.model
+        profile = model.profile
+        if self.eccentricity is not None:
+            profile = profile.with_options(eccentricity=self.eccentricity)
+        states = tuple(land.state for land in diagnosis.lands)
+        return replace(
+            model,
+            clearances=worn(states, self.wear, self.growth),
+            fluid=self.fluid_of(diagnosis),
+            profile=profile,
+        )
+
+
+@dataclass(frozen=True)
+class Tried:
+    """The unit as it is tried, and the job beside it."""
+
+    settings: WhatIf
+    projection: Projection  # as it is tried
+    job: Projection  # of the job, at the condition from which this departs
+    total: Rule  # of the total share as it is tried
+    pressures: tuple[Rule, ...]  # of reserve, circuits and permissible pressure as they are tried
+    messages: tuple[Message, ...]  # where what was tried is outside of what is known, and what is assumed
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """Return every rule that judges the unit as it is tried."""
+        return (self.total, *self.pressures)
+
+
+def tried(diagnosis: Diagnosis, settings: WhatIf) -> Tried:
+    """Compute what a unit would do at other settings; the diagnosis stays as it is.
+
+    Parameters
+    ----------
+    diagnosis
+        of the job.
+    settings
+        what of it is tried otherwise.
+
+    Returns
+    -------
+    Tried
+        judged by the job's limits, beside the same unit new at the tried condition with the tried fluid.
+
+    Raises
+    ------
+    DomainError
+        a temperature outside the fluid's data.
+    InputError
+        a setting that cannot be: see `WhatIf`.
+    """
+    model, condition = settings.model(diagnosis), settings.condition(diagnosis)
+    projection = project(model, condition)
+    states = [land.state for land in diagnosis.lands]
+    unworn = project_unworn(states, model, [projection])
+    rules = unit_rules((), [projection], unworn, diagnosis.limits, diagnosis.controller.operating_points)
+    temperature = condition.temperature
+    return Tried(
+        settings=settings,
+        projection=projection,
+        job=diagnosis.at(settings.base(diagnosis)),
+        total=rules.totals[0],
+        pressures=rules.pressures,
+        messages=(
+            *model.fluid.messages(temperature, temperature, model.profile.viscosity),
+            *projection.messages,
+            *narrow_gap_messages(projection.gaps),
+        ),
+    )
+
+
+STUDY_CONTROLLER = "four_speed_2023"  # the valve body of the source study
+
+
+@dataclass(frozen=True)
+class StudyTrial:
+    """One variant of the source study, and this unit tried likewise."""
+
+    variant: Variant
+    here: Projection | None  # None where it cannot be tried
+    why_not: Sentence  # "" where it can
+
+
+def like_the_study(diagnosis: Diagnosis, settings: WhatIf) -> tuple[StudyTrial, ...]:
+    """Try a unit as each of the source study's variants W1 to W8, at the condition of the settings.
+
+    Taken from a variant are temperature, wear and age of the fluid: every land as new and grown by the variant's
+    fraction. Fluid, pressures, engine speed, gear and position of the spools are those of the settings. The article's
+    own numbers are of its valve body, and the largest of its road test: they compare with another unit's in how they
+    grow from variant to variant, not in size.
+    """
+    trials = []
+    for variant in VARIANTS:
+        as_variant = replace(
+            settings,
+            temperature=variant.temperature,
+            wear=0.0,
+            growth=variant.wear,
+            fluid_state="used" if variant.used_oil else "fresh",
+        )
+        try:
+            here = project(as_variant.model(diagnosis), as_variant.condition(diagnosis))
+            trials.append(StudyTrial(variant, here, Sentence("")))
+        except (DomainError, InputError) as error:
+            trials.append(StudyTrial(variant, None, error.sentence))
+    return tuple(trials)
+
+
+def is_the_study_s(diagnosis: Diagnosis) -> bool:
+    """Return whether the unit's valve body is that of the source study."""
+    return diagnosis.controller.id == STUDY_CONTROLLER

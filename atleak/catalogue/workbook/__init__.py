@@ -1,0 +1,1 @@
+"""Describe the catalogue's files as sheets to fill in, for workbooks and pages."""

@@ -1,0 +1,1 @@
+"""Hold what every room shares: errors, messages, units, verdicts, files, access."""

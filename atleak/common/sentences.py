@@ -1,0 +1,132 @@
+"""Sentences of the program that can be read in another language: each keeps how it is worded and what fills it in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import reduce
+from typing import Any
+
+
+class Name(str):
+    """Words of a catalogue's file, of which the reader's language may have its own: a valve's name, a circuit's."""
+
+    __slots__ = ()
+
+
+class Sentence(str):
+    """A sentence for people, or a part of one: English as it stands, and able to be said in another language.
+
+    It is a text like any other. `template` is how the code words it, with ``{places}`` as of `str.format`; `values`
+    fill them in. `atleak.common.wording.Wording.sentence` says it in the reader's language and units.
+
+    A value is best given as what it is: a number, a further `Sentence`, a `Name`, an operating point, or a
+    `atleak.common.unit_systems.Quantity` where the reader's units apply (``{clearance} {clearance.unit}``). Of a tuple
+    each is written, with commas between. Without values the template stands as it is, braces too.
+
+    Parameters
+    ----------
+    template
+        a literal of the code; the languages have their own wording of exactly this text.
+    values
+        what stands at its places.
+
+    Examples
+    --------
+    >>> said = Sentence("{count} readings of {planes}", count=3, planes=("I", "II"))
+    >>> said, said.template
+    ('3 readings of I, II', '{count} readings of {planes}')
+    """
+
+    template: str
+    values: Mapping[str, Any]
+
+    def __new__(cls, template: str, /, **values: Any) -> Sentence:
+        """Write the sentence in English."""
+        said = super().__new__(cls, filled(template, values))
+        said.template, said.values = str(template), values
+        return said
+
+    def of(self, **values: Any) -> Sentence:
+        """Return the same wording filled in with values: one of a table of sentences.
+
+        >>> Sentence("{count} rows of {what}").of(count=2, what="means")
+        '2 rows of means'
+        """
+        return type(self)(self.template, **values)
+
+
+def counted(count: int, one: Sentence, several: Sentence, **values: Any) -> Sentence:
+    """Write one wording or the other, by how many there are; ``{count}`` says it.
+
+    >>> counted(2, Sentence("{count} row of {what}"), Sentence("{count} rows of {what}"), what="means")
+    '2 rows of means'
+    """
+    return (several if count > 1 else one).of(count=count, **values)
+
+
+def in_a_row(parts: Iterable[Any]) -> Sentence:
+    """Write parts with semicolons between: sentences, names, operating points; at least one.
+
+    >>> in_a_row(["D as gear 1", "R as gear -1"])
+    'D as gear 1; R as gear -1'
+    """
+    return reduce(lambda first, second: Sentence("{first}; {second}", first=first, second=second), map(_part, parts))
+
+
+def all_of(parts: Iterable[Any]) -> Sentence:
+    """Write parts with "and" between; at least one.
+
+    >>> all_of(["spool", "sleeve"])
+    'spool and sleeve'
+    """
+    return reduce(lambda first, second: Sentence("{first} and {second}", first=first, second=second), map(_part, parts))
+
+
+def any_of(parts: Iterable[Any]) -> Sentence:
+    """Write parts with "or" between; at least one.
+
+    >>> any_of(["mm", "inch"])
+    'mm or inch'
+    """
+    return reduce(lambda first, second: Sentence("{first} or {second}", first=first, second=second), map(_part, parts))
+
+
+def _part(part: Any) -> Sentence:
+    return part if isinstance(part, Sentence) else Sentence("{part}", part=part)
+
+
+def some(names: Sequence[str], most: int) -> Sentence:
+    """Write names with commas between, and of more than so many how many others there are.
+
+    >>> some(["25/1", "8/2", "8/3"], 2)
+    '25/1, 8/2 and 1 more'
+    """
+    if len(names) > most:
+        return Sentence("{names} and {count} more", names=tuple(names[:most]), count=len(names) - most)
+    return Sentence("{names}", names=tuple(names))
+
+
+class Listed:
+    """Several values, written with commas between; ``{values!r}`` quotes them as Python does."""
+
+    __slots__ = ("values",)
+
+    def __init__(self, values: Sequence[Any]) -> None:
+        self.values = values
+
+    def __repr__(self) -> str:
+        return repr(self.values)
+
+    def __str__(self) -> str:
+        return format(self, "")
+
+    def __format__(self, specification: str) -> str:
+        return ", ".join(format(each, specification) for each in self.values)
+
+
+def filled(template: str, values: Mapping[str, Any]) -> str:
+    """Write a template with its values; without values it stands as it is."""
+    if not values:
+        return str(template)
+    listed = {name: Listed(value) if type(value) in (tuple, list) else value for name, value in values.items()}
+    return str(template).format_map(listed)

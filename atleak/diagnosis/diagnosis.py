@@ -1,0 +1,601 @@
+"""Judge a unit by its limits: which pairs, by which rule, and what they cost the pump."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+
+from atleak.catalogue.circuits import Circuit
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
+from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
+from atleak.catalogue.instruments import Instruments
+from atleak.catalogue.limits import Limits, RuleKind
+from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
+from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
+from atleak.catalogue.repairs import Complaint, Repair
+from atleak.common.cache import kept_with
+from atleak.common.errors import Message
+from atleak.common.verdicts import Band, Verdict, worst
+from atleak.diagnosis.gauge_check import PressureCheck, check_pressures
+from atleak.diagnosis.land import (
+    NO_RATE,
+    LandDiagnosis,
+    PumpDiagnosis,
+    diagnosed_land,
+    diagnosed_pump,
+    replace_mileage,
+    without_rate,
+)
+from atleak.diagnosis.messages import messages_of, sheet_messages
+from atleak.diagnosis.provisional import Basis, representative_bases
+from atleak.diagnosis.road import driven, evaluated
+from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.rules import Rule, UnitRules, cannot_be, unit_rules
+from atleak.diagnosis.uncertainty import (
+    DECISIONS,
+    DEFAULTS,
+    GUARD_FACTOR,
+    Assumptions,
+    Decision,
+    RuleDecision,
+    UnitUncertainty,
+    assess,
+)
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.operation import Losses, pressure_losses
+from atleak.engine.profile import WORKSHOP, Profile
+from atleak.engine.projection import BesideNew, Projection, project
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.engine.road_pressure import TemperatureClass, temperature_classes
+from atleak.measurements.gauge_readings import PressureTable
+from atleak.measurements.readings import MeasuringTemperature, Readings, clearances
+from atleak.measurements.road_test import RoadTest
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """All that is known of a unit, with the inputs it follows from; reports and pages compute nothing more."""
+
+    readings: Readings | None
+    measured_at: MeasuringTemperature | None  # of gauge and parts; None without readings
+    controller: Controller
+    fluid: Fluid  # in its state
+    fluid_state_assumed: bool  # nobody said whether it is fresh or used, and fresh is taken
+    limits: Limits
+    profile: Profile
+    mileage: float | None  # [km]
+    model: LeakageModel = field(repr=False)  # the engine with the clearances as measured
+    as_new: LeakageModel = field(repr=False)  # and with every land new
+    as_unworn: LeakageModel = field(repr=False)  # and as wide as its readings may have been when new
+    lands: tuple[LandDiagnosis, ...]  # in the controller's order
+    projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
+    new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
+    unworn_projections: tuple[Projection, ...]  # of the unworn unit, likewise; growth is judged by it
+    losses: tuple[Losses, ...]  # of the line and every circuit, which lands cost it what, at the same conditions
+    road: RoadLeakage | None  # None without a log, and where no leakage can be computed over it
+    log: RoadFindings | None  # what the log says by itself; None without one
+    pressures: PressureCheck | None  # gauge readings of the standing vehicle; None without any
+    uncertainty: UnitUncertainty | None  # None without readings
+    total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
+    pressure_rules: tuple[Rule, ...]  # of reserve, circuits and permissible pressure at the same conditions
+    pump: PumpDiagnosis
+    pump_new: Diagnosis | None = field(repr=False)  # of the same sheet with the pump new; None where it is not measured
+    complaint: Complaint | None  # of the customer, as the controller maps it to conditions and lands
+    messages: tuple[Message, ...]
+    repairs: tuple[Repair, ...] = ()  # that the workshop chose to plan with; of other lands the cheapest is planned
+
+    @property
+    def projection(self) -> Projection:
+        """Return the projection at the stated condition."""
+        return self.projections[0]
+
+    @property
+    def hot_idle(self) -> Projection | None:
+        """Return the projection at hot idle, where a worn unit fails first; None where none is stated."""
+        return next((each for each in self.projections if each.condition.name == HOT_IDLE), None)
+
+    @property
+    def complained(self) -> tuple[Projection, ...]:
+        """Return the projections at which the customer's complaint can show; none without one."""
+        return () if self.complaint is None else self.complained_of(self.complaint)
+
+    def complained_of(self, complaint: Complaint) -> tuple[Projection, ...]:
+        """Return the projections at which a complaint that the valve body's file maps can show."""
+        return tuple(each for name in complaint.conditions for each in self.projections if each.condition.name == name)
+
+    @property
+    def presented(self) -> tuple[Projection, ...]:
+        """Return every projection in the order in which people read them: those of the complaint lead."""
+        first = self.complained
+        return (*first, *(each for each in self.projections if not any(each is led for led in first)))
+
+    @property
+    def reported(self) -> tuple[Projection, ...]:
+        """Return the projections that must stand in every report, in the order in which people read them.
+
+        These are those of the complaint, the stated condition, hot idle, the one at which the total is worst, and the
+        one of the rule that decided.
+        """
+        shown = [*self.complained, self.projection, self.hot_idle, self.worst]
+        decided_by = self.decided_by
+        rule = decided_by if decided_by is None or isinstance(decided_by, Rule) else decided_by.deciding
+        if rule is not None and rule.condition is not None:
+            shown.append(self.at(rule.condition))
+        return tuple(each for each in self.presented if any(each is other for other in shown))
+
+    @property
+    def worst(self) -> Projection:
+        """Return the projection at which the total reached the worst band; of several, the largest share."""
+        condition = self.worst_total.condition
+        return self.projection if condition is None else self.at(condition)
+
+    def _place(self, projection: Projection) -> int:
+        """Return the place of a projection's condition among those that were judged."""
+        return [each.condition for each in self.projections].index(projection.condition)
+
+    def total_rule(self, projection: Projection) -> Rule:
+        """Return the rule of the total at the condition of one of the projections."""
+        return self.total_rules[self._place(projection)]
+
+    def unworn_at(self, projection: Projection) -> Projection:
+        """Return the projection of the unit as it may have been when new at the condition of one of the projections."""
+        return self.unworn_projections[self._place(projection)]
+
+    def new_at(self, projection: Projection) -> Projection:
+        """Return the projection of the same unit new at the condition of one of the projections."""
+        return self.new_projections[self._place(projection)]
+
+    def losses_at(self, projection: Projection) -> Losses:
+        """Return which lands cost the line and every circuit what at one of the conditions [Pa]."""
+        return self.losses[self._place(projection)]
+
+    def loss_by(self, land: LandDiagnosis, projection: Projection) -> float | None:
+        """Return what a land costs the circuit that loses most by it [Pa]; None where no pressure is solved."""
+        losses = self.losses_at(projection)
+        return max((of_lands.get(land.key, 0.0) for of_lands in losses.values()), default=None)
+
+    def within(self, rule: Rule) -> Verdict:
+        """Return what a rule says within its limits: nothing unmeasured is ok, nor a circuit of which a land is not."""
+        if rule.condition is None:  # gauges and logs measured it
+            return Verdict.OK
+        lands = () if rule.circuit is None else self.lands_of(rule.circuit, rule.condition.gear)
+        whole = all(land.state.can_be_ok for land in lands)
+        return Verdict.OK if self.judged and whole else Verdict.NOT_MEASURED
+
+    def lands_of(self, circuit: Circuit, gear: int) -> tuple[LandDiagnosis, ...]:
+        """Return the lands that leak from or into a circuit in a gear."""
+        gaps = [gap for gap in self.controller.gaps if gear in gap.gears]
+        keys = {gap.key for gap in gaps if circuit.id in (gap.high.section, gap.low.section)}
+        return tuple(land for land in self.lands if land.key in keys)
+
+    def verdict_on(self, rule: Rule | None) -> Verdict | None:
+        """Return the verdict of a rule of the unit; None without one, as of a circuit that is vented."""
+        if rule is None:
+            return None
+        return rule.verdict if rule.verdict.flagged else self.within(rule)
+
+    def at(self, condition: OperatingPoint) -> Projection:
+        """Return the projection at one of the conditions that were judged."""
+        return next(each for each in self.projections if each.condition == condition)
+
+    def over(self, road_test: RoadTest) -> RoadLeakage:
+        """Compute the leakage over a road test, or a part of one, with the same model.
+
+        Raises
+        ------
+        RoadTestError
+            a road test without usable main pressure.
+        """
+        return evaluated(self.model, road_test, self.projection.condition)
+
+    @property
+    def temperature_classes(self) -> tuple[TemperatureClass, ...]:
+        """Return for how long the log stays in each class of fluid temperature, and what it holds there."""
+        if self.road is None:
+            return ()
+        return temperature_classes(self.road, self.limits.total_share, self.as_unworn if self.judged else None)
+
+    def band(self, projection: Projection) -> Band | None:
+        """Return the band that the total share of one of the projections has reached; None where nothing was measured.
+
+        The totals of a unit that nobody measured are those of a new one: what is not measured is never green.
+        """
+        return Band(self.total_rule(projection).level) if self.judged else None
+
+    @cached_property
+    def flagged(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands at watch or past it, the worst first, then the costliest."""
+        flagged = [land for land in self.lands if land.verdict.flagged]
+        return tuple(sorted(flagged, key=lambda land: (-land.verdict.rank, -land.excess_share)))
+
+    @property
+    def ranked(self) -> tuple[LandDiagnosis, ...]:
+        """Return all lands by leakage at the stated condition, the largest first."""
+        return tuple(sorted(self.lands, key=lambda land: -land.leakage))
+
+    @property
+    def drawing_most(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands that draw from the pump at the stated condition, the largest share first."""
+        return tuple(sorted((land for land in self.lands if land.share > 0.0), key=lambda land: -land.share))
+
+    @property
+    def worst_total(self) -> Rule:
+        """Return the total that reached the worst band; of several, the largest."""
+        return max(self.total_rules, key=lambda rule: (rule.verdict.rank, rule.value))
+
+    @cached_property
+    def decided_by(self) -> LandDiagnosis | PumpDiagnosis | Rule | None:
+        """Return what put the unit past a limit: pump, land, total or pressure, the worst; None within all limits.
+
+        Of several that are equally bad the pump leads, and then one that is sure is named before one that is not, a
+        land before a total, a total before a pressure, and of pressures the one that is farthest past its limit, those
+        of gauges and log last. Without any reading gauges and log alone decide: all else is that of a new unit.
+        """
+        candidates: list[LandDiagnosis | PumpDiagnosis | Rule] = [*self.flagged]
+        candidates += [self.pump] if self.pump.verdict.flagged else []
+        if self.judged:
+            candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
+            candidates += _farthest_first(self.pressure_rules)
+        candidates += [*_farthest_first(self.gauge_rules), *_farthest_first(self.log_rules)]
+        return max(
+            candidates,
+            key=lambda each: (each.verdict.rank, each is self.pump, _certainty(self._decision_on(each))),
+            default=None,
+        )
+
+    @property
+    def decision(self) -> Decision | None:
+        """Return how sure the verdict of the unit is; within all limits, how sure the least sure of it is.
+
+        None where nothing was measured, and where the description cannot be right.
+        """
+        decided_by = self.decided_by
+        if self.impossible:
+            return None
+        if decided_by is not None:
+            return self._decision_on(decided_by)
+        if self.verdict == Verdict.NOT_MEASURED:
+            return None
+        every: list[LandDiagnosis | PumpDiagnosis | Rule] = [*self.lands, self.pump, *self.unit_rules]
+        return max((self._decision_on(each) for each in every), key=_certainty, default=None)
+
+    @cached_property
+    def provisional(self) -> tuple[Basis, ...]:
+        """Return which representative values the verdict rests on: past a limit those of the rule that decided."""
+        if self.verdict == Verdict.NOT_MEASURED:
+            return ()
+        decided_by = self.decided_by
+        rules: list[tuple[Rule, Iterable[Land]]] = []
+        on: list[LandDiagnosis | PumpDiagnosis | Rule] = [*self.lands, *self.unit_rules]
+        for each in on if decided_by is None else [decided_by]:
+            if isinstance(each, LandDiagnosis):
+                mine = each.rules if decided_by is None else [each.deciding]
+                rules += [(rule, [each.state.land]) for rule in mine if rule is not None]
+            else:
+                rules += [(rule, self.controller.lands) for rule in ([each] if isinstance(each, Rule) else each.rules)]
+        states = [land.state for land in self.lands]
+        return representative_bases(rules, self.controller, self.fluid, states, uses_slip=self.model.uses_slip)
+
+    def with_mileage(self, mileage: float | None) -> Diagnosis:
+        """Return the same at another mileage [km]: only when lands are to be replaced, and a message, follow from it.
+
+        None stands for the one that the sheet's head states. Whether a rate of wear is known is said once, before what
+        is said of the instruments.
+        """
+        mileage = _mileage(mileage, self.readings)
+        if mileage == self.mileage:
+            return self
+        lands = tuple(
+            replace(land, replace_mileage=replace_mileage(land.rules, mileage, land.uncertainty)) for land in self.lands
+        )
+        messages = [each for each in self.messages if each.code != NO_RATE]
+        rateless = None if self.uncertainty is None else without_rate(self.uncertainty.lands, mileage)
+        if rateless is not None and self.uncertainty is not None:
+            of_instruments = set(self.uncertainty.messages)
+            place = next((at for at, each in enumerate(messages) if each in of_instruments), len(messages))
+            messages.insert(place, rateless)
+        return replace(self, mileage=mileage, lands=lands, messages=tuple(messages))
+
+    @property
+    def upper_bound(self) -> bool:
+        """Tell whether leakage is an upper bound, as the controller's file does not say where all of its lands leak."""
+        return bool(self.controller.gaps_not_described)
+
+    def _decision_on(self, each: LandDiagnosis | PumpDiagnosis | Rule) -> Decision | None:
+        if isinstance(each, LandDiagnosis):
+            return each.decision
+        rule = each.deciding if isinstance(each, PumpDiagnosis) else each
+        decided = None if rule is None else self.decided(rule)
+        return decided.decision if decided else None
+
+    @property
+    def valve_body(self) -> Diagnosis:
+        """Return the same with its pump as new, where that is past a limit: what is left is up to the valve body."""
+        new = self.pump_new if self.pump.verdict.flagged else None
+        return self if new is None else replace(new, repairs=self.repairs)
+
+    @cached_property
+    def impossible(self) -> tuple[Projection, ...]:
+        """Return the file's conditions whose pressure a new unit as described cannot hold, as it would be then."""
+        own = [each for each in self.unworn_projections if each.condition in self.controller.operating_points]
+        return tuple(each for each in own if cannot_be(each)) if self.judged else ()
+
+    def decided(self, rule: Rule) -> RuleDecision | None:
+        """Return the decision on one of the unit's rules; None where it depends on readings that are not there."""
+        shown = [*(self.pressures.decisions if self.pressures else ()), *(self.log.decisions if self.log else ())]
+        shown += self.pump.decisions
+        measured = next((each for each in shown if each.rule == rule), None)
+        computed = self.uncertainty.on(rule) if self.uncertainty else None
+        return measured or (computed if self.verdict_on(rule) != Verdict.NOT_MEASURED else None)
+
+    @property
+    def gauge_rules(self) -> tuple[Rule, ...]:
+        """Return the rules that judge what gauges showed."""
+        return self.pressures.rules if self.pressures else ()
+
+    @property
+    def log_rules(self) -> tuple[Rule, ...]:
+        """Return the rules that judge the log: main pressure beside what is permitted, and what was commanded."""
+        return self.log.rules if self.log else ()
+
+    @property
+    def unit_rules(self) -> tuple[Rule, ...]:
+        """Return every rule that judges the whole unit: totals first, gauges and log last, alone without readings."""
+        of_clearances = (*self.total_rules, *self.pressure_rules) if self.judged else ()
+        return (*of_clearances, *self.gauge_rules, *self.log_rules)
+
+    def pressure_rules_at(self, projection: Projection) -> tuple[Rule, ...]:
+        """Return the rules of reserve, circuits and permissible pressure at one of the conditions."""
+        return tuple(rule for rule in self.pressure_rules if rule.condition == projection.condition)
+
+    def pressure_rule(self, projection: Projection, kind: RuleKind, circuit: Circuit | None = None) -> Rule | None:
+        """Return one of them, of a circuit that of its loss; None where that is not judged."""
+        rules = self.pressure_rules_at(projection)
+        return next((rule for rule in rules if rule.kind is kind and rule.circuit == circuit), None)
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Return the worst of pump, lands, totals, gauges and log; ``not_measured`` where none of them is there.
+
+        Readings that cannot be true, of pairs tighter than new ones, are never ok.
+        """
+        decided_by = self.decided_by
+        if decided_by is not None:
+            return decided_by.verdict
+        if self.too_tight:
+            return Verdict.WATCH
+        within: list[Verdict] = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
+        within += () if self.judged else [rule.verdict for rule in self.unit_rules]
+        return worst(within or [Verdict.NOT_MEASURED])
+
+    @property
+    def without_sheet(self) -> bool:
+        """Return whether a log, gauge readings or both are all there is: no measuring sheet was given."""
+        return self.readings is None and (self.log is not None or self.pressures is not None)
+
+    @property
+    def unmeasured(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands of which a part was not measured, but for those that a ring seals."""
+        return tuple(land for land in self.lands if land.state.land.seal is None and land.state.status != "measured")
+
+    @property
+    def in_doubt(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands whose readings contradict themselves."""
+        return tuple(land for land in self.lands if land.in_doubt)
+
+    @property
+    def too_tight(self) -> bool:
+        """Tell whether pairs measure so much tighter than new ones that the readings, or the description, are wrong.
+
+        One pair may be so by chance; two are not, nor one whose spool could hardly move: choice of this project.
+        """
+        tight = [land.state for land in self.lands if land.suspect]
+        return len(tight) > 1 or any(each.radial_clearance < 0.25 * each.land.mounting_range[0] for each in tight)
+
+    @property
+    def passed(self) -> bool:
+        """Tell whether the unit may be shown as good: within all limits, all of it measured, no reading in doubt.
+
+        Without a measuring sheet gauges and log alone say so.
+        """
+        return self.verdict == Verdict.OK and (self.without_sheet or not (self.unmeasured or self.in_doubt))
+
+    @cached_property
+    def judged(self) -> int:
+        """Count the lands that were measured, on both parts or on one, but for those that a ring seals."""
+        return sum(land.state.judged for land in self.lands)
+
+    @cached_property
+    def measured(self) -> int:
+        """Count the lands of which both parts were measured."""
+        return sum(land.state.status == "measured" for land in self.lands)
+
+
+def diagnose(
+    controller: Controller,
+    fluid: Fluid,
+    limits: Limits,
+    *,
+    fluid_state: FluidState | None = None,
+    readings: Readings | None = None,
+    road_test: RoadTest | None = None,
+    pressures: PressureTable | None = None,
+    profile: Profile = WORKSHOP,
+    condition: OperatingPoint | None = None,
+    mileage: float | None = None,
+    measuring_temperature: float | None = None,
+    pump_clearances: PumpClearances = NO_CLEARANCES,
+    instruments: Instruments | None = None,
+    assumptions: Assumptions = DEFAULTS,
+    guard_factor: float = GUARD_FACTOR,
+    complaint: Complaint | None = None,
+) -> Diagnosis:
+    """Diagnose a unit from its readings and a road test: a verdict for every land and for the whole.
+
+    Parameters
+    ----------
+    controller, fluid, limits
+        from the catalogue or the workshop's own files.
+    fluid_state
+        whether the fluid in the transmission is fresh or used; as its data are unless given, and a message says so.
+    readings
+        those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
+    road_test, pressures
+        log, over which leakage is computed where it holds main pressure, and gauge readings of the standing vehicle.
+    condition
+        condition at which leakage is projected; the controller's first operating point unless given.
+    mileage
+        of the vehicle [km], as the sheet's head states it unless given.
+    measuring_temperature
+        that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
+    pump_clearances
+        those measured of this job's pump; else as the sheet's head states them, or as of a new pump.
+    instruments, assumptions
+        with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
+    guard_factor
+        k of the guard band k·u around every limit; 1.645 leaves a risk of 5 %.
+    complaint
+        one of the controller's, which leads the result; it changes no number and no verdict.
+
+    Raises
+    ------
+    DomainError
+        a condition's temperature outside the fluid's data.
+    InputError
+        a fluid that its data describe as used, taken as fresh.
+    ReadingsError
+        a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
+    """
+    mileage = _mileage(mileage, readings)
+    measured_pump = pump_clearances if readings is None else pump_clearances.or_else(readings.pump)
+    described, controller = controller, controller.with_measured_pump(measured_pump)
+    pump_new = None
+    if readings is not None and controller.pump.as_new is not None and profile.pump_efficiency == "wilson":
+        pump_new = diagnose(
+            described,
+            fluid,
+            limits,
+            fluid_state=fluid_state,
+            readings=kept_with(readings, "pump", "new", partial(replace, readings, pump=NO_CLEARANCES)),
+            profile=profile,
+            condition=condition,
+            mileage=mileage,
+            measuring_temperature=measuring_temperature,
+            instruments=instruments,
+            assumptions=assumptions,
+            guard_factor=guard_factor,
+        )
+    if readings is not None:
+        controller = readings.own_lands.applied(controller)
+    condition = condition or controller.operating_points[0]
+    fluid_state_assumed = fluid_state is None and fluid.state == "fresh"
+    fluid = fluid if fluid_state is None else fluid.in_state(fluid_state)
+    measured_at = None if readings is None else readings.measured_at(measuring_temperature)
+    temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
+    states = clearances(readings, controller, temperature=temperature, instruments=instruments)
+    unit = BesideNew.of(LeakageModel(controller, states, fluid, profile), states, condition)
+    drive = driven(road_test, unit.model, condition, limits, assumptions, guard_factor)
+    measured = [state.land.key for state in states if state.measured]
+    rules, uncertainty = _judged(unit, limits, drive.road, pump_new, readings, instruments, assumptions, guard_factor)
+    better = pump_new.unit_rules if pump_new else ()
+    checked = (
+        None
+        if pressures is None
+        else check_pressures(
+            pressures,
+            unit.model,
+            limits,
+            projections=unit.now,
+            readings=readings,
+            instruments=instruments,
+            assumptions=assumptions,
+            guard_factor=guard_factor,
+        )
+    )
+    messages = messages_of(readings, controller, fluid, profile, unit.now, drive, states, unit.unworn)
+    messages += [*limits.doubts, *(checked.messages if checked else ()), *drive.messages]
+    if fluid_state_assumed:
+        messages.append(fresh_assumed(fluid))
+    if uncertainty is not None and readings is not None and measured_at is not None:
+        sources = [land.sources for land in uncertainty.lands]
+        messages += sheet_messages(readings, measured_at, sources, drive.log.road_test if drive.log else None)
+        messages += [rateless] if (rateless := without_rate(uncertainty.lands, mileage)) else []
+        messages = list(dict.fromkeys([*messages, *uncertainty.messages]))
+    return Diagnosis(
+        readings=readings,
+        measured_at=measured_at,
+        controller=controller,
+        fluid=fluid,
+        fluid_state_assumed=fluid_state_assumed,
+        limits=limits,
+        profile=profile,
+        mileage=mileage,
+        model=unit.model,
+        as_new=unit.as_new,
+        as_unworn=unit.as_unworn,
+        lands=tuple(diagnosed_land(state, unit.now, unit.new, rules, mileage, uncertainty) for state in states),
+        projections=unit.now,
+        new_projections=unit.new,
+        unworn_projections=unit.unworn,
+        losses=tuple(pressure_losses(unit.model, unit.as_new, each.condition, measured) for each in unit.now),
+        road=drive.road,
+        log=drive.log,
+        pressures=checked,
+        uncertainty=uncertainty,
+        total_rules=rules.totals,
+        pressure_rules=rules.pressures,
+        pump=diagnosed_pump(controller.pump, rules, better, assumptions.pump_clearance, guard_factor),
+        pump_new=pump_new,
+        complaint=complaint,
+        messages=tuple(messages),
+    )
+
+
+def _judged(
+    unit: BesideNew,
+    limits: Limits,
+    road: RoadLeakage | None,
+    pump_new: Diagnosis | None,
+    readings: Readings | None,
+    instruments: Instruments | None,
+    assumptions: Assumptions,
+    guard_factor: float,
+) -> tuple[UnitRules, UnitUncertainty | None]:
+    """Judge every rule of a unit; with readings by what is likely, and return how sure that is."""
+    rules = unit_rules(unit.states, unit.now, unit.unworn, limits, unit.model.controller.operating_points)
+    if readings is None:
+        return rules, None
+    model = unit.model
+    rests_on = model, limits, instruments, assumptions
+    uncertainty = assess(
+        model,
+        unit.states,
+        unit.now,
+        rules,
+        readings=readings,
+        instants={at: project(model, road.condition_at(at)) for at in road.instants} if road else {},
+        instruments=instruments,
+        assumptions=assumptions,
+        guard_factor=guard_factor,
+        # carried through for these readings before, where nothing but the conditions has changed since
+        known=kept_with(readings, "spreads", rests_on, dict, most=1),
+    )
+    if pump_new is not None and pump_new.uncertainty is not None:  # a worn pump makes no land worn
+        uncertainty = uncertainty.with_lands_of(pump_new.uncertainty)
+    return uncertainty.judged(rules), uncertainty
+
+
+def _farthest_first(rules: Iterable[Rule]) -> list[Rule]:
+    """Return the rules that reached a limit, the one that is farthest past it first."""
+    return sorted((rule for rule in rules if rule.verdict.flagged), key=lambda rule: -rule.severity)
+
+
+def _certainty(decision: Decision | None) -> int:
+    """Rank a decision: the surer a limit is passed, the higher."""
+    return -1 if decision is None else DECISIONS.index(decision)
+
+
+def _mileage(stated: float | None, readings: Readings | None) -> float | None:
+    """Return the mileage [km] that was stated, or else the one of the sheet's head."""
+    return stated if stated is not None or readings is None else readings.identity.mileage

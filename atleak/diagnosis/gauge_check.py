@@ -1,0 +1,527 @@
+"""Judge gauge readings: main pressure against what is permissible, a circuit by what it has lost against new."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from typing import cast
+
+import numpy as np
+
+from atleak.catalogue.circuit_tables import SelectorRange
+from atleak.catalogue.circuits import Circuit, PermissiblePressure
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.instruments import Instruments, load_instruments
+from atleak.catalogue.limits import Limits, RuleKind, Steps
+from atleak.catalogue.operating_point import OperatingPoint
+from atleak.common.cache import kept_with
+from atleak.common.errors import DomainError, Message, Place
+from atleak.common.sentences import Sentence, in_a_row
+from atleak.common.unit_systems import KPA, Quantity
+from atleak.common.verdicts import Verdict, worst
+from atleak.diagnosis.gauge_patterns import Pattern, Standing, Stands, find_patterns
+from atleak.diagnosis.rules import Rule, permissible_steps
+from atleak.diagnosis.uncertainty import Assumptions, RuleDecision
+from atleak.diagnosis.uncertainty.decision import decide_normal, decide_rule
+from atleak.diagnosis.uncertainty.posterior import MOST_RISE, Lost, Shown, Unit, losses
+from atleak.diagnosis.uncertainty.sources import find_sources
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.operation import LINE as LINE_SECTION
+from atleak.engine.projection import Projection, project
+from atleak.measurements.gauge_readings import (
+    LINE,
+    TOGETHER,
+    Cell,
+    Engine,
+    GaugeReading,
+    PressureTable,
+    applied,
+    circuit_at,
+    gear_in,
+    permitted,
+    ranges_of,
+    tap_name,
+    taps_of,
+)
+from atleak.measurements.readings import LandClearance, Readings
+
+_SHOWN = 8  # cells named in a message
+_STEP = 5.0  # [K] to which a stated temperature is rounded where losses are drawn
+_SURELY = 4.0  # standard uncertainties by which a gauge shows more than there can be: choice of this project
+_MOVED = 3.0  # of two readings, by which the line moved between them: choice of this project
+
+_NOTHING_PERMITTED = Sentence("the valve body's file says nothing that they must reach")
+_VENTED = Sentence("their circuits are not applied there")
+_NO_POINT = Sentence("the valve body's file has no operating point of that gear and state for which to compute them")
+_APART = Sentence(
+    "the line was read more than {seconds:g} s before or after them, and may have moved", seconds=TOGETHER
+)
+_NO_LINE = Sentence("the line's gauge shows no pressure there: did the engine run, and was the gauge open?")
+_TOO_HIGH = Sentence(
+    "they, or the line with them, are higher than the valve body's file says they can be: check gauge, unit and tap, "
+    "and whether that file describes this unit"
+)
+_CONTRADICT = Sentence(
+    "they and the other gauge readings contradict one another: check gauge and tap, and read them again"
+)
+
+
+@dataclass(frozen=True)
+class CheckedReading:
+    """One gauge reading beside what is permissible, what the engine expects, and the line's own reading."""
+
+    reading: GaugeReading
+    tap_name: str
+    gear: int | None  # that is taken for the range; None where the gears do not tell
+    permissible: PermissiblePressure | None  # of main pressure; None where the file does not tell
+    expected: (
+        float | None
+    )  # [Pa] that pump or circuit hold there by the engine; None where no operating point is like it
+    line: float | None  # [Pa] that the circuit should reach, from the line's gauge beside it; None where it need not
+    decisions: tuple[RuleDecision, ...] = ()  # of every rule that judges it
+    lost: Lost | None = None  # by its circuit, or the line, against new; None where that is not judged
+    unjudged: Sentence | None = None  # why no rule judges it
+
+    @property
+    def cell(self) -> Cell:
+        """Return its cell."""
+        return self.reading.cell
+
+    @property
+    def label(self) -> Sentence:
+        """Return its cell's name for people: ``"D, slow idle, line"``."""
+        return Sentence(
+            "{range}, {engine}, {tap}", range=self.cell.range, engine=self.cell.engine.label, tap=self.tap_name
+        )
+
+    @property
+    def stands(self) -> Stands | None:
+        """Return how main pressure stands to what is permissible; None where nothing is."""
+        if self.permissible is None:
+            return None
+        low, high = self.permissible.low, self.permissible.high
+        if low is not None and self.reading.pressure < low:
+            return "low"
+        return "high" if high is not None and self.reading.pressure > high else "normal"
+
+    @property
+    def over(self) -> float | None:
+        """Return by how much it is over what is permissible [Pa]; None where it is not."""
+        high = self.permissible.high if self.permissible else None
+        return self.reading.pressure - high if high is not None and self.stands == "high" else None
+
+    @property
+    def below_line(self) -> float | None:
+        """Return how far a circuit is below the pressure that it should reach [Pa]; None where it need not."""
+        return None if self.line is None else self.line - self.reading.pressure
+
+    @property
+    def loss(self) -> float | None:
+        """Return what its circuit has lost against new [Pa], as likely more as less; None where that is not judged."""
+        return None if self.lost is None else max(self.lost.quantile(0.5), 0.0)
+
+    @property
+    def loss_interval(self) -> tuple[float, float] | None:
+        """Return between which losses [Pa] it lies in 95 of 100 cases."""
+        return None if self.lost is None else (self.lost.quantile(0.025), self.lost.quantile(0.975))
+
+    @property
+    def over_limit(self) -> float | None:
+        """Return the probability that the loss has reached the limit it is judged by; None where it is not judged."""
+        return self.deciding.probability_over_limit if self.lost is not None and self.deciding else None
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """Return the worst verdict on it; None where no rule judges it, since nothing unjudged is ok."""
+        return worst(each.rule.verdict for each in self.decisions) if self.decisions else None
+
+    @property
+    def deciding(self) -> RuleDecision | None:
+        """Return the decision that belongs to the verdict; None where no rule judges it."""
+        return max(self.decisions, key=lambda each: each.severity, default=None)
+
+
+@dataclass(frozen=True)
+class PressureCheck:
+    """A pressure table with everything that is said of it."""
+
+    table: PressureTable
+    readings: tuple[CheckedReading, ...]  # in the order of the unit's ranges
+    patterns: tuple[Pattern, ...]
+    messages: tuple[Message, ...]
+
+    @cached_property
+    def decisions(self) -> tuple[RuleDecision, ...]:
+        """Return the decision on every rule that judges a reading."""
+        return tuple(each for reading in self.readings for each in reading.decisions)
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """Return every rule that judges a reading."""
+        return tuple(each.rule for each in self.decisions)
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """Return the worst verdict on any reading; None where no rule judges one."""
+        return worst(rule.verdict for rule in self.rules) if self.decisions else None
+
+    @property
+    def deciding(self) -> RuleDecision | None:
+        """Return the decision that belongs to the verdict; None where no rule judges any reading."""
+        return max(self.decisions, key=lambda each: each.severity, default=None)
+
+
+def check_pressures(
+    table: PressureTable,
+    model: LeakageModel,
+    limits: Limits,
+    *,
+    projections: Sequence[Projection] = (),
+    readings: Readings | None = None,
+    instruments: Instruments | None = None,
+    assumptions: Assumptions,
+    guard_factor: float,
+) -> PressureCheck:
+    """Judge every reading of a table.
+
+    Parameters
+    ----------
+    table
+        the gauge readings.
+    model
+        the engine with the clearances as measured: what pump and circuits hold is expected from it.
+    limits
+        whose limits below the permissible pressure, and of circuits, are applied.
+    projections
+        those at hand; at other conditions the model is asked.
+    readings, instruments
+        the measuring sheet of the model's clearances and with what it was taken; without it no land was measured.
+    assumptions
+        with the gauge's relative standard uncertainty, ``main_pressure``, and what a unit may be like.
+    guard_factor
+        k of the guard band of every limit.
+    """
+    at_hand = {projection.condition: projection for projection in projections}
+    checker = _Checker(table, model, limits, at_hand, assumptions, guard_factor)
+    taps, order = taps_of(model.controller), ranges_of(model.controller)
+    taken = sorted(
+        table.readings,
+        key=lambda each: (
+            taps.index(each.cell.tap),
+            order.index(each.cell.range),
+            list(Engine).index(each.cell.engine),
+            each.repeat,
+        ),
+    )
+    checked = [checker.checked(each) for each in taken]
+    if limits.circuit_loss is not None:
+        rests_on = model, readings, instruments, assumptions
+        made = partial(checker.losses, readings, instruments or load_instruments())
+        lost = kept_with(table, "losses", rests_on, made, most=1)
+        checked = [checker.with_loss(each, lost) for each in checked]
+    judged = tuple(each if each.decisions else checker.unjudged(each) for each in checked)
+    patterns = find_patterns([checker.standing(each) for each in judged], checker.applied)
+    return PressureCheck(table, judged, patterns, (*table.messages, *checker.messages(judged)))
+
+
+@dataclass
+class _Checker:
+    """Judges the readings of one table."""
+
+    table: PressureTable
+    model: LeakageModel
+    limits: Limits
+    at_hand: dict[OperatingPoint, Projection]
+    assumptions: Assumptions
+    guard_factor: float
+    outside: list[DomainError] = field(default_factory=list)
+
+    @property
+    def controller(self) -> Controller:
+        return self.model.controller
+
+    @property
+    def uncertainty(self) -> float:
+        """Return the gauge's relative standard uncertainty."""
+        return self.assumptions.main_pressure
+
+    def checked(self, reading: GaugeReading) -> CheckedReading:
+        """Return one reading beside what is permissible and expected, main pressure judged."""
+        cell, permissible = reading.cell, permitted(self.controller, reading.cell)
+        rules = []
+        steps = None if permissible is None else permissible_steps(permissible, self.limits)
+        if permissible is not None and permissible.low is not None and steps is not None:
+            below, u = 1.0 - reading.pressure / permissible.low, self.uncertainty * reading.pressure / permissible.low
+            rules.append((Rule(RuleKind.PERMISSIBLE_PRESSURE, None, below, steps, where=_where(cell)), u))
+        return CheckedReading(
+            reading=reading,
+            tap_name=tap_name(self.controller, cell.tap),
+            gear=gear_in(cell.range, self.controller.gears),
+            permissible=permissible,
+            expected=self._expected(reading),
+            line=self._line(reading),
+            decisions=tuple(self._decide(rule, u) for rule, u in rules),
+        )
+
+    # --- what circuits have lost
+
+    def losses(self, readings: Readings | None, instruments: Instruments) -> dict[tuple[str, OperatingPoint], Lost]:
+        """Return what every circuit that was read has lost, at every operating point at which it was.
+
+        So of the line, where the valve body's file does not say what it must reach.
+        """
+        wanted: dict[tuple[str, OperatingPoint], None] = {}
+        shown = []
+        for reading in self.table.readings:
+            point, tap = self._drawn_at(reading), reading.cell.tap
+            if point is None or (tap != LINE and self._not_comparable(reading) is not None):
+                continue
+            pressure, section = self._at_the_lines_best(reading), _section(tap)
+            if pressure is not None:
+                shown.append(Shown(point, section, pressure, reading.gauge))
+            permissible = permitted(self.controller, reading.cell)
+            if permissible is None or permissible.low is None:  # of a tap nothing is permitted
+                wanted[section, point] = None
+        if not wanted:
+            return {}
+        states = cast("Sequence[LandClearance]", self.model.clearances)
+        sources, _ = find_sources(states, readings, self.controller, instruments, self.assumptions)
+        at = {each.point: self.at_hand[each.point] for each in shown}
+        return losses(Unit(self.model, sources, self.assumptions, at.values()), shown, wanted)
+
+    def _drawn_at(self, reading: GaugeReading) -> OperatingPoint | None:
+        """Return the operating point at which losses are drawn for a reading; None where nothing is expected there."""
+        point = self._point(reading)
+        if point is not None:
+            point = replace(point, temperature=_STEP * round(point.temperature / _STEP))
+        return point if point is not None and self._projected(point) is not None else None
+
+    def _not_comparable(self, reading: GaugeReading) -> Sentence | None:
+        """Return why a tap's reading tells nothing of what its circuit lost; None where it does."""
+        circuit, point = circuit_at(self.controller, reading.cell.tap), self._drawn_at(reading)
+        if not applied(self.controller, reading.cell):
+            return _VENTED
+        if circuit is None or not circuit.feeds or point is None or self.model.profile.circuits != "on":
+            return _NO_POINT
+        beside = self.table.line_beside(reading)
+        if beside is None:
+            return _APART if self.table.at(replace(reading.cell, tap=LINE)) else None
+        if beside.pressure <= 0.0:
+            return _NO_LINE
+        most = point.main_pressure * (1.0 + MOST_RISE * self.assumptions.line_rise)
+        return _TOO_HIGH if beside.pressure * (1.0 - _SURELY * self.uncertainty) > most else None
+
+    def _at_the_lines_best(self, reading: GaugeReading) -> float | None:
+        """Return what a gauge showed [Pa], had it been read while the line was at its highest in that cell.
+
+        Only where the line moved by more than its gauge errs: a tap that hangs on the line goes with it, and of the
+        line's own readings the highest counts.
+        """
+        line = [each.pressure for each in self.table.at(replace(reading.cell, tap=LINE))]
+        highest, lowest = max(line, default=0.0), min(line, default=0.0)
+        if highest - lowest <= _MOVED * np.sqrt(2.0) * self.uncertainty * highest:
+            return reading.pressure
+        if reading.cell.tap == LINE:
+            return reading.pressure if reading.pressure == highest else None
+        circuit, beside = circuit_at(self.controller, reading.cell.tap), self.table.line_beside(reading)
+        follows = circuit is not None and circuit.set_pressure is None and beside is not None and beside.pressure > 0.0
+        return reading.pressure * highest / beside.pressure if follows and beside else reading.pressure
+
+    def with_loss(self, checked: CheckedReading, found: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
+        """Return a reading with what its circuit or the line lost, judged; one that is judged already as it is."""
+        reading, steps, tap = checked.reading, self.limits.circuit_loss, checked.cell.tap
+        circuit, point = circuit_at(self.controller, tap), self._drawn_at(reading)
+        lost = None if point is None else found.get((_section(tap), point))
+        if steps is None or checked.decisions:
+            return checked
+        if lost is None:
+            return self._by_the_line(checked, steps) if point is None else checked
+        reason = None if tap == LINE else self._not_comparable(reading)
+        showed = self._at_the_lines_best(reading)
+        surely = (showed or 0.0) * (1.0 - _SURELY * self.uncertainty)
+        if surely > lost.quantile(0.975, lost.expected):
+            reason = reason or (_TOO_HIGH if surely > lost.highest else _CONTRADICT)
+        if reason is not None:
+            return replace(checked, unjudged=reason)
+        kind = RuleKind.BELOW_EXPECTED if tap == LINE else RuleKind.CIRCUIT_LOSS
+        if showed is None:  # the line fell after it was at its highest, by which the draws are weighed
+            below = replace(lost, draws=lost.draws + lost.expected - reading.pressure)
+            u = math.hypot(self.uncertainty * reading.pressure, below.standard_uncertainty)
+            rule = Rule(kind, None, max(below.quantile(0.5), 0.0), steps, where=_where(reading.cell))
+            return replace(checked, decisions=(self._decide(rule, u),))
+        value = max(lost.quantile(0.5), 0.0)
+        rule = Rule(kind, None, value, steps, circuit=circuit, where=_where(reading.cell))
+        over = tuple(lost.probability_over(limit) for _, limit in steps.levels)
+        uncertainties = (lost.standard_uncertainty,) * len(over)
+        decided = decide_rule(rule, uncertainties, over, self.guard_factor, skewed=True)
+        return replace(checked, lost=lost, decisions=(decided,))
+
+    def _by_the_line(self, checked: CheckedReading, steps: Steps) -> CheckedReading:
+        """Return a tap's reading where nothing can be computed, judged by what it is surely below the line's gauge."""
+        below, circuit = checked.below_line, circuit_at(self.controller, checked.cell.tap)
+        if below is None or checked.line is None or checked.line <= 0.0:
+            return checked
+        u = self.uncertainty * math.hypot(checked.line, checked.reading.pressure)
+        surely = max(below - self.guard_factor * u, 0.0)
+        rule = Rule(RuleKind.BELOW_LINE, None, surely, steps, circuit=circuit, where=_where(checked.cell))
+        return replace(checked, decisions=(self._decide(rule, u),))
+
+    def unjudged(self, checked: CheckedReading) -> CheckedReading:
+        """Return a reading that no rule judges with the reason for it."""
+        tap = checked.cell.tap != LINE and self.limits.circuit_loss is not None
+        reason = checked.unjudged or (self._not_comparable(checked.reading) if tap else None)
+        return replace(checked, unjudged=reason or _NOTHING_PERMITTED)
+
+    def _decide(self, rule: Rule, u: float) -> RuleDecision:
+        return decide_normal(rule, u, self.guard_factor)
+
+    def _line(self, reading: GaugeReading) -> float | None:
+        """Return the pressure that a circuit should reach by the line's gauge [Pa]; None where it cannot be told.
+
+        It is line pressure, or what its regulator is set to where that is less and the file states a number.
+        """
+        circuit = circuit_at(self.controller, reading.cell.tap)
+        beside = None if circuit is None else self.table.line_beside(reading)
+        if circuit is None or beside is None:
+            return None
+        return _reached(circuit, gear_in(reading.cell.range, self.controller.gears), beside.pressure)
+
+    def _expected(self, reading: GaugeReading) -> float | None:
+        """Return what pump or circuit hold in a cell [Pa]; None where no operating point is like it."""
+        point = self._point(reading)
+        projection, tap = None if point is None else self._projected(point), reading.cell.tap
+        if projection is None:
+            return None
+        if tap == LINE:
+            return projection.main_pressure_held
+        return next((each.pressure for each in projection.circuits if each.circuit.id == tap), None)
+
+    def _projected(self, point: OperatingPoint) -> Projection | None:
+        if point not in self.at_hand:
+            try:
+                self.at_hand[point] = project(self.model, point)
+            except DomainError as error:
+                self.outside.append(error)
+                return None
+        return self.at_hand[point]
+
+    def _point(self, reading: GaugeReading) -> OperatingPoint | None:
+        """Return the operating point of the same gear and state, at the temperature and speed that were stated.
+
+        At a fast idle line pressure is that of idle, and only a stated speed says what the pump delivers.
+        """
+        gear, engine = gear_in(reading.cell.range, self.controller.gears), reading.cell.engine
+        state = "stall" if engine is Engine.STALL else "idle"
+        points = (each for each in self.controller.operating_points if each.gear == gear and each.state == state)
+        point = next(points, None)
+        if point is None or (engine is Engine.FAST_IDLE and reading.engine_speed is None):
+            return None
+        return replace(
+            point,
+            temperature=point.temperature if reading.temperature is None else reading.temperature,
+            engine_speed=point.engine_speed if reading.engine_speed is None else reading.engine_speed,
+            stated_state=point.stated_state if reading.engine_speed is None else point.state,
+        )
+
+    def standing(self, checked: CheckedReading) -> Standing:
+        """Return a reading as the patterns need it."""
+        reading = checked.reading
+        return Standing(
+            cell=reading.cell,
+            pressure=reading.pressure,
+            repeat=reading.repeat,
+            uncertainty=self.uncertainty * reading.pressure,
+            stands=checked.stands,
+            loss=checked.loss if reading.cell.tap != LINE and checked.verdict is not Verdict.OK else None,
+            causes=checked.lost.causes if checked.lost is not None else {},
+            measured=any(
+                each.measured and reading.cell.tap in (gap.high.section, gap.low.section)
+                for gap in self.controller.gaps
+                for each in cast("Sequence[LandClearance]", self.model.clearances)
+                if each.land.key == gap.key
+            ),
+        )
+
+    @property
+    def applied(self) -> dict[SelectorRange, frozenset[str]]:
+        """Return the ids of the circuits that are applied in each range."""
+        gears = {selected: gear_in(selected, self.controller.gears) for selected in ranges_of(self.controller)}
+        return {
+            selected: frozenset(circuit.id for circuit in self.controller.circuits if gear in circuit.gears)
+            for selected, gear in gears.items()
+        }
+
+    def messages(self, readings: Sequence[CheckedReading]) -> Iterable[Message]:
+        """Say which gears stand for ranges, what could not be judged, and what is over the permissible."""
+        place = Place(self.table.file, self.table.sheet)
+        by_gear: dict[int, list[str]] = {}
+        for selected in dict.fromkeys(each.cell.range for each in readings):
+            gear = gear_in(selected, self.controller.gears)
+            if gear is not None:
+                by_gear.setdefault(gear, []).append(selected)
+        if by_gear:
+            text = Sentence(
+                "Gauge readings of a standing vehicle: {taken} where the file names no range (choice of this project).",
+                taken=in_a_row(
+                    Sentence("{ranges} as gear {gear}", ranges=ranges, gear=gear) for gear, ranges in by_gear.items()
+                ),
+            )
+            yield Message("info", "ranges_as_gears", text, place)
+        by_reason: dict[Sentence, list[Sentence]] = {}
+        for each in readings:
+            if each.unjudged is not None:
+                by_reason.setdefault(each.unjudged, []).append(each.label)
+        for reason, unjudged in by_reason.items():
+            named = in_a_row(unjudged[:_SHOWN])
+            text = Sentence(
+                "{count} of {readings} gauge readings cannot be judged, since {reason}: {cells}.",
+                count=len(unjudged),
+                readings=len(readings),
+                reason=reason,
+                cells=Sentence("{named} …", named=named) if len(unjudged) > _SHOWN else named,
+            )
+            yield Message("info", "pressure_not_judged", text, place)
+        alone = [each.label for each in readings if each.lost is not None and each.line is None]
+        alone = [label for label in alone if not any(each.cell.tap == LINE for each in readings)]
+        if alone:
+            text = Sentence(
+                "The line was not read: whether a circuit lost its pressure by itself or with the line cannot be told "
+                "from {cells}.",
+                cells=in_a_row(alone[:_SHOWN]),
+            )
+            yield Message("info", "line_not_read", text, place)
+        for each in readings:
+            high = each.permissible.high if each.permissible else None
+            if each.over is not None and high is not None:
+                text = Sentence(
+                    "Main pressure is over the permissible: {cell}, {pressure} of at most {high} {high.unit}.",
+                    cell=each.label,
+                    pressure=Quantity(each.reading.pressure * KPA, "pressure"),
+                    high=Quantity(high * KPA, "pressure"),
+                )
+                yield Message("warning", "over_permissible", text, each.reading.place)
+        for reason in dict.fromkeys(error.sentence for error in self.outside):
+            text = Sentence("No pressure is expected from the engine: {reason}", reason=reason)
+            yield Message("warning", "pressure_not_expected", text, place)
+
+
+def _section(tap: str) -> str:
+    return LINE_SECTION if tap == LINE else tap
+
+
+def _where(cell: Cell) -> Sentence:
+    return Sentence("{range}, {engine}", range=cell.range, engine=cell.engine.label)
+
+
+def _reached(circuit: Circuit, gear: int | None, line: float) -> float | None:
+    """Return what a circuit that holds without loss reaches [Pa]; None where it is not applied or it cannot be told."""
+    if gear not in circuit.gears or any(feed.source != "p_g" for feed in circuit.feeds):
+        return None
+    stated = circuit.set_pressure
+    if stated is None:
+        return line
+    if stated.gears is not None:
+        return min(line, stated.gears.get(gear, 0.0))
+    return None if stated.number is None else min(line, stated.number)

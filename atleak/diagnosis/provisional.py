@@ -1,0 +1,126 @@
+"""Say which representative values a verdict rests on: one that rests on any is provisional.
+
+A representative value is one of such units in general, neither measured on this type nor published for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import StrEnum
+
+from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.entries import Evidence
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.known_values import known_values
+from atleak.catalogue.limits import RuleKind
+from atleak.diagnosis.rules import Rule
+from atleak.measurements.readings import LandClearance
+
+
+class Basis(StrEnum):
+    """What a verdict can rest on besides the readings."""
+
+    MOUNTING_CLEARANCE = "mounting_clearance"
+    CONTACT_LENGTH = "contact_length"
+    NOMINAL_DIAMETER = "nominal_diameter"
+    MATERIALS = "materials"
+    GAPS = "gaps"  # which land leaks from where to where
+    OPERATING_POINT = "operating_point"
+    SECTIONS = "sections"  # how p_s and p_m follow main pressure
+    LINE = "line"  # what main pressure is set to
+    CIRCUITS = "circuits"  # gears, feeds, set pressures
+    LEAKS = "leaks"  # beside the lands
+    PUMP = "pump"
+    CONSUMERS = "consumers"
+    PERMISSIBLE_PRESSURE = "permissible_pressure"
+    FLUID = "fluid"
+
+
+_FLOW = {
+    Basis.CONTACT_LENGTH,
+    Basis.NOMINAL_DIAMETER,
+    Basis.MATERIALS,
+    Basis.GAPS,
+    Basis.OPERATING_POINT,
+    Basis.SECTIONS,
+    Basis.LINE,
+    Basis.CIRCUITS,
+    Basis.FLUID,
+}
+_SHARE = {*_FLOW, Basis.PUMP}
+_HELD = {*_SHARE, Basis.MOUNTING_CLEARANCE, Basis.LEAKS, Basis.CONSUMERS}
+_RESTS_ON: dict[RuleKind, set[Basis]] = {
+    RuleKind.WEAR: {Basis.MOUNTING_CLEARANCE, Basis.NOMINAL_DIAMETER},
+    RuleKind.CLEARANCE: {Basis.NOMINAL_DIAMETER},
+    RuleKind.PAIR_SHARE: {*_SHARE, Basis.MOUNTING_CLEARANCE},  # it is judged by its growth over new, too
+    RuleKind.TOTAL_SHARE: {*_SHARE, Basis.MOUNTING_CLEARANCE},
+    RuleKind.RESERVE: _HELD,
+    RuleKind.CIRCUIT_LOSS: _HELD,
+    RuleKind.BELOW_EXPECTED: _HELD,
+    RuleKind.PERMISSIBLE_PRESSURE: {*_HELD, Basis.PERMISSIBLE_PRESSURE},
+}  # the others are measured on both sides
+_OF_LANDS = {
+    Basis.MOUNTING_CLEARANCE: "mounting_clearance_um",
+    Basis.CONTACT_LENGTH: "contact_length_mm",
+    Basis.NOMINAL_DIAMETER: "nominal_diameter_mm",
+}
+_HARDLY_MATTERS = ("density_g_cm3", "density_slope_g_cm3_k")  # by which fluids differ by some percent
+_TABLES = {"pressures": Basis.SECTIONS}  # of a file whose name is not that of what rests on them
+
+
+def representative_bases(
+    rules: Iterable[tuple[Rule, Iterable[Land]]],
+    controller: Controller,
+    fluid: Fluid,
+    states: Iterable[LandClearance],
+    *,
+    uses_slip: bool,
+) -> tuple[Basis, ...]:
+    """Return which representative values some rules rest on, each once.
+
+    Parameters
+    ----------
+    rules
+        each with the lands that it judges or that take part in what it judges.
+    states
+        what was measured of every land: of one measured on both parts the nominal diameter counts for nothing, and a
+        sleeve that was not is taken as wide as the mounting clearance makes it.
+    uses_slip
+        whether the pump's flow is computed with its slip, else with its volumetric efficiency.
+    """
+    states = tuple(states)
+    whole = {state.land.key for state in states if state.status == "measured"}
+    without_sleeve = {state.land.key for state in states if state.status == "spool_only"}
+    entry, of_pump = controller.entry, _of_pump(controller, uses_slip)
+    values = [each for each in known_values(entry) if each.evidence is Evidence.REPRESENTATIVE] if entry else []
+    tables = {_TABLES.get(each.table, each.table) for each in values if each.table != "pump" or each.value in of_pump}
+    own_points = entry.operating_points if entry else ()
+    points = {point.name for point in own_points if point.evidence is Evidence.REPRESENTATIVE}
+    bases: set[Basis] = set()
+    for rule, lands in rules:
+        rests_on = _RESTS_ON.get(rule.kind, set())
+        if rule.kind is RuleKind.CLEARANCE and any(land.key in without_sleeve for land in lands):
+            rests_on = {*rests_on, Basis.MOUNTING_CLEARANCE}
+        if rule.condition is None and rule.kind is RuleKind.PERMISSIBLE_PRESSURE:  # gauges or a log measured it
+            rests_on = {Basis.PERMISSIBLE_PRESSURE}
+        for basis in rests_on - bases:
+            if basis in _OF_LANDS:
+                unknown = [each for each in lands if basis is not Basis.NOMINAL_DIAMETER or each.key not in whole]
+                rests = any(_OF_LANDS[basis] in each.representative for each in unknown)
+            elif basis is Basis.FLUID:
+                rests = any(value not in _HARDLY_MATTERS for value in fluid.representative)
+            elif basis is Basis.OPERATING_POINT:
+                rests = bool(points) if rule.condition is None else rule.condition.like in points  # gauges: at several
+            else:
+                rests = basis in tables
+            bases |= {basis} if rests else set()
+    return tuple(basis for basis in Basis if basis in bases)
+
+
+def _of_pump(controller: Controller, uses_slip: bool) -> set[str]:
+    """Return which values of the pump, as `known_values` names them, its flow is computed with."""
+    if not uses_slip:
+        return {"displacement", "volumetric_efficiency"}
+    stated = controller.entry is not None and controller.entry.pump.slip_coefficient is not None
+    by_gaps = not stated or controller.pump.counted.known  # else a stated coefficient goes before them
+    return {"displacement", *(["slip_coefficient"] if stated else []), *(["gaps"] if by_gaps else [])}

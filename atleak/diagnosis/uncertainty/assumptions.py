@@ -1,0 +1,115 @@
+"""List what else is uncertain besides the readings: defaults of this project, each settable by the workshop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import Any
+
+from atleak.catalogue.written_numbers import decimal_number
+from atleak.common.errors import InputError, unknown
+from atleak.common.sentences import Sentence
+from atleak.equations.statistics import rectangular
+
+
+def _in(unit: str, size: float) -> Callable[[float], Any]:
+    """Return what makes a field, its default in SI, of a number that people state in a unit of that size."""
+    return lambda default: field(default=default, metadata={"unit": (unit, size)})
+
+
+_k, _mm, _um, _percent = _in("k", 1.0), _in("mm", 1e-3), _in("um", 1e-6), _in("percent", 1e-2)
+
+
+@dataclass(frozen=True)
+class Assumptions:
+    """Standard uncertainties (one standard deviation) of all that is not read from an instrument.
+
+    The defaults are a choice of this project. Relative ones are fractions.
+    """
+
+    room_temperature: float = _k(0.5)  # [K] half width about the temperature of measuring, any value alike likely
+    contact_length: float = _mm(0.1e-3)  # [m] as the valve body's file states it
+    measured_contact_length: float = _mm(0.03e-3)  # [m] by calliper on this unit: its error, and both edges
+    mounting_clearance: float = _um(0.5e-6)  # [m] of the catalogue's value, for this one pair
+    nominal_diameter: float = _um(3.0e-6)  # [m] of a part that was not measured
+    unseen_ovality: float = _um(4.0e-6)  # [m] of a part measured in one direction, where no other land shows it
+    form_residual: float = _percent(0.1)  # of ovality and taper: what two directions and a few planes leave
+    one_sided_wear: float = _percent(1.0)  # most of a bore's wear to one side: none, half of this or this, alike likely
+    viscosity: float = _percent(0.05)  # relative: batch, D341 between two points; fresh or used is asked
+    temperature: float = _k(1.0)  # [K] of the fluid in the gaps
+    main_pressure: float = _percent(0.02)  # relative
+    converter_pressure: float = _percent(0.02)  # relative
+    volumetric_efficiency: float = _percent(0.02)  # where the profile takes it as constant
+    slip_coefficient: float = _percent(0.2)  # relative, where the profile lets the pump slip
+    pump_clearance: float = _um(5e-6)  # [m] of each clearance of the pump that was measured in the job
+    # what a unit may be like before gauges are read: which of its parts are worn, and by how much on average
+    worn_lands: float = _percent(0.2)  # of those that nobody measured
+    land_wear: float = _um(12e-6)  # [m] exponential
+    most_land_wear: float = _um(60e-6)  # [m]
+    worn_seals: float = _percent(0.1)  # of clutches and bands
+    seal_wear: float = _percent(0.3)  # leak over what the circuit's feeds can pass, exponential
+    worn_pumps: float = _percent(0.2)
+    pump_wear: float = _percent(1.0)  # growth of the slip, exponential
+    sticking_regulators: float = _percent(0.05)  # of the line
+    regulator_fall: float = _percent(0.1)  # of line pressure, exponential
+    line_setting: float = _percent(0.01)  # relative, of what the line is set to
+    high_lines: float = _percent(0.1)  # that are set higher than the file states
+    line_rise: float = _percent(0.1)  # by how much, relative, exponential
+    feed: float = _percent(0.02)  # relative, of the flow through a feed orifice
+    gauged_temperature: float = _k(3.0)  # [K] of the fluid while gauges are read
+
+    @cached_property
+    def u_room_temperature(self) -> float:
+        """Return the standard uncertainty of the temperature of measuring [K]."""
+        return float(rectangular(self.room_temperature))
+
+    def of_contact_length(self, *, measured: bool) -> float:
+        """Return the standard uncertainty of a contact length [m]: measured on this unit, or as the file states it."""
+        return self.measured_contact_length if measured else self.contact_length
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """Return every assumption under its name for people, with the unit in the name."""
+        return {
+            f"{field.name}_{_UNITS[field.name][0]}": getattr(self, field.name) / _UNITS[field.name][1]
+            for field in fields(self)
+        }
+
+    def with_settings(self, settings: Mapping[str, Any]) -> Assumptions:
+        """Return these assumptions with some changed, by the names of `settings`: ``{"viscosity_percent": 3}``.
+
+        Raises
+        ------
+        InputError
+            unknown name, or a number below zero or above what there can be.
+
+        Examples
+        --------
+        >>> Assumptions().with_settings({"room_temperature_k": "2,5"}).room_temperature
+        2.5
+        """
+        names = {f"{name}_{unit}": name for name, (unit, _) in _UNITS.items()}
+        changes: dict[str, float] = {}
+        for key, given in settings.items():
+            if key not in names:
+                raise unknown(Sentence("no such assumption"), key, names)
+            name = names[key]
+            number = decimal_number(str(given))
+            most = _MOST.get(name, math.inf)
+            if number is None or not 0.0 <= number * _UNITS[name][1] <= most:
+                expected = Sentence("0 or more")
+                if not math.isinf(most):
+                    expected = Sentence("a number from 0 to {most:g}", most=most / _UNITS[name][1])
+                problem = Sentence("assumption {key} does not take this value", key=key)
+                raise InputError(problem, value=given, expected=expected)
+            changes[name] = number * _UNITS[name][1]
+        return replace(self, **changes)
+
+
+_UNITS: dict[str, tuple[str, float]] = {each.name: each.metadata["unit"] for each in fields(Assumptions)}
+_MOST = {"one_sided_wear": 1.0}  # no more than all wear lies to one side
+
+DEFAULTS = Assumptions()
+NOTHING_ELSE = Assumptions(**{field.name: 0.0 for field in fields(Assumptions)})  # only the instruments err

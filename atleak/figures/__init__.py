@@ -1,1 +1,0 @@
-"""Turn results into plotly figures; nothing is computed here, and nothing is shown."""

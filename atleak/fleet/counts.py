@@ -1,0 +1,244 @@
+"""Count units by verdict and decision, what decided their verdicts, and which pairs give the most trouble.
+
+Say how the wear of every land grows with mileage.
+
+Say how share and pressure depend on temperature: as logs met it, and at the stated conditions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from atleak.analysis.rates import rate, spread
+from atleak.common.unit_systems import PERCENT
+from atleak.common.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
+from atleak.diagnosis.uncertainty import DECISIONS, Decision
+from atleak.fleet.columns import HASH, DataSet
+from atleak.fleet.results import Results
+from atleak.fleet.sums import (
+    ConditionSpread,
+    Decider,
+    Group,
+    LandOverMileage,
+    MileageClass,
+    PairTrouble,
+    TemperatureClass,
+    VerdictCounts,
+)
+from atleak.fleet.visits import Lands, Visits
+
+_DECIDED_BY = ["decided_by_kind", "decided_by_component", "decided_by_land", "decided_by_circuit"]
+
+
+def counts_of(units: pd.DataFrame) -> VerdictCounts:
+    """Count some units, a row each."""
+    said, decided = units["verdict"].value_counts().to_dict(), units["decision"].value_counts().to_dict()
+    verdicts = {verdict: int(said.get(verdict, 0)) for verdict in VERDICTS}
+    decisions: dict[Decision | None, int] = {decision: int(decided.get(decision, 0)) for decision in DECISIONS}
+    with_verdict = units["verdict"] != Verdict.NOT_MEASURED
+    by_lands = with_verdict & units["by_lands"]
+    ranks = units["verdict"][by_lands].map({str(verdict): verdict.rank for verdict in Verdict})
+    in_part = (units["verdict"] == Verdict.OK) & (units["lands_measured"] < units["lands_total"])
+    return VerdictCounts(
+        units=len(units),
+        verdicts=verdicts,
+        decisions={**decisions, None: len(units) - sum(decisions.values())},
+        provisional=int(units["provisional"].sum()),
+        ok_in_part=int(in_part.sum()),
+        rates={level: rate(int((ranks >= level.rank).sum()), len(ranks)) for level in FLAGGED},
+        without_sheet=int((with_verdict & ~by_lands).sum()),
+    )
+
+
+def deciders_of(units: pd.DataFrame) -> tuple[Decider, ...]:
+    """Count what gave the verdicts of the flagged units, the most frequent first."""
+    flagged = units[units["verdict"].isin(FLAGGED)]
+    by_what = flagged.groupby(_DECIDED_BY, dropna=False)
+    return tuple(sorted((_decider(mine.iloc[0], len(mine), len(flagged)) for _, mine in by_what), key=_most_first))
+
+
+def _decider(unit: pd.Series, count: int, flagged: int) -> Decider:
+    kind, component, land, circuit = (None if pd.isna(unit[each]) else unit[each] for each in _DECIDED_BY)
+    return Decider(str(kind), component, None if land is None else int(land), circuit, rate(count, flagged))
+
+
+def _most_first(decider: Decider) -> tuple[Any, ...]:
+    return -decider.units.count, decider.kind, decider.component or "", decider.land or 0, decider.circuit or ""
+
+
+def groups_of(units: pd.DataFrame) -> tuple[Group, ...]:
+    """Count the units of every group, by name; those that state none are in none."""
+    return tuple(
+        Group(str(name), counts_of(mine), spread(mine["mileage_km"]), int(mine["mileage_km"].isna().sum()))
+        for name, mine in units.groupby("label", sort=True)
+    )
+
+
+def troubles_of(lands: Lands, deciders: Iterable[Decider], judged: int) -> tuple[PairTrouble, ...]:
+    """Return how often each land is flagged and past *replace* and decides, the most often past *replace* first.
+
+    Parameters
+    ----------
+    lands
+        of the units of one valve body.
+    deciders
+        of the same.
+    judged
+        how many of the units have a verdict.
+    """
+    measured, flagged = lands.measured.sum(axis=0), lands.rank >= FLAGGED[0].rank
+    replace = (lands.measured & (lands.rank >= Verdict.REPLACE.rank)).sum(axis=0)
+    by_both, by_one = (lands.measured & flagged).sum(axis=0), (~lands.measured & flagged).sum(axis=0)
+    deciding = {(each.component, each.land): each.units.count for each in deciders}
+    troubles = (
+        PairTrouble(
+            key=key,
+            flagged=rate(by_both[place], measured[place]),
+            replace=rate(replace[place], measured[place]),
+            deciding=rate(deciding.get(key, 0), judged),
+            not_measured=len(lands.measured) - int(measured[place]),
+            flagged_by_one_part=int(by_one[place]),
+        )
+        for place, key in enumerate(lands.keys)
+    )
+    # sorted keeps the order of components where all are even
+    return tuple(sorted(troubles, key=lambda each: (-each.replace.count, -each.flagged.count, -each.deciding.count)))
+
+
+_WIDTHS = (5_000.0, 10_000.0, 20_000.0, 25_000.0, 50_000.0, 100_000.0)  # [km] of a class of mileage
+_CLASSES, _MOST_UNITS = 8, 0.95  # of which so many hold so great a part of the visits: choices of this project
+
+
+def class_width(mileages: np.ndarray) -> float:
+    """Return the width of the classes of mileage [km]: the narrowest round one by which there are few of them."""
+    known = mileages[~np.isnan(mileages)]
+    wanted = float(np.quantile(known, _MOST_UNITS)) / _CLASSES if known.size else 0.0
+    return next((width for width in _WIDTHS if width >= wanted), _WIDTHS[-1])
+
+
+def classes_of(mileages: np.ndarray, width: float) -> np.ndarray:
+    """Return the number of the class of each mileage; NaN without one."""
+    return np.floor(mileages / width)
+
+
+def wear_over_mileage(visits: Visits, lands: Lands) -> tuple[LandOverMileage, ...]:
+    """Return the wear of every land of a valve body over mileage; all visits count."""
+    mileage, unit = visits.rows["mileage_km"].to_numpy(float), visits.rows["unit"].to_numpy()
+    width = class_width(mileage)
+    number = classes_of(mileage, width)
+    latest = lands.at(visits.rows["counts"].to_numpy())
+    measured, repaired = ~np.isnan(lands.wear), (lands.measured & lands.repaired).sum(axis=0)
+    found = []
+    for place, key in enumerate(lands.keys):
+        there = np.flatnonzero(measured[:, place] & ~np.isnan(number))
+        found.append(
+            LandOverMileage(
+                key=key,
+                classes=tuple(_classes(lands.wear[there, place], unit[there], number[there], width)),
+                without_mileage=int(measured[:, place].sum()) - len(there),
+                repaired=int(repaired[place]),
+                latest_percent=spread(latest.wear[:, place]),
+            )
+        )
+    return tuple(found)
+
+
+def _classes(wear: np.ndarray, unit: np.ndarray, number: np.ndarray, width: float) -> Iterator[MileageClass]:
+    """Yield the classes of one land, from its measurements in the order of time; of a unit the last counts."""
+    for each in np.unique(number):
+        within = np.flatnonzero(number == each)[::-1]
+        _, last = np.unique(unit[within], return_index=True)
+        percent = spread(wear[within[last]])
+        if percent is not None:
+            yield MileageClass(float(each * width), float((each + 1.0) * width), percent)
+
+
+_BAND_SECONDS = tuple(f"{band}_s" for band in BANDS)
+_OF_CLASSES = (
+    *(HASH, "temperature_low_c", "temperature_high_c", "seconds", *_BAND_SECONDS),
+    *("share_mean_percent", "share_max_percent", "pressure_mean_kpa", "pressure_min_kpa"),
+)
+_CONDITION = ["name", "temperature_c", "engine_rpm", "gear"]
+_OF_CONDITIONS = (HASH, *_CONDITION, "label", "p_g_kpa", "p_g_held_kpa", "share_percent", "band")
+
+
+def temperatures_of(results: Results, controller: str, visits: Visits) -> tuple[TemperatureClass, ...]:
+    """Return the classes of fluid temperature that the logs of a valve body's units pass through, the coldest first.
+
+    Of every unit its last log counts.
+    """
+    rows = _rows(results, "temperatures", _OF_CLASSES, controller, visits, "last_log")
+    return tuple(_class(mine) for _, mine in rows.groupby(["temperature_low_c", "temperature_high_c"], sort=True))
+
+
+def _class(units: pd.DataFrame) -> TemperatureClass:
+    in_bands = units[list(_BAND_SECONDS)].sum()
+    in_any = float(in_bands.sum())
+    shares = {band: float(in_bands[f"{band}_s"] / in_any * PERCENT) for band in BANDS} if in_any else None
+    in_part = float(units.loc[units["lands_measured"] < units["lands_total"], f"{Band.GREEN}_s"].sum())
+    return TemperatureClass(
+        low_c=float(units["temperature_low_c"].iloc[0]),
+        high_c=float(units["temperature_high_c"].iloc[0]),
+        seconds=float(units["seconds"].sum()),
+        share_mean_percent=_over_time(units, "share_mean_percent"),
+        share_percent=spread(units["share_mean_percent"]),
+        share_max_percent=_or_none(units["share_max_percent"].max()),
+        pressure_mean_kpa=_over_time(units, "pressure_mean_kpa"),
+        pressure_kpa=spread(units["pressure_mean_kpa"]),
+        pressure_min_kpa=_or_none(units["pressure_min_kpa"].min()),
+        bands_percent=shares,
+        green_in_part_percent=in_part / in_any * PERCENT if in_any else 0.0,
+    )
+
+
+def _over_time(units: pd.DataFrame, column: str) -> float | None:
+    """Return the mean of all units' time; None where no unit has a number."""
+    known = units[units[column].notna()]
+    seconds = known["seconds"].sum()
+    return float((known[column] * known["seconds"]).sum() / seconds) if seconds else None
+
+
+def conditions_of(results: Results, controller: str, visits: Visits) -> tuple[ConditionSpread, ...]:
+    """Return the stated conditions over the units of a valve body of which anything was measured."""
+    rows = _rows(results, "conditions", _OF_CONDITIONS, controller, visits, "counts")
+    rows = rows[rows["lands_measured"] > 0]
+    return tuple(_conditions(rows))
+
+
+def _conditions(rows: pd.DataFrame) -> Iterator[ConditionSpread]:
+    for _, mine in rows.groupby(_CONDITION, sort=False):
+        first = mine.iloc[0]
+        bands: dict[Band, int] = {band: int((mine["band"] == band).sum()) for band in BANDS}
+        required = mine["p_g_kpa"].unique()
+        yield ConditionSpread(
+            name=first["name"],
+            label=first["label"],
+            temperature_c=float(first["temperature_c"]),
+            engine_rpm=float(first["engine_rpm"]),
+            gear=int(first["gear"]),
+            required_kpa=_or_none(required[0]) if len(required) == 1 else None,
+            share_percent=spread(mine["share_percent"]),
+            pressure_held_kpa=spread(mine["p_g_held_kpa"]),
+            bands=bands,
+            partly=int((mine["lands_measured"] < mine["lands_total"]).sum()),
+        )
+
+
+def _rows(
+    results: Results, data_set: DataSet, columns: tuple[str, ...], controller: str, visits: Visits, which: str
+) -> pd.DataFrame:
+    """Return the rows of a data set that are of the visits that count, in their order."""
+    table = results.table(data_set, columns, [controller])
+    places = visits.places(table[HASH])
+    rows = table.drop_columns([HASH]).to_pandas()
+    rows["place"] = places
+    rows = rows[(places >= 0) & visits.rows[which].to_numpy()[places]].sort_values("place", kind="stable")
+    return rows.join(visits.rows[["lands_measured", "lands_total"]], on="place")
+
+
+def _or_none(value: float) -> float | None:
+    return None if pd.isna(value) else float(value)

@@ -1,1 +1,0 @@
-"""What gauge readings of a standing vehicle say: each against what is permissible and expected, and their patterns."""

@@ -1,1 +1,0 @@
-"""Outside files become readings and road tests here; the only rooms that guess and that convert units."""

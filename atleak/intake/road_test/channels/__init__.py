@@ -1,1 +1,0 @@
-"""A table becomes the channels of a road test."""

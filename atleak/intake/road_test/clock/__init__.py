@@ -1,1 +1,0 @@
-"""Converts a column of time stamps to seconds."""

@@ -1,1 +1,0 @@
-"""Makes a table of cells of a logger's bytes."""

@@ -1,1 +1,0 @@
-"""Derives the quantity that a column holds from its name and unit."""

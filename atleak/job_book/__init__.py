@@ -1,0 +1,1 @@
+"""Keep every job, on SQLite or PostgreSQL."""

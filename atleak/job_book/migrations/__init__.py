@@ -1,0 +1,1 @@
+"""Bring a job book of an earlier version up to date."""

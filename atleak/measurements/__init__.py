@@ -1,0 +1,1 @@
+"""Hold what was measured, as typed values: readings, road tests, gauge readings, the job card."""

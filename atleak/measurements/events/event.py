@@ -1,0 +1,150 @@
+"""Define an event of a road test, its thresholds, and the runs of samples from which events are made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from atleak.common.sentences import Sentence
+from atleak.measurements.road_test import ChannelSource, RoadTest
+
+EventKind = Literal[
+    "minimum_acceleration", "gear_shift", "hot_idle", "stall", "lock_up", "steady_driving", "engine_start"
+]
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Limits of the events. Speeds of rotation [1/s], vehicle speeds [m/s], temperatures [°C], durations [s]."""
+
+    standing: float = 1.0 / 3.6
+    idle_low: float = 400 / 60
+    idle_high: float = 1100 / 60
+    hot: float = 70.0
+    idle_seconds: float = 3.0
+    stall_speed: float = 1400 / 60
+    stall_seconds: float = 0.4
+    stall_longest: float = 15.0
+    gentle_speed: float = 2500 / 60
+    gentle_end: float = 30 / 3.6
+    gentle_back: float = 5 / 3.6
+    slip: float = 50 / 60
+    lock_up_seconds: float = 1.0
+    steady_seconds: float = 5.0
+    steady_speed: float = 20 / 3.6
+    steady_vehicle: float = 3 / 3.6
+    steady_engine: float = 100 / 60
+    ratio_tolerance: float = 0.06
+    shift_pause: float = 3.0  # longest between the two gears of a shift, while none or no gear is known
+    engine_standing: float = 50 / 60
+    engine_standing_seconds: float = 0.5
+    start_seconds: float = 3.0
+    # of a minimum-acceleration test
+    gentle_begun: float = 15 / 3.6  # at which it is one that was begun, where no gear is known
+    driven_otherwise: float = 4000 / 60  # above which nobody meant to drive one
+    idle_spread: float = 50 / 60
+    slows: float = 0.15  # fall of the engine speed in the last gear with which the car slows down
+    shift_settles: float = 1.0
+    shift_fall: float = 0.12  # of the engine speed at a shift
+    shift_longest: float = 1.5
+    shift_sampling: float = 0.5  # longest interval that shows such a fall
+
+
+TestFault = Literal["too_fast", "broken_off"]
+
+
+@dataclass(frozen=True)
+class AccelerationTest:
+    """How a minimum-acceleration test was driven: speeds of the engine [1/s], times [s] on the road test's time."""
+
+    gears: tuple[int, ...]  # passed, rising; none where no gear is logged
+    missing: tuple[int, ...]  # gears of the valve body above them
+    highest_speed: float
+    highest_at: float
+    speed_limit: float
+    fault: TestFault | None  # None: driven as it is meant to be
+
+    @property
+    def over_by(self) -> float:
+        """Return how far the engine speed went over the limit [1/s]; 0 where it did not."""
+        return max(0.0, self.highest_speed - self.speed_limit)
+
+
+@dataclass(frozen=True)
+class Event:
+    """One event: ``start`` and ``stop`` [s] on the road test's time; gears only for shifts."""
+
+    kind: EventKind
+    start: float
+    stop: float
+    from_gear: int | None = None
+    to_gear: int | None = None
+    source: ChannelSource = "logged"
+    note: Sentence = Sentence("")  # noqa: RUF009  frozen, so safe to share
+    test: AccelerationTest | None = None  # of a minimum-acceleration test: how it was driven
+
+    @property
+    def duration(self) -> float:
+        """Return the length [s]."""
+        return self.stop - self.start
+
+
+def segments(road_test: RoadTest) -> Iterator[slice]:
+    """Yield the samples of every stretch in which time runs on without a break."""
+    if not road_test.segments:
+        yield slice(0, len(road_test.time))
+    for segment in road_test.segments:
+        yield slice(segment.start_row, segment.start_row + segment.rows)
+
+
+def runs(road_test: RoadTest, mask: np.ndarray, shortest: float) -> Iterator[tuple[int, int]]:
+    """Yield first and last index of every run of True that lasts long enough; none crosses a segment's end."""
+    for part in segments(road_test):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], mask[part].astype(np.int8), [0]])))
+        for low, high in zip(edges[::2], edges[1::2], strict=True):
+            first, last = part.start + int(low), part.start + int(high) - 1
+            if road_test.time[last] - road_test.time[first] >= shortest:
+                yield first, last
+
+
+def within(time: np.ndarray, events: Iterable[Event]) -> np.ndarray:
+    """Return which stamps [s], ascending, lie in one of some events, ends included."""
+    inside = np.zeros(len(time), bool)
+    for event in events:
+        inside[np.searchsorted(time, event.start) : np.searchsorted(time, event.stop, side="right")] = True
+    return inside
+
+
+def standing_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray | None:
+    """Return at which samples the car stands, shape (samples,); None where the log does not show it."""
+    behind = _behind_the_gears(road_test, limits)
+    return None if behind is None else behind[0] < behind[1]
+
+
+def rolling_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray:
+    """Return at which samples the log shows that the car rolls, shape (samples,)."""
+    behind = _behind_the_gears(road_test, limits)
+    return np.zeros(len(road_test.time), bool) if behind is None else behind[0] >= behind[1]
+
+
+def _behind_the_gears(road_test: RoadTest, limits: Thresholds) -> tuple[np.ndarray, float] | None:
+    """Return the speed behind the gears and below which it stands; None where none is logged."""
+    for name, stands in (("vehicle_speed", limits.standing), ("output_speed", 0.5)):
+        speed = road_test.values(name)
+        if speed is not None:
+            return speed, stands
+    return None
+
+
+def gear_engaged(road_test: RoadTest) -> np.ndarray | None:
+    """Return the gear of every sample, 0 where the selector is in neutral or park, NaN where it is unknown.
+
+    None where neither is logged. Shape (samples,).
+    """
+    gear, selector = road_test.values("gear"), road_test.values("selector")
+    if selector is None:
+        return gear
+    return np.where((selector == 0) | (selector == -2), 0.0, np.nan if gear is None else gear)

@@ -1,0 +1,362 @@
+"""Define the job record: whose car it is, what was complained of, what was seen and what was decided.
+
+Every field is optional. The measured diameters and the log are not part of the record: they stay in their own files.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import PurePosixPath
+from types import MappingProxyType
+from typing import Annotated, Any, Literal
+
+from annotated_types import Ge, GroupedMetadata, Le
+from pydantic import AfterValidator, AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
+
+from atleak.catalogue.pump import PumpClearances
+from atleak.catalogue.repairs import Goal, currency_code
+from atleak.catalogue.written_numbers import (
+    HOURS,
+    LABOUR_RATE,
+    MEASURING_TEMPERATURE,
+    MILEAGE,
+    PRICE,
+    PUMP_SIDE_CLEARANCE,
+    PUMP_TIP_CLEARANCE,
+    TAX,
+    AskedNumber,
+    read_number,
+)
+from atleak.common.sentences import Sentence
+
+RepairState = Literal["proposed", "approved", "done", "declined", "deferred"]
+Grade = Literal["none", "light", "moderate", "heavy"]
+
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp")
+_SURROGATES = re.compile("[\ud800-\udfff]")
+_NO_PICTURE_NAME = re.compile(r"[:/\\\x00-\x1f]|\.\.")
+_CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
+
+
+def without_surrogates(text: str) -> str:
+    """Return text that can be encoded: a lone surrogate, as JSON may hold one, becomes a replacement character."""
+    return _SURROGATES.sub("\ufffd", text)
+
+
+def clean_text(text: str) -> str:
+    """Return text without what no file can hold: lone surrogates, and control characters but tab and new line."""
+    return _CONTROL.sub("", without_surrogates(text))
+
+
+def _text(value: Any) -> Any:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        value = str(value)  # a customer number or a year typed without quotes
+    return clean_text(value).strip() if isinstance(value, str) else value
+
+
+def _number(asked: AskedNumber, value: Any) -> Any:
+    """Return a number that may be written as text, read as in a field of a page."""
+    if not isinstance(value, str):
+        return value
+    number = read_number(value, asked)
+    if number.value is None:
+        raise ValueError(number.reason)
+    return number.value
+
+
+@dataclass(frozen=True)
+class _Asked(GroupedMetadata):
+    """A number of the record as people are asked for it: read as in a field of a page, and within its limits."""
+
+    number: AskedNumber
+
+    def __iter__(self) -> Iterator[object]:
+        low, high = self.number.limits
+        yield BeforeValidator(partial(_number, self.number))
+        yield from (Ge(low), Le(high), AllowInfNan(False))
+
+
+def picture_name(name: str) -> str:
+    """Return a picture's name inside the job: relative, with ``/``, never out of the job's folder.
+
+    Raises
+    ------
+    ValueError
+        for an absolute path, one with ``..``, or a file that is no picture by its name.
+    """
+    path = PurePosixPath(name.replace("\\", "/"))
+    if not name or path.is_absolute() or ".." in path.parts or ":" in name:
+        raise ValueError(Sentence("a file beside the job's own, named without '..' or a drive"))
+    if path.suffix.lower() not in PICTURE_SUFFIXES:
+        raise ValueError(Sentence("a picture: {suffixes}", suffixes=PICTURE_SUFFIXES))
+    return str(path)
+
+
+def _file_name(name: str) -> str:
+    """Return the name that a picture handed over has inside the job."""
+    safe = _NO_PICTURE_NAME.sub("_", clean_text(name)).strip()
+    return picture_name(safe if safe.lower().endswith(PICTURE_SUFFIXES) else f"{safe}{PICTURE_SUFFIXES[0]}")
+
+
+CleanText = Annotated[str, BeforeValidator(_text)]
+Picture = Annotated[CleanText, AfterValidator(picture_name)]
+Kilometres = Annotated[float, _Asked(MILEAGE)]
+MeasuringCelsius = Annotated[float, _Asked(MEASURING_TEMPERATURE)]
+PumpSideMicrometres = Annotated[float, _Asked(PUMP_SIDE_CLEARANCE)]
+PumpTipMicrometres = Annotated[float, _Asked(PUMP_TIP_CLEARANCE)]
+Price = Annotated[float, _Asked(PRICE)]
+Hours = Annotated[float, _Asked(HOURS)]
+LabourRate = Annotated[float, _Asked(LABOUR_RATE)]
+TaxPercent = Annotated[float, _Asked(TAX)]
+
+
+class Record(BaseModel):
+    """A table of the job: unknown keys are errors, and it never changes after it was made."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+    @property
+    def empty(self) -> bool:
+        """Return whether nothing was filled in."""
+        return not self.model_dump(exclude_defaults=True)
+
+
+class Workshop(Record):
+    """The workshop, as its letterhead names it."""
+
+    name: CleanText = ""
+    address: CleanText = ""
+    phone: CleanText = ""
+    email: CleanText = ""
+    website: CleanText = ""
+    registration: CleanText = ""  # tax or trade register number
+    logo: Picture | None = None
+
+
+class Customer(Record):
+    name: CleanText = ""
+    number: CleanText = ""
+    address: CleanText = ""
+    phone: CleanText = ""
+    email: CleanText = ""
+
+
+class Vehicle(Record):
+    make: CleanText = ""
+    model: CleanText = ""
+    year: CleanText = ""
+    engine: CleanText = ""
+    registration: CleanText = ""
+    vin: CleanText = ""
+    mileage_km: Kilometres | None = None
+
+
+class Transmission(Record):
+    maker: CleanText = ""
+    code: CleanText = ""
+    serial: CleanText = ""
+    note: CleanText = ""
+
+
+class InstrumentUsed(Record):
+    """An instrument that was used for measuring; ``calibrated`` is the date of its last calibration."""
+
+    name: CleanText = ""
+    serial: CleanText = ""
+    calibrated: dt.date | None = None
+    note: CleanText = ""
+
+
+class FluidCondition(Record):
+    """The state of the oil in the car."""
+
+    product: CleanText = ""
+    changed_at_km: Kilometres | None = None
+    level: CleanText = ""
+    colour: CleanText = ""
+    smell: CleanText = ""
+    note: CleanText = ""
+
+
+class Contamination(Record):
+    grade: Grade | None = None
+    particles: CleanText = ""
+    note: CleanText = ""
+
+
+class Scratch(Record):
+    component: CleanText = ""
+    land: Annotated[int, Field(ge=1, le=9)] | None = None
+    part: CleanText = ""
+    description: CleanText = ""
+    photo: Picture | None = None
+
+
+class Photo(Record):
+    file: Picture
+    caption: CleanText = ""
+    component: CleanText = ""
+
+
+class RepairDecision(Record):
+    """A repair that was proposed for a pair, and what became of it."""
+
+    component: CleanText = ""
+    land: Annotated[int, Field(ge=1, le=9)] | None = None  # None: every land that the repair changes
+    repair: CleanText = ""  # id of one of the repairs of the valve body's file
+    work: CleanText = ""
+    part_number: CleanText = ""
+    price: Price | None = None  # of the part, in the currency of the estimate
+    hours: Hours | None = None
+    decision: RepairState | None = None
+    reason: CleanText = ""
+    date: dt.date | None = None
+
+    @property
+    def pair(self) -> str:
+        """Name what it is about by component and land, or by the component alone."""
+        return self.component if self.land is None else f"{self.component}/{self.land}"
+
+
+class LogFormula(Record):
+    """A channel that is computed from those of the road-test log, by a formula as it was typed."""
+
+    name: CleanText = ""
+    formula: CleanText = ""
+
+
+class EstimateTerms(Record):
+    """The terms of the estimate: in which money, at what labour rate, with what tax, and for what goal."""
+
+    currency: Annotated[CleanText, AfterValidator(currency_code)] = ""  # such as EUR
+    labour_rate: LabourRate | None = None  # per hour
+    tax_percent: TaxPercent | None = None
+    goal: Goal = Goal.EVERY_LIMIT  # of the repairs that are proposed
+
+
+class Job(Record):
+    """Everything that a workshop writes down about one controller."""
+
+    number: CleanText = ""
+    date: dt.date | None = None
+    measured_on: dt.date | None = None  # as the measuring sheet says unless given
+    issued_on: dt.date | None = None  # of the report
+    revision: CleanText = ""  # of the report
+    replaces: CleanText = ""  # number, revision or date of the report that this one takes the place of
+    technician: CleanText = ""  # who measured
+    approved_by: CleanText = ""
+    workshop: Workshop = Workshop()
+    customer: Customer = Customer()
+    vehicle: Vehicle = Vehicle()
+    transmission: Transmission = Transmission()
+    complaint: CleanText = ""
+    fault_codes: tuple[CleanText, ...] = ()
+    fluid_condition: FluidCondition = FluidCondition()
+    contamination: Contamination = Contamination()
+    measuring_temperature_c: MeasuringCelsius | None = None  # of gauge and parts
+    pump_side_clearance_um: PumpSideMicrometres | None = None  # axial play of this job's pump
+    pump_tip_clearance_um: PumpTipMicrometres | None = None
+    instruments: tuple[InstrumentUsed, ...] = ()
+    scratches: tuple[Scratch, ...] = ()
+    photos: tuple[Photo, ...] = ()
+    repair_decisions: tuple[RepairDecision, ...] = ()
+    estimate: EstimateTerms = EstimateTerms()
+    log_formulas: tuple[LogFormula, ...] = ()  # drawn with the log, in this order
+    notes: CleanText = ""
+
+    _pictures: Mapping[str, bytes] = PrivateAttr(default_factory=lambda: MappingProxyType({}))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let the record be pickled, which a mapping that cannot be changed does not allow."""
+        return _unpickled, (self.record(), dict(self._pictures))
+
+    @property
+    def pump_clearances(self) -> PumpClearances:
+        """Return what was measured of this job's pump."""
+        return PumpClearances.of_um(self.pump_side_clearance_um, self.pump_tip_clearance_um)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """Return what tells this job from others, and who measured; None for what nobody wrote down."""
+        return {
+            "number": self.number or None,
+            "date": self.date.isoformat() if self.date else None,
+            "vin": self.vehicle.vin or None,
+            "plate": self.vehicle.registration or None,
+            "serial": self.transmission.serial or None,
+            "mileage_km": self.vehicle.mileage_km,
+            "measured_by": self.technician or None,
+        }
+
+    def mileage_or(self, computed: float | None) -> float | None:
+        """Return the mileage with which the result was computed [km], or else the one that the record states."""
+        return self.vehicle.mileage_km if computed is None else computed
+
+    @property
+    def estimated(self) -> bool:
+        """Tell whether anything of an estimate was filled in: its terms, a price or hours."""
+        return not self.estimate.empty or any(
+            each.price is not None or each.hours is not None for each in self.repair_decisions
+        )
+
+    @property
+    def pictures(self) -> Mapping[str, bytes]:
+        """Return the bytes of the pictures that were loaded, by name."""
+        return self._pictures
+
+    @property
+    def picture_names(self) -> tuple[str, ...]:
+        """Return the name of every picture in the record: logo, photos, scratches."""
+        names = [self.workshop.logo, *(photo.file for photo in self.photos), *(s.photo for s in self.scratches)]
+        return tuple(dict.fromkeys(name for name in names if name))
+
+    @property
+    def letterhead(self) -> Job:
+        """Return the workshop with its logo, and nothing else of the job."""
+        logo = {name: content for name, content in self.pictures.items() if name == self.workshop.logo}
+        return Job(workshop=self.workshop).with_pictures(logo)
+
+    def with_pictures(self, pictures: Mapping[str, bytes]) -> Job:
+        """Return the same record with the bytes of its pictures; those it does not name are left out."""
+        job = self.model_copy()
+        job._pictures = MappingProxyType({name: pictures[name] for name in self.picture_names if name in pictures})
+        return job
+
+    def with_photo(self, name: str, content: bytes) -> Job:
+        """Return the same record with one more photo, under a name of its own; one that it holds is not added again."""
+        files = {photo.file for photo in self.photos}
+        if any(self.pictures.get(file) == content for file in files):
+            return self
+        stem, dot, suffix = f"photos/{_file_name(name)}".rpartition(".")
+        names = (f"{stem}{number}{dot}{suffix}" for number in ("", *(f"-{n}" for n in range(2, len(files) + 2))))
+        file = next(each for each in names if each not in files)
+        photos = (*self.photos, Photo(file=file))
+        return self.model_copy(update={"photos": photos}).with_pictures({**self.pictures, file: content})
+
+    def without_photo(self, file: str) -> Job:
+        """Return the same record without one of its photos."""
+        photos = tuple(photo for photo in self.photos if photo.file != file)
+        return self.model_copy(update={"photos": photos}).with_pictures(self.pictures)
+
+    def with_logo(self, name: str, content: bytes) -> Job:
+        """Return the same record with the workshop's logo."""
+        file = _file_name(name)
+        workshop = self.workshop.model_copy(update={"logo": file})
+        return self.model_copy(update={"workshop": workshop}).with_pictures({**self.pictures, file: content})
+
+    def without_logo(self) -> Job:
+        """Return the same record without the workshop's logo."""
+        workshop = self.workshop.model_copy(update={"logo": None})
+        return self.model_copy(update={"workshop": workshop}).with_pictures(self.pictures)
+
+    def record(self) -> dict[str, Any]:
+        """Return what was filled in, as JSON values."""
+        return self.model_dump(mode="json", exclude_defaults=True)
+
+
+def _unpickled(record: dict[str, Any], pictures: dict[str, bytes]) -> Job:
+    return Job.model_validate(record).with_pictures(pictures)

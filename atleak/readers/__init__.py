@@ -1,0 +1,1 @@
+"""Read outside files into measurements: the only place that guesses and converts."""

@@ -1,0 +1,84 @@
+"""How much a table holds that people fill in: what is far more is refused before anybody looks for its meaning.
+
+A person's sheet is looked at in many ways, each slow; a log, which is long, is read by other code.
+
+The child process that reads workbooks imports this: nothing heavy at its top.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from atleak.common.sentences import Sentence
+
+ROWS, COLUMNS, CELLS = 10_000, 300, 50_000
+"""Rows and columns that a sheet may reach, and cells that may be filled; a measuring sheet fills some thousands."""
+WORDS = 5_000
+"""Different texts with a letter in them, on one sheet."""
+SHEETS = 200
+"""Sheets of one workbook."""
+LETTERS = 300
+"""Characters of a cell that are read; what follows is no part of a name, a heading or a number."""
+TABLES = 200
+"""Tables under headings of their own on one sheet."""
+FAULTS = 300
+"""Faults after which no more of a file is read: it is not what it was given as."""
+TEXT = 4 << 20
+"""Bytes of a text file."""
+
+EXPECTED = Sentence(
+    "a table that was filled in at a bench: at most {rows} rows, {columns} columns and {cells} filled cells",
+    rows=ROWS,
+    columns=COLUMNS,
+    cells=CELLS,
+)
+
+
+def trimmed(rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+    """Return rows without the blank ones at their end and the blank columns at the right.
+
+    >>> trimmed([["a", "", ""], [1.5, " ", ""], [""]])
+    [['a'], [1.5]]
+    """
+    ends = [_end(row) for row in rows]
+    width = max(ends, default=0)
+    height = next((number for number in range(len(ends), 0, -1) if ends[number - 1]), 0)
+    return [list(row[:width]) for row in rows[:height]]
+
+
+def bounded(rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+    """Return rows as `trimmed` does, of a long text its beginning: of a table in which it is a heading or a remark."""
+    return [[cut(cell) for cell in row] for row in trimmed(rows)]
+
+
+def excess(rows: Sequence[Sequence[Any]]) -> Sentence | None:
+    """Return what of a sheet is more than people fill in; None where nothing is."""
+    width = max(map(len, rows), default=0)
+    filled = sum(cell != "" for row in rows for cell in row)
+    if len(rows) <= ROWS and width <= COLUMNS and filled <= CELLS:
+        texts = {cell for row in rows for cell in row if isinstance(cell, str)}
+        said = sum(any(map(str.isalpha, text)) for text in texts) if len(texts) > WORDS else 0
+        if said <= WORDS:
+            return None
+        return Sentence("this sheet has {count} different texts", count=said)
+    return Sentence(
+        "this sheet has {rows} rows, {columns} columns and {cells} filled cells",
+        rows=len(rows),
+        columns=width,
+        cells=filled,
+    )
+
+
+def _end(row: Sequence[Any]) -> int:
+    """Return how many cells there are up to the last that is filled."""
+    for number in range(len(row), 0, -1):
+        cell = row[number - 1]
+        if cell != "" and not (isinstance(cell, str) and cell.isspace()):
+            return number
+    return 0
+
+
+def cut(cell: Any) -> Any:
+    """Return what stands in a cell, of a long text its beginning."""
+    return f"{cell[:LETTERS]}…" if isinstance(cell, str) and len(cell) > LETTERS else cell

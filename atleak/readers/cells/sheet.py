@@ -1,0 +1,119 @@
+"""A sheet as read, before anything in it is understood."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from atleak.common.errors import Place
+from atleak.common.sentences import Sentence
+from atleak.readers.cells.workbook_marks import Marks
+
+_RUNS_SHOWN = 12
+NO_WIDTH = dict.fromkeys(map(ord, "\u200b\u200c\u200d\u2060\ufeff\u00ad"))  # signs that nobody sees, to be left out
+Cell = Any  # str, float, int, bool, date or time; "" where empty
+_SPACES = re.compile(r"\s+")
+
+
+def text_of(cell: Cell) -> str:
+    """Return a cell as the label it is: 8.0 → "8", primes as one sign.
+
+    >>> text_of(8.0), text_of(" 12′ ")
+    ('8', "12'")
+    """
+    if isinstance(cell, float) and cell.is_integer():
+        return str(int(cell))
+    text = _SPACES.sub(" ", str(cell).replace("\u00a0", " ")).strip()
+    return re.sub(r"\s*[′’‘`´ʹ]", "'", text)
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Cells by row and column, both from 0.
+
+    ``merged`` leads from every further cell of a merged range to its first. ``faults`` holds cells whose formula has
+    no usable result. ``lines`` are the rows' numbers in the file where they differ from their position.
+    """
+
+    file: str
+    name: str | None
+    rows: Sequence[Sequence[Cell]]
+    merged: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)
+    faults: Mapping[tuple[int, int], str] = field(default_factory=dict)
+    lines: Sequence[int] | None = None
+    hidden: bool = False
+    note: Sentence | None = None  # how a text file was read
+    marks: Marks = Marks()  # noqa: RUF009  frozen, so safe to share; rows, columns and cells hidden or crossed out
+    turned: bool = False  # its rows are the columns of the file, because its headings run down the first one
+    derived: Mapping[int, int] = field(default_factory=dict)  # columns made from others of the file, and from which
+
+    @property
+    def is_text(self) -> bool:
+        return self.name is None
+
+    def cell(self, row: int, column: int) -> Cell:
+        """Return what stands in the cell itself; "" outside the sheet."""
+        if row < len(self.rows) and column < len(self.rows[row]):
+            return self.rows[row][column]
+        return ""
+
+    def filled(self, row: int, column: int) -> Cell:
+        """Return what `cell` returns, but inside a merged range what its first cell holds."""
+        return self.cell(*self.merged.get((row, column), (row, column)))
+
+    @cached_property
+    def width(self) -> int:
+        return max((len(row) for row in self.rows), default=0)
+
+    def is_struck(self, row: int, column: int) -> bool:
+        """Return whether what stands there, or in the first cell of its merged range, is crossed out."""
+        return self.merged.get((row, column), (row, column)) in self.marks.struck
+
+    def row_number(self, row: int) -> int:
+        """Return the row's number as a spreadsheet or an editor shows it; of a turned sheet that of the column."""
+        return self.lines[row] if self.lines is not None and not self.turned else row + 1
+
+    def place(self, row: int | None = None, column: int | None = None, heading: str = "") -> Place:
+        """Return where a cell is: a workbook's column by its letter, a text file's by its heading."""
+        if column is not None:
+            column = self.derived.get(column, column)
+        if self.turned:
+            line = None if column is None else self.lines[column] if self.lines is not None else column + 1
+            return Place(self.file, self.name, line, None if row is None else self._column_said(row))
+        where = None if column is None else (heading if self.is_text else "") or self._column_said(column)
+        return Place(self.file, self.name, None if row is None else self.row_number(row), where)
+
+    def _column_said(self, column: int) -> str:
+        return str(column + 1) if self.is_text else column_letter(column)
+
+
+def rows_named(sheet: Sheet, rows: Sequence[int]) -> Sentence:
+    """Name rows as a spreadsheet or an editor numbers them: "row 4", "rows 2–5, 9"."""
+    runs: list[list[int]] = []
+    for number in sorted({sheet.row_number(row) for row in rows}):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    shown = ", ".join(f"{run[0]}" if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs[:_RUNS_SHOWN])
+    numbers = shown + (" …" if len(runs) > _RUNS_SHOWN else "")
+    if len(runs) > 1 or len(runs[0]) > 1:
+        return Sentence("rows {numbers}", numbers=numbers)
+    return Sentence("row {numbers}", numbers=numbers)
+
+
+def column_letter(column: int) -> str:
+    """Return the letters by which a spreadsheet names a column, counted from 0.
+
+    >>> column_letter(0), column_letter(27)
+    ('A', 'AB')
+    """
+    letters = ""
+    column += 1
+    while column:
+        column, rest = divmod(column - 1, 26)
+        letters = chr(ord("A") + rest) + letters
+    return letters

@@ -1,0 +1,356 @@
+"""Text as sheets: in which code page it is written, and what separates its columns.
+
+A file's bytes into sheets, by what kind of file it is.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+from atleak.common.errors import InputError, Place, ReadingsError, reason_of
+from atleak.common.sentences import Sentence
+from atleak.readers.cells.extent import EXPECTED, TEXT, bounded, excess
+from atleak.readers.cells.sheet import NO_WIDTH, Cell, Sheet
+from atleak.readers.cells.workbook_marks import Marks
+from atleak.readers.process.parent import WORKBOOK, read_apart
+from atleak.readers.process.workbooks import Range, first_rows, measuring_sheets, stray_cells
+
+WANTED = Sentence("a measuring sheet as .xlsx workbook or .csv text")
+Knows = Callable[[str], bool]  # whether sheets of this kind use a word
+
+_ALIGNED, _WORDS = "aligned", "words"
+_DELIMITERS = {
+    ";": Sentence("semicolon"),
+    "\t": Sentence("tab"),
+    ",": Sentence("comma"),
+    "|": Sentence("bar"),
+    _ALIGNED: Sentence("columns of spaces"),
+    _WORDS: Sentence("single spaces"),
+}
+_LOOKED_AT = 400  # lines that are read to choose encoding and delimiter
+_LOOKED_AT_NEXT = 4000  # the same, where nothing is found in those
+_COMPLETE = 4.0  # score of headings that say what a diameter is of
+_MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
+_USUAL = ("cp1252", "cp1250")
+_CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp850", "cp852", "cp866")
+_RULE = re.compile(r"\s*:?[-=]{2,}:?\s*")  # between the headings and the rows of a table in Markdown
+_WORD = re.compile(r"[^\W\d_]+")
+_SIGNS = tuple(map(re.compile, (r"(?<!\w)µm", r"\d°", r"(?<!\w)[Øø](?!\w)", "±")))
+_UNREADABLE = re.compile(r"[\ufffd\x80-\x9f\u2500-\u259f]|(?<=\d)[øш](?!\w)")  # "0°" of another code page ends in ø
+
+
+def read_text(data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None) -> Sheet:
+    """Read a text file; encoding and delimiter are those with the highest `score`.
+
+    Parameters
+    ----------
+    data, file
+        the file's bytes, and its name for messages.
+    score
+        how much a sheet looks like what is looked for.
+    knows
+        whether sheets of this kind use a word: it tells code pages with one byte per letter apart. Without it only the
+        two most usual ones are tried.
+
+    Raises
+    ------
+    ReadingsError
+        where this is no text, or no table.
+    """
+    if len(data) > TEXT:
+        problem = Sentence("this text has {size} MB", size=len(data) >> 20)
+        raise ReadingsError(problem, place=Place(file), expected=EXPECTED)
+    best: tuple[float, str, str, str] | None = None
+    for encoding, text in _decoded(data, file, knows):
+        lines = text.splitlines(keepends=True)
+        found = _best_delimiter("".join(lines[:_LOOKED_AT]), file, score)
+        if found[0] <= 0.0 and len(lines) > _LOOKED_AT:
+            found = _best_delimiter("".join(lines[:_LOOKED_AT_NEXT]), file, score)
+        if best is None or found[0] > best[0]:
+            best = (*found, encoding, text)
+    assert best is not None  # at least one encoding decodes
+    _, delimiter, encoding, text = best
+    note = Sentence(
+        "read as {encoding}, columns separated by {delimiter}", encoding=encoding, delimiter=_DELIMITERS[delimiter]
+    )
+    sheet = _sheet(text, file, delimiter, note)
+    if (too_much := excess(sheet.rows)) is not None:
+        raise ReadingsError(too_much, place=Place(file), expected=EXPECTED)
+    return sheet
+
+
+def _best_delimiter(start: str, file: str, score: Callable[[Sheet], float]) -> tuple[float, str]:
+    def likeness(delimiter: str) -> float:
+        sheet = _sheet(start, file, delimiter)
+        return score(sheet) if excess(sheet.rows) is None else -1.0
+
+    found = [(likeness(delimiter), delimiter) for delimiter in _delimiters(start)]
+    best = max(found, key=lambda each: each[0])
+    if best[0] < _COMPLETE and " " in start:
+        by_spaces = [(likeness(spaces), spaces) for spaces in (_ALIGNED, _WORDS)]
+        best = max([best, *(each for each in by_spaces if each[0] >= _COMPLETE)], key=lambda each: each[0])
+    return best
+
+
+def csv_bytes(rows: Iterable[Sequence[str]]) -> bytes:
+    """Return rows as text with semicolons, as the program itself writes what is typed."""
+    target = io.StringIO(newline="")
+    csv.writer(target, delimiter=";", lineterminator="\r\n").writerows(rows)
+    return target.getvalue().encode()
+
+
+def csv_rows(content: bytes) -> list[list[str]]:
+    """Return the rows that `csv_bytes` wrote; none of any other file that is no such text."""
+    try:
+        return list(csv.reader(io.StringIO(content.decode(), newline=""), delimiter=";"))
+    except (UnicodeDecodeError, csv.Error):
+        return []
+
+
+# --- encodings --------------------------------------------------------------------------------------------------------
+
+
+def _decoded(data: bytes, file: str, knows: Knows | None) -> Iterator[tuple[str, str]]:
+    start = data[:4000]
+    stated = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), None)
+    if stated is None and b"\0" in start:
+        # UTF-16 without its mark: every second byte of plain text is zero
+        zeros = {"utf-16-le": start[1::2], "utf-16-be": start[0::2]}
+        stated = next((name for name, each in zeros.items() if each.count(0) > 0.8 * len(each)), None)
+        if stated is None:
+            raise _not_text(file)
+    try:
+        yield stated or "utf-8", data.decode(stated or "utf-8")
+    except UnicodeDecodeError as error:
+        if stated is not None:
+            raise _not_text(file) from error
+        # with one byte per letter, the words show which encoding is meant
+        for encoding in _USUAL if knows is None else _by_words(data, knows):
+            yield encoding, data.decode(encoding, "replace")
+
+
+def _by_words(data: bytes, knows: Knows) -> Sequence[str]:
+    """Return the code pages in which most of the words with other letters than English ones are known."""
+    lines = (line for line in data.splitlines()[:_LOOKED_AT_NEXT] if not line.isascii())
+    start = b"\n".join(lines)[: 1 << 16]
+    scores = {encoding: _known(start.decode(encoding, "replace"), knows) for encoding in _CODE_PAGES}
+    best = max(scores.values())
+    return [encoding for encoding, known in scores.items() if known == best][: len(_USUAL)]
+
+
+def _known(text: str, knows: Knows) -> int:
+    words = {word for word in _WORD.findall(text) if len(word) > 2 and not word.isascii()}
+    signs = sum(sign.search(text) is not None for sign in _SIGNS)
+    return sum(map(knows, words)) + signs - len(set(_UNREADABLE.findall(text)))
+
+
+def _not_text(file: str) -> ReadingsError:
+    return ReadingsError(Sentence("this is neither a workbook nor text"), place=Place(file), expected=WANTED)
+
+
+# --- columns ----------------------------------------------------------------------------------------------------------
+
+
+def _delimiters(text: str) -> tuple[str, ...]:
+    first = text.split("\n", 1)[0].strip().strip('"').lower()
+    if first.startswith("sep=") and len(first) == 5 and first[4] in _DELIMITERS:
+        return (first[4],)
+    return tuple(delimiter for delimiter in _DELIMITERS if len(delimiter) == 1 and delimiter in text) or (",",)
+
+
+def _sheet(text: str, file: str, delimiter: str, note: Sentence | None = None) -> Sheet:
+    text = text.translate(NO_WIDTH)
+    if delimiter in (_ALIGNED, _WORDS):
+        rows = [line.split() for line in text.splitlines()] if delimiter == _WORDS else _aligned(text.splitlines())
+        return Sheet(file=file, name=None, rows=bounded(rows), lines=range(1, len(rows) + 1), note=note)
+    table: list[list[str]] = []
+    lines: list[int] = []
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    before = 0
+    try:
+        for record in reader:
+            first = before == 0 and len(record) <= 2 and record and record[0].lower().startswith("sep=")
+            if not first and not (delimiter == "|" and _is_rule(record)):
+                table.append([value.strip() for value in record])
+                lines.append(before + 1)
+            before = reader.line_num
+    except csv.Error as error:
+        problem = Sentence("this text is no table ({reason})", reason=str(error))
+        raise ReadingsError(problem, place=Place(file, row=before + 1), expected=WANTED) from None
+    table = bounded(table)
+    return Sheet(file=file, name=None, rows=table, lines=lines[: len(table)], note=note)
+
+
+def _is_rule(record: Sequence[str]) -> bool:
+    cells = [cell for cell in record if cell.strip()]
+    return bool(cells) and all(_RULE.fullmatch(cell) for cell in cells)
+
+
+def _aligned(lines: Sequence[str]) -> list[list[str]]:
+    """Cut lines into cells where all lines of a block have spaces, two at least side by side."""
+    rows: list[list[str]] = []
+    block: list[str] = []
+    for line in (*lines, ""):
+        if line.strip():
+            block.append(line.expandtabs())
+            continue
+        rows += _cut(block)
+        rows.append([])
+        block = []
+    return rows[:-1]
+
+
+def _cut(block: Sequence[str]) -> list[list[str]]:
+    width = max(map(len, block), default=0)
+    taken = bytearray(width)
+    for line in block:
+        for at, letter in enumerate(line):
+            if letter != " ":
+                taken[at] = 1
+    edges = [0, *(match.end() for match in re.finditer(rb"\x00{2,}", bytes(taken))), width]
+    spans = [(begin, end) for begin, end in pairwise(dict.fromkeys(edges)) if end > begin]
+    return [[line[begin:end].strip() for begin, end in spans] for line in block]
+
+
+_FOREIGN = (  # first bytes → what it is
+    (b"\x89PNG", Sentence("a PNG picture")),
+    (b"\xff\xd8\xff", Sentence("a JPEG picture")),
+    (b"GIF8", Sentence("a GIF picture")),
+    (b"BM", Sentence("a bitmap picture")),
+    (b"II*\0", Sentence("a TIFF picture")),
+    (b"MM\0*", Sentence("a TIFF picture")),
+    (b"%PDF", Sentence("a PDF document")),
+    (b"{\\rtf", Sentence("an RTF document")),
+    (b"\x1f\x8b", Sentence("a gzip archive")),
+    (b"7z\xbc\xaf", Sentence("a 7-Zip archive")),
+    (b"Rar!", Sentence("a RAR archive")),
+    (b"MDF     ", Sentence("an MDF measurement file, so perhaps the road-test log")),
+    (b"PAR1", Sentence("a Parquet file, so perhaps the road-test log")),
+)
+
+
+def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str]:
+    """Return the file's bytes and the name that messages give it.
+
+    Raises
+    ------
+    ReadingsError
+        where a path leads to no readable file.
+    """
+    if isinstance(source, bytes | bytearray | memoryview):
+        return bytes(source), name or "readings"
+    path = Path(source)
+    try:
+        return path.read_bytes(), name or path.name
+    except OSError as error:
+        problem = Sentence("cannot be read ({reason})", reason=reason_of(error))
+        if isinstance(error, FileNotFoundError):
+            problem = Sentence("no such file")
+        raise ReadingsError(problem, place=Place(str(path)), expected=WANTED) from None
+
+
+def open_sheets(
+    source: str | Path | bytes,
+    name: str | None,
+    score: Callable[[Sheet], float],
+    kind: type[InputError],
+    wanted: Sentence,
+) -> tuple[bytes, str, list[Sheet]]:
+    """Return the bytes of a file that is no measuring sheet, the name that messages give it, and its sheets.
+
+    Raises
+    ------
+    InputError
+        of that kind, as `read_bytes` and `read_sheets` say; ``wanted`` is what was expected instead.
+    """
+    try:
+        data, file = read_bytes(source, name)
+        return data, file, read_sheets(data, file, score)
+    except ReadingsError as error:
+        raise kind(error.problem, place=error.place, value=error.value, expected=wanted) from error
+
+
+def read_sheets(
+    data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None, *, only_look: bool = False
+) -> list[Sheet]:
+    """Read all sheets of a file; encoding and delimiter are those with the highest `score`, and with words one knows.
+
+    Parameters
+    ----------
+    only_look
+        read no more of a workbook than its sheets' first rows.
+
+    Raises
+    ------
+    ReadingsError
+        where the file is empty, neither a workbook nor text, or more than people fill in.
+    """
+    place = Place(file)
+    if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
+        raise ReadingsError(Sentence("the file is empty"), place=place, expected=WANTED)
+    if data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
+        return [replace(sheet, rows=bounded(sheet.rows)) for sheet in read_workbook(data, file, only_look=only_look)]
+    for magic, kind in _FOREIGN:
+        if data.startswith(magic) and (magic != b"BM" or b"\0" in data[:64]):
+            problem = Sentence("this is {kind}, whatever its name says", kind=kind)
+            raise ReadingsError(problem, place=place, expected=WANTED)
+    head = data[:2000].lstrip(b"\xef\xbb\xbf \t\r\n").lower()
+    if head.startswith((b"<html", b"<!doctype html", b"<table", b"<?xml", b"<meta", b"<head")):
+        raise ReadingsError(
+            Sentence("this is a web page or XML file, whatever its name says"),
+            place=place,
+            expected=Sentence("the same table opened in a spreadsheet program and saved as .xlsx"),
+        )
+    return [read_text(data, file, score, knows)]
+
+
+def read_workbook(data: bytes, file: str, *, only_look: bool = False) -> list[Sheet]:
+    """Read all worksheets of a workbook.
+
+    Parameters
+    ----------
+    only_look
+        read no more than their first rows, of a workbook that holds a log too.
+
+    Raises
+    ------
+    ReadingsError
+        where the file is damaged, protected by a password, holds more cells than a measuring sheet can, or takes more
+        time or memory than a workbook of its size may.
+    """
+    read = first_rows if only_look else measuring_sheets
+    return [
+        Sheet(
+            file=file,
+            name=worksheet["name"],
+            rows=[_seen(row) for row in worksheet["rows"]],
+            merged=_merged(worksheet["merged"]),
+            faults=worksheet["faults"],
+            hidden=worksheet["hidden"],
+            marks=Marks(**worksheet["marks"]),
+        )
+        for worksheet in read_apart(read, data, file, ReadingsError, WORKBOOK, stray_cells)
+    ]
+
+
+def _seen(row: Sequence[Cell]) -> Sequence[Cell]:
+    """Return a row without the signs in its texts that nobody sees."""
+    if all(not isinstance(cell, str) or cell.isascii() for cell in row):
+        return row
+    return [cell.translate(NO_WIDTH).strip() if isinstance(cell, str) else cell for cell in row]
+
+
+def _merged(ranges: Iterable[Range]) -> dict[tuple[int, int], tuple[int, int]]:
+    return {
+        (row, column): (top, left)
+        for (top, left), (bottom, right) in ranges
+        for row in range(top, bottom + 1)
+        for column in range(left, right + 1)
+        if (row, column) != (top, left)
+    }

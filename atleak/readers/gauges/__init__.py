@@ -1,0 +1,1 @@
+"""Read tables of gauge readings and gauge studies."""

@@ -1,0 +1,371 @@
+"""Find the table of a gauge study in a sheet: its row of headings, and what each column holds.
+
+The cells of a gauge study's table → readings by part, operator and trial; what cannot be read is a problem.
+
+A workbook of repeated readings → the readings of a gauge study.
+
+Either a reading on each row, with its part, its operator and perhaps its trial, or readings side by side: a column for
+each trial, for each part (as AIAG's form has them) or for each operator. Everything wrong is listed at once, with
+file, sheet, row and column.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import hashlib
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from itertools import islice, product
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from atleak.catalogue.written_numbers import decimal_number
+from atleak.common.damage import own_errors_only
+from atleak.common.errors import Message, Place, one_of
+from atleak.common.file_faults import together
+from atleak.common.sentences import Sentence
+from atleak.common.unit_systems import MM, UM, Quantity
+from atleak.common.units import Unit, find_unit, unit
+from atleak.measurements.gauge_study import FEWEST, GaugeStudyError, StudyReadings
+from atleak.readers.cells.extent import FAULTS
+from atleak.readers.cells.sheet import Sheet, text_of
+from atleak.readers.cells.sheet_file import open_sheets
+from atleak.readers.dates import vocabulary, words
+
+KEYS = ("part", "operator", "trial")
+_BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
+_PERSON_AND_TRIAL = re.compile(r"(?P<operator>.*?)[\s_./·#-]*(?P<trial>\d+)")
+_SEARCHED = 60  # rows in which the headings are looked for
+
+
+@dataclass(frozen=True)
+class StudyTable:
+    """A table of readings. ``keys`` lead from part, operator and trial to the column that states each.
+
+    ``values`` lead from the columns of readings to what their headings say: of which part, operator or trial.
+    """
+
+    sheet: Sheet
+    row: int  # of the headings, from 0
+    keys: Mapping[str, int]
+    values: Mapping[int, Mapping[str, str]]
+    units: Mapping[int, Unit]  # by column of readings
+
+
+@cache
+def _vocabulary() -> dict[str, str]:
+    return {
+        phrase: name
+        for name, phrases in vocabulary(__package__, "study_vocabulary.toml")["column"].items()
+        for phrase in phrases
+    }
+
+
+def likeness(sheet: Sheet) -> float:
+    """Count the headings of a sheet that are understood: of a text file, whether it is split the right way."""
+    table = find_table(sheet)
+    return 0.0 if table is None else len(table.keys) + min(len(table.values), 20)
+
+
+def find_table(sheet: Sheet) -> StudyTable | None:
+    """Return the table of a sheet; None where no row holds its headings."""
+    for row in range(min(len(sheet.rows), _SEARCHED)):
+        table = _at(sheet, row)
+        if table is not None:
+            return table
+    return None
+
+
+def _at(sheet: Sheet, row: int) -> StudyTable | None:
+    keys: dict[str, int] = {}
+    readings: list[int] = []
+    others: list[int] = []
+    units: dict[int, Unit] = {}
+    for column in range(sheet.width):
+        text = text_of(sheet.filled(row, column))
+        if not text:
+            continue
+        inside = _BRACKETS.search(text)
+        of_column = find_unit(inside[1], "length") if inside else None
+        if of_column is not None:
+            units[column] = of_column
+        kind = _vocabulary().get(words(_BRACKETS.sub(" ", text)))
+        if kind in KEYS and kind not in keys:
+            keys[kind] = column
+        elif kind == "reading":
+            readings.append(column)
+        elif kind != "aside":
+            others.append(column)
+    if {"part", "operator"} <= keys.keys() and len(readings) == 1 and not others:
+        return StudyTable(sheet, row, keys, {readings[0]: {}}, units)
+    if not {"part", "operator"} & keys.keys():
+        return None
+    values = _side_by_side(sheet, row, keys, sorted((*readings, *others)))
+    return None if len(values) < 2 and "trial" not in keys else StudyTable(sheet, row, keys, values, units)
+
+
+def _side_by_side(sheet: Sheet, row: int, keys: Mapping[str, int], columns: list[int]) -> dict[int, Mapping[str, str]]:
+    """Return what the headings of readings side by side say; the only key that no column states, or two of them."""
+    missing = [key for key in ("part", "operator") if key not in keys]
+    values: dict[int, Mapping[str, str]] = {}
+    for number, column in enumerate(columns, start=1):
+        name = text_of(_BRACKETS.sub(" ", text_of(sheet.filled(row, column))))
+        if not missing:
+            values[column] = {"trial": str(number)}
+        elif missing == ["part"] or "trial" in keys:
+            values[column] = {missing[0]: name}
+        else:
+            both = _PERSON_AND_TRIAL.fullmatch(name)
+            if both is not None and both["operator"]:
+                values[column] = {"operator": both["operator"], "trial": both["trial"]}
+    return values
+
+
+_USUAL_M = (0.5e-3, 100e-3)  # [m] diameters of valve bodies: outside of it another unit may have been meant
+_ENDS = ("average", "mean", "mittelwert", "średnia", "srednia", "range", "spannweite", "rozstęp")
+_SHOWN = 6
+_UNNAMED = {  # a row that names none, and what is expected there
+    "part": (Sentence("nothing says of which part this row's readings are"), Sentence("a part")),
+    "operator": (Sentence("nothing says of which operator this row's readings are"), Sentence("an operator")),
+}
+
+
+@dataclass
+class _Cells:
+    """What the cells give so far."""
+
+    by_pair: dict[tuple[str, str], list[tuple[str | None, float, Place]]] = field(default_factory=dict)
+    problems: list[GaugeStudyError] = field(default_factory=list)
+    above: dict[int, str] = field(default_factory=dict)  # by column: the last that was filled in there
+
+
+def crossed(table: StudyTable, stated: Unit | None, sha256: str) -> tuple[StudyReadings | None, list[GaugeStudyError]]:
+    """Return the readings of a table, and what of it cannot be read.
+
+    Parameters
+    ----------
+    table
+        with the columns of a sheet.
+    stated
+        the unit of all readings, where it was asked for; else that of their heading, else mm.
+    sha256
+        of the file.
+    """
+    cells = _Cells()
+    for row in range(table.row + 1, len(table.sheet.rows)):
+        if len(cells.problems) > FAULTS:
+            break
+        _read_row(table, row, stated, cells)
+    file = table.sheet.file
+    if not cells.problems:
+        cells.problems += islice(_gaps(cells, table), FAULTS)
+    if cells.problems:
+        return None, cells.problems
+    parts = tuple(dict.fromkeys(part for part, _ in cells.by_pair))
+    operators = tuple(dict.fromkeys(operator for _, operator in cells.by_pair))
+    values = np.array(
+        [[[value for _, value, _ in cells.by_pair[part, operator]] for operator in operators] for part in parts]
+    )
+    messages = tuple(_messages(table, stated, values))
+    return StudyReadings(parts, operators, values, file, sha256, messages), []
+
+
+def _read_row(table: StudyTable, row: int, stated: Unit | None, cells: _Cells) -> None:
+    sheet = table.sheet
+    for column in table.keys.values():
+        cells.above[column] = text_of(sheet.filled(row, column)) or cells.above.get(column, "")
+    filled = [column for column in table.values if _is_filled(table, row, column)]
+    named: dict[str, str] = {}
+    for key, column in table.keys.items() if filled else ():
+        name = text_of(sheet.filled(row, column))
+        if key != "trial":
+            name = name or cells.above[column]  # a form names an operator once, on the first of the rows that are his
+        if name.casefold() in _ENDS:
+            return  # the averages at the foot of a form are no readings
+        if not name and key != "trial":
+            problem, expected = _UNNAMED[key]
+            cells.problems.append(GaugeStudyError(problem, place=_place(table, row, column), expected=expected))
+            return
+        named[key] = name
+    for column in filled:
+        value, place = _value(table, row, column, stated, cells), _place(table, row, column)
+        if value is not None:
+            said: Mapping[str, str] = {**named, **table.values[column]}
+            pair = said["part"], said["operator"]
+            cells.by_pair.setdefault(pair, []).append((said.get("trial") or None, value, place))
+
+
+def _is_filled(table: StudyTable, row: int, column: int) -> bool:
+    filled = (row, column) in table.sheet.faults or text_of(table.sheet.cell(row, column)) != ""
+    return filled and not table.sheet.is_struck(row, column)
+
+
+def _value(table: StudyTable, row: int, column: int, stated: Unit | None, cells: _Cells) -> float | None:
+    """Return a reading [m]; None where it is a problem."""
+    cell, fault = table.sheet.cell(row, column), table.sheet.faults.get((row, column))
+    problem, number = Sentence("not a number"), None
+    if fault is not None:
+        problem = Sentence("a formula without a usable result")
+    elif not isinstance(cell, bool | dt.date | dt.time | dt.timedelta):
+        number = decimal_number(cell) if isinstance(cell, str) else float(cell)
+    if number is not None and np.isfinite(number):
+        return float((stated or table.units.get(column) or unit("mm", "length")).to_si(number))
+    place, found = _place(table, row, column), str(cell) if fault is None else fault
+    expected = Sentence("a number such as 12.345 or 12,345; an empty cell where nothing was read is a gap in the study")
+    cells.problems.append(GaugeStudyError(problem, place=place, value=found, expected=expected))
+    return None
+
+
+def _place(table: StudyTable, row: int, column: int) -> Place:
+    return table.sheet.place(row, column, text_of(table.sheet.filled(table.row, column)))
+
+
+def _gaps(cells: _Cells, table: StudyTable) -> Iterator[GaugeStudyError]:
+    """Yield what keeps the study from being crossed and balanced."""
+    parts = list(dict.fromkeys(part for part, _ in cells.by_pair))
+    operators = list(dict.fromkeys(operator for _, operator in cells.by_pair))
+    file = Place(table.sheet.file, table.sheet.name)
+    if not cells.by_pair:
+        expected = Sentence("readings below the headings")
+        yield GaugeStudyError(Sentence("no reading is filled in"), place=file, expected=expected)
+        return
+    for names, problem in (
+        (parts, Sentence("{count} of the parts that a study needs", count=len(parts))),
+        (operators, Sentence("{count} of the operators that a study needs", count=len(operators))),
+    ):
+        if len(names) < FEWEST:
+            expected = Sentence("at least {count}", count=FEWEST)
+            yield GaugeStudyError(problem, place=file, value=", ".join(names) or None, expected=expected)
+    for pair, given in cells.by_pair.items():
+        seen: dict[str, Place] = {}
+        for trial, _, place in given:
+            if trial is not None and trial in seen:
+                problem = Sentence("part {part}, operator {operator}, trial {trial} stands in {place} already")
+                problem = problem.of(part=pair[0], operator=pair[1], trial=trial, place=seen[trial].sentence)
+                yield GaugeStudyError(problem, place=place, expected=Sentence("each trial once"))
+            elif trial is not None:
+                seen[trial] = place
+    most = max(map(len, cells.by_pair.values()))
+    if most < FEWEST:
+        expected = Sentence("at least {count} readings of each", count=FEWEST)
+        yield GaugeStudyError(Sentence("every operator read every part once"), place=file, expected=expected)
+        return
+    expected = Sentence("{count} readings, as of the others: every operator reads every part equally often", count=most)
+    for part, operator in product(parts, operators):
+        given = cells.by_pair.get((part, operator), [])
+        if len(given) != most:
+            problem = Sentence("operator {operator} read part {part} not at all")
+            if given:
+                problem = Sentence("operator {operator} read part {part} {count} times")
+                if len(given) == 1:
+                    problem = Sentence("operator {operator} read part {part} 1 time")
+            problem = problem.of(operator=operator, part=part, count=len(given))
+            yield GaugeStudyError(problem, place=given[-1][2] if given else file, expected=expected)
+
+
+def _messages(table: StudyTable, stated: Unit | None, values: np.ndarray) -> Iterator[Message]:
+    place = Place(table.sheet.file, table.sheet.name)
+    if table.sheet.note:
+        yield Message("info", "read_as", table.sheet.note, place)
+    if stated is None and not table.units:
+        said = Sentence("No heading states a unit: the readings are taken as mm.")
+        yield Message("info", "unit_assumed", said, place)
+    if stated is None and len({unit.name for unit in table.units.values()}) > 1:
+        names = tuple(dict.fromkeys(unit.name for unit in table.units.values()))
+        said = Sentence("The headings state several units: {units}.", units=names)
+        yield Message("warning", "several_units", said, place)
+    middle = median(values.ravel().tolist())
+    if not _USUAL_M[0] <= middle <= _USUAL_M[1]:
+        said = Sentence(
+            "The median reading is {median:.6g} {median.unit}, which is no usual diameter of a valve body: is the unit "
+            "of the readings right?",
+            median=Quantity(middle * MM, "length"),
+        )
+        yield Message("warning", "unusual_readings", said, place)
+    yield from _apart(table, values)
+
+
+def _apart(table: StudyTable, values: np.ndarray) -> Iterator[Message]:
+    """Yield a doubt about a part whose readings are ten times as far apart as those of the others."""
+    ranges = np.ptp(values, axis=2)
+    usual = float(np.median(ranges))
+    far = ranges > 10.0 * usual
+    if usual > 0.0 and 0 < far.sum() <= max(1, _SHOWN):
+        widest = float(ranges.max())
+        said = Sentence(
+            "{count} of {total} sets of repeats differ by up to {widest:.4g} {widest.unit}, the others by some "
+            "{usual:.3g} {usual.unit}: a slip of the pen counts in every number here.",
+            count=int(far.sum()),
+            total=ranges.size,
+            widest=Quantity(widest * UM, "clearance"),
+            usual=Quantity(usual * UM, "clearance"),
+        )
+        yield Message("warning", "repeats_apart", said, Place(table.sheet.file, table.sheet.name))
+
+
+__all__ = ["read_study"]
+
+WANTED = Sentence("a workbook (.xlsx) or text (.csv) of repeated readings")
+_HEADINGS = Sentence(
+    "a row of headings with part, operator, trial and reading, or part and operator beside a column for each trial; "
+    "page Gauge study gives a workbook to fill in"
+)
+
+
+@own_errors_only(GaugeStudyError, "name", "source")
+def read_study(
+    source: str | Path | bytes, *, name: str | None = None, sheet: str | None = None, length_unit: str | None = None
+) -> StudyReadings:
+    """Return the readings of a gauge study.
+
+    Parameters
+    ----------
+    source
+        path of a file, or its bytes: ``.xlsx`` (also xls, ods), or text with columns separated by comma, semicolon or
+        tab.
+    name
+        what to call the file in messages; the path's own name by default.
+    sheet
+        the sheet to read; the one sheet with readings by default.
+    length_unit
+        of all readings; by default that of their heading, else mm.
+
+    Returns
+    -------
+    StudyReadings
+        values in metres; ``messages`` say what was assumed and what looks like another unit.
+
+    Raises
+    ------
+    GaugeStudyError
+        with all problems found: a cell that is no number, a part that an operator did not read, or not as often as
+        the others; fewer than two parts, operators or readings of each; or no such table.
+    InputError
+        a unit that is none of length.
+    """
+    stated = None if length_unit is None else unit(length_unit, "length")
+    data, file, sheets = open_sheets(source, name, likeness, GaugeStudyError, WANTED)
+    table = _the_table(sheets, file, sheet)
+    readings, problems = crossed(table, stated, hashlib.sha256(data).hexdigest())
+    if problems or readings is None:
+        raise together(problems)
+    return readings
+
+
+def _the_table(sheets: list[Sheet], file: str, wanted: str | None) -> StudyTable:
+    shown = [sheet for sheet in sheets if not sheet.hidden and wanted in (None, sheet.name)]
+    if not shown:
+        names = one_of(repr(sheet.name) for sheet in sheets if not sheet.hidden)
+        raise GaugeStudyError(Sentence("no such sheet"), place=Place(file), value=wanted, expected=names)
+    tables = [table for table in map(find_table, shown) if table is not None]
+    if not tables:
+        raise GaugeStudyError(Sentence("holds no table of repeated readings"), place=Place(file), expected=_HEADINGS)
+    if len(tables) > 1:
+        sheets_named = tuple(repr(table.sheet.name) for table in tables)
+        problem = Sentence("several sheets hold readings: {sheets}", sheets=sheets_named)
+        raise GaugeStudyError(problem, place=Place(file), expected=Sentence("one of them"))
+    return tables[0]

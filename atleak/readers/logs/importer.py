@@ -1,0 +1,298 @@
+"""Understands a log's file as far as it can, even where the user must still answer a question."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from atleak.catalogue.written_numbers import INTERVAL
+from atleak.common.damage import own_errors_only
+from atleak.common.errors import InputError, Message, Place, RoadTestError
+from atleak.common.memory import free_memory
+from atleak.common.sentences import Sentence
+from atleak.readers.dates import words
+from atleak.readers.logs import remembered_columns as memory
+from atleak.readers.logs.columns import BESIDE, Ambiguous, Assigner, own_part_of, stated_units
+from atleak.readers.logs.delimited import Delimited, must_be_held, open_delimited
+from atleak.readers.logs.log_file import HEAD, TIMES, LogFile, of_measured_parts, open_source, without_a_table
+from atleak.readers.logs.log_sheets import LogSheet, open_sheets
+from atleak.readers.logs.log_table import LogTable
+from atleak.readers.logs.mdf_log import understand_mdf
+from atleak.readers.logs.parquet_log import open_parquet
+from atleak.readers.logs.protocol import TableResult
+from atleak.readers.logs.table_reader import read_table
+from atleak.readers.logs.timeline import Timeline
+from atleak.readers.logs.timeline import build as build_timeline
+from atleak.readers.logs.understood import Understood, finish, labels_of
+
+
+@dataclass
+class Job:
+    """One log to understand, and what its caller states about it."""
+
+    source: LogFile
+    mapping: Mapping[str, str]
+    units: Mapping[str, str]
+    constants: Mapping[str, float]
+    memory: Path | None
+    every: int = 1
+    room: float = math.inf  # bytes of memory that may be taken
+
+    @property
+    def interval(self) -> float | None:
+        """Return the time from row to row [s] that is stated for a log without a clock."""
+        interval = self.constants.get("time")
+        least, longest = INTERVAL.limits
+        if interval is None or least <= interval <= longest:
+            return interval
+        raise RoadTestError(
+            Sentence("an interval between rows that no log has"),
+            place=Place(file=self.source.file),
+            value=interval,
+            expected=Sentence("more than 0 and at most {longest:g} s", longest=longest),
+        )
+
+
+@own_errors_only(RoadTestError, "name", "source")
+def understand(
+    source: str | Path | bytes,
+    *,
+    name: str | None = None,
+    mapping: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    constants: Mapping[str, float] | None = None,
+    every: int = 1,
+    remembered: Path | None = None,
+    memory: int | None = None,
+) -> Understood:
+    """Read a road-test log of any logger and return what is understood of it.
+
+    Parameters
+    ----------
+    memory
+        bytes that this process may take; None: as many as are free.
+
+    The others are those of `atleak.readers.logs.read_road_test`.
+
+    Raises
+    ------
+    RoadTestError
+        when the file is no log at all: empty, a picture, damaged. A log that lacks an answer does not raise:
+        ``problem`` says what is needed.
+    """
+    if every < 1:
+        problem = Sentence("no number of rows of which one is read")
+        raise RoadTestError(problem, value=every, expected=Sentence("a whole number above 0"))
+    opened, done = open_source(source, name), False
+    room = free_memory() if memory is None else memory
+    job = Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered, every, room)
+    try:
+        understood = _by_form(job)
+    except InputError as error:
+        if isinstance(error, RoadTestError):
+            raise
+        raise RoadTestError(
+            error.problem, place=error.place if str(error.place) else Place(file=opened.file), value=error.value,
+            expected=error.expected, nearest=error.nearest,
+        ) from error  # fmt: skip
+    except MemoryError as error:
+        problem = Sentence("is too large for the memory of this computer")
+        raise RoadTestError(problem, place=Place(file=opened.file), expected=Sentence("part of the drive")) from error
+    else:
+        done = True
+    finally:
+        if not done:  # who is told so may delete the file
+            opened.digest.stop()
+        opened.close()
+    # the SHA-256 is computed beside all this; only here is it waited for
+    digest = opened.sha256
+    test = understood.road_test
+    return replace(understood, sha256=digest, road_test=replace(test, sha256=digest) if test else None)
+
+
+def _by_form(job: Job) -> Understood:
+    source = job.source
+    if source.form == "workbook":
+        return _workbook(job)
+    if source.form == "mdf":
+        return understand_mdf(source, job.mapping, job.units, job.constants, job.every, job.room)
+    if source.form == "parquet":
+        return _one_table(open_parquet(source), "Parquet", job)
+    table = _located(job)
+    understood = _one_table(table, "delimited text", job, (table.encoding, table.delimiter, table.decimal))
+    if understood.road_test is not None or job.mapping:
+        return understood
+    return replace(understood, problem=of_measured_parts(source.head[:HEAD], source.file) or understood.problem)
+
+
+_BUS_TRACE = re.compile(
+    rb"^;\$FILEVERSION=|^\s*\(\d+\.\d+\)\s+\w*can\d+\s|^date .*\nbase (?:hex|dec)|^\s*\d+\)\s+[\d.]+\s+(?:Rx|Tx)\s",
+    re.MULTILINE,
+)
+
+
+def _located(job: Job) -> Delimited:
+    """Locate the table in a delimited text.
+
+    Raises
+    ------
+    RoadTestError
+        where there is none, or the text is held as a whole to be read and would take more memory than there is.
+    """
+    if _BUS_TRACE.search(job.source.head[:8192]):
+        raise RoadTestError(
+            Sentence("is a recording of a CAN bus: turning its frames into quantities needs the car's database (DBC)"),
+            place=Place(file=job.source.file),
+            expected=Sentence("the logger's export with decoded channels"),
+        )
+    held = TIMES * job.source.size
+    if held > own_part_of(job.room) and must_be_held(job.source):
+        raise RoadTestError(
+            Sentence(
+                "takes up to {needed:.1f} GB of memory where it is read whole, and {room:.1f} GB are free",
+                needed=(BESIDE + held) / 1e9,
+                room=job.room / 1e9,
+            ),
+            place=Place(file=job.source.file),
+            expected=Sentence("UTF-8 or a code page of one byte a sign, with a line feed behind every line"),
+        )
+    table = open_delimited(job.source)
+    if table is None:
+        raise without_a_table(job.source.head[:HEAD], job.source.file)
+    return table
+
+
+_Written = tuple[str | None, str | None, str | None]
+"""Encoding, delimiter and decimal sign of a text."""
+
+
+def _one_table(table: LogTable, form: str, job: Job, written: _Written = (None, None, None)) -> Understood:
+    blank = _blank_of(job, table, form, written)
+    mapping, units, notes = _with_memory(job, blank.signature)
+    assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval, job.every, job.room)
+    assigner.messages += notes
+    assigner.leave_out(mapping)
+    try:
+        reading = read_table(table, assigner, mapping)
+    except RoadTestError as error:
+        return replace(blank, messages=tuple(assigner.messages), problem=error, ambiguous=tuple(assigner.ambiguous))
+    return finish(blank, assigner, reading, job.constants)
+
+
+def _blank_of(job: Job, table: LogTable, form: str, written: _Written = (None, None, None)) -> Understood:
+    """Return what is known of a table before its columns are read."""
+    # choices for logs like this one are kept under the names of its columns; under none where its header names none
+    signature = memory.signature(labels_of(table.headings)) if table.has_header else ""
+    preview = tuple(tuple(row) for row in table.sample[:8])
+    return Understood(job.source.file, "", form, *written, table.headings, preview, signature)
+
+
+def _with_memory(job: Job, signature: str) -> tuple[dict[str, str], dict[str, str], list[Message]]:
+    mapping, units = dict(job.mapping), dict(job.units)
+    if job.memory is None:
+        return mapping, units, []
+    remembered = memory.recall(job.memory, signature)
+    if remembered is None:
+        return mapping, units, []
+    note = Message("info", "remembered", Sentence("columns are taken as settled earlier for logs with this header"))
+    mapped = {words(column) for column in mapping.values() if column != memory.NOT_LOGGED}
+    earlier = {quantity: column for quantity, column in remembered.mapping.items() if words(column) not in mapped}
+    return {**earlier, **mapping}, {**remembered.units, **units}, [note]
+
+
+# --- workbooks ----------------------------------------------------------------------------------------------
+
+
+def _workbook(job: Job) -> Understood:
+    sheets = open_sheets(job.source)
+    if not sheets:
+        raise RoadTestError(
+            Sentence("holds no sheet with a table of numbers"),
+            place=Place(file=job.source.file),
+            expected=Sentence("a sheet with a header and rows of numbers"),
+        )
+    if len(sheets) == 1:
+        return _one_table(sheets[0], "workbook", job)
+    titled = [replace(sheet, titled=True) for sheet in sheets]
+    good = [reading for sheet in titled if (reading := _read_sheet(sheet, job)) is not None]
+    if not good:
+        first = max(sheets, key=lambda sheet: sheet.cells.rows)
+        return _one_table(first, "workbook", job)
+    with_several_signals = [reading for reading in good if len(reading.assigner.signals) >= 2]
+    if with_several_signals or len(good) == 1:
+        best = max(
+            with_several_signals or good, key=lambda reading: (len(reading.assigner.signals), reading.result.rows)
+        )
+        others = [sheet.name for sheet in sheets if sheet.name != best.sheet.name]
+        understood = _one_table(best.sheet, "workbook", job)
+        text = Sentence("sheet {name!r} is read; also there: {others}", name=best.sheet.name, others=tuple(others))
+        note = Message("info", "sheet_chosen", text)
+        return replace(understood, messages=(*understood.messages, note))
+    return _sheet_per_signal(job, good)
+
+
+class _SheetReading(NamedTuple):
+    """A sheet read as a log of its own."""
+
+    sheet: LogSheet
+    assigner: Assigner
+    result: TableResult
+
+
+def _read_sheet(sheet: LogSheet, job: Job) -> _SheetReading | None:
+    """Read one sheet of several; None where it is no log."""
+    assigner = Assigner(job.source.file, job.units, stated_units(sheet.headings), job.interval, job.every, job.room)
+    labels = {heading.label for heading in sheet.headings}
+    mapping = {quantity: column for quantity, column in job.mapping.items() if column in (*labels, memory.NOT_LOGGED)}
+    try:
+        return _SheetReading(sheet, assigner, read_table(sheet, assigner, mapping))
+    except RoadTestError:
+        return None
+
+
+def _sheet_per_signal(job: Job, good: list[_SheetReading]) -> Understood:
+    """Put sheets that hold one signal each, with a time of its own, on one time axis."""
+    headings = tuple(heading for reading in good for heading in reading.sheet.headings)
+    signature = memory.signature(labels_of(headings))
+    blank = replace(_blank_of(job, good[0].sheet, "workbook"), headings=headings, signature=signature)
+    main = Assigner(job.source.file, job.units, (), every=job.every)
+    offered: dict[str, list[_SheetReading]] = {}
+    for reading in good:
+        main.messages += reading.assigner.messages
+        main.refused |= reading.assigner.refused
+        main.ambiguous += reading.assigner.ambiguous
+        for quantity in reading.assigner.signals:
+            offered.setdefault(quantity, []).append(reading)
+    stamps = []
+    for quantity, sources in offered.items():
+        asked = [question for question in main.ambiguous if question.quantity == quantity]
+        if len(sources) > 1 or asked:
+            names = tuple(
+                f"{sheet.name}: {assigner.signals[quantity].candidate.label}" for sheet, assigner, _ in sources
+            )
+            names = (*(name for question in asked for name in question.candidates), *names)
+            main.ambiguous = [question for question in main.ambiguous if question not in asked]
+            main.ambiguous.append(Ambiguous(quantity, names, Sentence("several sheets hold it")))
+            continue
+        source = sources[0]
+        signal = source.assigner.signals[quantity]
+        time = signal.time
+        if time is None:
+            values, timeline = signal.values, source.result.timeline
+            values = values if timeline.order is None else values[timeline.order]
+            kept = np.isfinite(values)
+            time = timeline.time[kept]
+            signal = replace(signal, values=values[kept], time=time)
+        main.signals[quantity] = signal
+        stamps.append(time)
+    longest = max((reading.result for reading in good), key=lambda result: result.rows)
+    base = build_timeline(np.unique(np.concatenate(stamps))) if stamps else longest.timeline
+    timeline = Timeline(base.time, None, base.segments, base.duration)
+    merged = TableResult(longest.rows, timeline, longest.time_label, longest.clock)
+    return finish(blank, main, merged, job.constants)

@@ -1,0 +1,287 @@
+"""Locates the table in a log: delimiter and decimal sign, the first data row, the rows above that name columns."""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import pandas as pd
+
+from atleak.readers.cells.extent import cut
+from atleak.readers.logs.headings import (
+    Heading,
+    Row,
+    defined_above,
+    headings_of,
+    names_columns,
+    units_share,
+    with_stated_units,
+)
+from atleak.readers.logs.log_cells import CellKind, Decimal, kind_of, unit_in_cells
+
+WHITESPACE = " "
+_COMMENTS = ("#", "%", "//", "'", "*")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The place of the table: ``start`` is the index of the first data row among the rows looked at.
+
+    ``cell_units`` are the units that stand in every cell of a column; ``above`` counts rows of another table above.
+    """
+
+    start: int
+    width: int
+    headings: tuple[Heading, ...]
+    has_header: bool
+    preamble: tuple[Row, ...]
+    header_rows: tuple[Row, ...]
+    cell_units: Mapping[int, str] = field(default_factory=dict)
+    above: int = 0
+
+
+class LogTable:
+    """A table of any file format: its layout, some rows as a sample, how many there are, and columns on request."""
+
+    layout: Layout
+    sample: tuple[Row, ...]
+    decimal: Decimal
+    rows: int  # more or less
+
+    @property
+    def headings(self) -> tuple[Heading, ...]:
+        """Return the columns' headings."""
+        return self.layout.headings
+
+    @property
+    def has_header(self) -> bool:
+        """Return whether any row names the columns."""
+        return self.layout.has_header
+
+    @property
+    def width(self) -> int:
+        """Return the number of cells in a data row."""
+        return self.layout.width
+
+    @property
+    def preamble(self) -> tuple[Row, ...]:
+        """Return the rows above the header."""
+        return self.layout.preamble
+
+    @property
+    def above(self) -> int:
+        """Return the number of rows of another table above this one."""
+        return self.layout.above
+
+    def sampled(self, index: int) -> list[str]:
+        """Return the cells of a column in the sample."""
+        return [row[index] for row in self.sample if index < len(row)]
+
+    def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
+        """Read these columns from the first data row on: numbers as floats, anything else as text.
+
+        Every line is a row, of which each ``every``-th is kept. Cells of a column of numbers that are none stand in
+        ``attrs["words"]``. How many rows were left out, because they have more numbers than the table has columns,
+        stands in ``attrs["too_wide"]``, how many have fewer cells in ``attrs["short"]``, and whether the last line
+        breaks off in ``attrs["breaks_off"]``. Where not all are kept, their numbers stand in ``attrs["lines"]``.
+
+        Raises
+        ------
+        RoadTestError
+            when the file is damaged, its lines cannot be told apart, or many of them have more numbers than the table
+            has columns.
+        """
+        raise NotImplementedError
+
+
+def split_line(line: str, delimiter: str) -> Row:
+    """Return the cells of one line without the blanks and quotes around them."""
+    if delimiter == WHITESPACE:
+        return line.split()
+    line = line.strip("\r\n")
+    if '"' in line:
+        try:
+            cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True, strict=True), [])
+            return [cut(cell.strip()) for cell in cells]
+        except csv.Error:  # a quotation mark that none closes on this line parts nothing
+            line = line.replace('"', "")
+    return [cut(cell.strip()) for cell in line.split(delimiter)]
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """Delimiter, decimal sign and the usual number of cells in a row."""
+
+    delimiter: str
+    decimal: Decimal
+    width: int
+
+
+def find_dialect(lines: Sequence[str]) -> Dialect | None:
+    """Return the delimiter and decimal sign that together make most sense of these lines, or None.
+
+    The last lines are also tried by themselves: a short log may have more lines above the table than rows.
+
+    >>> find_dialect(["0;1,5;700", "0;1,75;800"])
+    Dialect(delimiter=';', decimal=',', width=3)
+    """
+    lines = [line for line in lines if line.strip()]
+    tries = [_scored_dialect(lines)]
+    if len(lines) > 12:
+        tries += [_scored_dialect(lines[-count:]) for count in (60, 12, 4) if count < len(lines)]
+    dialects = [scored for scored in tries if scored is not None]
+    best = max(dialects, key=lambda scored: scored[0], default=None)
+    return best[1] if best is not None and best[0] >= 0.25 else None
+
+
+def _scored_dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
+    """Return the dialect that makes most sense of these lines with its score, 0 to 1, or None."""
+    best_score: tuple[float, int] = (0.0, 0)
+    best_dialect: Dialect | None = None
+    for delimiter in (",", ";", "\t", "|", WHITESPACE):
+        if delimiter != WHITESPACE and not any(delimiter in line for line in lines):
+            continue
+        rows = [split_line(line, delimiter) for line in lines]
+        widths = Counter(len(row) for row in rows if len(row) > 1)
+        if not widths:
+            continue
+        width = max(widths, key=lambda cells: (widths[cells] * min(cells, 8), cells))
+        steady = sum(count for cells, count in widths.items() if abs(cells - width) <= 1) / len(rows)
+        body = [row for row in rows if abs(len(row) - width) <= 1]
+        for decimal in (".", ","):
+            kinds = Counter(kind_of(cell, decimal) for row in body for cell in row)
+            filled = sum(kinds.values()) - sum(1 for row in body for cell in row if not cell)
+            telling = kinds["number"] + kinds["clock"]
+            if not telling:
+                continue
+            text = kinds["text"] / max(filled, 1)
+            # a blank also stands between a date and its time of day: it must be clearly better than the others
+            worth = 0.85 if delimiter == WHITESPACE else 1.0
+            score = (round(worth * steady * (1 - text), 3), width)
+            if score > best_score:
+                best_score, best_dialect = score, Dialect(delimiter, decimal, width)
+    return (best_score[0], best_dialect) if best_dialect is not None else None
+
+
+def find_table(rows: Sequence[Row], decimal: Decimal, width: int | None = None) -> Layout | None:
+    """Return the table among rows of cells: the longest block of data rows with the rows that name its columns."""
+    widths = Counter(
+        len(row) for row in rows if len(row) > 1 and any(kind_of(cell, decimal) in ("number", "clock") for cell in row)
+    )
+    if not widths:
+        return None
+    if width is None or width not in widths:
+        width = max(widths, key=lambda cells: (widths[cells] * min(cells, 8), cells))
+    expected = _expected_kinds([row for row in rows if len(row) == width], width, decimal)
+    flags = [_is_data(row, expected, width, decimal) for row in rows]
+    start = _longest_block(rows, flags, width, decimal)
+    if start is None:
+        return None
+    header, top = _rows_above(rows, start, width, decimal)
+    # rows of numbers, as wide as the table, stand above it under a header of their own
+    above = sum(flag and len(row) == width for row, flag in zip(rows[:top], flags, strict=False))
+    preamble, above = tuple(rows[:top]), above if above >= _FEW else 0
+    defined = defined_above(rows[:start], width)
+    if defined is not None:
+        return Layout(start, width, defined, True, preamble, (), above=above)
+    headings = with_stated_units(headings_of(header, width), preamble)
+    columns = ([row[index] for row in rows[start:] if index < len(row)] for index in range(width))
+    cell_units = {index: unit for index, cells in enumerate(columns) if (unit := unit_in_cells(cells, decimal))}
+    headings = tuple(
+        replace(heading, unit=cell_units.get(heading.index, heading.unit)) if cell_units else heading
+        for heading in headings
+    )
+    return Layout(start, width, headings, names_columns(header), preamble, tuple(header), cell_units, above)
+
+
+_FEW = 3  # lines with as many cells as the table above it, which are no other table
+
+
+def _expected_kinds(rows: Sequence[Row], width: int, decimal: Decimal) -> list[CellKind]:
+    expected: list[CellKind] = []
+    body = rows[len(rows) // 3 :] or rows
+    for column in range(width):
+        kinds = Counter(kind_of(row[column], decimal) for row in body)
+        del kinds["missing"]
+        expected.append(kinds.most_common(1)[0][0] if kinds else "missing")
+    return expected
+
+
+def _is_data(row: Row, expected: list[CellKind], width: int, decimal: Decimal) -> bool:
+    if len(row) < 2 or len(row) < width // 2:
+        return False
+    good = bad = readable = 0
+    for cell, expected_kind in zip(row, expected, strict=False):
+        kind = kind_of(cell, decimal)
+        readable += kind in ("number", "clock")
+        if expected_kind in ("number", "clock"):
+            if kind == "text" or (kind == "clock" and expected_kind == "number"):
+                bad += 1
+            else:
+                good += 1
+    return readable > 0 and good > bad
+
+
+def is_name_row(row: Row, width: int, decimal: Decimal) -> bool:
+    """Return whether a row can name columns (or their units): mostly text, wide enough."""
+    filled = [cell for cell in row if cell]
+    if len(row) < 2 or (width > 3 and len(row) < width / 2) or not filled:
+        return False
+    kinds = Counter(kind_of(cell, decimal) for cell in filled)
+    wordy = kinds["text"] + sum(1 for cell in filled if kind_of(cell, decimal) == "missing" and len(cell) > 1)
+    return kinds["number"] <= 0.3 * len(filled) and (wordy >= 0.4 * len(filled) or units_share(row) > 0.5)
+
+
+def is_comment(row: Row) -> bool:
+    """Return whether a row is a blank line, a marker or a comment between data rows."""
+    filled = [cell for cell in row if cell]
+    return len(filled) <= 1 or row[0].startswith(_COMMENTS)
+
+
+def _longest_block(rows: Sequence[Row], flags: list[bool], width: int, decimal: Decimal) -> int | None:
+    """Return the first row of the block with most data rows; comments and its own header repeated do not end it.
+
+    Rows as wide as the table count before all others: lines of the head may hold numbers, too.
+    """
+    best, best_count = None, (0, 0)
+    start, count, header, pending = None, (0, 0), None, None
+    for index, row in enumerate(rows):
+        if flags[index]:
+            if pending is not None and pending != header:  # another table begins
+                start, count, header = None, (0, 0), pending
+            if start is None:
+                start = index
+            count = count[0] + (abs(len(row) - width) <= 1), count[1] + 1
+            pending = None
+            if count > best_count:
+                best, best_count = start, count
+        elif not is_comment(row) and is_name_row(row, width, decimal):
+            if pending is None or row == header:
+                pending = row
+            if start is None:
+                header = pending
+    return best
+
+
+def _rows_above(rows: Sequence[Row], start: int, width: int, decimal: Decimal) -> tuple[list[Row], int]:
+    header_rows: list[Row] = []
+    index, skipped = start - 1, 0
+    while index >= 0 and len(header_rows) < 4:
+        row = rows[index]
+        if is_name_row(row, width, decimal):
+            header_rows.insert(0, _uncommented(row))
+        elif header_rows or skipped >= 3 or len([cell for cell in row if cell]) > 1:
+            break
+        else:
+            skipped += 1
+        index -= 1
+    return header_rows, index + 1
+
+
+def _uncommented(row: Row) -> Row:
+    first = row[0]
+    if len(first) > 1 and first.startswith(_COMMENTS[:3]):
+        first = first.lstrip("#%/ ")
+    return [first, *row[1:]]

@@ -1,0 +1,477 @@
+"""Decides which lines are rows and reads a column's numbers; a column that cannot be read is refused, never guessed.
+
+Refuses a log in the middle of which another header, or another row of units, begins: its columns change meaning.
+
+A unit that only one of two headers states is asked about, unless the numbers of the other part are in it, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from atleak.common.errors import MessageLevel, Place, RoadTestError
+from atleak.common.sentences import Sentence
+from atleak.measurements.road_test import QUANTITIES
+from atleak.readers.dates import words
+from atleak.readers.logs import names as words_as_numbers
+from atleak.readers.logs.clock import Clock
+from atleak.readers.logs.columns import Again, Assigner, Candidate
+from atleak.readers.logs.delimited import numbers, words_of
+from atleak.readers.logs.headings import Heading
+from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, cause, holds, is_clock, is_destroyed, quoted
+from atleak.readers.logs.log_table import LogTable
+from atleak.readers.logs.names import is_unit, match_name, split_unit
+from atleak.readers.logs.units import fit, same_unit
+
+
+class _Cell(NamedTuple):
+    """A word in a line that is no row, and the column in which it stands."""
+
+    column: Candidate
+    text: str
+
+    @property
+    def repeats(self) -> bool:
+        """Return whether it is the column's own name, with any unit."""
+        heading = self.column.heading
+        return self.text == heading.label or words(split_unit(self.text).text) in [
+            words(name) for name in heading.names
+        ]
+
+    @property
+    def names_a_quantity(self) -> bool:
+        """Return whether it is a name that columns of logs bear."""
+        return match_name(split_unit(self.text).text) is not None
+
+
+def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner) -> None:
+    """Refuse a log with a header among its rows that names other columns, or the same ones in other units.
+
+    Parameters
+    ----------
+    lines
+        of which each bears its number in the file as label.
+
+    Raises
+    ------
+    RoadTestError
+        naming the row, the column, and what stands there.
+    """
+    columns = {candidate.heading.index: candidate for candidate in used}
+    indices = [int(index) for index in lines.columns]
+    for row, values in zip(lines.index.tolist(), lines.itertuples(index=False, name=None), strict=True):
+        cells = [
+            _Cell(columns[index], value.strip())
+            for index, value in zip(indices, values, strict=True)
+            if index in columns and isinstance(value, str) and value.strip().lower() not in MISSING
+        ]
+        if cells and all(is_unit(cell.text) for cell in cells):
+            for cell in cells:  # a column may be called rpm
+                _refuse_another_unit(cell, cell.text, int(row), assigner)
+            continue
+        others = _others(cells, alone=len(indices) == 1)
+        if others:
+            raise RoadTestError(
+                Sentence("another header with other columns begins in the middle of the log"),
+                place=Place(file=assigner.file, row=None, column=others[0].column.label),
+                value=others[0].text,
+                expected=Sentence("one header; split the file at data row {row}", row=int(row) + 1),
+            )
+        is_header = sum(cell.repeats for cell in cells) >= 2
+        for cell in cells:
+            unit = split_unit(cell.text).unit
+            if unit is not None and cell.repeats and cell.text != cell.column.label:
+                _refuse_another_unit(cell, unit, int(row), assigner)
+            elif unit is None and is_header and cell.repeats and cell.column.unit is not None:
+                assigner.again.setdefault(cell.column.heading.index, Again(None, int(row), cell.text))
+
+
+def _others(cells: list[_Cell], alone: bool) -> list[_Cell]:
+    """Return the cells of a line that name other columns; none where the line is a remark.
+
+    One is enough where the rest of the line is the header; a name that nobody knows counts beside two of the header's.
+    """
+    repeated = sum(cell.repeats for cell in cells)
+    odd = [cell for cell in cells if not cell.repeats]
+    named = [cell for cell in odd if cell.names_a_quantity]
+    if len(named) >= 2 or (named and (alone or (repeated and len(named) == len(odd)))):
+        return named
+    return odd if repeated >= 2 and repeated > len(odd) else []
+
+
+def _refuse_another_unit(cell: _Cell, unit: str, row: int, assigner: Assigner) -> None:
+    quantity = cell.column.quantity
+    stated, kind = cell.column.unit or assigner.units.get(quantity), QUANTITIES[quantity].unit_kind
+    if kind is not None and stated is None:
+        assigner.again.setdefault(cell.column.heading.index, Again(unit, row, cell.text))
+    if kind is None or stated is None or same_unit(stated, unit, kind):
+        return
+    raise RoadTestError(
+        Sentence("the unit changes from {first} to {other} in the middle of the log", first=stated, other=unit),
+        place=Place(file=assigner.file, column=cell.column.label),
+        value=cell.text,
+        expected=Sentence("one unit in every column; split the file at data row {row}", row=row + 1),
+    )
+
+
+def with_units_stated_again(
+    channels: list[Candidate], columns: Mapping[int, np.ndarray], place: Callable[[int], int], assigner: Assigner
+) -> list[Candidate]:
+    """Return the channels, with its unit each that a header in the middle of the log states for the first time.
+
+    Parameters
+    ----------
+    place
+        tells how many rows stand before a line.
+
+    Raises
+    ------
+    RoadTestError
+        where the numbers of the part of the log that states no unit may be in another one.
+    """
+    result = []
+    for channel in channels:
+        again, kind = assigner.again.get(channel.heading.index), QUANTITIES[channel.quantity].unit_kind
+        if again is None or kind is None or channel.quantity in assigner.units:
+            result.append(channel)
+            continue
+        at, values = place(again.row), columns[channel.heading.index]
+        before, after = values[:at], values[at:]
+        silent, telling = (before, after) if again.unit is not None else (after, before)
+        unit = again.unit or channel.unit or ""
+        guess = fit(channel.quantity, None, silent, assigner.neighbours)
+        known = guess.unit is not None and guess.doubt is None and same_unit(guess.unit.name, unit, kind)
+        if np.isfinite(silent).any() and (not known or fit(channel.quantity, unit, telling).problem):
+            raise _asked(channel, again, unit, assigner)
+        if again.unit is not None:
+            assigner.say("unit_stated_later", Sentence(
+                "{column!r} states its unit from data row {row} on only; the numbers before are in {unit}, too",
+                column=channel.label, row=again.row + 1, unit=unit,
+            ), "info", channel.label)  # fmt: skip
+        result.append(replace(channel, unit=unit))
+    return result
+
+
+def check_clock_stated_again(
+    times: list[Candidate], clock: tuple[str, Clock], unit_before: Callable[[Candidate, int], str], assigner: Assigner
+) -> None:
+    """Refuse a clock for which a header in the middle of the log states, for the first time, another unit.
+
+    Parameters
+    ----------
+    unit_before
+        tells in which unit a column of numbers seems to be before a line.
+
+    Raises
+    ------
+    RoadTestError
+        asking for its unit.
+    """
+    label, chosen = clock
+    if chosen.form != "number" or "time" in assigner.units:
+        return
+    for column in times:
+        again = assigner.again.get(column.heading.index)
+        if again is None or again.unit is None or column.label != label:
+            continue
+        if not same_unit(unit_before(column, again.row), again.unit, "time"):
+            raise _asked(column, again, again.unit, assigner)
+
+
+def _asked(channel: Candidate, again: Again, unit: str, assigner: Assigner) -> RoadTestError:
+    """Return the error that asks for the unit of the rows for which none is stated."""
+    problem = Sentence("its unit is stated from data row {row} on only ({unit})", row=again.row + 1, unit=unit)
+    if again.unit is None:
+        problem = Sentence("its unit ({unit}) is not stated again from data row {row} on", row=again.row + 1, unit=unit)
+    return RoadTestError(
+        problem,
+        place=Place(file=assigner.file, column=channel.label),
+        value=again.text,
+        expected=Sentence(
+            "the unit of all rows, such as {quantity} = {unit!r}; or the file split at data row {row}",
+            quantity=channel.quantity,
+            unit=unit,
+            row=again.row + 1,
+        ),
+    )
+
+
+@dataclass
+class LeftOut:
+    """What of a table's lines is no row, and what else was met in reading them."""
+
+    above: int = 0  # rows of another table above
+    too_wide: int = 0  # rows with more numbers than columns
+    short: int = 0  # rows with fewer cells, which are taken
+    breaks_off: bool = False  # whether the last line does
+    lines: int = 0  # comments, markers and repeated headers
+    blank: int = 0  # at the end
+
+    @classmethod
+    def of(cls, frame: pd.DataFrame, table: LogTable) -> LeftOut:
+        """Return what was met when the file was read."""
+        too_wide, short = (int(frame.attrs.get(name, 0)) for name in ("too_wide", "short"))
+        return cls(table.above, too_wide, short, bool(frame.attrs.get("breaks_off")))
+
+    @property
+    def rows(self) -> int:
+        """Return how many lines were left out."""
+        return self.above + self.too_wide + self.lines + self.blank
+
+    def say(self, assigner: Assigner) -> None:
+        """Say how many rows were left out, and why."""
+        met: tuple[tuple[int, str, Sentence, MessageLevel], ...] = (
+            (self.above, "table_above", Sentence(
+                "{count} row(s) of another table above this one are not read", count=self.above,
+            ), "warning"),
+            (self.too_wide, "rows_too_wide", Sentence(
+                "{count} row(s) have more numbers than there are columns: which belongs to which is not known, they "
+                "are left out", count=self.too_wide,
+            ), "warning"),
+            (self.short, "rows_short", Sentence(
+                "{count} row(s) have fewer cells than the others: what they lack is taken as blank", count=self.short,
+            ), "info"),
+            (self.breaks_off, "line_breaks_off", Sentence(
+                "the last line breaks off: its last value, perhaps half-written, is left out",
+            ), "info"),
+            (self.lines, "lines_left_out", Sentence(
+                "{count} comment, marker or repeated header line(s) left out", count=self.lines,
+            ), "info"),
+            (self.blank, "blank_rows", Sentence(
+                "{count} blank row(s) at the end left out", count=self.blank,
+            ), "info"),
+        )  # fmt: skip
+        for count, code, text, level in met:
+            if count:
+                assigner.say(code, text, level)
+
+
+class Rows(NamedTuple):
+    """The rows of a table, and how many of its lines are none."""
+
+    frame: pd.DataFrame
+    left_out: int
+
+    @property
+    def number(self) -> int:
+        """Return how many rows there are."""
+        return len(self.frame)
+
+    @property
+    def places(self) -> np.ndarray:
+        """Return how many rows of the file stand before each, be they read or not."""
+        return lines_of(self.frame) - (self.frame.index.to_numpy() - np.arange(self.number))
+
+    def before(self, line: int) -> int:
+        """Return how many rows stand before a line of the file."""
+        return int(lines_of(self.frame).searchsorted(line))
+
+
+def lines_of(frame: pd.DataFrame) -> np.ndarray:
+    """Return the number in the file of each line, of which not every one need have been read."""
+    labels = frame.index.to_numpy()
+    return frame.attrs["lines"][labels] if "lines" in frame.attrs else labels
+
+
+def rows_of(
+    frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner
+) -> Rows:
+    """Leave out comments, markers, repeated headers and blank rows at the end, each counted in a message.
+
+    Raises
+    ------
+    RoadTestError
+        where another header with other columns begins.
+    """
+    left, word_for_time = LeftOut.of(frame, table), _words_for_time(frame, times, table)
+    if len(word_for_time) >= _REMARKS * len(frame):
+        word_for_time = word_for_time[:0]
+    frame, left.lines = _without_words(frame, times, channels, table, assigner, word_for_time)
+    if len(frame) and frame.iloc[-1].isna().all():
+        filled = np.flatnonzero(frame.notna().any(axis=1))
+        end = int(filled[-1]) + 1 if len(filled) else len(frame)  # blank throughout, but the rows exist
+        left.blank = len(frame) - end
+        attributes, frame = frame.attrs, frame.iloc[:end]
+        frame.attrs = attributes
+    left.say(assigner)
+    return Rows(frame, left.rows)
+
+
+_REMARKS = 0.3  # part of a log's lines that may have a word in place of the time: more are no remarks
+
+
+def _without_words(
+    frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner,
+    word_for_time: np.ndarray,
+) -> tuple[pd.DataFrame, int]:  # fmt: skip
+    """Remove comments, markers, repeated headers and blank lines; return the rest, and how many there were.
+
+    Parameters
+    ----------
+    word_for_time
+        lines with a word in place of the time.
+
+    Raises
+    ------
+    RoadTestError
+        where another header with other columns begins.
+    """
+    words_in_columns = {index: words_of(frame, index, table.decimal) for index in frame.attrs.get("words", {})}
+    if frame.empty or (
+        all(dtype.kind in "fiub" for dtype in frame.dtypes) and not any(map(len, words_in_columns.values()))
+    ):
+        return frame, 0
+    has_number = np.zeros(len(frame), bool)
+    has_word = np.zeros(len(frame), bool)
+    text_columns = []
+    for index in frame.columns:
+        if frame[index].dtype.kind in "fiub":
+            has_number |= frame[index].notna().to_numpy()
+            if index in words_in_columns:
+                has_word[words_in_columns[index].index] = True
+        else:
+            text_columns.append(index)
+    # only rows without a single number so far need a closer look
+    without_number = np.flatnonzero(~has_number)
+    clocks_at = {candidate.heading.index for candidate in times if _holds_clocks(table, candidate.heading)}
+    for index in text_columns if len(without_number) else ():
+        column = frame[index].iloc[without_number]
+        text = column.astype("str").str.strip()
+        plain = text.str.replace(",", ".", regex=False) if table.decimal == "," else text
+        readable = pd.to_numeric(plain, errors="coerce").notna()
+        if index in clocks_at:
+            readable |= text.str.contains(r"\d:\d", regex=True, na=False)
+        filled = column.notna().to_numpy()
+        number = readable.to_numpy(dtype=bool) & filled
+        has_number[without_number] |= number
+        has_word[without_number] |= ~number & filled
+    text_only = has_word & ~has_number
+    text_only[word_for_time] = True
+    count = int(text_only.sum())
+    if count:
+        lines = frame[text_only].astype(object)
+        for index, cells in words_in_columns.items():
+            lines[index] = lines[index].where(lines[index].notna(), cells.reindex(lines.index))
+        refuse_another_header(lines.set_axis(lines_of(lines)), times + channels, assigner)
+        # rows that hold nothing but words where the table has numbers are markers
+        attributes = frame.attrs
+        frame = frame[~text_only]
+        frame.attrs = attributes
+    return frame, count
+
+
+def _words_for_time(frame: pd.DataFrame, times: list[Candidate], table: LogTable) -> np.ndarray:
+    """Return the lines with a word in place of the time: remarks, or a header in the middle of the log."""
+    if not times:
+        return np.empty(0, int)
+    column = frame[times[0].heading.index]
+    # before its version 3 pandas keeps text as objects, too
+    objects = column.dtype == object and pd.api.types.infer_dtype(column) != "string"
+    if column.dtype.kind == "M" or objects or _holds_clocks(table, times[0].heading):
+        return np.empty(0, int)
+    return words_of(frame, times[0].heading.index, table.decimal).index.to_numpy()
+
+
+def _holds_clocks(table: LogTable, heading: Heading) -> bool:
+    """Return whether most cells of a column are clock readings."""
+    cells = table.sampled(heading.index)
+    return sum(is_clock(cell) for cell in cells) > 0.5 * len(cells)
+
+
+def columns_of_numbers(
+    channels: list[Candidate], frame: pd.DataFrame, decimal: Decimal, assigner: Assigner
+) -> dict[int, np.ndarray]:
+    """Return each channel's numbers by its column, NaN where there is none.
+
+    A column that cannot be read is NaN throughout.
+    """
+    columns = {}
+    for channel in channels:
+        index = channel.heading.index
+        values, words = numbers(frame, index, decimal)
+        if len(words) and channel.quantity != "lock_up":  # of a switch it is a value
+            words = words[words.str.lower() != OFF]
+        if not len(words):
+            usable = _without_thousands(channel, values, assigner)
+        elif channel.quantity in ("gear", "selector", "lock_up"):
+            in_words = words_as_numbers.as_numbers(channel.quantity, words)
+            usable = channel.quantity != "gear" or _names_gears(channel, values, words, in_words, assigner)
+            values = values.copy()
+            values[frame.index.get_indexer(words.index)] = in_words
+        else:
+            usable = _numbers_but_for_few(channel, values, words, decimal, assigner)
+        columns[index] = values if usable else np.full(len(values), np.nan)
+    return columns
+
+
+_FEW_WORDS = 0.02  # part of a column's cells that may be no numbers
+
+
+def _numbers_but_for_few(
+    candidate: Candidate, values: np.ndarray, words: pd.Series, decimal: Decimal, assigner: Assigner
+) -> bool:
+    """Tell whether few cells of a column are no numbers, and say how many."""
+    if len(words) > _FEW_WORDS * len(values) or any(is_destroyed(str(cell)) for cell in words.head(50)):
+        what, found = cause(words, values[:: max(1, len(values) // 50_000)], decimal)
+        assigner.refuse(candidate, "column_refused", holds(candidate.label, what, found))
+        return False
+    said = Sentence(
+        "{column!r}: {count} cell(s) are no numbers ({found}) and left out",
+        column=candidate.label,
+        count=len(words),
+        found=quoted(words.iloc[0]),
+    )
+    assigner.say("cells_unreadable", said, "warning", candidate.label)
+    return True
+
+
+def _names_gears(
+    candidate: Candidate, values: np.ndarray, words: pd.Series, in_words: np.ndarray, assigner: Assigner
+) -> bool:
+    """Tell whether the numbers and words of a column name gears, and which words do not."""
+    if np.isnan(values).all() and words_as_numbers.only_positions(words):
+        said = Sentence("{column!r} holds selector positions, no gears", column=candidate.label)
+        assigner.say("gear_is_selector", said, "info", candidate.label)
+        return False
+    unnamed = words[np.isnan(in_words)].astype("str").str.strip()
+    if words_as_numbers.only_positions(unnamed):
+        said = Sentence(
+            "{column!r}: {words} names no gear, so it is not known at {count} of {total} samples",
+            column=candidate.label,
+            words=tuple(sorted(unnamed.unique())),
+            count=len(unnamed),
+            total=len(values),
+        )
+        assigner.say("gear_not_named", said, "info", candidate.label)
+    return True
+
+
+def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assigner) -> bool:
+    """Refuse a column in which 1.250 means 1250: whole numbers beside small ones with three decimals."""
+    kind = QUANTITIES[candidate.quantity].unit_kind
+    if kind not in ("rotational_speed", "pressure") or not len(values):
+        return True
+    sample = values[:: max(1, len(values) // 50_000)]
+    small = sample[(sample >= 1) & (sample < 16) & (sample != np.round(sample))]
+    whole = sample[sample == np.round(sample)]
+    if len(small) < 3 or np.abs(small * 1000 - np.round(small * 1000)).max() > 1e-6:
+        return True
+    if (
+        kind == "pressure" and np.abs(small * 10 - np.round(small * 10)).max() < 1e-6
+    ):  # such as 1.5 kPa of a pump at rest
+        return True
+    if len(whole) and np.median(whole) > 100 and len(small) + len(whole) + np.isnan(sample).sum() == len(sample):
+        text = Sentence(
+            "{column!r} mixes numbers such as {small} and {whole}: the sign in it parts thousands; it is not used",
+            column=candidate.label,
+            small=f"{small[0]:.3f}",
+            whole=f"{whole[0]:.0f}",
+        )
+        assigner.refuse(candidate, "column_refused", text)
+        return False
+    return True

@@ -1,0 +1,386 @@
+"""Reads a table with a time column (or one for each channel, or long: time, name, value) into signals and time.
+
+Reads the long format, in which a row is a time, a name, a value and perhaps a unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from atleak.common.errors import Place, RoadTestError
+from atleak.common.sentences import Sentence
+from atleak.common.units import kinds_of
+from atleak.measurements.road_test import QUANTITIES, Segment
+from atleak.readers.dates import words
+from atleak.readers.logs import names as words_as_numbers
+from atleak.readers.logs.channels import say_strays
+from atleak.readers.logs.clock import Clock, Motion, numeric_clock
+from atleak.readers.logs.columns import Assigner, Candidate, Offered, find_candidates, map_columns
+from atleak.readers.logs.delimited import numbers
+from atleak.readers.logs.headings import Heading, named_by_a_date
+from atleak.readers.logs.log_cells import is_clock, kind_of
+from atleak.readers.logs.log_table import LogTable
+from atleak.readers.logs.names import clean_unit, match_name, split_unit
+from atleak.readers.logs.protocol import TableResult, width_of
+from atleak.readers.logs.remembered_columns import NOT_LOGGED
+from atleak.readers.logs.rows import (
+    LeftOut,
+    Rows,
+    check_clock_stated_again,
+    columns_of_numbers,
+    rows_of,
+    with_units_stated_again,
+)
+from atleak.readers.logs.time_column import best_clock, clock_of, motions_beside, no_time, rising_without_name, runs
+from atleak.readers.logs.timeline import Timeline
+from atleak.readers.logs.timeline import build as build_timeline
+from atleak.readers.logs.unit_cells import UNIT_HEADERS, say_two_units, two_units, with_units_beside
+
+_NAME_HEADERS = {
+    "pid", "name", "signal", "channel", "parameter", "sensor", "kanal", "key", "item", "variable", "description",
+    "signal name", "sensor name", "measurement", "parametr", "parameter name",
+}  # fmt: skip
+_VALUE_HEADERS = {
+    "value", "values", "wert", "messwert", "reading", "wartosc", "valeur", "valor", "значение", "data",
+    "physical value",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _LongColumns:
+    """The columns of a long table."""
+
+    time: Candidate
+    name: Heading
+    value: Heading
+    unit: Heading | None
+
+
+def long_shape(table: LogTable, candidates: list[Candidate], mapping: Mapping[str, str]) -> _LongColumns | None:
+    """Return the columns of a long table, or None where the table is no such."""
+    headings = [heading for heading in table.headings if heading.index < table.width]
+    if not 3 <= len(headings) <= 8 or not table.sample:
+        return None
+    times = [candidate for candidate in candidates if candidate.quantity == "time"]
+    if not times:
+        return None
+
+    def called(names: Collection[str]) -> list[Heading]:
+        return [heading for heading in headings if heading.names and words(heading.names[0]) in names]
+
+    value = next(iter(called(_VALUE_HEADERS)), None)
+    named = [heading for heading in called(_NAME_HEADERS) if _wordy(table, heading)]
+    # else the column of words among which are names of quantities
+    named += [
+        heading
+        for heading in headings
+        if heading is not value and _wordy(table, heading)
+        and any(match_name(split_unit(cell).text) for cell in set(table.sampled(heading.index)))
+    ]  # fmt: skip
+    if not named or value is None or _names_headings(table, mapping):
+        return None
+    return _LongColumns(times[0], named[0], value, next(iter(called(UNIT_HEADERS)), None))
+
+
+def _names_headings(table: LogTable, mapping: Mapping[str, str]) -> bool:
+    """Tell whether the user names headings of the table, and not names within its rows."""
+    named = {quantity: column for quantity, column in mapping.items() if column != NOT_LOGGED}
+    labels = {heading.label for heading in table.headings}
+    return any(quantity != "time" for quantity in named) and all(column in labels for column in named.values())
+
+
+def _wordy(table: LogTable, heading: Heading) -> bool:
+    cells = table.sampled(heading.index)
+    return bool(cells) and sum(kind_of(cell, table.decimal) == "text" for cell in cells) > 0.8 * len(cells)
+
+
+def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
+    """Read a long table: its signals go to the assigner.
+
+    Raises
+    ------
+    RoadTestError
+        when its time cannot be read or the user names a column that it lacks.
+    """
+    read, frame, names = _rows(table, shape, assigner)
+    left = LeftOut.of(read, table)
+    left.say(assigner)
+    if nameless := len(read) - len(frame):
+        text = Sentence("{count} row(s) name no signal, or repeat the header, and are left out", count=nameless)
+        assigner.say("lines_left_out", text)
+    left_out = left.rows + nameless
+    clock = clock_of(shape.time, frame, table, assigner, ())
+    if clock is None or not runs(clock.seconds):
+        raise no_time(table, assigner)
+    if clock.unit_assumed:
+        assigner.assume_unit(shape.time.label, clock.unit, "time")
+    whole = build_timeline(clock.seconds)
+    row_times = np.full(len(frame), np.nan)
+    row_times[whole.order if whole.order is not None else slice(None)] = whole.time
+    values, _ = numbers(frame, shape.value.index, table.decimal)
+    texts = frame[shape.value.index]
+    codes, uniques = pd.factorize(names)
+    headings = _headings(uniques, codes, frame, shape)
+    candidates = find_candidates(headings)
+    own_mapping = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
+    candidates = map_columns(candidates, headings, own_mapping, assigner.file)
+    assigner.neighbours = tuple(heading.unit for heading in headings if heading.unit)
+    offered: list[Offered] = []
+    for candidate in (each for each in candidates if each.quantity != "time"):
+        quantity, rows = candidate.quantity, codes == candidate.heading.index
+        if shape.unit is not None and split_unit(candidate.label).unit is None:
+            first, other = two_units(frame[shape.unit.index][rows], QUANTITIES[quantity].unit_kind)
+            if other is not None:
+                say_two_units(candidate, first, other, assigner)
+                continue
+        channel_values = values[rows]
+        if quantity in ("gear", "selector", "lock_up") and np.isnan(channel_values).all():
+            channel_values = words_as_numbers.as_numbers(quantity, texts[rows])
+        good = np.isfinite(channel_values) & np.isfinite(row_times[rows])
+        time = row_times[rows][good]
+        by_time = np.argsort(time, kind="stable")[:: assigner.every]
+        offered.append((candidate, channel_values[good][by_time], time[by_time]))
+    assigner.decide_all(offered)
+    stamps = [signal.time for signal in assigner.signals.values() if signal.time is not None]
+    base = np.unique(np.concatenate(stamps)) if stamps else np.unique(whole.time)
+    timeline = _on_base(base, whole)
+    column_names = tuple(map(str, uniques))
+    return TableResult(len(frame), timeline, shape.time.label, clock, True, column_names, whole.segments, left_out)
+
+
+def _rows(
+    table: LogTable, shape: _LongColumns, assigner: Assigner | None = None
+) -> tuple[pd.DataFrame, pd.DataFrame, pd.Series]:
+    """Return all rows, those that name a signal, and those names."""
+    columns = [shape.time.heading.index, shape.name.index, shape.value.index]
+    if shape.unit:
+        columns.append(shape.unit.index)
+    columns = sorted(set(columns))
+    if assigner is not None:
+        assigner.refuse_too_large(table.rows, width_of(table, columns), thins=False)
+    frame = table.read(columns)
+    names = frame[shape.name.index].astype("str").str.strip()
+    keep = frame[shape.name.index].notna() & (names != shape.name.label)
+    return frame, frame[keep], names[keep]
+
+
+def _headings(uniques: pd.Index, codes: np.ndarray, frame: pd.DataFrame, shape: _LongColumns) -> list[Heading]:
+    """Return a heading for every signal, with the unit that its name or its rows state."""
+    headings = []
+    for index, name in enumerate(uniques):
+        split = split_unit(str(name))
+        unit = split.unit
+        if unit is None and shape.unit is not None:
+            unit_cells = frame[shape.unit.index].to_numpy(dtype=object)[codes == index]
+            unit = next((str(cell) for cell in unit_cells if isinstance(cell, str) and cell.strip()), None)
+        headings.append(Heading(index, str(name), (split.text,), unit))
+    return headings
+
+
+def long_columns(table: LogTable, shape: _LongColumns) -> Iterator[tuple[Heading, np.ndarray, pd.Series]]:
+    """Yield the heading of every signal of a long table, its numbers and its cells that are none."""
+    _, frame, names = _rows(table, shape)
+    values, words_there = numbers(frame, shape.value.index, table.decimal)
+    codes, uniques = pd.factorize(names)
+    for heading in _headings(uniques, codes, frame, shape):
+        rows = codes == heading.index
+        yield heading, values[rows], words_there[words_there.index.isin(frame.index[rows])]
+
+
+def _on_base(base: np.ndarray, whole: Timeline) -> Timeline:
+    """Return the file's timeline with its segments counted on another time base."""
+    segments = []
+    for segment in whole.segments:
+        low = int(np.searchsorted(base, segment.start, side="left"))
+        high = int(np.searchsorted(base, segment.stop, side="right"))
+        if high > low:
+            segments.append(Segment(low, high - low, float(base[low]), float(base[high - 1] - base[low])))
+    return replace(whole, time=base, order=None, segments=tuple(segments))
+
+
+def read_table(table: LogTable, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
+    """Read a table's time and quantities.
+
+    Raises
+    ------
+    RoadTestError
+        when no column tells the time, numbers are destroyed, another header begins in the middle, or the table has no
+        header and the user has not named columns.
+    """
+    headings = table.headings
+    if not table.has_header and not mapping:
+        raise no_header(table, assigner)
+    candidates = map_columns(find_candidates(headings), headings, mapping, assigner.file)
+    if (shape := long_shape(table, candidates, mapping)) is not None:
+        return read_long(table, shape, assigner, mapping)
+    return _read_wide(table, candidates, assigner)
+
+
+def no_header(table: LogTable, assigner: Assigner) -> RoadTestError:
+    """Return the error that asks for the names of columns, and for the time where a column may be it."""
+    rising = rising_without_name(table)
+    expected = Sentence("names for the columns, such as engine_speed = 'column 2', and the interval between rows")
+    if rising is not None:
+        speed = "column 2" if rising != "column 2" else "column 1"
+        expected = Sentence(
+            "names for the columns, such as time = {time!r} and engine_speed = {speed!r}", time=rising, speed=speed
+        )
+    return RoadTestError(
+        Sentence("has no header: nothing tells what its columns are"),
+        place=Place(file=assigner.file),
+        value="; ".join(table.sample[0][:8]) if table.sample else None,
+        expected=expected,
+    )
+
+
+# --- wide ---------------------------------------------------------------------------------------------------
+
+
+def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner) -> TableResult:
+    candidates = [candidate for candidate in candidates if candidate.heading.index < table.width]
+    refuse_split_decimals(table, assigner)
+    times = time_candidates(table, candidates)
+    channels = [candidate for candidate in candidates if candidate.quantity != "time"]
+    chosen = [candidate.heading.index for candidate in (*times, *channels)]
+    columns_read = sorted(set(chosen)) or [0]
+    assigner.refuse_too_large(table.rows, width_of(table, columns_read))
+    frame = table.read(columns_read, assigner.every)
+    rows = rows_of(frame, times, channels, table, assigner)
+    frame = rows.frame
+    channels, unit_columns = with_units_beside(channels, table, frame.index, assigner)
+    columns = columns_of_numbers(channels, frame, table.decimal, assigner)
+    channels = with_units_stated_again(channels, columns, rows.before, assigner)
+    motions = motions_beside(channels, columns)
+    clocks = own_times(table.headings, times, channels)
+    if clocks is not None:
+        return _read_own_times(clocks, rows, columns, channels, table, assigner, motions)
+
+    def unit_before(candidate: Candidate, line: int) -> str:
+        some = frame.iloc[: rows.before(line)]
+        return numeric_clock(numbers(some, candidate.heading.index, table.decimal).values, None).unit
+
+    label, clock = best_clock(times, rows, table, assigner, motions)
+    check_clock_stated_again(times, (label, clock), unit_before, assigner)
+    timeline = build_timeline(clock.seconds)
+    if not len(timeline.time):
+        raise no_time(table, assigner)
+    assigner.decide_all((candidate, columns[candidate.heading.index], None) for candidate in channels)
+    return TableResult(rows.number, timeline, label, clock, used=(label, *unit_columns), left_out=rows.left_out)
+
+
+def refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
+    """Refuse rows in which a decimal comma has become a delimiter: nearly two cells for every name.
+
+    Raises
+    ------
+    RoadTestError
+        with the last row of the sample.
+    """
+    named = sum(1 for heading in table.headings if heading.names)
+    filled = max((sum(1 for cell in row if cell) for row in table.sample), default=0)
+    if table.has_header and named >= 2 and filled >= 2 * named - 1 and filled - named >= 2:
+        raise RoadTestError(
+            Sentence(
+                "its rows have about twice as many cells as there are names: the decimal comma was used as delimiter "
+                "too"
+            ),
+            place=Place(file=assigner.file),
+            value=",".join(table.sample[-1][:8]),
+            expected=Sentence("the log exported with ';' between cells or with a decimal point"),
+        )
+
+
+def time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candidate]:
+    """Return the columns that may be the clock, the likeliest first."""
+    times = []
+    for candidate in candidates:
+        kinds = kinds_of(clean_unit(candidate.unit or ""))  # a column T in °C is no time
+        possible = candidate.mapped or not kinds or "time" in kinds or kinds == ["ratio"]
+        if candidate.quantity == "time" and possible:
+            times.append(candidate)
+    if any(candidate.heading.stamped for candidate in times):
+        times = [candidate for candidate in times if candidate.mapped or candidate.heading.stamped]
+    if not any(candidate.mapped for candidate in times):
+        for heading in table.headings[: table.width]:
+            if named_by_a_date(heading) and not any(candidate.heading is heading for candidate in times):
+                times.append(Candidate(heading, "time", 0, "unknown", None))
+    if not any(candidate.mapped or _runs_in_sample(candidate, table) for candidate in times):
+        # columns without a telling name that hold clock readings serve where no other does
+        named = {candidate.heading.index for candidate in candidates}
+        for heading in table.headings[: table.width]:
+            unnamed = heading.index not in named and not named_by_a_date(heading)
+            cells = table.sampled(heading.index)
+            if unnamed and cells and sum(map(is_clock, cells)) > 0.8 * len(cells):
+                times.append(Candidate(heading, "time", 2, "unknown", None))
+    return sorted(times, key=lambda candidate: (not candidate.mapped, candidate.tier))
+
+
+def _runs_in_sample(candidate: Candidate, table: LogTable) -> bool:
+    """Return whether a time column's cells differ from row to row, as far as a clock's do."""
+    cells = table.sampled(candidate.heading.index)
+    return len(set(cells)) > max(1, len(cells) / 20)
+
+
+# --- a time column before each channel ----------------------------------------------------------------------
+
+
+def own_times(
+    headings: Sequence[Heading], times: list[Candidate], channels: list[Candidate]
+) -> dict[int, Candidate] | None:
+    """Return each channel's own time column, by channel index, where one stands before each channel or group."""
+    if any(candidate.mapped for candidate in times) and len(times) == 1:
+        return None
+    alike: dict[str, list[Candidate]] = {}
+    for candidate in times:
+        alike.setdefault(words(candidate.heading.names[0] if candidate.heading.names else ""), []).append(candidate)
+    group = max(alike.values(), key=len, default=[])
+    if len(group) < 2:
+        return None
+    group = sorted(group, key=lambda candidate: candidate.heading.index)
+    result = {}
+    for channel in channels:
+        before = [candidate for candidate in group if candidate.heading.index < channel.heading.index]
+        if not before:
+            return None
+        result[channel.heading.index] = before[-1]
+    return result or {-1: group[0]}
+
+
+def _read_own_times(
+    clock_columns: dict[int, Candidate], rows: Rows, columns: dict[int, np.ndarray], channels: Sequence[Candidate],
+    table: LogTable, assigner: Assigner, motions: Sequence[Motion],
+) -> TableResult:  # fmt: skip
+    clocks_by_column: dict[int, Clock] = {}
+    time_columns = sorted({candidate.heading.index: candidate for candidate in clock_columns.values()}.items())
+    for index, candidate in time_columns:
+        clock = clock_of(candidate, rows.frame, table, assigner, motions)
+        if clock is not None and runs(clock.seconds):
+            clocks_by_column[index] = clock
+    if not clocks_by_column:
+        raise no_time(table, assigner)
+    first = min(clocks_by_column)
+    timelines = {index: build_timeline(clock.seconds) for index, clock in clocks_by_column.items()}
+    base = timelines[first]
+    for index, timeline in timelines.items():
+        if index != first:  # what is to be said of the first is said of the log
+            say_strays(assigner, timeline, dict(time_columns)[index].label)
+    assigner.base = base.time if base.order is None else None
+    offered: list[Offered] = []
+    for candidate in channels:
+        index = clock_columns[candidate.heading.index].heading.index
+        values = columns[candidate.heading.index]
+        if index == first:
+            offered.append((candidate, values, None))
+        elif index in timelines:
+            timeline = timelines[index]
+            values = values if timeline.order is None else values[timeline.order]
+            good = np.isfinite(values)
+            offered.append((candidate, values[good], timeline.time[good]))
+    assigner.decide_all(offered)
+    label = dict(time_columns)[first].label
+    clock = clocks_by_column[first]
+    return TableResult(rows.number, base, label, clock, used=(label,), left_out=rows.left_out)

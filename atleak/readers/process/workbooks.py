@@ -1,0 +1,306 @@
+"""Reads workbooks (xlsx, xlsb, xls, ods) in the child process."""
+
+from __future__ import annotations
+
+import html
+import io
+import itertools
+import re
+import zipfile
+from array import array
+from collections.abc import Iterable, Iterator
+from typing import IO, Any, TypedDict
+from xml.etree import ElementTree
+from xml.parsers import expat
+
+from atleak.common.sentences import Sentence
+from atleak.readers.cells.extent import COLUMNS as WIDTH
+from atleak.readers.cells.extent import EXPECTED, SHEETS, excess, trimmed
+from atleak.readers.cells.workbook_marks import Marks, column_index, marks, sheet_paths, unpacked_part, whole_number
+from atleak.readers.process.child import Refused, of_library
+
+NativeCell = Any  # str, float, int, bool, date or time; "" where empty
+Range = tuple[tuple[int, int], tuple[int, int]]  # first and last (row, column), both from 0
+
+CELLS = 1_000_000
+"""Cells that a measuring sheet may span at most; a filled one spans thousands."""
+LOG_CELLS, LOG_CELLS_PER_BYTE = 4_000_000, 16
+"""Cells that a log may span, and more for each byte of its file: a cell takes three, if one in fifty is filled."""
+COLUMNS = 16_384
+"""Columns of a sheet in a spreadsheet program."""
+LOOK = 300
+"""Rows of a sheet in which it shows what it holds."""
+BLOCK = 20_000
+"""Rows of a log that are handed over together."""
+_NAN = float("nan")
+
+_CELL = re.compile(rb"<(?:\w+:)?c\b([^>]*?)(?:/>|>(.*?)</(?:\w+:)?c>)", re.DOTALL)
+_FORMULA = re.compile(rb"<(?:\w+:)?f(?:\s[^>]*)?/?>([^<]*)")
+_VALUE = re.compile(rb"<(?:\w+:)?[vt]\b[^>]*>([^<]+)")
+_REFERENCE = re.compile(rb'\br="([A-Z]{1,3})(\d{1,9})"')
+_ODS = "{urn:oasis:names:tc:opendocument:xmlns:table:1.0}"
+
+
+class MeasuringSheet(TypedDict):
+    """A worksheet with what its cells alone do not show; ``rows`` and all places count from cell A1."""
+
+    name: str
+    hidden: bool
+    rows: list[list[NativeCell]]
+    merged: list[Range]
+    faults: dict[tuple[int, int], str]
+    marks: dict[str, Any]  # the fields of `atleak.readers.cells.workbook_marks.Marks`
+
+
+def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
+    """Yield every worksheet, with merged ranges, formulas without a usable result, and what is hidden or crossed out.
+
+    Raises
+    ------
+    Refused
+        where the file is protected by a password, no workbook, or holds more cells than a measuring sheet can.
+    """
+    _refuse_other_kinds(data)
+    merges, faults = _merges_and_faults(data) if data.startswith(b"PK") else ({}, {})
+    marked = marks(data)
+    for name, hidden, sheet in _worksheets(data):
+        rows, columns = (0, 0) if sheet.end is None else (sheet.end[0] + 1, sheet.end[1] + 1)
+        _refuse_vast(rows, columns, name, columns * rows > CELLS)
+        ranges = sheet.merged_cell_ranges
+        with of_library():
+            rows_of_cells = sheet.to_python(skip_empty_area=False)
+        cells = trimmed(rows_of_cells)
+        if (too_much := excess(cells)) is not None:
+            raise Refused(too_much, sheet=name, expected=EXPECTED)
+        yield {
+            "name": name,
+            "hidden": hidden,
+            "rows": cells,
+            "merged": _within(merges.get(name, []) if ranges is None else ranges, cells, name),
+            "faults": faults.get(name, {}),
+            "marks": vars(marked.get(name, Marks())),
+        }
+
+
+def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
+    """Yield the first rows of every worksheet, of a log too, to see what it holds; merged ranges with them.
+
+    Raises
+    ------
+    Refused
+        as `log_blocks`.
+    """
+    _refuse_other_kinds(data)
+    for name, hidden, sheet in _worksheets(data):
+        rows: Iterable[list[NativeCell]] = ()
+        if sheet.start is not None:
+            _refuse_vast_log(sheet, name, len(data))
+            rows = ([""] * sheet.start[1] + row for row in _rows(sheet))  # calamine's begin at its first column
+        cells = trimmed([row[:WIDTH] for row in itertools.islice(rows, LOOK)])
+        ranges = [] if sheet.merged_cell_ranges is None else sheet.merged_cell_ranges
+        merged = _within(ranges, cells, name)
+        yield {"name": name, "hidden": hidden, "rows": cells, "merged": merged, "faults": {}, "marks": vars(Marks())}
+
+
+def log_blocks(data: bytes) -> Iterator[tuple[str, int, list[bytes | list[NativeCell | None]]]]:
+    """Yield every worksheet in blocks: its name, how many rows, and their columns.
+
+    A column is packed floats where every cell is a number or empty (NaN), which takes a quarter of the memory, else a
+    list with None where a cell is empty. Empty cells before the first column and above the first row are left out.
+
+    Raises
+    ------
+    Refused
+        where the file is protected by a password, no workbook, or spans more cells than a log of its size can.
+    """
+    _refuse_other_kinds(data)
+    for name, _, sheet in _worksheets(data):
+        if sheet.start is None:
+            continue
+        _refuse_vast_log(sheet, name, len(data))
+        rows = itertools.islice(_rows(sheet), sheet.start[0], None)
+        while block := list(itertools.islice(rows, BLOCK)):
+            yield name, len(block), [_packed(column) for column in itertools.zip_longest(*block, fillvalue="")]
+
+
+def _rows(sheet: Any) -> Iterator[list[NativeCell]]:
+    with of_library():
+        yield from sheet.iter_rows()
+
+
+def _refuse_vast_log(sheet: Any, name: str, size: int) -> None:
+    (top, left), (bottom, right) = sheet.start, sheet.end
+    vast = (bottom - top + 1) * (right - left + 1) > LOG_CELLS + LOG_CELLS_PER_BYTE * size
+    _refuse_vast(bottom + 1, right + 1, name, vast)
+
+
+def _packed(column: tuple[NativeCell, ...]) -> bytes | list[NativeCell | None]:
+    """Return a column as packed floats, or as a list where a cell is neither a number nor empty."""
+    try:
+        return array("d", [_NAN if cell == "" else cell for cell in column]).tobytes()
+    except TypeError:
+        return [None if cell == "" else cell for cell in column]
+
+
+def stray_cells(data: bytes) -> Iterator[None]:
+    """Refuse a workbook (xlsx) whose outermost cells span more than memory can hold.
+
+    calamine lays a sheet out from its first cell to its last: one cell in the last corner makes it ask for half a
+    terabyte, which ends the process. This looks at the XML instead, which is slower, so it runs only afterwards.
+
+    Raises
+    ------
+    Refused
+        naming the sheet's part of the workbook and how far its cells reach.
+    """
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        sheets = {path: name for name, path in sheet_paths(archive).items()}
+        for path in archive.namelist():
+            if path.startswith("xl/worksheets/") and path.endswith(".xml"):
+                with archive.open(path) as stream:
+                    rows, columns = _outermost(stream)
+                _refuse_vast(rows, columns, sheets.get(path), rows * columns > LOG_CELLS)
+    yield None
+
+
+def _outermost(stream: IO[bytes]) -> tuple[int, int]:
+    """Return the number of rows and columns up to the outermost cells of a sheet's XML."""
+    rows = columns = 0
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal rows, columns
+        if tag.rpartition(":")[2] == "c":
+            reference = _REFERENCE.match(f'r="{attributes.get("r", "").upper()}"'.encode())
+            if reference:
+                row, column = _row_and_column(reference)
+                rows, columns = max(rows, row + 1), max(columns, column + 1)
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = start
+    parser.ParseFile(stream)
+    return rows, columns
+
+
+def _refuse_other_kinds(data: bytes) -> None:
+    if "EncryptedPackage".encode("utf-16-le") in data and not data.startswith(b"PK"):
+        raise _protected()
+    if data.startswith(b"PK"):
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            names = archive.namelist()
+        if not {"xl/workbook.xml", "xl/workbook.bin", "content.xml"} & set(names):
+            raise Refused(
+                Sentence("this file is a ZIP archive, not a workbook"),
+                value=", ".join(names[:3]),
+                expected=Sentence("the file itself: unpack the archive and give the workbook or text file inside"),
+            )
+
+
+def _protected() -> Refused:
+    return Refused(
+        Sentence("this workbook is protected by a password"), expected=Sentence("the workbook saved without a password")
+    )
+
+
+def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
+    """Yield every worksheet's name, whether it is hidden, and its cells."""
+    from python_calamine import CalamineWorkbook, PasswordError, SheetTypeEnum, SheetVisibleEnum
+
+    with of_library():
+        try:
+            workbook = CalamineWorkbook.from_filelike(io.BytesIO(data))
+        except PasswordError:
+            raise _protected() from None
+    if len(workbook.sheets_metadata) > SHEETS:
+        raise Refused(
+            Sentence("this workbook has {count} sheets", count=len(workbook.sheets_metadata)),
+            expected=Sentence("at most {count}", count=SHEETS),
+        )
+    for meta in workbook.sheets_metadata:
+        if meta.typ == SheetTypeEnum.WorkSheet:
+            with of_library():
+                sheet = workbook.get_sheet_by_name(meta.name)
+            yield meta.name, meta.visible != SheetVisibleEnum.Visible, sheet
+
+
+def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None:
+    if vast or columns > COLUMNS:
+        raise Refused(
+            Sentence("the cells of this sheet reach row {row} and column number {column}", row=rows, column=columns),
+            sheet=sheet,
+            expected=Sentence("a table: delete the stray cells far outside it"),
+        )
+
+
+def _within(ranges: list[Range], cells: list[list[NativeCell]], sheet: str) -> list[Range]:
+    """Cut merged ranges to the cells that exist; refuse ranges that cover more than those, since they overlap."""
+    rows, columns = len(cells), max(map(len, cells), default=0)
+    kept, covered = [], 0
+    for (top, left), (bottom, right) in ranges:
+        bottom, right = min(bottom, rows - 1), min(right, columns - 1)
+        if bottom >= top and right >= left:
+            kept.append(((top, left), (bottom, right)))
+            covered += (bottom - top + 1) * (right - left + 1)
+    if covered > rows * columns:
+        raise Refused(
+            Sentence("merged ranges of this sheet overlap: the workbook is damaged"),
+            sheet=sheet,
+            expected=Sentence("a workbook as a spreadsheet program saves it: open it there and save it anew"),
+        )
+    return kept
+
+
+def _merges_and_faults(data: bytes) -> tuple[dict[str, list[Range]], dict[str, dict[tuple[int, int], str]]]:
+    """Return what calamine does not read: merged ranges of an ods, formulas without result of an xlsx."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        names = set(archive.namelist())
+        if "xl/workbook.xml" in names:
+            return {}, {
+                sheet: _formula_faults(unpacked_part(archive, path))
+                for sheet, path in sheet_paths(archive).items()
+                if path in names
+            }
+        return (_ods_merges(unpacked_part(archive, "content.xml")) if "content.xml" in names else {}), {}
+
+
+def _formula_faults(xml: bytes) -> dict[tuple[int, int], str]:
+    """Return the cells whose formula has an error or no stored result."""
+    faults: dict[tuple[int, int], str] = {}
+    if not _FORMULA.search(xml) and b't="e"' not in xml:
+        return faults  # the usual case, in a tenth of the time
+    for attributes, content in _CELL.findall(xml):
+        reference = _REFERENCE.search(attributes)
+        if reference is None:
+            continue
+        place = _row_and_column(reference)
+        value, formula = _VALUE.search(content), _FORMULA.search(content)
+        if b't="e"' in attributes:
+            faults[place] = value[1].decode("utf-8", "replace") if value else "an error"
+        elif formula and not value and b't="str"' not in attributes:  # an empty text is a result too
+            faults[place] = "=" + html.unescape(formula[1].decode("utf-8", "replace"))
+    return faults
+
+
+def _row_and_column(reference: re.Match[bytes]) -> tuple[int, int]:
+    """Return row and column, both from 0.
+
+    >>> _row_and_column(_REFERENCE.search(b'<c r="AB7">'))
+    (6, 27)
+    """
+    return int(reference[2]) - 1, column_index(reference[1].decode())
+
+
+def _ods_merges(xml: bytes) -> dict[str, list[Range]]:
+    merges: dict[str, list[Range]] = {}
+    for table in ElementTree.fromstring(xml).iter(f"{_ODS}table"):
+        ranges = merges.setdefault(table.get(f"{_ODS}name", ""), [])
+        row = 0
+        for line in table.iter(f"{_ODS}table-row"):
+            column = 0
+            for cell in line:
+                down = whole_number(cell.get(f"{_ODS}number-rows-spanned", "1"))
+                across = whole_number(cell.get(f"{_ODS}number-columns-spanned", "1"))
+                if down * across > 1:
+                    ranges.append(((row, column), (row + down - 1, column + across - 1)))
+                column += whole_number(cell.get(f"{_ODS}number-columns-repeated", "1"))
+            row += whole_number(line.get(f"{_ODS}number-rows-repeated", "1"))
+    return merges

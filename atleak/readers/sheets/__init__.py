@@ -1,0 +1,1 @@
+"""Read measuring sheets as workshops lay them out."""

@@ -1,0 +1,319 @@
+"""What a sheet says twice: clearances and means beside the diameters, corrections, the controller at its head."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from statistics import fmean
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.entries import catalogue_files
+from atleak.common.errors import Message, OtherControllerError, ReadingsError
+from atleak.common.sentences import Sentence, counted
+from atleak.common.units import Unit, find_unit
+from atleak.common.units import unit as unit_named
+from atleak.measurements.readings import Reading
+from atleak.readers.cells.sheet import rows_named
+from atleak.readers.sheets.columns import Columns
+from atleak.readers.sheets.diameters import DiameterCell
+from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.words import Words, is_blank, letters, number, part_of, plain, text_of
+
+_ROUNDED = 1.5e-6  # [m] by which a clearance or mean of rounded diameters may differ from theirs
+_SHOWN = 5  # rows that are named one by one
+_PAIRS = 400  # at most so many pairs of diameters are compared with a clearance
+_TEMPERATURES = 3  # of a column that are named
+_UNITS = [unit_named(name, "length") for name in ("mm", "µm", "inch")]  # that a clearance without a unit may be in
+_CONTROLLER = re.compile(
+    r"\b(?:controller|schieberkasten|sterownik)\b[\s:=]*([A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+)?", re.IGNORECASE
+)
+# the line that the measuring forms of atleak bear, and at the very head what is typed at the bench: any id, also hv3
+_OF_A_FORM = re.compile(
+    r"(?:Controller|Schieberkasten|Sterownik(?: hydrauliczny)?) ([a-z0-9][a-z0-9_]*)(?:\. (?:Yellow|Gelbe|Wypełnia) |$)"
+)
+_ID = re.compile(r"[A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+")
+
+
+def messages(
+    table: Table, columns: Columns, entries: Sequence[DiameterCell], readings: Sequence[Reading]
+) -> Iterator[Message]:
+    """Yield a message for each clearance or mean that contradicts its diameters, and each correction not applied."""
+    by_place = {reading.place: reading for reading in readings}
+    beside = _Beside(table, defaultdict(list), defaultdict(list))
+    for entry in entries:
+        reading = by_place.get(entry.raw.place)
+        if reading is not None:
+            beside.rows[entry.row].append(reading)
+            beside.lands[reading.component, reading.plane].append(reading)
+    for index in range(table.sheet.width):
+        words = letters(table.heading(index))
+        if index in columns.read or not words:
+            continue
+        is_clearance = words.any("clearance") and not words.any("not_of_these", "of_specification")
+        if is_clearance or words.any("wear"):
+            yield from beside.of_one_part(index, readings)
+        if is_clearance:
+            yield from beside.warnings(index, "clearance", beside.clearances(index, words.any("radial")))
+        elif _is_correction(words):
+            yield from _correction(table, index, beside.rows, columns)
+        elif any(column.index == index for column in table.of("mean")):
+            yield from beside.warnings(index, "mean", beside.means(index))
+    yield from _correction_above(table)
+
+
+Contradiction = tuple[int, Sentence, Sentence]  # row, what is stated, what follows from the diameters
+
+
+@dataclass(frozen=True)
+class _Beside:
+    """What stands beside the readings of a table, which are given by row, and by component and plane."""
+
+    table: Table
+    rows: dict[int, list[Reading]]
+    lands: dict[tuple[str, str], list[Reading]]
+
+    def stated(self, index: int) -> Iterator[tuple[int, list[Reading], float, Unit | None]]:
+        """Yield each number of a column that stands beside readings: its row, the readings, itself and its unit."""
+        unit = _unit(self.table.heading(index))
+        for row, readings in self.rows.items():
+            stated = _stated(self.table, row, index)
+            if stated is not None:
+                yield row, readings, stated[0], stated[1] or unit
+
+    def warnings(self, index: int, what: str, found: Iterator[Contradiction]) -> Iterator[Message]:
+        contradictions, heading = list(found), self.table.heading(index)
+        for row, stated, computed in contradictions[:_SHOWN]:
+            text = Sentence(
+                "row {row}: column {heading!r} says {stated}, and the diameters make {computed}: a slip in one of them",
+                row=self.table.sheet.row_number(row),
+                heading=heading,
+                stated=stated,
+                computed=computed,
+            )
+            yield Message("warning", f"{what}_disagrees", text, self.table.sheet.place(row, index, heading))
+        if (more := len(contradictions) - _SHOWN) > 0:
+            text = counted(
+                more,
+                Sentence("{count} more row where column {heading!r} contradicts the diameters"),
+                Sentence("{count} more rows where column {heading!r} contradicts the diameters"),
+                heading=heading,
+            )
+            place = self.table.sheet.place(contradictions[_SHOWN][0], index, heading)
+            yield Message("warning", f"{what}_disagrees", text, place)
+
+    def clearances(self, index: int, radial: bool) -> Iterator[Contradiction]:
+        """Yield the clearances that are not those of the diameters: radial, or where nothing says so diametral too."""
+        for row, readings, value, unit in self.stated(index):
+            beside = readings
+            if len({reading.part for reading in readings}) < 2:
+                beside = self.lands[readings[0].component, readings[0].plane]
+            known = _differences(beside)
+            units = [unit] if unit else _UNITS
+            sizes = [difference * share for difference in known for share in ((0.5,) if radial else (1.0, 0.5))]
+            if not known or any(
+                abs(value * each.factor - size) <= _rounded(value, each) for each in units for size in sizes
+            ):
+                continue
+            difference, said = units[0].from_si(known[0] * (0.5 if radial else 1.0)), units[0].said
+            computed = Sentence("{size:.6g} {unit}", size=difference, unit=said)
+            yield row, Sentence("{size:g} {unit}", size=value, unit=said), computed
+
+    def means(self, index: int) -> Iterator[Contradiction]:
+        """Yield the means that are not those of the diameters of their row, direction or plane."""
+        parts = {part_of(word) for word in letters(self.table.heading(index)) if len(word) > 2} - {None}
+        for row, readings, value, stated in self.stated(index):
+            unit = stated or _UNITS[0]
+            wanted = [reading for reading in readings if len(parts) != 1 or reading.part in parts]
+            means = [fmean(each) for reading in wanted for each in self._sets(reading, wanted)]
+            if means and not any(abs(value * unit.factor - mean) <= _rounded(value, unit) for mean in means):
+                sizes = (value, unit.from_si(means[0]))
+                said, expected = (Sentence("{size:.7g} {unit}", size=size, unit=unit.said) for size in sizes)
+                yield row, said, expected
+
+    def _sets(self, reading: Reading, beside: Sequence[Reading]) -> Iterator[list[float]]:
+        """Yield the diameters that this mean may be of: of its row, direction, plane; the closest first."""
+        same = [each for each in self.lands[reading.component, reading.plane] if each.part == reading.part]
+        in_row = [each.diameter for each in beside if each.part == reading.part]
+        if len(in_row) > 1:
+            yield in_row
+        yield [each.diameter for each in same if each.direction == reading.direction]
+        yield [each.diameter for each in same]
+        yield in_row
+        yield [each.diameter for each in beside]
+
+    def of_one_part(self, index: int, readings: Sequence[Reading]) -> Iterator[Message]:
+        """Tell of a clearance or wear that is all a sheet says of a part without a diameter: it is not used."""
+        parts: dict[tuple[str, str], set[str]] = defaultdict(set)
+        for reading in readings:
+            parts[reading.component, reading.plane].add(reading.part)
+        stated = [
+            (row, value, unit)
+            for row, beside, value, unit in self.stated(index)
+            if all(len(parts[each.component, each.plane]) == 1 for each in beside)
+        ]
+        if not stated:
+            return
+        unit = next((written for *_, written in stated if written), None)
+        sizes = sorted(size for _, size, _ in stated)
+        said = Sentence("{size:g}", size=sizes[0])
+        if sizes[-1] > sizes[0]:
+            said = Sentence("{low:g} to {high:g}", low=sizes[0], high=sizes[-1])
+        heading, rows = self.table.heading(index), [row for row, *_ in stated]
+        text = Sentence(
+            "column {heading!r} says {said}{unit} in {rows}, where only one part was measured: it is not used, and the "
+            "other part counts with its nominal diameter",
+            heading=heading,
+            said=said,
+            unit=Sentence(" {unit}", unit=unit.said) if unit else "",
+            rows=rows_named(self.table.sheet, rows),
+        )
+        yield Message("warning", "clearance_not_used", text, self.table.sheet.place(rows[0], index, heading))
+
+
+def _unit(heading: str) -> Unit | None:
+    for bracketed in re.finditer(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading):
+        unit = find_unit(bracketed[1].strip(), "length")
+        if unit is not None:
+            return unit
+    words = plain(heading).replace("_", " ").replace(",", " ").split()
+    return find_unit(words[-1], "length") if words and words[-1] in {"mm", "um", "µm", "μm", "inch"} else None
+
+
+def _stated(table: Table, row: int, index: int) -> tuple[float, Unit | None] | None:
+    cell = table.sheet.cell(row, index)
+    try:
+        return None if is_blank(cell) else number(cell)
+    except ReadingsError:
+        return None
+
+
+def temperatures(table: Table, columns: Columns, rows: Collection[int]) -> Iterator[Message]:
+    """Tell of a column of temperatures of measuring: only the head's is taken, so 20 °C would be assumed."""
+    for index in range(table.sheet.width):
+        words = letters(table.heading(index))
+        named = words.any("temperature") and words.only("temperature", "beside_head", "degree")
+        cells = table.cells(index) if named and index not in columns.read else {}
+        values = tuple(dict.fromkeys(text_of(cell) for row, cell in cells.items() if row in rows))
+        if values:
+            text = Sentence(
+                "column {heading!r} says {values}{more} and is not read: 20 °C counts unless the head of the sheet or "
+                "the job states the temperature of measuring, as in 'Temperature: 21.5 °C' or --measuring-temperature",
+                heading=table.heading(index),
+                values=values[:_TEMPERATURES],
+                more=" …" if len(values) > _TEMPERATURES else "",
+            )
+            yield Message("warning", "temperature_not_read", text, table.heading_place(index))
+
+
+def _differences(readings: Sequence[Reading]) -> list[float]:
+    """Return D − d [m] of the means, then of single readings; nothing where one part is missing."""
+    spools, sleeves = (
+        [reading.diameter for reading in readings if reading.part == part] for part in ("spool", "sleeve")
+    )
+    if not spools or not sleeves:
+        return []
+    differences = [fmean(sleeves) - fmean(spools), min(sleeves) - max(spools), max(sleeves) - min(spools)]
+    if len(spools) * len(sleeves) <= _PAIRS:
+        differences += [sleeve - spool for sleeve in sleeves for spool in spools]
+    return differences
+
+
+def _rounded(value: float, unit: Unit) -> float:
+    """Return how far rounding may move a stated number away from that of the diameters [m]."""
+    decimals = len(f"{value:.6f}".rstrip("0").partition(".")[2])
+    return max(0.5 * 10.0**-decimals * unit.factor if decimals else 0.0, _ROUNDED) + 1e-9
+
+
+# --- corrections ------------------------------------------------------------------------------------------------------
+
+
+def _is_correction(words: Words) -> bool:
+    of_gauge = not {"gauge", "ring"}.isdisjoint(words) and words.any("error")
+    is_error = words.any("error") or words.only("zero", "beside_zero", "error", "correction")
+    correction = of_gauge or (words.any("zero") and is_error) or words.any("correction")
+    return correction and not words.any("corrected")
+
+
+def _correction(table: Table, index: int, rows: Collection[int], columns: Columns) -> Iterator[Message]:
+    read = [column.heading for group in columns.groups for column in group.values()]
+    stated = {row: said[0] for row in rows if (said := _stated(table, row, index)) is not None and said[0]}
+    if not stated or any(letters(heading).any("corrected") for heading in read):
+        return
+    row = max(stated, key=lambda each: abs(stated[each]))
+    heading = table.heading(index)
+    text = counted(
+        len(stated),
+        Sentence(
+            "column {heading!r} is not zero in {count} row (up to {largest:g}, row {row}): it was not applied to the "
+            "diameters"
+        ),
+        Sentence(
+            "column {heading!r} is not zero in {count} rows (up to {largest:g}, row {row}): it was not applied to the "
+            "diameters"
+        ),
+        heading=heading,
+        largest=stated[row],
+        row=table.sheet.row_number(row),
+    )
+    yield Message("warning", "correction_not_applied", text, table.sheet.place(row, index, heading))
+
+
+def _correction_above(table: Table) -> Iterator[Message]:
+    for row in range(max(table.first, 0)):
+        for index, cell in enumerate(table.sheet.rows[row]):
+            if not isinstance(cell, str) or not _is_correction(letters(re.sub(r"[\d.,+\-−]+", " ", cell))):
+                continue
+            amount = re.search(r"[+\-−]?\d+(?:[.,]\d+)?\s*(?:µm|um|μm|mm)\b", cell)
+            beside = table.sheet.cell(row, index + 1)
+            value = amount[0] if amount else "" if is_blank(beside) else text_of(beside)
+            if re.search(r"[1-9]", value):
+                text = Sentence(
+                    "above the table stands {said!r}{value}: it was not applied to the diameters",
+                    said=" ".join(cell.split())[:80],
+                    value="" if amount else f" {value[:20]}",
+                )
+                yield Message("warning", "correction_not_applied", text, table.sheet.place(row, index))
+
+
+# --- the head of the sheet --------------------------------------------------------------------------------------------
+
+
+def other_controller(table: Table, controller: Controller, made_for: str | None = None) -> OtherControllerError | None:
+    """Return an error where the head of the sheet names another controller than the one it is read for.
+
+    ``made_for`` is the id of one from which this one was copied, and which the head may name as well.
+    """
+    sheet, known = table.sheet, {plain(name) for name in catalogue_files("controllers")}
+    mine = {plain(name) for name in (controller.id, controller.name, made_for) if name is not None}
+    for row in range(max(table.first, 0)):
+        for index, cell in enumerate(sheet.rows[row]):
+            match = _CONTROLLER.search(cell) if isinstance(cell, str) else None
+            if match is None:
+                continue
+            form = _OF_A_FORM.match(cell)
+            sure = form is not None and (form.end() < len(cell) or (row, index) == (0, 0))
+            named = form[1] if form is not None and sure else match[1]
+            if named is None and not cell[match.end() :].strip(" .:"):
+                beside = text_of(sheet.cell(row, index + 1))
+                named = beside if _ID.fullmatch(beside) else None
+            if named is None or plain(named) in mine or not (sure or plain(named) in known or "_" in named):
+                continue
+            error = OtherControllerError(
+                Sentence(
+                    "the sheet was made for controller {named}, not for {controller}",
+                    named=named,
+                    controller=controller.id,
+                ),
+                place=sheet.place(row, index),
+                value=" ".join(cell.split())[:80],
+                expected=Sentence(
+                    "that controller, chosen with --controller {named} (or the path of its file); or the line taken "
+                    "out of the sheet",
+                    named=named,
+                ),
+            )
+            error.named = named
+            return error
+    return None

@@ -1,0 +1,277 @@
+"""What the columns of a sheet are for, by their headings and by what stands under them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import reduce
+from itertools import pairwise
+
+from atleak.common.errors import ReadingsError
+from atleak.common.sentences import Sentence
+from atleak.common.units import Unit, find_unit
+from atleak.readers.sheets.column_headings import Column, Role
+from atleak.readers.sheets.controller_names import ControllerNames
+from atleak.readers.sheets.labels import says_date
+from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.words import plain, text_of, vocabulary
+
+_COORDINATES = ("coordinate 1", "coordinate 2")
+_VALUE_WORDS = {
+    "diameter": Sentence("diameter"),
+    "coordinate 1": Sentence("coordinate 1"),
+    "coordinate 2": Sentence("coordinate 2"),
+}
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The columns to read from; None or empty where the sheet has none of a kind."""
+
+    component: Column | None
+    names: tuple[Column, ...]  # further columns that say the component too, by name beside the number
+    part: Column | None
+    plane: Column | None
+    land: Column | None
+    direction: Column | None  # None also where it is empty throughout
+    repeat: Column | None  # the same
+    unit: Column | None
+    groups: tuple[dict[str, Column], ...]  # each makes one diameter: "diameter", "coordinate 1", "coordinate 2"
+    sheet_unit: Unit | None  # where a heading names none
+    hidden: tuple[Column, ...] = ()  # diameters left aside because a visible column holds the same part
+    hidden_read: tuple[Column, ...] = ()  # hidden diameters that are read because none does
+    problems: list[ReadingsError] = field(default_factory=list)
+
+    @property
+    def keys(self) -> tuple[Column, ...]:
+        """Return the columns that say what a diameter is of, and its unit."""
+        keys = (self.component, *self.names, self.part, self.plane, self.land, self.direction, self.repeat, self.unit)
+        return tuple(column for column in keys if column is not None)
+
+    @property
+    def read(self) -> frozenset[int]:
+        """Return the index of every column that something is read from."""
+        values = (column for group in self.groups for column in group.values())
+        return frozenset(column.index for column in (*self.keys, *values))
+
+
+def find_columns(table: Table, names: ControllerNames) -> Columns:
+    """Decide which column is what. What is missing or contradictory is among the ``problems``."""
+    component = _component(table, names)
+    hidden, hidden_read = _hidden(table)
+    values = [column for column in table.values if column not in hidden]
+    groups: dict[object, dict[str, Column]] = {}
+    problems: list[ReadingsError] = []
+    for column in values:
+        name = "diameter" if column.role == "diameter" else f"coordinate {column.coordinate}"
+        other = groups.setdefault(column.group, {}).setdefault(name, column)
+        if other is not column:
+            problems.append(_same_value(table, name, other, column))
+    columns = Columns(
+        component=component,
+        names=tuple(_same(table, names, component)),
+        part=next(iter(table.of("part") or filter(table.names_parts, table.of("component"))), None),
+        plane=_plane(table, names),
+        land=next(iter(table.of("land")), None),
+        direction=_used(table, "direction"),
+        repeat=_used(table, "repeat"),
+        unit=_used(table, "unit"),
+        groups=tuple(groups.values()),
+        sheet_unit=_sheet_unit(table),
+        hidden=hidden,
+        hidden_read=hidden_read,
+        problems=problems,
+    )
+    problems += [*_unsure(table, values), *_two_states(table, values), *_alone(table, groups.values())]
+    problems += _missing(table, names, columns)
+    return columns
+
+
+def _used(table: Table, role: Role) -> Column | None:
+    return next((column for column in table.of(role) if table.cells(column.index)), None)
+
+
+def _component(table: Table, names: ControllerNames) -> Column | None:
+    """Return the column whose cells the controller knows, of those that may number or name the components.
+
+    One whose cells are parts, as in the study's Table 1, is that of parts.
+    """
+
+    def sureness(column: Column) -> tuple[float, float, int]:
+        cells = table.cells(column.index).values()
+        known = sum(names.component(cell) is not None for cell in cells)
+        numbered = sum(text_of(cell) in names.with_lands for cell in cells)
+        return known / max(len(cells), 1), numbered / max(len(cells), 1), column.rank
+
+    columns = [each for each in table.of("component") if table.of("part") or not table.names_parts(each)]
+    return max(columns, key=sureness, default=None)
+
+
+def _plane(table: Table, names: ControllerNames) -> Column | None:
+    """Return the column of planes; of several the one whose cells the controller knows."""
+    known = {column: sum(map(names.is_plane, table.cells(column.index).values())) for column in table.of("plane")}
+    return max(known, key=lambda column: known[column], default=None)
+
+
+def _same(table: Table, names: ControllerNames, component: Column | None) -> Iterator[Column]:
+    """Yield further columns that name the component, or number it in most rows, as no running number does."""
+    numbered = {} if component is None else table.cells(component.index)
+    for column in table.of("component") if component is not None else ():
+        if column != component:
+            cells = table.cells(column.index)
+            pairs = [(names.component(numbered.get(row, "")), names.component(cell)) for row, cell in cells.items()]
+            agree = [one == other for one, other in pairs if one is not None and other is not None]
+            if 2 * sum(agree) > len(agree) or sum(names.is_named(text_of(cell)) for cell in cells.values()) > sum(
+                agree
+            ):
+                yield column
+
+
+def _hidden(table: Table) -> tuple[tuple[Column, ...], tuple[Column, ...]]:
+    """Return the hidden columns of diameters that are left aside, and those that are read."""
+    concealed = [column for column in table.values if column.index in table.sheet.marks.hidden_columns]
+    visible = [column for column in table.values if column not in concealed and table.cells(column.index)]
+    # hidden coordinates beside the diameter that they make belong to the same reading
+    lone = [column for column in concealed if not any(_makes_one(column, other) for other in visible)]
+    aside = [
+        column for column in lone if any(column.part in (None, other.part) or other.part is None for other in visible)
+    ]
+    return tuple(aside), tuple(column for column in lone if column not in aside)
+
+
+def _makes_one(column: Column, other: Column) -> bool:
+    return column.group == other.group and (column.role, column.coordinate) != (other.role, other.coordinate)
+
+
+# --- what is wrong with them ------------------------------------------------------------------------------------------
+
+
+def _same_value(table: Table, name: str, first: Column, second: Column) -> ReadingsError:
+    return ReadingsError(
+        Sentence(
+            "two columns are read as the same {what}: {first!r} and {second!r}",
+            what=_VALUE_WORDS.get(name, Sentence("coordinate")),
+            first=first.name,
+            second=second.name,
+        ),
+        place=table.heading_place(second.index),
+        expected=Sentence(
+            "one state of the valve body: delete or hide the other column; or, if they are repeats, headings such as "
+            "'diameter 1 [mm]' and 'diameter 2 [mm]'"
+        ),
+    )
+
+
+def _alone(table: Table, groups: Iterable[Mapping[str, Column]]) -> Iterator[ReadingsError]:
+    for group in groups:
+        if "diameter" not in group and not group.keys() >= {*_COORDINATES}:
+            column = next(iter(group.values()))
+            yield ReadingsError(
+                Sentence("one coordinate alone makes no diameter"),
+                place=table.heading_place(column.index),
+                value=column.name,
+                expected=Sentence("both coordinates (x1 and x2), or the diameter"),
+            )
+
+
+def _unsure(table: Table, values: Sequence[Column]) -> Iterator[ReadingsError]:
+    """Yield a problem for columns headed by numbers alone, where the nominal diameters do not tell them for lands."""
+    unsure = [column for column in values if column.unsure]
+    if not unsure:
+        return
+    place = table.sheet.place(table.last, unsure[0].index, unsure[0].heading)
+    if unsure[0].index in table.sheet.derived:
+        problem = Sentence("nothing says in which unit the deviations are")
+        expected = Sentence("the unit in the heading, such as 'Deviation [µm]'")
+        yield ReadingsError(problem, place=place, value=unsure[0].name, expected=expected)
+        return
+    names = tuple(repr(column.name) for column in unsure)
+    problem = Sentence("columns {names} are headed by numbers alone: lands, directions or repeats?", names=names)
+    yield ReadingsError(problem, place=place, expected=Sentence("headings such as 'land 1', '0°' or 'diameter 1'"))
+
+
+def _two_states(table: Table, values: Sequence[Column]) -> Iterator[ReadingsError]:
+    """Yield a problem for columns that number repeats and differ in other words: "diameter 1 before", "2 after"."""
+    for column, other in pairwise(values):
+        numbered = column.station == other.station and column.repeat != other.repeat
+        if numbered and column.besides != other.besides:
+            yield ReadingsError(
+                Sentence(
+                    "the columns {first!r} and {second!r} are told apart by more than the number of a repeat: two "
+                    "states?",
+                    first=column.name,
+                    second=other.name,
+                ),
+                place=table.heading_place(other.index),
+                value=", ".join(sorted(column.besides ^ other.besides)),
+                expected=Sentence(
+                    "one state of the valve body: delete or hide the other column; or headings that differ in the "
+                    "number of the repeat only"
+                ),
+            )
+
+
+def _sheet_unit(table: Table) -> Unit | None:
+    """Return the unit where a heading names none: that of the other headings, or the one stated above the table."""
+    headed = {column.unit for column in table.values if column.unit is not None}
+    if len(headed) == 1:
+        return headed.pop()
+    for row in range(table.first):
+        for index, cell in enumerate(table.sheet.rows[row]):
+            words = plain(cell).replace(":", " ").replace("=", " ").split() if isinstance(cell, str) else []
+            candidates: list[str] = []
+            if words and words[0] in vocabulary("unit"):
+                candidates = [*words[1:], str(table.sheet.cell(row, index + 1))]
+            elif "in" in words[:-1] or "w" in words[:-1]:  # "all dimensions in mm"
+                candidates = words[-1:]
+            for bare in filter(None, (candidate.strip("[]()., ") for candidate in candidates)):
+                if (unit := find_unit(bare, "length")) is not None:
+                    return unit
+    return None
+
+
+def _missing(table: Table, names: ControllerNames, columns: Columns) -> Iterator[ReadingsError]:
+    dated = _dated(table, columns)
+    if dated is not None:
+        yield dated
+        return
+    missing = []
+    if columns.component is None and table.component is None:
+        missing.append(Sentence("the component's number"))
+    if columns.part is None and table.part is None and not all(column.part for column in table.values):
+        missing.append(Sentence("the part (spool or sleeve)"))
+    placed = bool(table.values) and all(column.land or column.plane for column in table.values)
+    if columns.plane is None and columns.land is None and not placed and not _of_one_land(table, names, columns):
+        missing.append(Sentence("the measurement plane (or land)"))
+    if missing:
+        what = reduce(lambda first, second: Sentence("{first} nor {second}", first=first, second=second), missing)
+        yield ReadingsError(
+            Sentence("no column holds {what}", what=what),
+            place=table.sheet.place(max(table.last, 0)),
+            value=", ".join(column.name for column in table.columns),
+            expected=Sentence("headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'"),
+        )
+
+
+def _of_one_land(table: Table, names: ControllerNames, columns: Columns) -> bool:
+    """Return whether every component that the table names has one land, so that nothing need say which."""
+    column = columns.component
+    named = {table.component} if column is None else set(map(names.component, table.cells(column.index).values()))
+    return bool(named) and all(len(names.controller.lands_of(each)) == 1 for each in named if each is not None)
+
+
+def _dated(table: Table, columns: Columns) -> ReadingsError | None:
+    """Return an error where a spreadsheet program has made dates of "8-1" in a column that says what rows are of."""
+    for column in filter(None, (columns.component, columns.plane, columns.land)):
+        for row, cell in table.cells(column.index).items():
+            if says_date(cell):
+                return ReadingsError(
+                    Sentence("the spreadsheet program has made a date of this cell"),
+                    place=table.place(row, column),
+                    value=text_of(cell).removesuffix(" 00:00:00"),
+                    expected=Sentence(
+                        "component and plane, such as 8/1: format the column as text and type them again, or write a "
+                        "column for each"
+                    ),
+                )
+    return None

@@ -1,0 +1,289 @@
+"""Diameters as written → readings in metres: the unit where none is stated, and the numbers of the repeats.
+
+Cells left empty under the first of a block, filled with what stands above them, where the user says so.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from statistics import median
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.instruments import Part
+from atleak.catalogue.words import PART_WORDS, angle
+from atleak.common.errors import Message, Place, ReadingsError
+from atleak.common.sentences import Sentence
+from atleak.common.units import Unit, unit_names
+from atleak.common.units import unit as unit_named
+from atleak.common.wording import languages, own_table
+from atleak.measurements.readings import NOMINAL_HEADING, Reading
+from atleak.readers.cells.sheet import rows_named
+from atleak.readers.sheets.column_headings import Role
+from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, numbers_of
+from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.words import is_blank, plain, repeat_of, text_of
+
+COORDINATES_AGREE = 2e-6  # [m] between a diameter and the distance of its coordinates, both rounded to 0.001 mm
+MM = 1e-3
+
+
+@dataclass(frozen=True)
+class Key:
+    """What a diameter is of."""
+
+    component: str
+    part: Part
+    plane: str
+    direction: float | None
+    repeat: int | None  # None: the next free one
+    explicit: bool  # whether a column of its own says it
+    unworn: bool = False  # marked as taken at an unworn end
+
+
+@dataclass(frozen=True)
+class RawValue:
+    """One diameter as written: the numbers, still in the sheet's unit."""
+
+    diameter: float | None
+    coordinates: tuple[float, float] | None
+    unit: Unit | None
+    place: Place
+
+    @property
+    def size(self) -> float:
+        if self.diameter is not None:
+            return self.diameter
+        assert self.coordinates is not None
+        return abs(self.coordinates[0] - self.coordinates[1])
+
+
+@dataclass(frozen=True)
+class DiameterCell:
+    """A diameter with the row and column, from 0, that it stands in."""
+
+    row: int
+    column: int
+    key: Key
+    raw: RawValue
+
+
+@dataclass
+class Converted:
+    """Readings, their units, and the problems and messages that came up."""
+
+    readings: list[Reading] = field(default_factory=list)
+    unworn: list[Reading] = field(default_factory=list)
+    units: list[str] = field(default_factory=list)  # names in order of appearance
+    unit_assumed: bool = False
+    problems: list[ReadingsError] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
+
+
+def convert(entries: Sequence[DiameterCell], controller: Controller, headings: Place) -> Converted:
+    """Convert diameters as written into readings; ``headings`` is the place to name where the unit is missing."""
+    result = Converted()
+    unitless = [entry for entry in entries if entry.raw.unit is None]
+    assumed = _assumed_unit(unitless, controller, headings, result) if unitless else None
+    result.unit_assumed = assumed is not None
+    taken: dict[tuple[object, int], Reading] = {}
+    counted: dict[object, int] = defaultdict(int)
+    for entry in entries:
+        key, raw = entry.key, entry.raw
+        unit = raw.unit or assumed
+        if unit is None or not _agrees(raw, unit, result.problems):
+            continue
+        if unit.name not in result.units:
+            result.units.append(unit.name)
+        reading = _reading(key, raw, unit)
+        station, repeat = (reading.station, key.unworn), key.repeat
+        if key.explicit and repeat is not None and (station, repeat) in taken:
+            result.problems.append(_twice(reading, raw, repeat, taken[station, repeat]))
+            continue
+        while repeat is None or (station, repeat) in taken:
+            counted[station] += 1
+            repeat = counted[station]
+        taken[station, repeat] = replace(reading, repeat=repeat)
+        (result.unworn if key.unworn else result.readings).append(taken[station, repeat])
+    return result
+
+
+def _agrees(raw: RawValue, unit: Unit, problems: list[ReadingsError]) -> bool:
+    if raw.diameter is None or raw.coordinates is None:
+        return True
+    distance = abs(raw.coordinates[0] - raw.coordinates[1])
+    if abs(raw.diameter - distance) * unit.factor <= COORDINATES_AGREE + 1e-12:
+        return True
+    problem = Sentence("the diameter and the distance of its coordinates ({distance:.6g}) disagree", distance=distance)
+    expected = Sentence("a diameter equal to |x1 − x2|, or one of the two left empty")
+    problems.append(ReadingsError(problem, place=raw.place, value=raw.diameter, expected=expected))
+    return False
+
+
+def _reading(key: Key, raw: RawValue, unit: Unit) -> Reading:
+    ends = raw.coordinates
+    coordinates = None if ends is None else (unit.to_si(ends[0]), unit.to_si(ends[1]))
+    size = unit.to_si(raw.size)
+    return Reading(key.component, key.part, key.plane, key.direction, 0, size, raw.place, coordinates)
+
+
+def _twice(reading: Reading, raw: RawValue, repeat: int, earlier: Reading) -> ReadingsError:
+    problem = Sentence(
+        "repeat {repeat} of component {component}, {part}, plane {plane}{direction} stands in row {row} already",
+        repeat=repeat,
+        component=reading.component,
+        part=PART_WORDS[reading.part],
+        plane=reading.plane,
+        direction=angle(reading.direction),
+        row=earlier.place.row,
+    )
+    return ReadingsError(problem, place=raw.place, value=raw.size, expected=Sentence("each repeat once"))
+
+
+def _assumed_unit(
+    unitless: Sequence[DiameterCell], controller: Controller, headings: Place, result: Converted
+) -> Unit | None:
+    """Return the unit in which the diameters come near the nominal ones."""
+    ratios = []
+    for entry in unitless:
+        land = controller.land_of_plane(entry.key.component, entry.key.plane)
+        assert land is not None  # a key is only made for planes that the controller knows
+        ratios.append(entry.raw.size / (land.nominal_diameter / MM))
+    middle = median(ratios)
+    for unit in (unit_named(name, "length") for name in unit_names("length")):
+        if 0.8 < middle * unit.factor / MM < 1.25:
+            text = Sentence(
+                "the sheet names no unit: {unit} assumed, in which the diameters come near the nominal ones",
+                unit=unit.said,
+            )
+            result.messages.append(Message("warning", "unit_assumed", text, headings))
+            return unit
+    problem = Sentence(
+        "the sheet names no unit, and in none are the diameters near the nominal ones (the numbers are {times:.3g} "
+        "times the nominal diameters in mm)",
+        times=middle,
+    )
+    expected = Sentence("a unit in the heading, such as 'Diameter [mm]'")
+    result.problems.append(ReadingsError(problem, place=headings, expected=expected))
+    return None
+
+
+_FILLED: tuple[Role, ...] = ("component", "part", "plane", "land", "direction")
+FILL_DOWN = Sentence("or --fill-down, if an empty cell means the one above it")
+
+
+def filled_down(table: Table, told: bool) -> Table:
+    """Return the table with the empty cells of a block filled from the first one.
+
+    ``told`` is whether the user says that empty cells go on with the one above. Without it only the program's own form
+    saved as text is filled, whose blocks are known. A label that changes ends what stands to the right of it.
+    """
+    if not told and not (table.sheet.is_text and is_own_form(table)):
+        return table
+    sheet = table.sheet
+    keys = sorted(each.index for each in table.columns if each.role in _FILLED and each.index not in sheet.derived)
+    counts = [each.index for each in table.of("repeat")]
+    beside = [each.index for each in table.of("specification")] if not told else []
+    filled: dict[tuple[int, int], tuple[int, int]] = {}
+    first: dict[int, int] = {}  # of each column the row with the label that counts now
+    repeat = 0
+    for row in table.rows:
+        if all(is_blank(cell) for cell in sheet.rows[row]):
+            first = {}
+            continue
+        given = [index for index in keys if not is_blank(sheet.filled(row, index))]
+        new = next((index for index in given if not _is_same(table, first.get(index), row, index)), None)
+        number = next((number for index in counts if (number := repeat_of(sheet.filled(row, index)))), 0)
+        if new is None and not given and 0 < number <= repeat:
+            first = {}  # repeats that begin again under no label: one was forgotten
+        repeat = number
+        if new is not None:
+            first = {index: at for index, at in first.items() if index < new}
+        first |= dict.fromkeys(given, row)
+        for index in (*keys, *beside):
+            if index in first and is_blank(sheet.filled(row, index)):
+                filled[row, index] = sheet.merged.get((first[index], index), (first[index], index))
+            elif index in beside and not is_blank(sheet.filled(row, index)):
+                first[index] = row
+    if not filled:
+        return table
+    return replace(
+        table,
+        sheet=replace(sheet, merged={**sheet.merged, **filled}),
+        told=(*table.told, _what_was_filled(table, filled)),
+        filled=frozenset(row for row, _ in filled),
+    )
+
+
+def _is_same(table: Table, first: int | None, row: int, index: int) -> bool:
+    if first is None:
+        return False
+    return plain(text_of(table.sheet.filled(first, index))) == plain(text_of(table.sheet.filled(row, index)))
+
+
+def _what_was_filled(table: Table, filled: Mapping[tuple[int, int], tuple[int, int]]) -> Message:
+    text = Sentence(
+        "empty cells under {headings} go on with the one above them ({rows})",
+        headings=tuple(repr(table.heading(index)) for index in sorted({index for _, index in filled})),
+        rows=rows_named(table.sheet, sorted({row for row, _ in filled})),
+    )
+    return Message("info", "filled_down", text, table.sheet.place(min(row for row, _ in filled)))
+
+
+def broken_blocks(table: Table, entries: Sequence[DiameterCell], names: ControllerNames) -> Iterator[ReadingsError]:
+    """Yield a problem for each filled row that cannot go on with the one above: of another diameter, or come twice."""
+    sizes = Sizes(names.controller)
+    seen: dict[object, int] = {}
+    before: list[object] = []
+    row, here = -1, list[object]()
+    for entry in entries:
+        if entry.row != row:
+            row, before, here = entry.row, here, []
+        key = entry.key
+        station = (key.component, key.part, key.plane, key.direction)
+        here.append(station)
+        if entry.row in table.filled:
+            units = (entry.raw.unit,) if entry.raw.unit is not None else UNITS
+            beside = [
+                number
+                for column in table.of("specification")
+                for number in numbers_of(table.sheet.cell(entry.row, column.index))
+                if sizes.near(number, units)
+            ]
+            written = [entry.raw.size, *beside]
+            if not all(sizes.near_plane(each, units, key.component, key.plane) for each in written):
+                yield _broken(table, entry, Sentence("and another nominal diameter than that stands here"))
+            elif station in seen and station not in before and key.repeat is None:
+                text = Sentence("which stands in row {row} already", row=table.sheet.row_number(seen[station]))
+                yield _broken(table, entry, text)
+        seen[station] = row
+
+
+def _broken(table: Table, entry: DiameterCell, why: Sentence) -> ReadingsError:
+    key = entry.key
+    return ReadingsError(
+        Sentence(
+            "this row would go on with component {component}, plane {plane}, {why}: is its label missing?",
+            component=key.component,
+            plane=key.plane,
+            why=why,
+        ),
+        place=entry.raw.place,
+        value=entry.raw.size,
+        expected=Sentence("the label in the first row of every block"),
+    )
+
+
+def is_own_form(table: Table) -> bool:
+    """Return whether a table has the heading of nominal diameters that the program's own form has."""
+    return any(table.heading(index).partition(" [")[0] in nominal_headings() for index in table.span)
+
+
+@cache
+def nominal_headings() -> frozenset[str]:
+    """Return the heading of the form's own column of nominal diameters in every language, without its unit."""
+    english = str(NOMINAL_HEADING)
+    headings = (own_table(each, "messages", english.split()[0]).get(english, english) for each in languages())
+    return frozenset(" ".join(heading.split()) for heading in headings)

@@ -1,0 +1,418 @@
+"""Rows that hold numbers and no reading: means and sums, what their author crossed out, hid or called void.
+
+What the author of a sheet marked its readings with: comments, colours, stars. Only people can say what they mean.
+
+A reading that is marked counts all the same; what is crossed out does not.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from statistics import fmean, median
+from typing import Any
+
+from atleak.common.errors import Message, ReadingsError, nearest_name
+from atleak.common.sentences import Sentence, counted, some
+from atleak.readers.cells.sheet import Cell, column_letter, rows_named
+from atleak.readers.sheets.column_headings import Column
+from atleak.readers.sheets.columns import Columns
+from atleak.readers.sheets.controller_names import ControllerNames
+from atleak.readers.sheets.diameters import DiameterCell
+from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.words import (
+    Summary,
+    direction_of,
+    is_blank,
+    is_marked,
+    is_rejected,
+    letters,
+    number_of,
+    part_said,
+    plain,
+    repeat_of,
+    says_no,
+    says_specification,
+    says_yes,
+    summary_of,
+    text_of,
+)
+
+# why rows are left aside, in the order in which it is told: by the code of the message, or by how rows are hidden
+_TOLD: Mapping[str, Sentence] = {
+    "summaries_left_aside": Sentence("{rows} of {what} left aside ({named})"),
+    "specifications_left_aside": Sentence("{rows} of {what!r} left aside, what should be ({named})"),
+    "characteristics_left_aside": Sentence("{rows} of other characteristics left aside ({what}): {named}"),
+    "notes_left_aside": Sentence(
+        "{rows} left aside, whose label is no component and which say nothing else ({what}): {named}"
+    ),
+    "rejected_left_aside": Sentence("{rows} left aside, because {what} ({named})"),
+    "struck_left_aside": Sentence("{rows} with a crossed-out reading: it was left aside ({named})"),
+    "by hand": Sentence("{rows} with readings, hidden by hand: left aside: show them, and they are read ({named})"),
+    "by a filter": Sentence("{rows} with readings, hidden by a filter: read all the same ({named})"),
+    "in a folded outline": Sentence("{rows} with readings, hidden in a folded outline: read all the same ({named})"),
+}
+_HIDDEN, _READ_ALL_THE_SAME = "hidden_rows", ("by a filter", "in a folded outline")
+_NO_WARNING = ("summaries_left_aside", "specifications_left_aside", "characteristics_left_aside", *_READ_ALL_THE_SAME)
+LEFT_ASIDE = (*(code for code in _TOLD if code.endswith("_left_aside")), _HIDDEN)  # codes of messages
+_HALF_A_MICROMETRE = 0.5e-3  # in the numbers of a sheet in mm: how far a mean may be rounded
+_SHOWN = 4
+_MARKS = {"x", "✓", "✔", "1"}
+_NAMES: dict[Summary, tuple[Sentence, Sentence]] = {  # of one, and of several
+    "mean": (Sentence("mean"), Sentence("means")),
+    "sum": (Sentence("sum"), Sentence("sums")),
+    "largest": (Sentence("largest value"), Sentence("largest values")),
+    "smallest": (Sentence("smallest value"), Sentence("smallest values")),
+    "spread": (Sentence("spread"), Sentence("spreads")),
+    "count": (Sentence("count"), Sentence("counts")),
+}
+_COMPUTED: dict[Summary, Callable[[Sequence[float]], float]] = {
+    "mean": fmean,
+    "sum": sum,
+    "largest": max,
+    "smallest": min,
+}
+
+
+class Asides:
+    """Decides which rows under the headings are left aside, and why."""
+
+    def __init__(self, table: Table, columns: Columns, names: ControllerNames) -> None:
+        self.table, self.sheet, self.columns, self.names = table, table.sheet, columns, names
+        self.struck: list[int] = []
+        self._summaries: dict[int, Summary] = {}  # by row
+        self._left: dict[str, dict[Any, list[int]]] = {why: {} for why in _TOLD}  # rows by why, and what says so
+        self._keys = [column.index for column in columns.keys]
+        others = [index for index in range(self.sheet.width) if index not in columns.read]
+        self._cells = {index: table.cells(index) for index in (*self._keys, *others)}
+        self._others = others
+        self._counts, self._counts_not = (
+            [index for index in others if len(words := letters(table.heading(index))) <= 4 and words.any(asked)]
+            for asked in ("counts", "counts_not")
+        )
+        of = -1 if columns.component is None else columns.component.index
+        self._beside_component = [index for index in self._keys if of not in (-1, index) and self._cells[index]]
+        self._machine = [index for index in others if self._says_characteristics(index)]
+        # marks in some rows and nothing in others, and nowhere a "no": what is not marked does not count
+        self._marked = [
+            index
+            for index in self._counts
+            if self._cells[index]
+            and all(says_yes(cell) and text_of(cell).lower() in _MARKS for cell in self._cells[index].values())
+        ]
+
+    def _says_characteristics(self, index: int) -> bool:
+        words = letters(self.table.heading(index))
+        named = words.any("characteristic") and len(words) < 4
+        return named and any(_says_diameter(text_of(cell)) for cell in self._cells[index].values())
+
+    def takes(self, row: int) -> bool:
+        """Return whether a row that holds numbers is no reading, and note why."""
+        hidden = self.sheet.marks.hidden_rows.get(row)
+        if hidden in _READ_ALL_THE_SAME:
+            self._left[hidden].setdefault(None, []).append(row)
+        reasons: tuple[tuple[str, Callable[[int], Any]], ...] = (
+            ("by hand", lambda _: hidden if hidden == "by hand" else None),
+            ("rejected_left_aside", self._rejection),
+            ("struck_left_aside", self._strike),
+            ("summaries_left_aside", self._summary),
+            ("characteristics_left_aside", self._other_characteristic),
+            ("notes_left_aside", self._note),
+            ("specifications_left_aside", self._specification),
+        )
+        for why, find in reasons:
+            what = find(row)
+            if what is not None:
+                self._left[why].setdefault(what, []).append(row)
+                return True
+        return False
+
+    def _rejection(self, row: int) -> Sentence | None:
+        asked = [(index, says_no) for index in self._counts] + [(index, says_yes) for index in self._counts_not]
+        for index, rejects in asked:
+            heading, cell = self.table.heading(index), self._cells[index].get(row)
+            if cell is not None and rejects(cell):
+                return Sentence("column {heading!r} says {said!r}", heading=heading, said=text_of(cell))
+            if cell is None and index in self._marked:
+                return Sentence("column {heading!r} has no mark", heading=heading)
+        remark = next((cell for index in self._others if is_rejected(cell := self.sheet.cell(row, index))), None)
+        return None if remark is None else Sentence("a remark says {said!r}", said=text_of(remark))
+
+    def _strike(self, row: int) -> str | None:
+        if self.sheet.marks.struck and any(self.sheet.is_struck(row, index) for index in self._keys):
+            self.struck.append(row)
+            return "struck"
+        return None
+
+    def _summary(self, row: int) -> Summary | None:
+        columns = self.columns
+        for column in columns.keys:
+            label = self.sheet.filled(row, column.index)
+            if not isinstance(label, str) or is_blank(label):
+                continue
+            understood = (
+                self.names.component(label) is not None
+                if column in (columns.component, *columns.names)
+                else part_said(label) is not None
+                if column == columns.part
+                else direction_of(label) is not None
+                if column == columns.direction
+                else column == columns.repeat and repeat_of(label) is not None
+            )
+            kind = None if understood else summary_of(label, key=True)
+            if kind is not None:
+                break
+        else:
+            cells = (self.sheet.cell(row, index) for index in self._others)
+            kind = next((kind for cell in cells if (kind := summary_of(cell))), None)
+        if kind is not None:
+            self._summaries[row] = kind
+        return kind
+
+    def _other_characteristic(self, row: int) -> str | None:
+        """Return what a measuring machine's row is of, None where it is of a diameter or no column says."""
+        cells = [text_of(self._cells[index][row]) for index in self._machine if row in self._cells[index]]
+        return cells[0] if cells and not any(map(_says_diameter, cells)) else None
+
+    def _note(self, row: int) -> str | None:
+        """Return the label of a row that says nothing of what a diameter is of, and whose label is no component.
+
+        A label that is nearly a component's name is a slip in a reading, and is refused as one.
+        """
+        component = self.columns.component
+        if component is None or any(row in self._cells[index] for index in self._beside_component):
+            return None
+        label = self._cells[component.index].get(row, "")
+        if not isinstance(label, str) or not label or self.names.component(label) is not None:
+            return None
+        if not self._beside_component and not letters(label).any("gauge", "calibration"):
+            return None
+        near = nearest_name(plain(label), [name for name, _ in self.names.by_length])
+        return repr(text_of(label)) if near is None and number_of(label) is None and letters(label) else None
+
+    def _specification(self, row: int) -> str | None:
+        """Return the word that calls the row's number a nominal or specified one, None where no word does."""
+        for index, cell in enumerate(self.sheet.rows[row]):
+            if isinstance(cell, str) and says_specification(cell) and self._is_label(index, cell):
+                return cell
+        return None
+
+    def _is_label(self, index: int, cell: str) -> bool:
+        """Return whether a cell names its row: in a key's column, or in one that holds no numbers."""
+        if index in self._keys:
+            return self.names.component(cell) is None
+        return index in self._others and not any(
+            isinstance(each, int | float) or number_of(str(each)) is not None for each in self._cells[index].values()
+        )
+
+    # --- what is said of them -----------------------------------------------------------------------------------------
+
+    def messages(self, entries: Sequence[DiameterCell]) -> Iterator[Message]:
+        """Yield what was left aside, and which means or sums disagree with the readings above them."""
+        if self.struck:
+            self._left["struck_left_aside"] = {"struck": sorted(set(self.struck))}
+        for why, text in _TOLD.items():
+            groups = list(self._left[why].items())
+            if why == "summaries_left_aside":
+                groups = [(_NAMES[kind][1], rows) for kind, rows in groups]
+            elif why in ("characteristics_left_aside", "notes_left_aside") and groups:  # together, whatever they are
+                whats = some(tuple(what for what, _ in groups), _SHOWN)
+                groups = [(whats, [row for _, rows in groups for row in rows])]
+            for what, rows in groups:
+                count = counted(len(rows), Sentence("{count} row"), Sentence("{count} rows"))
+                said = text.of(rows=count, what=what, named=rows_named(self.sheet, rows))
+                code = why if why in LEFT_ASIDE else _HIDDEN
+                yield Message("info" if why in _NO_WARNING else "warning", code, said, self.sheet.place())
+        for row, kind in self._summaries.items():
+            if kind in _COMPUTED:
+                yield from self._disagreement(row, kind, entries)
+
+    def take_back_means(self, entries: Sequence[DiameterCell]) -> list[tuple[int, Sentence]]:
+        """Return the rows of means that say what they are of, and of which the sheet holds no single readings."""
+        alone = [
+            (row, kind)
+            for row, kind in self._summaries.items()
+            if kind in ("mean", "largest", "smallest")
+            and "component" in (labels := self._labels(row))
+            and not any(_matches(entry, labels) for entry in entries)
+        ]
+        for row, kind in alone:
+            del self._summaries[row]
+            left = self._left["summaries_left_aside"]
+            left[kind].remove(row)
+            if not left[kind]:
+                del left[kind]
+        return [(row, _NAMES[kind][0]) for row, kind in alone]
+
+    def _labels(self, row: int) -> Mapping[str, object]:
+        """Return what the row's labels say, as far as they are understood."""
+        columns, names = self.columns, self.names
+
+        def cell(column: Column | None) -> Cell:
+            return "" if column is None else self._cells[column.index].get(row, "")
+
+        component = names.component(cell(columns.component))
+        labels: dict[str, object] = {"component": component}
+        try:
+            if component is not None and cell(columns.plane) != "":
+                labels["plane"] = names.plane(component, cell(columns.plane))
+            elif component is not None and cell(columns.land) != "":
+                labels["plane"] = names.land(component, cell(columns.land)).planes[0]
+        except ReadingsError:
+            pass
+        labels["part"] = part_said(text_of(cell(columns.part)))
+        labels["direction"] = direction_of(cell(columns.direction))
+        return {name: value for name, value in labels.items() if value is not None}
+
+    def _disagreement(self, row: int, kind: Summary, entries: Sequence[DiameterCell]) -> Iterator[Message]:
+        compute = _COMPUTED[kind]
+        before = max((other for other in self._summaries if other < row), default=-1)
+        labels = self._labels(row)
+        for column in (group["diameter"] for group in self.columns.groups if "diameter" in group):
+            cell = self.sheet.cell(row, column.index)
+            stated = number_of(cell) if isinstance(cell, str) else cell
+            if isinstance(stated, bool) or not isinstance(stated, int | float):
+                continue
+            above = [entry for entry in entries if entry.row < row and entry.column == column.index]
+            same = [entry for entry in above if labels and _matches(entry, labels)]
+            sets = [each for each in (same, [entry for entry in above if entry.row > before], above) if each]
+            sizes = [[entry.raw.size for entry in each] for each in sets]
+            if not sizes or any(_agree(stated, compute(each)) for each in sizes):
+                continue
+            if kind == "mean" and any(_agree(stated, median(each)) for each in sizes):
+                continue
+            text = Sentence(
+                "the {what} {stated:.7g} stands in row {row}, but that of {rows} is {computed:.7g}: a slip in one of "
+                "them",
+                what=_NAMES[kind][0],
+                stated=stated,
+                row=self.sheet.row_number(row),
+                rows=rows_named(self.sheet, [entry.row for entry in sets[0]]),
+                computed=compute(sizes[0]),
+            )
+            place = self.sheet.place(row, column.index, self.table.heading(column.index))
+            yield Message("warning", "summary_disagrees", text, place)
+
+
+def _says_diameter(text: str) -> bool:
+    return letters(re.sub("[ø⌀φ]", " ø ", plain(text))).any("diameter") or text in {"D", "DM", "DIA"}
+
+
+def _matches(entry: DiameterCell, labels: Mapping[str, object]) -> bool:
+    return all(getattr(entry.key, name) == value for name, value in labels.items())
+
+
+def _agree(stated: float, computed: float) -> bool:
+    """Return whether two numbers are equal after rounding to the decimals of the stated one."""
+    decimals = len(f"{stated:.6f}".rstrip("0").partition(".")[2])
+    return abs(stated - computed) <= max(0.5 * 10.0**-decimals if decimals <= 3 else 0.0, _HALF_A_MICROMETRE) + 1e-9
+
+
+_QUOTED = 4  # marks that a message names
+_LONGEST = 80  # characters of a comment or legend that are quoted
+_FEW = (
+    0.01,
+    0.1,
+)  # part of the readings: so many that are coloured otherwise are marked, whether a legend says so or not
+
+At = tuple[int, int]  # row, column
+
+
+def messages(table: Table, rows: Collection[int], columns: Columns) -> Iterator[Message]:
+    """Say which readings of a table are marked; ``rows`` are those that hold any."""
+    sheet = table.sheet
+    groups = [[column.index for column in group.values()] for group in columns.groups]
+    read = [
+        [(row, sheet.derived.get(index, index)) for index in group if not is_blank(sheet.cell(row, index))]
+        for row in rows
+        for group in groups
+    ]
+    read = [cells for cells in read if cells]
+    if read:
+        yield from _stars(table, read)
+        yield from _comments(table, rows)
+        yield from _colours(table, read)
+
+
+def _stars(table: Table, read: Sequence[Sequence[At]]) -> Iterator[Message]:
+    """Say which numbers have a star or dagger, which points to a note."""
+    sheet, marked = table.sheet, [at for cells in read for at in cells if is_marked(table.sheet.cell(*at))]
+    if marked:
+        numbers = tuple(dict.fromkeys(text_of(sheet.cell(*at)) for at in marked))[:_QUOTED]
+        text = Sentence(
+            "a mark stands behind {numbers} ({rows}): read as they stand; what it means only the sheet's notes say",
+            numbers=numbers,
+            rows=rows_named(sheet, [row for row, _ in marked]),
+        )
+        yield Message("info", "numbers_marked", text, sheet.place(*marked[0]))
+
+
+def _comments(table: Table, rows: Collection[int]) -> Iterator[Message]:
+    """Quote the comments on readings, and on what else stands in their rows."""
+    sheet = table.sheet
+    comments = {at: words for at, words in sorted(sheet.marks.comments.items()) if at[0] in rows and words}
+    if comments:
+        quoted = [f"{_named(table, at)}: {' '.join(words.split())[:_LONGEST]!r}" for at, words in comments.items()]
+        text = Sentence(
+            "comments on readings, which count all the same: {comments}. Cross out what is not to count",
+            comments=_listed(quoted),
+        )
+        rejected = any(letters(words).any("counts_not") for words in comments.values())
+        yield Message("warning" if rejected else "info", "readings_commented", text, sheet.place(*next(iter(comments))))
+
+
+def _colours(table: Table, read: Sequence[Sequence[At]]) -> Iterator[Message]:
+    """Say which readings are coloured otherwise than most in their column, where they are few or a legend names it."""
+    sheet, colours = table.sheet, table.sheet.marks.colours
+    by_column: dict[int, Counter[str]] = {}
+    for at in (at for cells in read for at in cells):
+        by_column.setdefault(at[1], Counter())[colours.get(at, "")] += 1
+    usual = {column: counted.most_common(1)[0][0] for column, counted in by_column.items()}
+    unusual = ([at for at in cells if colours.get(at, "") != usual[at[1]]] for cells in read)
+    others = [cells[0] for cells in unusual if cells]
+    legend = _legend(table, {colours[at] for at in others if at in colours}) if others else None
+    part = len(others) / len(read)
+    if not others or part > 0.5 or (legend is None and not _FEW[0] <= part <= _FEW[1]):
+        return
+    template = Sentence(
+        "coloured otherwise than the rest of their column, {count} of {all} readings: {cells}. They count all the "
+        "same: cross out what is not to count"
+    )
+    if legend is not None:
+        template = Sentence(
+            "coloured otherwise than the rest of their column, {count} of {all} readings: {cells}; the sheet says "
+            "{legend!r}. They count all the same: cross out what is not to count"
+        )
+    cells, quoted = _listed([_named(table, at) for at in others]), (legend or "")[:_LONGEST]
+    text = template.of(count=len(others), all=len(read), cells=cells, legend=quoted)
+    yield Message("warning", "readings_coloured", text, sheet.place(*others[0]))
+
+
+def _legend(table: Table, colours: Collection[str]) -> str | None:
+    """Return what on the sheet says what a colour means: it names one, or is a word for what counts not in that one."""
+    for row, cells in enumerate(table.sheet.rows):
+        for column, cell in enumerate(cells):
+            if not isinstance(cell, str):
+                continue
+            words = letters(cell)
+            rejected = words.any("counts_not")
+            named = next((word for word in words if word in words.of("colour")), None)
+            explained = named and re.search(rf"{re.escape(named)}(?: \w+)?\s*[=:–—-]", plain(cell))
+            if (
+                (named and rejected)
+                or explained
+                or (rejected and table.sheet.marks.colours.get((row, column)) in colours)
+            ):
+                return " ".join(cell.split())
+    return None
+
+
+def _named(table: Table, at: At) -> str:
+    """Name a cell as a spreadsheet does."""
+    row, column = (at[1], at[0]) if table.sheet.turned else at
+    return f"{column_letter(column)}{row + 1}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:_QUOTED]) + (" …" if len(names) > _QUOTED else "")

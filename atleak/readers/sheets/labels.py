@@ -1,0 +1,255 @@
+"""Cells that say several things at once: "pressure_regulator/2", "No. 8, plane 1", "bore 90°".
+
+Tables of which one column says several things in a cell → the same with a column for each of them.
+"""
+
+from __future__ import annotations
+
+import datetime
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from atleak.common.errors import ReadingsError
+from atleak.readers.cells.sheet import Cell
+from atleak.readers.sheets.column_headings import Column, Role, is_angle, split_unit, spot_of_heading, tokens_of
+from atleak.readers.sheets.controller_names import ControllerNames
+from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.words import (
+    direction_of,
+    is_blank,
+    number_of,
+    part_of,
+    part_said,
+    plain,
+    plane_names,
+    text_of,
+    vocabulary,
+)
+
+_LEADING_NUMBER = re.compile(r"(\d+'?)(?=[\s,;:./_()\-–—#]|$)")
+_AXES = {"x": "0°", "y": "90°"}
+_MONTH = (
+    r"(?:jan|feb|mar|apr|may|mai|maj|jun|jul|aug|sep|oct|okt|nov|dec|dez|sty|lut|kwi|cze|lip|sie|wrz|paz|lis|gru)"
+    r"[a-z]*\.?"
+)
+_DATE = re.compile(rf"\d{{1,2}}[-. ]+{_MONTH}|{_MONTH}[-. ]+\d{{1,2}}|\d{{4}}-\d\d-\d\d(?:[t ]00:00(?::00)?)?")
+
+
+@dataclass(frozen=True)
+class Label:
+    """What one cell says of a diameter, each as a cell of its own column would say it; None where it does not.
+
+    ``number`` is one that stands for a land or a plane without saying which of them.
+    """
+
+    component: str | None = None
+    part: str | None = None
+    land: str | None = None
+    plane: str | None = None
+    direction: str | None = None
+    repeat: str | None = None
+    unit: str | None = None
+    number: str | None = None
+
+    @property
+    def said(self) -> dict[str, str]:
+        """Return what is said, by what it is."""
+        return {name: value for name, value in vars(self).items() if value is not None}
+
+
+def read_label(cell: Cell, names: ControllerNames) -> Label | None:
+    """Return what a cell says, if all of it is understood.
+
+    >>> from atleak.catalogue.controller_file import load_controller
+    >>> names = ControllerNames(load_controller("minimal_example"))
+    >>> read_label("pressure_regulator (2), bore 90°", names).said
+    {'component': 'pressure_regulator', 'part': 'sleeve', 'plane': '2', 'direction': '90°'}
+    >>> read_label("ring gauge 18.0", names), read_label("pressure_regulator/3", names)
+    (None, None)
+    """
+    if isinstance(cell, bool | datetime.date | datetime.time) or cell is None:
+        return None
+    text = text_of(cell)
+    rest, unit = split_unit(text)
+    folded = plain(rest)
+    for component, other in (*_with_component(folded, names), (None, folded)):
+        label = _read_rest(other, replace(Label(), component=component, unit=None if unit is None else unit.name))
+        if label is not None and (label := _placed(label, names)) is not None and label.said:
+            return label
+    return None
+
+
+def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, str]]:
+    """Yield each component that a text may name, the longest name first, with the rest of the text."""
+    for name, component in names.by_length:
+        if component not in names.with_lands:
+            continue
+        if any(letter.isalpha() for letter in name):
+            match = re.search(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])", folded) if name in folded else None
+            if match is not None:
+                yield component, f"{folded[: match.start()]} {folded[match.end() :]}"
+    leading = re.sub(r"^(?:(?:[^\W\d_]+|#)[\s.:]*)", _unless_label, folded)
+    match = _LEADING_NUMBER.match(leading)
+    numbered = names.component(match[1]) if match else None
+    if match is not None and numbered is not None and numbered in names.with_lands:
+        yield numbered, leading[match.end() :]
+
+
+def _unless_label(match: re.Match[str]) -> str:
+    is_label = match[0].strip(" .:") in vocabulary("number", "component", "generic")
+    return "" if is_label or match[0].startswith("#") else match[0]
+
+
+def _read_rest(text: str, label: Label) -> Label | None:
+    """Return the label with what the other words of its cell say; None where one of them says something else."""
+    part = part_said(text.strip(" -–_/.,;:()"))
+    if part is not None:
+        return replace(label, part=part)
+    spot, others = spot_of_heading(tokens_of(text.replace(".", " ").replace("°", "° ")))
+    label = replace(label, **spot)
+    before = ""
+    for token in others:
+        if token.isdigit():
+            if before in vocabulary("of_repeat") and label.repeat is None:
+                label = replace(label, repeat=token)
+            elif label.number is None and label.land is None and label.plane is None:
+                label = replace(label, number=token)
+            else:
+                return None
+        elif (is_angle(token) or token in _AXES) and label.direction is None:
+            label = replace(label, direction=_AXES.get(token, token))
+        elif (said := part_of(token) if len(token) > 1 else None) is not None and label.part in (None, said):
+            label = replace(label, part=said)
+        elif token.isalpha() and len(token) > 3 and label.direction is None and direction_of(token) is not None:
+            label = replace(label, direction=token)
+        elif token not in vocabulary("number", "diameter", "of_repeat"):
+            return None
+        before = token
+    return label
+
+
+def _placed(label: Label, names: ControllerNames) -> Label | None:
+    """Return the label with its number as the plane or land of its component; None where it has no such one."""
+    if label.component is None:
+        return label
+    try:
+        if label.number is not None:
+            return replace(label, number=None, plane=names.plane(label.component, label.number))
+        if label.plane is not None:
+            names.plane(label.component, label.plane)
+        if label.land is not None:
+            names.land(label.component, label.land)
+    except ReadingsError:
+        return None
+    return label
+
+
+def says_date(cell: Cell) -> bool:
+    """Return whether a spreadsheet program may have made a date of "8-1" here.
+
+    >>> says_date(datetime.date(2026, 8, 1)), says_date("08-Jan"), says_date("1. Aug"), says_date("8/1")
+    (True, True, True, False)
+    """
+    if isinstance(cell, datetime.date):
+        return True
+    return isinstance(cell, str) and _DATE.fullmatch(plain(cell)) is not None
+
+
+_ROLES: Mapping[str, Role] = {
+    **{role: role for role in ("component", "part", "land", "plane", "direction", "repeat", "unit")},
+    "number": "plane",
+}
+
+
+def with_split_labels(table: Table, names: ControllerNames) -> Table:
+    """Return a table with further columns behind its last one, for what a cell says besides its own column's meaning.
+
+    A column is split where most cells beside a diameter are understood as a whole, and say more than its heading does
+    or something that no other column says. A cell that is not understood stays in the first of the new columns.
+    """
+    cell = table.sheet.cell
+    rows = [row for row in table.rows if any(not is_blank(cell(row, column.index)) for column in table.values)]
+    if not rows or (table.sheet.is_text and any(len(table.sheet.rows[row]) > len(table.texts) for row in rows)):
+        return table
+    for index in range(len(table.texts)):
+        if not any(column.index == index for column in (*table.values, *table.of_lands)):
+            labels = _labels(table, index, rows, names)
+            if labels:
+                table = _split(table, index, labels)
+    return table
+
+
+def _labels(table: Table, index: int, rows: Sequence[int], names: ControllerNames) -> Mapping[int, Label]:
+    """Return what the cells of a column to be split say; nothing where it is none."""
+    role = table.role(index)
+    if role not in (None, "component", "part"):
+        return {}
+    cells = {row: cell for row in rows if not is_blank(cell := table.sheet.filled(row, index))}
+    strange = [cell for cell in cells.values() if not _is_plain(cell, role, names)]
+    if 2 * len(strange) <= len(cells) or (role is None and all(map(_is_number, cells.values()))):
+        return {}
+    labels = {row: label for row, cell in cells.items() if (label := read_label(cell, names)) is not None}
+    said = {name for label in labels.values() for name in label.said}
+    if role is not None and role not in said:
+        return {}
+    needed = {name for name in said if not _is_said(table, _ROLES[name], index)} - {"unit"}
+    if role is None:  # an "x" is a tick as often, and "No. 2" may be anything's
+        needed -= {"direction", "repeat"} if said & {"component", "part"} else {"direction", "repeat", "number"}
+    agree = all(_agrees(label, row, table, index, names) for row, label in labels.items())
+    return labels if 2 * len(labels) > len(cells) and needed and agree else {}
+
+
+def _agrees(label: Label, row: int, table: Table, besides: int, names: ControllerNames) -> bool:
+    """Return whether a label contradicts no other column, and no heading that says the part of its diameters."""
+    part = part_said(label.part or "")
+    parts = {column.part for column in table.values} - {None}
+    places = {each for each in (label.land, label.plane, label.number) if each is not None}
+
+    def differs(role: Role, cell: Cell) -> bool:
+        if role in ("plane", "land"):
+            return bool(places) and places.isdisjoint(plane_names(cell))
+        if role == "part":
+            return label.part is not None and part_said(text_of(cell)) != part
+        other = names.component(cell) if role == "component" and label.component is not None else None
+        return other in names.with_lands and other != label.component
+
+    others = [column for column in table.columns if column.index != besides]
+    cells = [(column.role, cell) for column in others if not is_blank(cell := table.sheet.filled(row, column.index))]
+    return not (label.part is not None and parts and part not in parts) and not any(differs(*each) for each in cells)
+
+
+def _is_plain(cell: Cell, role: Role | None, names: ControllerNames) -> bool:
+    """Return whether a cell says what its heading promises and nothing else."""
+    if role == "component":
+        return names.component(cell) is not None
+    return role == "part" and part_said(text_of(cell)) is not None
+
+
+def _is_number(cell: Cell) -> bool:
+    return not isinstance(cell, str) or number_of(cell) is not None
+
+
+def _is_said(table: Table, role: Role, besides: int) -> bool:
+    """Return whether another column says it, or every heading of a diameter."""
+    places: tuple[Role, ...] = ("plane", "land")
+    roles = places if role in places else (role,)
+    if any(column.role in roles and column.index != besides for column in table.columns):
+        return True
+    if role in places:
+        return all(column.plane or column.land for column in table.values)
+    return role != "component" and all(getattr(column, role) is not None for column in table.values)
+
+
+def _split(table: Table, index: int, labels: Mapping[int, Label]) -> Table:
+    said = dict.fromkeys(name for label in labels.values() for name in label.said)
+    wanted = [name for name in said if not _is_said(table, _ROLES[name], index)]
+    columns = [(Column(0, table.texts[index], _ROLES[name], rank=9), index) for name in wanted]
+
+    def cells(row: int) -> Iterator[Cell]:
+        label = labels.get(row)
+        for at, name in enumerate(wanted):
+            unread = table.sheet.filled(row, index) if label is None and at == 0 else ""
+            yield unread if label is None else label.said.get(name, "")
+
+    return table.with_columns(columns, cells, frozenset({index}))

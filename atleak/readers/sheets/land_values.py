@@ -1,0 +1,290 @@
+"""What a sheet says of a land itself, beside its diameters: contact length, position, and which repair is fitted.
+
+The columns may stand among the diameters or in a table of their own, as on the form's tab of lands. One cell filled in
+is enough for a land, and one for a repair.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+
+from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.repairs import LandKey
+from atleak.catalogue.words import named
+from atleak.common.errors import Message, Place, ReadingsError, one_of, unknown
+from atleak.common.sentences import Name, Sentence
+from atleak.common.unit_systems import MM as TO_MM
+from atleak.common.unit_systems import UM, Quantity
+from atleak.common.units import Unit, find_unit
+from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
+from atleak.measurements.readings import NOMINAL_TOLERANCE
+from atleak.readers.cells.sheet import Cell, Sheet
+from atleak.readers.sheets.column_headings import Column
+from atleak.readers.sheets.columns import Columns, find_columns
+from atleak.readers.sheets.controller_names import MM, ControllerNames
+from atleak.readers.sheets.repeats import rows_left_out
+from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.words import at, is_blank, number, text_of
+
+SHORTEST, LONGEST = 0.2e-3, 0.1  # [m] of contact lengths that anybody measures: choice of this project
+_DOUBTFUL = 2.0  # times the stated contact length, or its part: from here on a warning says so
+_REFUSED = 10.0  # times, or its part: another unit, or a lost decimal point
+_SAME = 1.0e-9  # [m]
+_SHOWN = 6
+_LENGTH = Sentence("a length such as 5.25")
+
+
+def read_land_values(
+    tables: Sequence[Table],
+    names: ControllerNames,
+    given_unit: Unit | None = None,
+    where: Mapping[str, str] | None = None,
+) -> LandValues:
+    """Read contact lengths, positions and fitted repairs from the tables that have such columns.
+
+    Parameters
+    ----------
+    tables
+        those with diameters, and those of lands alone.
+    given_unit
+        unit of the lengths, as of the diameters, where the user states it.
+    where
+        which rows count, by heading and value.
+    """
+    values = LandValues(names)
+    for table in tables:
+        if table.of_lands:
+            values.read(table, given_unit, rows_left_out(table, where or {}))
+    values.messages += [*_about_lengths(values.own, names.controller), *_about_repairs(values.own, names.controller)]
+    return values
+
+
+class LandValues:
+    """What was read of lands themselves; ``cells`` are those it was read from, by sheet, row and column."""
+
+    def __init__(self, names: ControllerNames) -> None:
+        self.names, self.controller = names, names.controller
+        self.lengths: dict[LandKey, dict[str, tuple[float, Place]]] = defaultdict(dict)
+        self.fitted: dict[tuple[str, str], Place] = {}
+        self.cells: list[tuple[str | None, int, int]] = []
+        self.problems: list[ReadingsError] = []
+        self.messages: list[Message] = []
+
+    def read(self, table: Table, given_unit: Unit | None, left_out: frozenset[int]) -> None:
+        sheet, columns = table.sheet, find_columns(table, self.names)
+        for row in table.rows:
+            for column in table.of_lands:
+                self.cells.append((sheet.name, row, column.index))
+                if row in left_out or sheet.is_struck(row, column.index):
+                    continue
+                place = table.place(row, column)
+                try:
+                    self._read_cell(table, columns, row, column, given_unit, place)
+                except ReadingsError as problem:
+                    self.problems.append(problem if problem.place.file else at(place, problem))
+
+    def _read_cell(
+        self, table: Table, columns: Columns, row: int, column: Column, given_unit: Unit | None, place: Place
+    ) -> None:
+        cell, fault = table.sheet.cell(row, column.index), table.sheet.faults.get((row, column.index))
+        if is_blank(cell) and fault is not None:
+            problem, wanted = Sentence("this cell's formula has no usable result"), Sentence("its value")
+            raise ReadingsError(problem, value=fault, expected=wanted)
+        component = None if is_blank(cell) else self._component(table, columns, row)
+        if component is None:
+            return
+        if column.role == "fitted repair":
+            self._take_repair(component, columns, table.sheet, row, text_of(cell), place)
+            return
+        land = self._land(columns, table.sheet, row, component)
+        try:
+            value, written = number(cell)
+        except ReadingsError as error:
+            raise ReadingsError(error.problem, value=error.value, expected=_LENGTH) from error
+        of_row = find_unit(text_of(table.sheet.filled(row, columns.unit.index)), "length") if columns.unit else None
+        metres = (written or given_unit or of_row or column.unit or columns.sheet_unit or MM).to_si(value)
+        template = Sentence("another position of {land} stands in {where} already")
+        if column.role == "contact length":
+            self._check_contact_length(land, metres, cell, place)
+            template = Sentence("another contact length of {land} stands in {where} already")
+        elif not 0.0 <= metres <= 1.0:
+            problem = Sentence("no position on a spool")
+            raise ReadingsError(problem, value=cell, expected=Sentence("0 or more, from the spool's left end"))
+        known = self.lengths[land.key].setdefault(column.role, (metres, place))
+        if abs(known[0] - metres) > _SAME:
+            problem = template.of(land=named(land), where=known[1].sentence)
+            raise ReadingsError(problem, value=cell, expected=Sentence("each once"))
+
+    def _component(self, table: Table, columns: Columns, row: int) -> str | None:
+        """Return the component of a row; None where nothing names one, which a row of diameters reports itself."""
+        if columns.component is None:
+            if table.component is None and not table.values:
+                problem = Sentence("nothing says which component this is of")
+                raise ReadingsError(problem, expected=Sentence("a column 'No.'"))
+            return table.component
+        cell = table.sheet.filled(row, columns.component.index)
+        holds = any(not is_blank(table.sheet.cell(row, value.index)) for value in table.values)
+        if holds and self.names.component(cell) is None:
+            return None
+        if is_blank(cell):
+            raise ReadingsError(Sentence("the row names no component"), expected=Sentence("its number or name"))
+        return self.names.require_component(cell)
+
+    def _land(self, columns: Columns, sheet: Sheet, row: int, component: str) -> Land:
+        lands = self.controller.lands_of(component)
+        column = columns.land or columns.plane
+        cell = "" if column is None else sheet.filled(row, column.index)
+        if is_blank(cell) and len(lands) == 1:
+            return lands[0]
+        if is_blank(cell):
+            problem = Sentence("nothing says which land of component {component} this is of", component=component)
+            raise ReadingsError(problem, expected=one_of(str(land.land) for land in lands))
+        if column is columns.land:
+            return self.names.land(component, cell)
+        plane = self.names.plane(component, cell)
+        return next(land for land in lands if plane in land.planes)
+
+    def _check_contact_length(self, land: Land, metres: float, cell: Cell, place: Place) -> None:
+        """Refuse what is no contact length of that land.
+
+        Raises
+        ------
+        ReadingsError
+            a length that nobody measures, one that the land's diameter is taken for, or one off by a factor of units.
+        """
+        name, stated = named(land), land.contact_length
+        ratio = metres / stated
+        doubtful = not 1.0 / _DOUBTFUL < ratio < _DOUBTFUL
+        diameters = (land.nominal_diameter, land.nominal_sleeve_diameter)
+        problem = None
+        if doubtful and any(abs(metres - size) <= NOMINAL_TOLERANCE for size in diameters):
+            problem = Sentence(
+                "this contact length has the size of the land's diameter: a reading in the wrong column?"
+            )
+        elif not SHORTEST <= metres <= LONGEST or not 1.0 / _REFUSED < ratio < _REFUSED:
+            problem = Sentence(
+                "the contact length is {ratio:.3g} times the stated one: another unit, or a decimal point lost?",
+                ratio=ratio,
+            )
+        if problem is not None:
+            about = Sentence("about {length:.6g} {length.unit} ({land}, as the valve body's file states)")
+            raise ReadingsError(problem, value=cell, expected=about.of(length=_mm(stated), land=name))
+        if doubtful:
+            text = Sentence(
+                "The contact length of {land} is {measured:.6g} {measured.unit} as measured and {stated:.6g} "
+                "{stated.unit} in the valve body's file: the measured one is computed with.",
+                land=name,
+                measured=_mm(metres),
+                stated=_mm(stated),
+            )
+            self.messages.append(Message("warning", "contact_length_differs", text, place))
+
+    def _take_repair(self, component: str, columns: Columns, sheet: Sheet, row: int, wanted: str, place: Place) -> None:
+        """Note a repair that is fitted.
+
+        Raises
+        ------
+        ReadingsError
+            one that the controller's file does not have for that component or land, or that stands beside another.
+        """
+        options = {repair.id: repair for repair in self.controller.repairs_of(component)}
+        if not options:
+            problem = Sentence("the file of {controller} has no repairs of component {component}")
+            raise ReadingsError(
+                problem.of(controller=self.controller.id, component=component),
+                value=wanted,
+                expected=Sentence("an empty cell, or [[repairs]] in that file"),
+            )
+        if wanted not in options:
+            problem = Sentence("component {component} has no such repair", component=component)
+            raise unknown(problem, wanted, options, kind=ReadingsError)
+        repair, lands = options[wanted], self.controller.lands_of(component)
+        column = columns.land or columns.plane
+        if column is not None and not is_blank(sheet.filled(row, column.index)):
+            land = self._land(columns, sheet, row, component)
+            if not repair.changes(land.key):
+                mended = [land.land for land in lands if repair.changes(land.key)]
+                problem = Sentence("{repair} does not change land {land} of component {component}")
+                raise ReadingsError(
+                    problem.of(repair=wanted, land=land.land, component=component),
+                    value=wanted,
+                    expected=Sentence("land {names}", names=mended),
+                )
+        for other in (options[known] for of, known in self.fitted if of == component and known != wanted):
+            both = [land.land for land in lands if repair.changes(land.key) and other.changes(land.key)]
+            if both:
+                problem = Sentence("{repair} stands in {where} already, for land {land} too")
+                where = self.fitted[component, other.id].sentence
+                raise ReadingsError(
+                    problem.of(repair=other.id, where=where, land=both[0]),
+                    value=wanted,
+                    expected=Sentence("one repair of each land"),
+                )
+        self.fitted.setdefault((component, wanted), place)
+
+    @cached_property
+    def own(self) -> OwnLands:
+        """Return what lands have of their own, once all is read."""
+        lengths = tuple(_own_length(key, stated) for key, stated in self.lengths.items())
+        return OwnLands(lengths, tuple(FittedRepair(*key, place) for key, place in self.fitted.items()))
+
+
+def _own_length(key: LandKey, stated: Mapping[str, tuple[float, Place]]) -> OwnLength:
+    contact, position = stated.get("contact length", (None,)), stated.get("position", (None,))
+    return OwnLength(*key, contact[0], position[0], next(place for _, place in stated.values()))
+
+
+def _about_lengths(own: OwnLands, controller: Controller) -> Iterator[Message]:
+    measured = [each for each in own.lengths if each.contact_length is not None]
+    if not measured:
+        return
+    shown = tuple(
+        Sentence(
+            "{land} {measured:.6g} {measured.unit} ({stated:.6g})",
+            land=f"{each.component}/{each.land}",
+            measured=_mm(each.contact_length or 0.0),
+            stated=_mm(controller.land(*each.key).contact_length),
+        )
+        for each in measured[:_SHOWN]
+    )
+    more = len(measured) - _SHOWN
+    text = Sentence(
+        "Contact lengths of {count} of {lands} lands are those measured on the sheet, in brackets those of the valve "
+        "body's file: {shown}{more}.",
+        count=len(measured),
+        lands=len(controller.lands),
+        shown=shown,
+        more=Sentence(" and {count} more", count=more) if more > 0 else "",
+    )
+    yield Message("info", LENGTHS_MEASURED, text, measured[0].place)
+
+
+def _about_repairs(own: OwnLands, controller: Controller) -> Iterator[Message]:
+    for each in own.fitted:
+        repair = next(option for option in controller.repairs_of(each.component) if option.id == each.repair)
+        lands = [land for land in controller.lands_of(each.component) if repair.changes(land.key)]
+        template = Sentence("Component {component} has {repair} fitted, which counts as its new state: {sizes}.")
+        if repair.keeps_clearance:
+            template = Sentence(
+                "Component {component} was given {repair}, which leaves its lands as worn as they were: none is new."
+            )
+        sizes = () if repair.keeps_clearance else tuple(_size(land.with_repair(repair)) for land in lands)
+        text = template.of(component=each.component, repair=Name(repair.label), sizes=sizes)
+        yield Message("info", REPAIR_FITTED, text, each.place)
+
+
+def _size(land: Land) -> Sentence:
+    """Say the nominal diameter and the clearance that a land has after its repair."""
+    ends = [Quantity(end * UM, "clearance", 1) for end in land.mounting_ends]
+    template = Sentence("land {land} {diameter:.6g} {diameter.unit} with a new clearance of {low:.4g} {low.unit}")
+    if len(ends) > 1:
+        template = Sentence(
+            "land {land} {diameter:.6g} {diameter.unit} with a new clearance of {low:.4g} to {high:.4g} {high.unit}"
+        )
+    return template.of(land=land.land, diameter=_mm(land.nominal_diameter), low=ends[0], high=ends[-1])
+
+
+def _mm(metres: float) -> Quantity:
+    return Quantity(metres * TO_MM, "length", 3)

@@ -1,0 +1,458 @@
+"""Tables that state a nominal diameter and how far the measured one is from it: the diameter is their sum.
+
+The tables of a sheet: where each begins and ends, what its title says, and whether it holds readings at all.
+
+A sheet whose headings run down its first column → the same with rows and columns exchanged.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise, zip_longest
+from typing import Any
+
+from atleak.common.errors import Message, ReadingsError
+from atleak.common.sentences import Sentence, all_of
+from atleak.readers.cells.extent import TABLES
+from atleak.readers.cells.sheet import Cell, Sheet
+from atleak.readers.cells.workbook_marks import Marks
+from atleak.readers.sheets.column_headings import Column, Role, read_heading, split_unit
+from atleak.readers.sheets.controller_names import MM as MILLIMETRE
+from atleak.readers.sheets.controller_names import ControllerNames, Sizes, numbers_of
+from atleak.readers.sheets.labels import read_label, with_split_labels
+from atleak.readers.sheets.table import Table, find_headers, read_together
+from atleak.readers.sheets.words import (
+    is_blank,
+    letters,
+    number,
+    number_of,
+    part_in,
+    part_of,
+    plain,
+    repeat_of,
+    summary_of,
+    text_of,
+)
+
+_IN_BRACKETS = re.compile(r"\[[^\[\]]*\]|\([^()]*\)")
+_WORD = re.compile(r"[^\W\d_]+")
+_DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
+
+
+def with_deviations(table: Table) -> Table:
+    """Return a table with diameters behind its last column, if it has none but nominal ones and deviations from them.
+
+    The columns whose numbers went into them are ``used``, and ``told`` says so.
+    """
+    pairs = [] if table.values else list(_pairs(table))
+    if not pairs:
+        return table
+    columns = [(_as_diameter(table, deviation, nominal), deviation.index) for nominal, deviation in pairs]
+
+    def sums(row: int) -> Iterator[Cell]:
+        for nominal, deviation in pairs:
+            yield _sum(table, row, nominal, deviation) if row > table.last else ""
+
+    used = frozenset(column.index for pair in pairs for column in pair)
+    told = tuple(_told(table, *pair) for pair in pairs)
+    return replace(table.with_columns(columns, sums, used), used=used, told=told)
+
+
+def _pairs(table: Table) -> Iterator[tuple[Column, Column]]:
+    """Yield each deviation behind a nominal diameter that it may be from: of its part, where headings say one."""
+    sizes = [column for column in table.of("specification") if not _is_permitted(column)]
+    for deviation in filter(_is_deviation, table.of("quantity")):
+        part = part_in(deviation.heading)
+        for nominal in sizes:
+            of = part_in(nominal.heading)
+            if (part is not None and of == part) or (len(sizes) < 2 and None in (part, of)):
+                yield nominal, deviation
+
+
+def _is_deviation(column: Column) -> bool:
+    words = letters(_without_brackets(column))
+    beside = words.but("deviation", "beside_deviation", "diameter", "of_reading", "direction", "repeat")
+    return words.any("deviation") and all(map(part_of, beside))  # no standard and no permitted deviation
+
+
+def _without_brackets(column: Column) -> str:
+    """Return a heading without its unit, and without what brackets hold of which nothing is known: "[0.01 mm]"."""
+    said, unit = split_unit(column.heading)
+    if unit is not None:
+        return said
+    return _IN_BRACKETS.sub(lambda held: held[0] if any(map(part_of, letters(held[0]))) else " ", said)
+
+
+def _as_diameter(table: Table, deviation: Column, nominal: Column) -> Column:
+    """Return the column of the diameters that deviations make: what their heading says besides is theirs."""
+    said = _WORD.sub(
+        lambda word: "diameter" if letters(word[0]).any("deviation") else word[0], _without_brackets(deviation)
+    )
+    read = read_heading(said)
+    if read is None or read.role != "diameter":
+        read = Column(0, "", "diameter")
+    return replace(
+        read,
+        heading=deviation.heading,
+        unit=MILLIMETRE,
+        part=read.part or part_in(nominal.heading),
+        tentative=False,
+        otherwise=None,
+        unsure=_says_no_unit(table, deviation),
+    )
+
+
+def _is_permitted(column: Column) -> bool:
+    """Return whether a heading says a deviation or tolerance, which no diameter is: "Upper dev", "Lower tol"."""
+    return letters(split_unit(column.heading)[0]).any("deviation", "permitted")
+
+
+def _sum(table: Table, row: int, nominal: Column, deviation: Column) -> Cell:
+    size, off = table.sheet.filled(row, nominal.index), table.sheet.cell(row, deviation.index)
+    if is_blank(off):
+        return ""
+    try:
+        value, of_value = number(size)
+        apart, of_apart = number(off)
+    except ReadingsError:
+        return f"{size} {off}"
+    unit, small = of_value or nominal.unit or MILLIMETRE, of_apart or deviation.unit or MILLIMETRE
+    return round((unit.to_si(value) + small.to_si(apart)) / MILLIMETRE.factor, _DIGITS)
+
+
+def _told(table: Table, nominal: Column, deviation: Column) -> Message:
+    text = Sentence(
+        "diameters are those of column {nominal!r} plus the deviations of column {deviation!r}",
+        nominal=nominal.name,
+        deviation=deviation.name,
+    )
+    return Message("info", "diameters_of_deviations", text, table.place(table.last, deviation))
+
+
+def _says_no_unit(table: Table, deviation: Column) -> bool:
+    """Return whether neither the heading nor every cell says in which unit the deviations are."""
+    for cell in table.cells(deviation.index).values() if deviation.unit is None else ():
+        try:
+            if number(cell)[1] is None:
+                return True
+        except ReadingsError:
+            continue
+    return False
+
+
+_TITLE_ROWS = 4
+
+
+def find_tables(sheet: Sheet, names: ControllerNames) -> list[Table]:
+    """Return every table of a sheet that has headings, from top to bottom and from left to right."""
+    return [
+        table
+        for strip in _strips(sheet, names)
+        for above in _stacked(strip, names)
+        for beside in _side_by_side(above)
+        for table in _sections(_titled(beside, names), names)
+    ]
+
+
+def continued(sheet: Sheet, table: Table, names: ControllerNames) -> Table | None:
+    """Return a sheet without headings as the continuation of the table before it, where the columns fit."""
+    components = table.of("component")
+    rows = [row for row, cells in enumerate(sheet.rows) if any(not is_blank(cell) for cell in cells)]
+    if not rows or not components or not table.values:
+        return None
+    for row in rows:
+        if not any(names.component(sheet.filled(row, column.index)) for column in components):
+            return None
+        if any(_says_no_number(sheet.cell(row, column.index)) for column in table.values):
+            return None
+    return replace(table, sheet=sheet, first=-1, last=-1, aside=None, used=frozenset(), told=(), filled=frozenset())
+
+
+def _says_no_number(cell: Cell) -> bool:
+    return isinstance(cell, str) and not is_blank(cell) and number_of(cell) is None
+
+
+def _strips(sheet: Sheet, names: ControllerNames) -> list[Sheet]:
+    """Return the sheet, or its parts left and right of empty columns where each has headings of its own."""
+    used = sorted({index for row in sheet.rows for index, cell in enumerate(row) if not is_blank(cell)})
+    used_or_merged = {column for _, column in sheet.merged} | set(used)
+    ranges: list[list[int]] = []
+    for index in used:
+        if ranges and all(column in used_or_merged for column in range(ranges[-1][1], index)):
+            ranges[-1][1] = index + 1
+        else:
+            ranges.append([index, index + 1])
+    views = [_only(sheet, left, right) for left, right in ranges]
+    headed = [view for view in views if any(map(_is_whole, find_headers(view, names.is_named)))]
+    return views if len(headed) > 1 else [sheet]
+
+
+def _is_whole(header: Table) -> bool:
+    return bool((header.values or header.of("specification")) and header.labels)
+
+
+def _only(sheet: Sheet, left: int, right: int, end: int | None = None) -> Sheet:
+    rows = sheet.rows if end is None else sheet.rows[:end]
+    if left > 0 or right < sheet.width:
+        rows = [["" if index < left else cell for index, cell in enumerate(row[:right])] for row in rows]
+    return replace(sheet, rows=rows, faults={at: why for at, why in sheet.faults.items() if left <= at[1] < right})
+
+
+def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
+    headers = find_headers(sheet, names.is_named)
+    if len(headers) > TABLES:
+        problem = Sentence("this sheet has {count} tables with headings of their own", count=len(headers))
+        expected = Sentence("at most {count}", count=TABLES)
+        raise ReadingsError(problem, place=sheet.place(), expected=expected)
+    for header, following in zip_longest(headers, headers[1:]):
+        end = len(sheet.rows)
+        if following is not None:
+            titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
+            end = min([following.first, *titles])
+        table = replace(header, sheet=_only(sheet, 0, sheet.width, end))
+        yield with_deviations(with_split_labels(_by_content(table, Sizes(names.controller)), names))
+
+
+def _by_content(table: Table, sizes: Sizes) -> Table:
+    """Return the table without a "result" that is no diameter, and without raw readings beside others."""
+    kept = []
+    for column in table.columns:
+        if not column.tentative or sizes.fill(table.cells(column.index).values()):
+            kept.append(column)
+        elif column.otherwise is not None:
+            kept.append(replace(column, role=column.otherwise, tentative=False))
+    groups = [(other.group, other) for other in kept if other.holds_value]
+    for at, column in enumerate(kept):
+        others = [other for group, other in groups if group == column.group and other is not column]
+        corrected = any(other.standing == "corrected" for other in others) and column.standing != "corrected"
+        if column.role == "diameter" and others and (column.standing == "raw" or corrected):
+            kept[at] = replace(column, role="raw")
+    return _with_counts(replace(table, columns=tuple(kept)))
+
+
+def _with_counts(table: Table) -> Table:
+    """Return the table with "Measurement" or "Reading" as the repeat where it counts 1, 2, 3 beside diameters.
+
+    A column that numbers all rows through says nothing.
+    """
+    columns = list(table.columns)
+    for index in range(len(table.texts)):
+        words = letters(table.heading(index))
+        others = [column for column in table.values if column.index != index]
+        if not others or not words.any("reading") or not words.only("reading", "number"):
+            continue
+        cells = [
+            cell
+            for row, cell in table.cells(index).items()
+            if any(not is_blank(table.sheet.cell(row, column.index)) for column in others)
+        ]
+        read = [repeat_of(cell) for cell in cells if summary_of(cell, key=True) is None]
+        numbers = [number for number in read if number is not None]
+        if not numbers or len(numbers) < len(read) or sorted(set(numbers)) != list(range(1, len(set(numbers)) + 1)):
+            continue
+        restarts = any(after <= before for before, after in pairwise(numbers))
+        role: Role = "repeat" if (restarts or len(numbers) < len(cells)) and not table.of("repeat") else "remark"
+        columns = [column for column in columns if column.index != index]
+        columns.append(Column(index, table.texts[index], role))
+    return replace(table, columns=tuple(sorted(columns, key=lambda column: column.index)))
+
+
+def _is_single(sheet: Sheet, row: int) -> bool:
+    """Return whether a row holds one text and nothing else: a title, or a line between the rows."""
+    cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
+    return len(cells) == 1 and isinstance(cells[0], str) and number_of(cells[0]) is None
+
+
+def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:
+    """Return the rows of text above the headings, the nearest first; not the readings of the table above."""
+    title_rows: list[int] = []
+    for row in range(first - 1, after, -1):
+        cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
+        if not cells:
+            continue
+        if len(cells) > 2 or not isinstance(cells[0], str) or len(title_rows) == _TITLE_ROWS:
+            break
+        title_rows.append(row)
+    return title_rows
+
+
+def _side_by_side(table: Table) -> Iterator[Table]:
+    """Yield the table, or those that share its rows: between empty headings, or where the first one returns."""
+    starts = {index for index in range(1, len(table.texts)) if table.texts[index] and not table.texts[index - 1]}
+    keys = table.labels
+    starts |= {column.index for column in keys[1:] if plain(column.heading) == plain(keys[0].heading)}
+    edges = [0]
+    for start in sorted(starts):
+        left, right = _between(table, edges[-1], start), _between(table, start, table.sheet.width)
+        if all(side.labels and any(column.holds_size for column in side.columns) for side in (left, right)):
+            edges.append(start)
+    if len(edges) == 1:
+        yield table
+        return
+    for begin, end in pairwise([*edges, table.sheet.width]):
+        part = _between(table, begin, end)
+        texts = tuple(text if begin <= index < end else "" for index, text in enumerate(table.texts))
+        columns = read_together(list(part.columns))
+        yield replace(part, sheet=_only(table.sheet, begin, end), columns=columns, texts=texts)
+
+
+def _between(table: Table, begin: int, end: int) -> Table:
+    return replace(table, columns=tuple(column for column in table.columns if begin <= column.index < end))
+
+
+def _titled(table: Table, names: ControllerNames) -> Table:
+    """Return the table with what its title lines and its sheet's name say of it."""
+    above = _title_rows(table.sheet, table.first, -1)
+    texts = [" ".join(str(cell) for cell in table.sheet.rows[row] if not is_blank(cell)) for row in above]
+    lines = [(Sentence("the title {said!r}", said=text), text) for text in texts]
+    if table.sheet.name is not None:
+        lines.append((Sentence("the sheet's name {said!r}", said=table.sheet.name), table.sheet.name))
+    return replace(_said(table, lines, names), aside=_why_aside(table, [*texts[:1], table.sheet.name or ""]))
+
+
+def _said(table: Table, lines: Sequence[tuple[Sentence, str]], names: ControllerNames) -> Table:
+    """Return the table with part and component from the nearest line that says one, where no column does."""
+
+    def component(text: str) -> str | None:
+        return names.component_in(text) or (names.component(text) if text == table.sheet.name else None)
+
+    said_by: list[Sentence] = []
+    for name, read, wanted in (
+        ("part", part_in, bool(table.values) and not table.has_part),
+        ("component", component, not table.of("component")),
+    ):
+        found = next(((line, said) for line, text in lines if (said := read(text)) is not None), None)
+        if wanted and found is not None:
+            said_by.append(found[0])
+            told: dict[str, Any] = {name: found[1]}
+            table = replace(table, **told)
+    return replace(table, said_by=all_of(dict.fromkeys(said_by))) if said_by else table
+
+
+def _why_aside(table: Table, titles: Sequence[str]) -> Sentence | None:
+    if not table.values and not table.of_lands:
+        return Sentence("no measured diameter by its headings")
+    for title in titles:
+        words = letters(title)
+        counted = summary_of(title.partition(" ")[0]) in ("count", "spread") and words.any("diameter")
+        if counted or (words.any("specification_title", "calibration") and not words.any("of_reading", "error")):
+            return Sentence("by its title {title!r} no readings", title=title)
+    if not table.of("component") and table.of("gauge"):
+        return Sentence("a check of the instrument")
+    return None
+
+
+def _sections(table: Table, names: ControllerNames) -> Iterator[Table]:
+    """Yield the table, cut where a line between its rows names the part or component that no column does."""
+    if table.aside or not table.values or (table.has_part and table.of("component")):
+        yield table
+        return
+    said, sheet = table, table.sheet
+    for row in table.rows:
+        if not _is_single(sheet, row):
+            continue
+        text = next(str(cell) for cell in sheet.rows[row] if not is_blank(cell))
+        following = _said(table, [(Sentence("the line {said!r}", said=text), text)], names)
+        if following.said_by == table.said_by:
+            # an unknown line ends what the line before it says
+            following = replace(table, part=None, component=None, said_by=None)
+        else:
+            following = replace(
+                following,
+                said_by=all_of(dict.fromkeys(each for each in (following.said_by, said.said_by) if each)),
+                part=following.part or said.part,
+                component=following.component or said.component,
+            )
+        yield replace(said, sheet=replace(sheet, rows=sheet.rows[:row]))
+        said = replace(following, first=row, last=row)
+    yield said
+
+
+_MOST_CELLS = 200_000  # of a sheet that is turned; a measuring sheet has a hundredth of them
+_KEYS: tuple[Role, ...] = ("component", "part", "plane", "land", "direction")
+_HEADINGS = {"component": "Component", "part": "Part", "land": "Land", "plane": "Plane", "direction": "Direction"}
+
+
+def turned(sheet: Sheet, names: ControllerNames) -> Sheet | None:
+    """Return the sheet with rows and columns exchanged; None where it is too large for a measuring sheet.
+
+    Where the cells beside a label name components or parts, and the label does not, it is headed so. An empty cell
+    behind such a name goes on with it if a further name under it says of what: a heading over several columns.
+    """
+    if sheet.width * len(sheet.rows) > _MOST_CELLS:
+        return None
+    rows = [list(cells) for cells in zip_longest(*sheet.rows, fillvalue="")]
+    merged = {(column, row): (left, top) for (row, column), (top, left) in sheet.merged.items()}
+    marks = Marks(
+        hidden_rows=dict.fromkeys(sheet.marks.hidden_columns, "by hand"),
+        hidden_columns=frozenset(sheet.marks.hidden_rows),
+        struck=frozenset((column, row) for row, column in sheet.marks.struck),
+        colours={(column, row): colour for (row, column), colour in sheet.marks.colours.items()},
+        comments={(column, row): words for (row, column), words in sheet.marks.comments.items()},
+    )
+    faults = {(column, row): why for (row, column), why in sheet.faults.items()}
+    around = replace(sheet, rows=rows, merged=merged, faults=faults, marks=marks, turned=not sheet.turned)
+    first = next((row for row, cells in enumerate(rows) if any(isinstance(cell, str) and cell for cell in cells)), None)
+    return around if first is None else _headed(around, first, names)
+
+
+def _headed(sheet: Sheet, first: int, names: ControllerNames) -> Sheet:
+    """Return the turned sheet with headings in row ``first`` for keys that have none, and keys spread over theirs."""
+    headings = list(sheet.rows[first])
+    rows: list[list[Cell]] = [*map(list, sheet.rows[:first]), headings, *map(list, sheet.rows[first + 1 :])]
+    keys: list[int] = []
+    titles: dict[int, str] = {}
+    named = False
+    for column, heading in enumerate(headings):
+        said = read_heading(text_of(heading)) if isinstance(heading, str) and heading else None
+        below = [cell for row in range(first + 1, len(sheet.rows)) if not is_blank(cell := sheet.cell(row, column))]
+        if not below and isinstance(heading, str) and (component := names.component_in(heading)) is not None:
+            titles[column] = component
+        if not below:
+            headings[column] = heading if numbers_of(heading) else ""  # a title or a note beside nothing
+            continue
+        kind = _kind(below, names)
+        if kind is not None and (said is None or said.role != kind):
+            headings[column] = _HEADINGS[kind]
+        if kind is not None or (said is not None and said.role in _KEYS):
+            keys.append(column)
+            named = named or kind == "component" or (said is not None and said.role == "component")
+    empty = (row for row in range(first + 1, len(rows)) if all(map(is_blank, rows[row])))
+    end = next(empty, len(rows))
+    for column, component in () if named else titles.items():  # "Valve: accumulator" over its own rows
+        headings[column] = _HEADINGS["component"]
+        for cells in rows[first + 1 : end]:
+            cells[column] = component
+    return replace(sheet, rows=rows, merged={**sheet.merged, **_spread(sheet, first, keys)})
+
+
+def _kind(cells: Sequence[Cell], names: ControllerNames) -> str | None:
+    """Return what all cells name and name alone: components, parts, lands, planes or directions."""
+    texts = [cell for cell in cells if isinstance(cell, str)]
+    if not texts or len(texts) < len(cells):
+        return None
+    kinds: set[str] = set()
+    for text in dict.fromkeys(texts):
+        label = read_label(text, names)
+        kinds |= set() if label is None else set(label.said) - {"unit"}
+        if label is None or len(kinds) != 1:
+            return None
+    kind = kinds.pop()
+    return kind if kind in _HEADINGS else None
+
+
+def _spread(sheet: Sheet, first: int, keys: Sequence[int]) -> dict[tuple[int, int], tuple[int, int]]:
+    """Return which empty cells of a key go on with the one before: those beside a further key of their own."""
+    spread: dict[tuple[int, int], tuple[int, int]] = {}
+    for at, column in enumerate(keys[:-1]):
+        for row in range(first + 2, len(sheet.rows)):
+            if not is_blank(sheet.filled(row, column)) or is_blank(sheet.filled(row - 1, column)):
+                continue
+            inner = any(not is_blank(sheet.cell(row, other)) for other in keys[at + 1 :])
+            outer = any(not is_blank(sheet.cell(row, other)) for other in keys[:at])
+            if inner and not outer:
+                spread[row, column] = spread.get((row - 1, column), (row - 1, column))
+                sheet = replace(sheet, merged={**sheet.merged, (row, column): spread[row, column]})
+    return spread

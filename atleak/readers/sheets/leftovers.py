@@ -1,0 +1,555 @@
+"""No diameter is lost: every number of that size is read, left aside with a word, or the sheet is refused.
+
+It looks at every cell of the visible sheets once more, whatever the headings were understood to say.
+
+Whether what a sheet holds is of one unit: titles, sheets and columns may name several transmissions or vehicles.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from atleak.common.errors import Message, MessageLevel, Place, ReadingsError
+from atleak.common.sentences import Sentence, all_of, any_of, counted
+from atleak.common.units import Unit, find_unit
+from atleak.measurements.readings import REPEAT_TOLERANCE
+from atleak.readers.cells.sheet import Sheet
+from atleak.readers.sheets.column_headings import Role, split_unit
+from atleak.readers.sheets.controller_names import (
+    INCH,
+    MM,
+    ROUNDED,
+    ControllerNames,
+    Sizes,
+    is_coarse,
+    is_whole,
+    numbers_of,
+)
+from atleak.readers.sheets.diameters import nominal_headings
+from atleak.readers.sheets.rows import Rows
+from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.words import (
+    Words,
+    is_blank,
+    letters,
+    number_of,
+    part_of,
+    part_said,
+    plain,
+    text_of,
+    vocabulary,
+)
+
+_WHY: dict[Role, Sentence] = {
+    "specification": Sentence("what the diameter should be or was, not what was measured"),
+    "mean": Sentence("means of readings"),
+    "raw": Sentence("raw readings beside corrected ones"),
+    "remark": Sentence("remarks"),
+    "quantity": Sentence("another quantity by its heading"),
+    "gauge": Sentence("the diameter of a gauge or standard"),
+}
+_MEASURED = ("diameter", "coordinate", "actual", "now", "reading")
+_SHOWN = 2
+_ROUNDED = 1e-9  # [m]
+
+
+@dataclass
+class Account:
+    """What became of the cells of a file, by the sheet's name; `close` reports the rest."""
+
+    names: ControllerNames
+    units: Sequence[str]  # of the diameters that were read
+    problems: list[ReadingsError] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
+    _done: dict[str | None, set[tuple[int, int]]] = field(default_factory=lambda: defaultdict(set))
+    _tables: dict[str | None, list[tuple[range, Table]]] = field(default_factory=lambda: defaultdict(list))
+
+    def __post_init__(self) -> None:
+        self._sizes = Sizes(self.names.controller)
+        stated = [unit for name in self.units if (unit := find_unit(name, "length")) is not None]
+        self._units = tuple(dict.fromkeys((*stated, MM, INCH)))
+
+    def enter(self, rows: Rows) -> None:
+        """Account for a table that was read, and judge its columns that were not."""
+        table, sheet, columns = rows.table, rows.table.sheet, rows.columns
+        done = self._enter(table, table.rows)
+        done |= rows.cells
+        done.update((row, index) for row in table.rows for index in table.used)
+        done.update(
+            (row, column.index)
+            for column in columns.keys
+            for row in table.rows
+            if not self._is_size(sheet, row, column.index)
+        )
+        used = {column.index for column in (*columns.keys, *table.values, *table.of_lands)} | table.used
+        unread = [index for index in range(sheet.width) if index not in used and not self._is_figure(rows, index)]
+        self._slipped(rows)
+        unread = [index for index in unread if not self._is_quantity(rows, index)]
+        rivals = [index for index in unread if self._is_rival(rows, index)]
+        known = len(rivals) == 1 and _is_headed(table) and _says_other(table, rivals[0])
+        if known and not self._differs(rows, rivals[0]):
+            self._leave_column(table, rivals[0], self._sizes_in(rows, rivals[0]), None)
+        elif rivals:
+            self.problems.append(_which(table, rivals))
+
+    def enter_lands(self, table: Table) -> None:
+        """Account for a table of what lands themselves have: its numbers and names, and its other quantities."""
+        known = [column.index for column in table.columns if not column.holds_size]
+        self._enter(table, table.block).update((row, index) for row in table.block for index in known)
+
+    def leave_table(self, table: Table) -> None:
+        """Leave aside a table that holds no readings of this valve body."""
+        done = self._enter(table, table.block)
+        of_sizes = {column.index for column in table.columns if column.holds_size}
+        cells = [(row, column) for row in table.block for column in table.span]
+        sizes = [at for at in cells if self._is_size(table.sheet, *at, headed=table, whole=at[1] in of_sizes)]
+        done.update(cells)
+        if sizes:
+            text = Sentence(
+                "the table in {where} is left aside, {why}: {shown}",
+                where=table.where,
+                why=table.aside or "",
+                shown=self._shown(table.sheet, sizes),
+            )
+            self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.first, 0))))
+
+    def holds_sizes(self, table: Table) -> bool:
+        """Return whether numbers of the size of a diameter stand where a table's headings say diameter."""
+        return any(
+            self._is_size(table.sheet, row, column.index, headed=table) for row in table.rows for column in table.values
+        )
+
+    def leave_sheet(self, sheet: Sheet) -> None:
+        """Leave a whole sheet aside, because the user or its name says so."""
+        cells = [(row, column) for row, cells in enumerate(sheet.rows) for column in range(len(cells))]
+        sizes = [at for at in cells if self._is_size(sheet, *at)]
+        self._done[sheet.name].update(cells)
+        if sizes:
+            text = Sentence("sheet {name!r} is left aside: {shown}", name=sheet.name, shown=self._shown(sheet, sizes))
+            self.messages.append(Message("info", "sheet_aside", text, Place(sheet.file, sheet.name)))
+
+    def take(self, cells: Iterable[tuple[str | None, int, int]]) -> None:
+        """Account for cells that were read outside of the tables, each by sheet, row and column."""
+        for name, row, column in cells:
+            self._done[name].add((row, column))
+
+    def close(self, sheets: Sequence[Sheet]) -> None:
+        """Name every number of the size of a diameter that is neither read nor left aside."""
+        for sheet in sheets:
+            done = self._done[sheet.name]
+            groups: dict[tuple[str, int], list[tuple[int, int]]] = defaultdict(list)
+            block, before = 0, -2
+            for row, cells in enumerate(sheet.rows):
+                lost = [
+                    column
+                    for column, cell in enumerate(cells)
+                    if cell != "" and (row, column) not in done and self._is_size(sheet, row, column)
+                ]
+                table = self._table_at(sheet, row, lost[0]) if lost else None
+                if lost and table is None:
+                    lost = [column for column in lost if not self._is_labelled(sheet, row, column)]
+                    if lost and self._looks_read(sheet, row):
+                        self.problems.append(_without_headings(sheet, row, lost[0]))
+                        continue
+                    block = block if before == row - 1 else row
+                    before = row
+                for column in lost:
+                    groups[("rows", block) if table is None else ("column", column)].append((row, column))
+            for (kind, index), cells_lost in groups.items():
+                self.messages.append(self._lost(sheet, kind, index, cells_lost))
+
+    # --- one table ------------------------------------------------------------------------------------------------
+
+    def _enter(self, table: Table, rows: range) -> set[tuple[int, int]]:
+        """Note a table with its headings, and return the cells of its sheet that are accounted for."""
+        sheet = table.sheet
+        self._tables[sheet.name].append((rows, table))
+        for row in range(max(table.first, 0), table.last + 1):
+            for column in table.span:
+                cell = sheet.cell(row, column)
+                # under a turned table's headings stand notes as well
+                if number_of(text_of(cell)) is None and not (sheet.turned and numbers_of(cell)):
+                    self._done[sheet.name].add((row, column))
+        return self._done[sheet.name]
+
+    def _is_figure(self, rows: Rows, index: int) -> bool:
+        """Return whether a column holds specifications, means or raw readings by its heading; it is left aside."""
+        table, role = rows.table, rows.table.role(index)
+        if role not in ("specification", "mean", "raw") and not _is_of_gauge(table, index):
+            return False
+        if role == "specification" and self._is_of_controller(rows, index):
+            self._done[table.sheet.name].update((row, index) for row in table.rows)
+        else:
+            self._leave_column(table, index, self._sizes_in(rows, index), role)
+        return True
+
+    def _is_of_controller(self, rows: Rows, index: int) -> bool:
+        """Return whether this is the form's own column of nominal diameters, unchanged since it was written."""
+        name, unit, _ = rows.table.heading(index).partition(" [")
+        if not unit or name not in nominal_headings():
+            return False
+        units, cell = self._units_of(rows.table, index), rows.table.sheet.filled
+        return all(
+            any(
+                self._sizes.near_plane(value, units, keys[0].component, keys[0].plane, ROUNDED)
+                for value in numbers_of(cell(row, index))
+            )
+            for row, keys in rows.of_row.items()
+        )
+
+    def _is_quantity(self, rows: Rows, index: int) -> bool:
+        """Return whether a column holds another quantity; not one in mm that has the size of the diameters."""
+        table = rows.table
+        other = table.role(index) == "quantity" or _in_another_unit(table, index)
+        if not other or (_units(table, index) and self._is_diameter(rows, index)):
+            return False
+        self._leave_column(table, index, self._sizes_under(table, index), "quantity")
+        return True
+
+    def _sizes_in(self, rows: Rows, index: int) -> list[tuple[int, int]]:
+        """Return the cells of a column that have a diameter's size; whole numbers only where near their row's."""
+        return sorted({*self._sizes_under(rows.table, index), *self._near(rows, index)})
+
+    def _sizes_under(self, table: Table, index: int) -> list[tuple[int, int]]:
+        return [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
+
+    def _is_rival(self, rows: Rows, index: int) -> bool:
+        """Return whether an unread column could be the measurement as well; remarks and counts could not."""
+        if not self._is_diameter(rows, index):
+            return False
+        table, near = rows.table, self._near(rows, index)
+        if table.role(index) == "remark":
+            self._leave_column(table, index, self._sizes_in(rows, index), "remark")
+            return False
+        units = self._units_of(table, index)
+        if units[0].factor >= MM.factor and all(is_coarse(table.sheet.cell(*at)) for at in near):
+            self._leave_column(table, index, self._sizes_in(rows, index), None)
+            return False
+        return True
+
+    def _is_diameter(self, rows: Rows, index: int) -> bool:
+        """Return whether a column holds the diameters of its rows: in most cells, and not in one of many."""
+        filled = sum(not is_blank(rows.table.sheet.cell(row, index)) for row in rows.of_row)
+        near = len(self._near(rows, index))
+        return 2 * near > filled and (near > 1 or 2 * near > len(rows.of_row))
+
+    def _differs(self, rows: Rows, index: int) -> bool:
+        """Return whether a column is further from the diameters of most rows than readings of one place may be."""
+        read: dict[int, list[float]] = defaultdict(list)
+        for entry in rows.entries:
+            read[entry.row].append((entry.raw.unit or self._units[0]).to_si(entry.raw.size))
+        units = self._units_of(rows.table, index)
+        nearest = [
+            min(abs(unit.to_si(value) - size) for value in values for unit in units for size in sizes)
+            for row, sizes in read.items()
+            if (values := numbers_of(rows.table.sheet.cell(row, index)))
+        ]
+        return 2 * sum(apart > REPEAT_TOLERANCE + _ROUNDED for apart in nearest) > len(nearest)
+
+    def _units_of(self, table: Table, index: int) -> tuple[Unit, ...]:
+        return _units(table, index) or self._units
+
+    def _near(self, rows: Rows, index: int) -> list[tuple[int, int]]:
+        """Return the cells of a column that come near the nominal diameter of their row."""
+        units = self._units_of(rows.table, index)
+        return [
+            (row, index)
+            for row, keys in rows.of_row.items()
+            if any(
+                self._sizes.near_plane(value, units, component, plane)
+                for value in numbers_of(rows.table.sheet.cell(row, index))
+                for component, plane in {(key.component, key.plane) for key in keys}
+            )
+        ]
+
+    def _leave_column(self, table: Table, index: int, sizes: list[tuple[int, int]], role: Role | None) -> None:
+        sheet = table.sheet
+        self._done[sheet.name].update((row, index) for row in table.rows)
+        if sizes:
+            text = Sentence(
+                "column {name} is left aside{why}: {shown}",
+                name=_name(table, index),
+                why=Sentence(" ({why})", why=_WHY[role]) if role else "",
+                shown=self._shown(sheet, sizes),
+            )
+            level: MessageLevel = "warning" if role in (None, "remark") else "info"
+            self.messages.append(Message(level, "column_aside", text, table.heading_place(index)))
+
+    def _slipped(self, rows: Rows) -> None:
+        """Report a number of the size of a diameter in a row whose diameter is empty."""
+        table, sheet = rows.table, rows.table.sheet
+        usual = {index for index in range(sheet.width) if self._is_usual(rows, index)}
+        for row in table.rows:
+            if not _lacks_value(rows, row) or all(is_blank(sheet.filled(row, key.index)) for key in rows.columns.keys):
+                continue
+            for index, cell in enumerate(sheet.rows[row]):
+                if index in usual or (row, index) in self._done[sheet.name]:
+                    continue
+                lone = not isinstance(cell, str) or number_of(cell) is not None
+                if lone and self._is_size(sheet, row, index, headed=table):
+                    self.problems.append(_slip(table, row, index))
+                    self._done[sheet.name].add((row, index))
+
+    def _is_usual(self, rows: Rows, index: int) -> bool:
+        """Return whether numbers of that size are usual in a column of another quantity: 18.2 °C, say."""
+        sheet = rows.table.sheet
+        return rows.table.role(index) == "quantity" and any(self._is_size(sheet, row, index) for row in rows.of_row)
+
+    def _table_at(self, sheet: Sheet, row: int, column: int) -> Table | None:
+        """Return the table that a cell stands in, or else one beside it."""
+        tables = [table for rows, table in self._tables[sheet.name] if row in rows]
+        return next((table for table in tables if column in table.span), next(iter(tables), None))
+
+    # --- one cell -------------------------------------------------------------------------------------------------
+
+    def _is_size(self, sheet: Sheet, row: int, column: int, headed: Table | None = None, whole: bool = False) -> bool:
+        """Return whether a cell holds a number of the size of a diameter, in its heading's unit where that has one."""
+        cell = sheet.cell(row, column)
+        values = numbers_of(cell)
+        if not values:
+            return False
+        headed = headed or self._table_at(sheet, row, column)
+        units = self._units if headed is None else self._units_of(headed, column)
+        if headed is not None and not whole and is_whole(cell):
+            units = tuple(unit for unit in units if unit.factor < MM.factor)
+        return any(self._sizes.near(value, units) for value in values)
+
+    def _is_labelled(self, sheet: Sheet, row: int, column: int) -> bool:
+        """Return whether a number outside of the tables is another quantity or a count, by the words before it."""
+        before = (cell for cell in reversed(sheet.rows[row][:column]) if isinstance(cell, str) and cell)
+        label = next((cell for cell in before if number_of(cell) is None), None)
+        if label is None or self.names.is_named(label) or part_said(label):
+            return False
+        words = Words(plain(label).replace(":", " ").split())
+        if words.any("diameter", "of_reading", "of_specification", "mean", "raw", "calibration", "gauge"):
+            return False
+        return words.any("of_quantity") or is_whole(sheet.cell(row, column))
+
+    def _looks_read(self, sheet: Sheet, row: int) -> bool:
+        """Return whether a row outside of every table says what a diameter is of."""
+        done = self._done[sheet.name]
+        cells = [cell for column, cell in enumerate(sheet.rows[row]) if (row, column) not in done]
+        texts = [text_of(cell) for cell in cells if not is_blank(cell)]
+        return any(self.names.is_named(text) or part_said(text) is not None for text in texts)
+
+    def _lost(self, sheet: Sheet, kind: str, index: int, cells: list[tuple[int, int]]) -> Message:
+        rows = sorted({sheet.row_number(row) for row, _ in cells})
+        table = self._table_at(sheet, *cells[0]) if kind == "column" else None
+        if table is not None:
+            where = Sentence("column {name}", name=_name(table, index))
+        elif len(rows) == 1:
+            where = Sentence("row {number}", number=rows[0])
+        else:
+            where = Sentence("rows {first} to {last}", first=rows[0], last=rows[-1])
+        text = Sentence(
+            "{where}: not read, though of the size of a diameter: {shown}",
+            where=where,
+            shown=self._shown(sheet, cells),
+        )
+        prose = all(isinstance(sheet.cell(*at), str) and number_of(sheet.cell(*at)) is None for at in cells)
+        return Message("info" if prose else "warning", "not_read", text, sheet.place(cells[0][0], cells[0][1]))
+
+    def _shown(self, sheet: Sheet, cells: Sequence[tuple[int, int]]) -> Sentence:
+        shown = tuple(
+            Sentence("{cell} (row {row})", cell=text_of(sheet.cell(*at)), row=sheet.row_number(at[0]))
+            for at in cells[:_SHOWN]
+        )
+        more = len(cells) - _SHOWN
+        return Sentence(
+            "{shown}{more}", shown=shown, more=Sentence(" and {count} more", count=more) if more > 0 else ""
+        )
+
+
+def _units(table: Table, index: int) -> tuple[Unit, ...]:
+    """Return the unit that a heading states; "Micrometer" alone is the instrument."""
+    rest, unit = split_unit(table.heading(index))
+    return () if unit is None or not rest.strip() else (unit,)
+
+
+def _is_headed(table: Table) -> bool:
+    """Return whether every column that was read says by a word of its own that it holds diameters."""
+    return all(letters(column.heading).any(*_MEASURED) for column in table.values)
+
+
+def _says_other(table: Table, index: int) -> bool:
+    """Return whether a heading says in a word what its column holds, and not that it is a reading."""
+    words = letters(split_unit(table.heading(index))[0])
+    return any(len(word) > 2 for word in words.but("dimension")) and not words.any(*_MEASURED)
+
+
+def _is_of_gauge(table: Table, index: int) -> bool:
+    """Return whether a heading names a gauge of known diameter; "gauge" alone may be what was read from one."""
+    words = letters(split_unit(table.heading(index))[0])
+    return table.role(index) == "gauge" and (len(words) > 1 or words.any("earlier"))
+
+
+def _in_another_unit(table: Table, index: int) -> bool:
+    """Return whether a heading states a unit that is none of length: "RH [%]", "Mass [g]"."""
+    heading = table.heading(index)
+    return re.search(r"\[[^\]\d]+\]", heading) is not None and split_unit(heading)[1] is None
+
+
+def _name(table: Table, index: int) -> Sentence:
+    text = table.heading(index)
+    if text:
+        return Sentence("{heading!r}", heading=text)
+    return Sentence("{column} (without a heading)", column=table.sheet.place(0, index).column)
+
+
+def _lacks_value(rows: Rows, row: int) -> bool:
+    """Return whether a row leaves one of its diameters empty."""
+    sheet = rows.table.sheet
+    return any(
+        all(is_blank(sheet.cell(row, column.index)) for column in group.values()) for group in rows.columns.groups
+    )
+
+
+def _slip(table: Table, row: int, index: int) -> ReadingsError:
+    problem = Sentence(
+        "this number has the size of a diameter and stands in a column that is not read, while the row's diameter is "
+        "empty: slipped into the wrong column?"
+    )
+    headings = any_of(repr(column.name) for column in table.values)
+    return ReadingsError(
+        problem,
+        place=table.sheet.place(row, index, table.heading(index)),
+        value=table.sheet.cell(row, index),
+        expected=Sentence("the diameter under {headings}", headings=headings),
+    )
+
+
+def _which(table: Table, rivals: Sequence[int]) -> ReadingsError:
+    problem = counted(
+        len(rivals),
+        Sentence("column {names} holds numbers of the size of the diameters as {read} does: which is the measurement?"),
+        Sentence("columns {names} hold numbers of the size of the diameters as {read} does: which is the measurement?"),
+        names=tuple(_name(table, index) for index in rivals),
+        read=tuple(repr(column.name) for column in table.values),
+    )
+    return ReadingsError(
+        problem,
+        place=table.heading_place(rivals[0]),
+        expected=Sentence(
+            "headings that say so: 'measured [mm]', or 'nominal', 'mean', 'remark' over what is not the measurement; "
+            "'diameter 1', 'diameter 2' over repeats"
+        ),
+    )
+
+
+def _without_headings(sheet: Sheet, row: int, column: int) -> ReadingsError:
+    return ReadingsError(
+        Sentence("this row looks like a reading, and stands under no headings"),
+        place=sheet.place(row, column),
+        value=sheet.cell(row, column),
+        expected=Sentence("the row in the table, in the same columns, or headings above it"),
+    )
+
+
+_NAMED = re.compile(r"([^\W\d_]{3,})[\s:#._-]*(?:(?i:no|nr|number|n°)\b[\s.:#]*)?([A-Z](?![\w])|[\w./-]*\d[\w./-]*)")
+_LISTED = 4  # values of a column that are named
+
+
+@dataclass(frozen=True)
+class _Said:
+    """What a text says of the unit that readings under it are of: by which word, which one, and where it stands."""
+
+    word: str
+    which: str
+    text: str
+    place: Place
+    is_sheet: bool
+
+
+def units_apart(read: Sequence[Rows]) -> list[ReadingsError]:
+    """Return the error where titles, names of sheets or a column call what is read more than one unit.
+
+    The parts of two units fit each other well enough to pass for one: nothing else would show it.
+    """
+    filled = [rows for rows in read if rows.entries]
+    by_word: dict[str, dict[str, _Said]] = defaultdict(dict)
+    for rows in filled:
+        for said in _titles(rows):
+            by_word[said.word].setdefault(said.which, said)
+    for named in by_word.values():
+        if len(named) > 1:
+            return [_by_titles(list(named.values()))]
+    column = _column(filled)
+    return [] if column is None else [column]
+
+
+def _titles(rows: Rows) -> Iterator[_Said]:
+    sheet = rows.table.sheet
+    last = max(entry.row for entry in rows.entries)
+    said = [(text, sheet.place(row), False) for row, text in _lines(sheet, rows.table.last, last)]
+    said.append((rows.table.title, sheet.place(max(rows.table.first - 1, 0)), False))
+    for text, place, is_sheet in (*said, (sheet.name or "", sheet.place(), True)):
+        for match in _NAMED.finditer(text):
+            if plain(match[1]) in vocabulary("whole_unit"):
+                yield _Said(plain(match[1]), match[2].strip("./-"), text, place, is_sheet)
+
+
+def _lines(sheet: Sheet, first: int, last: int) -> Iterator[tuple[int, str]]:
+    """Yield the lines of text between the readings of a table."""
+    for row in range(first + 1, last):
+        cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
+        if len(cells) == 1 and isinstance(cells[0], str):
+            yield row, " ".join(cells[0].split())
+
+
+def _by_titles(named: Sequence[_Said]) -> ReadingsError:
+    expected = Sentence(
+        "the readings of one unit: delete or hide the other ones; or one name over all, if it is one unit"
+    )
+    if all(each.is_sheet for each in named):
+        expected = Sentence(
+            "one: say which sheet, as in --sheet {name}; or one name for all, if it is one unit",
+            name=f'"{named[0].text}"',
+        )
+    return ReadingsError(
+        Sentence(
+            "the readings are of several units, by their titles: {titles}",
+            titles=all_of(Sentence("{said!r}", said=each.text) for each in named),
+        ),
+        place=named[1].place,
+        value=named[1].text,
+        expected=expected,
+    )
+
+
+def _column(filled: Sequence[Rows]) -> ReadingsError | None:
+    """Return the error for a column of serial numbers or vehicles, where several stand beside the readings."""
+    values: dict[str, dict[str, set[tuple[str, ...]]]] = defaultdict(lambda: defaultdict(set))
+    places: dict[str, Place] = {}
+    for rows in filled:
+        sheet = rows.table.sheet
+        for index in rows.table.span:
+            heading = rows.table.heading(index)
+            words = letters(heading)
+            of_unit = words.any("whole_unit", "head_vehicle", "head_vin", "head_serial")
+            of_others = words.any("part", "gauge", "head_instrument")  # whose serial number tells no units apart
+            if index in rows.columns.read or not of_unit or of_others or any(map(part_of, words)):
+                continue
+            places.setdefault(heading, rows.table.heading_place(index))
+            for entry in rows.entries:
+                cell = sheet.filled(entry.row, index)
+                if not is_blank(cell) and plain(text_of(cell)) != plain(entry.key.component):
+                    values[heading][text_of(cell)].add((entry.key.component, entry.key.part, entry.key.plane))
+    for heading, stations in values.items():
+        # where every value stands at one part of one component, it is the number of a part, or of a row
+        of_parts = len(stations) > 2 and all(len({each[0] for each in stood}) == 1 for stood in stations.values())
+        if len(stations) > 1 and not of_parts:
+            chosen = next(iter(stations))
+            return ReadingsError(
+                Sentence("column {heading!r} names several units, whose parts would be put together", heading=heading),
+                place=places[heading],
+                value=", ".join(list(stations)[:_LISTED]) + (" …" if len(stations) > _LISTED else ""),
+                expected=Sentence(
+                    "the rows of one unit, as in --where {chosen}; or a heading such as 'Part number', if it is "
+                    "one unit",
+                    chosen=f'"{heading}={chosen}"',
+                ),
+            )
+    return None

@@ -1,0 +1,363 @@
+"""A measuring sheet (workbook or text) → readings.
+
+The form is that of the source study's Table 1, a tidy table, or a table with several diameters in a row; see
+``docs/measuring-sheet.md``. Everything wrong is listed at once, with file, sheet, row and column.
+
+What happens to a file:
+
+1. `intake.sheets` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
+2. `sheet_tables` cuts a sheet into tables (`table`); `one_heading` says what a column is by its heading, `headings`
+   (with `heading_numbers`) by all of them; ``vocabulary.toml`` holds the words in every language, and `words`
+   understands single cells. What is laid out unusually becomes usual before anything else is read: `turned` exchanges
+   rows and columns, `split_labels` (with `labels`) gives each thing that a cell says a column, `deviations` adds them
+   to nominal diameters, `filled_down` fills blocks.
+3. `choice` picks the tables that are the measurement, of the visible sheets or of the one that was asked for.
+4. `columns` decides which columns of a table to read, by headings and contents.
+5. `rows` reads every row into `values`; `controller_names` knows the components, planes and lands of the controller.
+   `asides` leaves out rows of means and rows that do not count; `states` asks where two states would be averaged.
+6. `values` converts the numbers into metres, and finds the unit where none is stated.
+7. `unread` looks at all cells again: what has the size of a diameter (`sizes`) and was not read is named or refused.
+8. `agreement` compares the diameters with clearances and means on the sheet, `checks` with the controller.
+9. `head` reads the measuring temperature, the date and the pump's clearances that stand above the headings.
+10. `land_values` reads what stands there of lands themselves: contact lengths, positions, repairs that are fitted. A
+    fitted repair comes first: the diameters are compared with its nominal ones.
+
+Several measuring sheets of one valve body, all read or all faults named.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.words import PART_WORDS
+from atleak.common.damage import own_errors_only
+from atleak.common.errors import Message, Place, ReadingsError
+from atleak.common.file_faults import together
+from atleak.common.sentences import Sentence, all_of, counted, in_a_row
+from atleak.common.units import Unit
+from atleak.common.units import unit as unit_named
+from atleak.measurements.gauge_readings import PressureTable
+from atleak.measurements.readings import Reading, Readings
+from atleak.readers.cells.extent import FAULTS
+from atleak.readers.cells.sheet import Sheet
+from atleak.readers.cells.sheet_file import read_bytes, read_sheets
+from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
+from atleak.readers.sheets import agreement
+from atleak.readers.sheets.choice import Choice, choose, require_one_measurement
+from atleak.readers.sheets.controller_names import ControllerNames
+from atleak.readers.sheets.diameters import Converted, convert
+from atleak.readers.sheets.exclusions import LEFT_ASIDE
+from atleak.readers.sheets.head import is_typed, read_head
+from atleak.readers.sheets.land_values import LandValues, read_land_values
+from atleak.readers.sheets.leftovers import Account, units_apart
+from atleak.readers.sheets.plausibility import check
+from atleak.readers.sheets.repeats import require_known
+from atleak.readers.sheets.rows import Rows, read_rows
+from atleak.readers.sheets.table import Table, best_header
+from atleak.readers.sheets.words import is_word
+
+SHOWN = 10
+
+
+class ReadingsRefused(ReadingsError):
+    """A measuring sheet that cannot be used, with every reason.
+
+    ``place``, ``value``, ``expected`` and ``nearest`` are those of the first problem; ``problems`` holds them all, in
+    the order of the sheet. The text lists the first ten.
+    """
+
+    def __init__(self, problems: Sequence[ReadingsError]) -> None:
+        if not problems:
+            raise ValueError("at least one problem")
+        self.problems = tuple(problems)
+        first = self.problems[0]
+        super().__init__(
+            first.problem, place=first.place, value=first.value, expected=first.expected, nearest=first.nearest
+        )
+
+    @property
+    def sentence(self) -> Sentence:
+        """Return the first ten problems, a line each."""
+        if len(self.problems) == 1:
+            return super().sentence
+        count, file = len(self.problems), self.place.file
+        said = Sentence("{count} problems in the readings:", count=count)
+        if file:
+            said = Sentence("{count} problems in {file}:", count=count, file=file)
+        for problem in self.problems[:SHOWN]:
+            said = Sentence("{problem}\n  {other}", problem=said, other=problem.sentence)
+        if count > SHOWN:
+            said = Sentence("{problem}\n  … and {count} more", problem=said, count=count - SHOWN)
+        return said
+
+
+__all__ = ["ReadingsRefused", "check", "read_readings"]
+
+
+@own_errors_only(ReadingsError, "name", "source")
+def read_readings(
+    source: str | Path | bytes,
+    controller: Controller,
+    *,
+    name: str | None = None,
+    sheet: str | None = None,
+    unit: str | None = None,
+    where: Mapping[str, str] | None = None,
+    fill_down: bool = False,
+    made_for: str | None = None,
+) -> Readings:
+    """Return the readings of a measuring sheet.
+
+    Parameters
+    ----------
+    source
+        path of a file, or its bytes: ``.xlsx`` (also xls, ods), or text with columns separated by comma, semicolon or
+        tab.
+    controller
+        whose components and planes the sheet names. Its nominal diameters tell a wrong unit.
+    name
+        what to call the file in messages; the path's own name by default.
+    sheet
+        the workbook's sheet to read, where more than one holds readings.
+    unit
+        unit of the diameters ("mm", "µm", "inch" …), instead of what the headings say.
+    where
+        which rows to read: headings of columns and what must stand under them, as in ``{"Inspection": "May"}``.
+    fill_down
+        whether an empty cell of a label goes on with the one above it.
+    made_for
+        id that the sheet may name in place of the controller's: of the one from which this one was copied.
+
+    Returns
+    -------
+    Readings
+        diameters in metres, each with its place in the file; ``messages`` say what was assumed. Its ``pressures`` are
+        those of a tab of gauge readings; where only that is filled in, there are no diameters. Its ``own_lands`` are
+        contact lengths, positions and fitted repairs, where the sheet states them.
+
+    Raises
+    ------
+    ReadingsRefused
+        with all problems found: an unknown component, part or plane, a cell that is no diameter, a repeat given twice,
+        a diameter off its nominal one by a factor, a sleeve smaller than its spool, a clearance over 0.5 mm …
+    PressureTableError
+        a tab of gauge readings that cannot be used.
+    ReadingsError
+        where the file as a whole cannot be read: no such file, empty, damaged, a picture, no measuring sheet in it,
+        several of them, or none filled in.
+    """
+    given_unit = None if unit is None else unit_named(unit, "length")
+    data, file = read_bytes(source, name)
+    names = ControllerNames(controller)
+    of_gauges = likeness_of(controller)
+    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)), is_word)
+    tabs = find_tabs(sheets, controller)
+    pressures = tabs.read(file, data)
+    sheets = [each for each in sheets if each not in tabs]
+    cells = (cell for each in sheets for row in each.rows for cell in row)
+    if pressures is not None and not any(any(map(str.isdigit, str(cell))) for cell in cells):
+        return _of_gauges_alone(pressures)
+    chosen = choose(sheets, file, names, sheet, fill_down)
+    require_known(chosen.tables, where or {})
+    of_lands = read_land_values([*chosen.tables, *chosen.of_lands], names, given_unit, where)
+    controller = of_lands.own.with_fitted(controller)
+    names = ControllerNames(controller)
+    read = _read_all(chosen.tables, names, given_unit, where)
+    read = [rows for rows in read if not rows.columns.problems or rows.table.count_values()]
+    problems = [problem for rows in read for problem in rows.problems]
+    problems += require_one_measurement(read, file)
+    problems += [] if problems else units_apart(read)
+    first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
+    of_unit = first.heading_place(first.values[0].index)
+    converted = convert([entry for rows in read for entry in rows.entries], controller, of_unit)
+    head = read_head([rows.table.as_it_stands for rows in read if rows.entries], sheets)
+    account = _account(chosen, of_lands, read, names, converted, given_unit)
+    around = {each.name for each in chosen.sheets if each.turned}
+    account.take((name, column, row) if name in around else (name, row, column) for name, row, column in head.cells)
+    account.close([each for each in chosen.sheets if not each.hidden])
+    read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.entries))
+    result = Readings(
+        file=file,
+        sha256=hashlib.sha256(data).hexdigest(),
+        sheet=None if first.sheet.is_text else ", ".join(map(str, read_from)),
+        unit=", ".join(converted.units) or (given_unit.name if given_unit else "mm"),
+        unit_assumed=converted.unit_assumed,
+        layout=_layout(converted, read),
+        readings=tuple(converted.readings),
+        messages=(
+            *chosen.messages,
+            *head.messages,
+            *(message for rows in read if rows.entries for message in rows.table.told),
+            *(message for rows in read for message in rows.messages),
+            *converted.messages,
+            *_about_sheet(read, first.sheet),
+            *account.messages,
+            *of_lands.messages,
+            *_contradictions(read, converted, with_temperatures=head.temperature is None),
+            *_at_unworn_ends(converted.unworn),
+        ),
+        temperature=head.temperature,
+        date=head.date,
+        identity=head.identity,
+        pressures=pressures,
+        pump=head.pump,
+        own_lands=of_lands.own,
+        unworn=tuple(converted.unworn),
+    )
+    problems += of_lands.problems
+    problems += [*head.problems, *converted.problems, *account.problems, *check(result, controller)]
+    for table in chosen.tables:
+        other = agreement.other_controller(table, controller, made_for)
+        problems = problems if other is None else [other]
+    if problems:
+        raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
+    if not (result.readings or result.unworn or any(map(is_typed, sheets))) and pressures is None:
+        raise _none_left(result, first)
+    return result
+
+
+def _read_all(
+    tables: Sequence[Table], names: ControllerNames, unit: Unit | None, where: Mapping[str, str] | None
+) -> list[Rows]:
+    """Return the rows of tables, until there are so many faults that the file is something else."""
+    read: list[Rows] = []
+    for table in tables:
+        if sum(len(rows.problems) for rows in read) > FAULTS:
+            break
+        read.append(read_rows(table, names, unit, where))
+    return read
+
+
+def _of_gauges_alone(pressures: PressureTable) -> Readings:
+    """Return what a file says that holds gauge readings and nothing else."""
+    file, digest, sheet = pressures.file, pressures.sha256, pressures.sheet
+    return Readings(file, digest, sheet, "mm", False, "tidy", readings=(), pressures=pressures)
+
+
+def _contradictions(read: Sequence[Rows], converted: Converted, *, with_temperatures: bool) -> list[Message]:
+    told: list[Message] = []
+    for rows in read:
+        told += agreement.messages(rows.table, rows.columns, rows.entries, converted.readings)
+    for rows in read if with_temperatures else ():
+        told += agreement.temperatures(rows.table, rows.columns, list(rows.of_row))
+    return list(dict.fromkeys(told))  # a message about what stands above several tables is given once
+
+
+def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
+    if not unworn:
+        return []
+    place = Sentence("{component}, plane {plane}")
+    text = counted(
+        len(unworn),
+        Sentence(
+            "{count} reading at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
+            "controller learn` makes mounting clearances of them"
+        ),
+        Sentence(
+            "{count} readings at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
+            "controller learn` makes mounting clearances of them"
+        ),
+        places=in_a_row(dict.fromkeys(place.of(component=each.component, plane=each.plane) for each in unworn)),
+    )
+    return [Message("info", "unworn_ends", text, unworn[0].place)]
+
+
+def _score(sheet: Sheet) -> float:
+    header = best_header(sheet)
+    return -1.0 if header is None else header.score + 0.01 * min(header.count_values(), 10)
+
+
+def _account(
+    chosen: Choice,
+    of_lands: LandValues,
+    read: Sequence[Rows],
+    names: ControllerNames,
+    converted: Converted,
+    given_unit: Unit | None,
+) -> Account:
+    account = Account(names, [*converted.units, *([given_unit.name] if given_unit else [])])
+    account.take(of_lands.cells)
+    for rows in read:
+        account.enter(rows)
+    for table in chosen.of_lands:
+        account.enter_lands(table)
+    for table in chosen.doubtful:
+        if account.holds_sizes(table):
+            account.problems += read_rows(table, names, given_unit).problems
+    for table in chosen.aside:
+        account.leave_table(table)
+    for sheet in chosen.sheets_aside:
+        account.leave_sheet(sheet)
+    return account
+
+
+def _none_left(result: Readings, table: Table) -> ReadingsError:
+    """Return the error where every reading was left aside, or none is filled in."""
+    reasons = [message.text for message in result.messages if message.code in LEFT_ASIDE]
+    problem, place = Sentence("no readings are filled in: every diameter is empty"), table.sheet.place(table.last)
+    if reasons:
+        problem = Sentence("no reading is left: {reasons}", reasons=in_a_row(reasons))
+        place = Place(result.file, result.sheet)
+    return ReadingsError(problem, place=place, expected=Sentence("at least one diameter, or two coordinates"))
+
+
+def _layout(converted: Converted, read: Sequence[Rows]) -> Literal["table", "tidy", "columns"]:
+    if any(reading.coordinates is not None for reading in converted.readings):
+        return "table"
+    return "columns" if any(len({each.group for each in rows.table.values}) > 1 for rows in read) else "tidy"
+
+
+def _about_sheet(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
+    messages = []
+    if sheet.note:
+        messages.append(Message("info", "read_as", sheet.note, Place(sheet.file)))
+    for rows in read:
+        table = rows.table
+        if table.said_by and rows.entries:
+            part = table.part and PART_WORDS[table.part]
+            said = all_of(each for each in (table.component, part) if each is not None)
+            text = Sentence("{where}: {said}, as {said_by} says", where=table.where, said=said, said_by=table.said_by)
+            messages.append(Message("info", "taken_from_title", text, table.sheet.place(table.rows[0])))
+    unread = sum(rows.rows_without_reading for rows in read)
+    if unread:
+        one = Sentence("{count} row without a reading: not measured")
+        text = counted(unread, one, Sentence("{count} rows without a reading: not measured"))
+        messages.append(Message("info", "rows_not_measured", text, Place(sheet.file, sheet.name)))
+    return messages
+
+
+def read_several(
+    sources: Iterable[tuple[str, str | Path | bytes]], controller: Controller, **choices: Any
+) -> list[Readings]:
+    """Return the readings of measuring sheets, in their order.
+
+    Parameters
+    ----------
+    sources
+        name, and path or bytes, of each; a name that comes again is numbered.
+    choices
+        as of `read_readings`: which sheet, unit and rows.
+
+    Raises
+    ------
+    ReadingsError
+        the first fault of any sheet, with those of all the sheets in ``others``.
+    """
+    sheets: list[Readings] = []
+    faults: list[ReadingsError] = []
+    counted: Counter[str] = Counter()
+    for given, source in sources:
+        counted[given] += 1
+        name = given if counted[given] == 1 else f"{given} ({counted[given]})"  # of another folder
+        try:
+            sheets.append(read_readings(source, controller, name=name, **choices))
+        except ReadingsError as fault:
+            faults += fault.problems if isinstance(fault, ReadingsRefused) else [fault]
+    if faults:
+        raise together(faults)
+    return sheets

@@ -1,0 +1,454 @@
+"""The rows under the headings → readings with their places, and every row that says nothing usable."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from atleak.catalogue.instruments import Part
+from atleak.catalogue.words import PART_WORDS
+from atleak.common.errors import Message, ReadingsError, nearest_name, unknown
+from atleak.common.sentences import Name, Sentence, all_of, counted
+from atleak.common.units import Unit, find_unit, unit_names
+from atleak.readers.cells.extent import FAULTS
+from atleak.readers.cells.sheet import Cell, column_letter
+from atleak.readers.sheets import exclusions as author_marks
+from atleak.readers.sheets import repeats as states
+from atleak.readers.sheets.column_headings import Column
+from atleak.readers.sheets.columns import Columns, find_columns
+from atleak.readers.sheets.controller_names import MM as MILLIMETRE
+from atleak.readers.sheets.controller_names import ControllerNames
+from atleak.readers.sheets.diameters import FILL_DOWN, MM, DiameterCell, Key, RawValue, broken_blocks
+from atleak.readers.sheets.exclusions import Asides
+from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.words import (
+    A_DIAMETER,
+    at,
+    diameter,
+    direction_of,
+    is_blank,
+    is_page_title,
+    number,
+    part_said,
+    part_words,
+    plain,
+    repeat_of,
+    says_unworn,
+    summary_of,
+    text_of,
+)
+
+_EVERY_ROW = Sentence("the value in every row; or merged cells in a workbook; {fill_down}", fill_down=FILL_DOWN)
+_IN_TEXT = Sentence(
+    "the value in every row; or the workbook itself, as a text file does not keep merged cells; {fill_down}",
+    fill_down=FILL_DOWN,
+)
+
+
+# what a cell of a key says: how it is read, and what is wrong where that fails
+_KEYS: Mapping[str, tuple[Callable[[Cell], Any], Sentence, Sentence]] = {
+    "part": (
+        lambda cell: part_said(text_of(cell)),
+        Sentence("unknown part"),
+        Sentence("spool (or piston), or sleeve (or bore)"),
+    ),
+    "direction": (
+        direction_of,
+        Sentence("unknown measuring direction"),
+        Sentence("an angle such as 0° or 90°, or x1-x2, y1-y2, I, II"),
+    ),
+    "repeat": (repeat_of, Sentence("not the number of a repeat"), Sentence("1, 2, 3 …")),
+    "unit": (lambda cell: find_unit(text_of(cell), "length"), Sentence("unknown unit of length"), Sentence("")),
+}
+
+
+@dataclass
+class Rows:
+    """The diameters of a table as written, and what is wrong with it.
+
+    ``cells`` are those that were read or left aside with a word, by row and column; ``of_row`` is what the rows that
+    were read are of.
+    """
+
+    table: Table
+    columns: Columns
+    entries: list[DiameterCell] = field(default_factory=list)
+    problems: list[ReadingsError] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
+    rows_without_reading: int = 0
+    cells: set[tuple[int, int]] = field(default_factory=set)
+    of_row: dict[int, list[Key]] = field(default_factory=dict)
+
+
+def read_rows(
+    table: Table, names: ControllerNames, given_unit: Unit | None, where: Mapping[str, str] | None = None
+) -> Rows:
+    """Read every diameter of a table, and note everything that is wrong with it."""
+    columns = find_columns(table, names)
+    if columns.problems:
+        return Rows(table, columns, problems=columns.problems)
+    reader = _Reader(table, columns, names, given_unit)
+    reader.read(where or {})
+    return reader.rows
+
+
+class _Reader:
+    def __init__(self, table: Table, columns: Columns, names: ControllerNames, given_unit: Unit | None) -> None:
+        self.table, self.columns, self.names, self.given_unit = table, columns, names, given_unit
+        self.sheet, self.rows = table.sheet, Rows(table, columns)
+        self.asides = Asides(table, columns, names)
+        self.blanks: dict[Column, dict[int, None]] = defaultdict(dict)
+        self.overridden: set[str] = set()
+
+    def read(self, where: Mapping[str, str]) -> None:
+        left_out, breaks = self._read_all_rows(states.rows_left_out(self.table, where))
+        self._read_means_alone()
+        self._report_blanks()
+        self._report_overridden()
+        self._report_hidden_columns()
+        rows, table, columns = self.rows, self.table, self.columns
+        if left_out:
+            chosen = all_of(
+                Sentence("{heading} is {value!r}", heading=heading, value=value) for heading, value in where.items()
+            )
+            text = counted(
+                left_out,
+                Sentence("{count} row left aside: read were those where {chosen}"),
+                Sentence("{count} rows left aside: read were those where {chosen}"),
+                chosen=chosen,
+            )
+            rows.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
+        rows.problems += broken_blocks(table, rows.entries, self.names)
+        question = states.question(rows.entries, breaks, table, columns)
+        rows.problems += [] if question is None else [question]
+        rows.messages += self.asides.messages(rows.entries)
+        rows.messages += author_marks.messages(table, rows.of_row, columns)
+        rows.messages += states.messages(rows.entries, table, columns, self.names.controller)
+
+    def _read_all_rows(self, rows_left_out: frozenset[int]) -> tuple[int, list[states.Break]]:
+        """Read all rows but those that are left out or aside; return how many were left out, and the titles between."""
+        left_out = 0
+        breaks: list[states.Break] = []
+        values = [column.index for group in self.columns.groups for column in group.values()]
+        faulty_rows = {row for row, _ in self.sheet.faults}
+        for row in self.table.rows:
+            if len(self.rows.problems) > FAULTS:
+                break
+            cells = self.sheet.rows[row]
+            if all(is_blank(cell) for cell in cells) and row not in faulty_rows:
+                continue
+            holds = any(not is_blank(self.sheet.cell(row, index)) for index in values)
+            if row in rows_left_out or (holds and self.asides.takes(row)):
+                left_out += holds and row in rows_left_out
+                self.rows.cells.update((row, index) for index in range(len(cells)))  # a message names the row
+            elif not self._read_row(row):
+                if title := self._title(row):
+                    breaks.append((row, title))
+                else:
+                    self.rows.rows_without_reading += self._is_named(row)
+        return left_out, breaks
+
+    def _read_row(self, row: int) -> bool:
+        """Read a row's diameters; return whether there are any, readable or not."""
+        values, rows = list(self._raw_values(row)), self.rows
+        if values:
+            self._report_overlong(row)
+            rows.cells.update((row, column.index) for column in self.columns.keys)
+        for group, value in values:
+            key = self._key(row, next(iter(group.values())))
+            if key is not None and value is not None:
+                column = (group.get("diameter") or next(iter(group.values()))).index
+                rows.entries.append(DiameterCell(row, column, key, value))
+                rows.of_row.setdefault(row, []).append(key)
+                rows.cells.update((row, column.index) for column in group.values())
+        return bool(values) or row in self.asides.struck
+
+    def _is_named(self, row: int) -> bool:
+        columns = self.columns
+        named = columns.component or columns.part or columns.plane or columns.land
+        return named is not None and not is_blank(self.sheet.filled(row, named.index))
+
+    def _title(self, row: int) -> str:
+        """Return what a row without numbers says, unless it is one that was not measured."""
+        column = self.columns.component
+        if column is None or self.names.component(self.sheet.filled(row, column.index)) is not None:
+            return ""
+        title = " ".join(text_of(cell) for cell in self.sheet.rows[row] if isinstance(cell, str) and cell.strip())
+        return "" if is_page_title(title) else title[:80]
+
+    def _read_means_alone(self) -> None:
+        """Read means as readings where their single readings are not on the sheet."""
+        for row, what in self.asides.take_back_means(tuple(self.rows.entries)):
+            self._read_row(row)
+            text = Sentence(
+                "row {row} is said to be a {what}, and its single readings are not there: read as one reading",
+                row=self.sheet.row_number(row),
+                what=what,
+            )
+            self.rows.messages.append(Message("info", "summary_as_reading", text, self.sheet.place(row)))
+
+    def _report_overlong(self, row: int) -> None:
+        """Report a text row with more cells than headings: its decimal commas were taken for the ends of cells."""
+        width, cells = len(self.table.texts), self.sheet.rows[row]
+        if self.sheet.is_text and any(not is_blank(cell) for cell in cells[width:]):
+            problem = Sentence(
+                "the row has {cells} cells under {headings} headings: a decimal comma in a file whose columns are "
+                "separated by commas?",
+                cells=len(cells),
+                headings=width,
+            )
+            expected = Sentence("semicolons or tabs between the columns, or decimal points")
+            self._refuse(problem, row, None, ", ".join(map(str, cells)), expected)
+
+    # --- values -------------------------------------------------------------------------------------------------------
+
+    def _raw_values(self, row: int) -> Iterator[tuple[dict[str, Column], RawValue | None]]:
+        """Yield each diameter of a row; None for one that is there and cannot be read (the problem is noted)."""
+        for group in self.columns.groups:
+            given = {name: column for name, column in group.items() if not is_blank(self.sheet.cell(row, column.index))}
+            if any((row, column.index) in self.sheet.marks.struck for column in given.values()):
+                self.asides.struck.append(row)
+                self.rows.cells.update((row, column.index) for column in given.values())
+            elif given:
+                yield group, None if self._half_given(row, group, given) else self._raw_value(row, given)
+            elif any([self._fault(row, column, group) for column in group.values()]):  # noqa: C419  all are reported
+                yield group, None
+
+    def _fault(self, row: int, column: Column, group: dict[str, Column]) -> bool:
+        fault = self.sheet.faults.get((row, column.index))
+        if fault is None:
+            return False
+        if fault.startswith("#"):
+            self._refuse(Sentence("this cell's formula gives an error"), row, column, fault, A_DIAMETER)
+            return True
+        coordinates = [other.index for name, other in group.items() if name.startswith("coordinate")]
+        if any(re.search(rf"\b{column_letter(index)}{row + 1}\b", fault.replace("$", "")) for index in coordinates):
+            return False  # a formula over coordinates that are not filled in yet
+        expected = Sentence("a diameter such as 9.939: open the workbook in a spreadsheet program and save it again")
+        self._refuse(Sentence("this cell's formula has no stored result"), row, column, fault, expected)
+        return True
+
+    def _half_given(self, row: int, group: dict[str, Column], given: dict[str, Column]) -> bool:
+        for which in () if "diameter" in given else (1, 2):
+            name = f"coordinate {which}"
+            if name not in given:
+                problem = Sentence("coordinate {number} is missing beside the other one", number=which)
+                column = group.get(name) or next(iter(given.values()))
+                self._refuse(problem, row, column, None, Sentence("both coordinates, or the diameter"))
+                return True
+        return False
+
+    def _raw_value(self, row: int, given: dict[str, Column]) -> RawValue | None:
+        numbers: dict[str, float] = {}
+        units: dict[str, Unit | None] = {}
+        for name, column in given.items():
+            try:
+                read = diameter if name == "diameter" else number
+                numbers[name], written = read(self.sheet.cell(row, column.index))
+            except ReadingsError as error:
+                self.rows.problems.append(at(self.table.place(row, column), error))
+                return None
+            units[name] = written or self._unit(row, column)
+        unit = next(iter(units.values()))
+        if len(set(units.values())) > 1:  # diameter and coordinates each in its own unit
+            numbers = {name: value * ((units[name] or MILLIMETRE).factor / MM) for name, value in numbers.items()}
+            unit = MILLIMETRE
+        column = given.get("diameter") or given["coordinate 1"]
+        coordinates = None
+        if "coordinate 1" in numbers and "coordinate 2" in numbers:
+            coordinates = (numbers["coordinate 1"], numbers["coordinate 2"])
+            if coordinates[0] == coordinates[1]:
+                problem = Sentence("both coordinates are equal: no diameter between them")
+                self._refuse(problem, row, column, coordinates[0])
+                return None
+        return RawValue(numbers.get("diameter"), coordinates, unit, self.table.place(row, column))
+
+    def _unit(self, row: int, column: Column) -> Unit | None:
+        """Return the unit of a cell that states none: the user's, the row's, the heading's, or that above the table."""
+        if column.index in self.sheet.derived:
+            return column.unit  # a sum of columns, made in this unit
+        if self.given_unit is not None:
+            if column.unit is not None and column.unit != self.given_unit:
+                self.overridden.add(column.name)
+            return self.given_unit
+        of_row = self.columns.unit
+        if of_row is None or is_blank(self.sheet.filled(row, of_row.index)):
+            return column.unit or self.columns.sheet_unit
+        unit: Unit | None = self._read_key(row, of_row, "unit")
+        return unit
+
+    # --- what the row is about ----------------------------------------------------------------------------------------
+
+    def _key(self, row: int, value: Column) -> Key | None:
+        columns = self.columns
+        component = self._component(row)
+        part: Part | None = value.part or self.table.part
+        if value.part is None and columns.part is not None:
+            part = self._read_key(row, columns.part, "part")
+        plane = self._plane(row, component, value)
+        direction, known = value.direction, True
+        if columns.direction is not None:
+            direction = self._read_key(row, columns.direction, "direction")
+            known = direction is not None
+        repeat, explicit = value.repeat, False
+        if columns.repeat is not None and repeat is None:
+            # a mean that stands for its single readings has no number
+            cell = self.sheet.filled(row, columns.repeat.index)
+            explicit = repeat_of(cell) is not None or summary_of(cell, key=True) is None
+            repeat = self._read_key(row, columns.repeat, "repeat") if explicit else None
+            known = known and (repeat is not None or not explicit)
+        if component is None or part is None or plane is None or not known:
+            return None
+        return Key(component, part, plane, direction, repeat, explicit, self._is_unworn(row))
+
+    def _read_key(self, row: int, column: Column, name: str) -> Any:
+        """Return what the cell of a key says; None where it is empty or not understood, which is a problem."""
+        cell = self._required(row, column)
+        if cell is None:
+            return None
+        read, problem, expected = _KEYS[name]
+        value = read(cell)
+        if value is None:
+            error = ReadingsError(problem, value=text_of(cell), expected=expected)
+            if name == "part":
+                meant = part_said(nearest_name(plain(text_of(cell)), part_words()) or "")
+                error.nearest = PART_WORDS[meant] if meant else None
+            elif name == "unit":
+                error = unknown(problem, text_of(cell), unit_names("length"), kind=ReadingsError)
+            self._once(row, column, error)
+        return value
+
+    def _is_unworn(self, row: int) -> bool:
+        """Return whether a cell of its own says that the row's diameter was taken at an unworn end."""
+        cells = (self.sheet.filled(row, index) for index in range(self.sheet.width) if index not in self.columns.read)
+        return any(isinstance(cell, str) and says_unworn(cell) for cell in cells)
+
+    def _required(self, row: int, column: Column) -> Cell | None:
+        cell = self.sheet.filled(row, column.index)
+        if not is_blank(cell):
+            return cell
+        self.blanks[column][row] = None
+        return None
+
+    def _component(self, row: int) -> str | None:
+        column = self.columns.component
+        if column is None:
+            return self.table.component
+        cell = self._required(row, column)
+        if cell is None:
+            return None
+        try:
+            component = self.names.require_component(cell)
+            for column in self.columns.names:  # where a fault stands
+                self._same_component(component, self.sheet.filled(row, column.index))
+            return component
+        except ReadingsError as problem:
+            self._once(row, column, problem)
+            return None
+
+    def _same_component(self, component: str, cell: Cell) -> None:
+        """Refuse a row whose number and name contradict each other."""
+        named = None if is_blank(cell) else self.names.component(cell)
+        if named is not None and named != component:
+            name = Name(self.names.controller.components[component])
+            raise ReadingsError(
+                Sentence(
+                    "this is component {named}, in a row of component {component}", named=named, component=component
+                ),
+                value=text_of(cell),
+                expected=Sentence("{component} or {name}", component=component, name=name),
+            )
+
+    def _plane(self, row: int, component: str | None, value: Column) -> str | None:
+        """Return the plane as the controller spells it: of the planes or lands that columns or the heading name."""
+        columns = self.columns
+        if component is None:  # reported already; whether a plane is given at all is still reported
+            self._named(row, None if value.land else columns.land or columns.plane, value.land)
+            return None
+        land_cell = self._named(row, columns.land, value.land)
+        by_plane = columns.land is None and value.land is None
+        plane_cell = self._named(row, columns.plane, value.plane, needed=by_plane)
+        if by_plane and plane_cell is None:
+            lands = self.names.controller.lands_of(component)  # of one with one land nothing need name it
+            unsaid = columns.plane is None and value.plane is None and len(lands) == 1
+            return lands[0].planes[0] if unsaid else None
+        if not by_plane and land_cell is None:
+            return None
+        column = value if by_plane and value.plane else columns.plane or columns.land or value
+        try:
+            if by_plane:
+                return self.names.plane(component, plane_cell)
+            column = value if value.land else columns.land or value
+            land = self.names.land(component, land_cell)
+            if plane_cell is None:
+                return land.planes[0]
+            column = value if value.plane else columns.plane or value
+            plane = self.names.plane(component, plane_cell)
+            if plane in land.planes:
+                return plane
+            problem = Sentence(
+                "this plane of component {component} is not on land {land}", component=component, land=land.land
+            )
+            raise ReadingsError(problem, value=plane, expected=Sentence("plane {names}", names=land.planes))
+        except ReadingsError as error:
+            self._once(row, column, error)
+            return None
+
+    def _named(self, row: int, column: Column | None, headed: str | None, needed: bool = True) -> Cell | None:
+        """Return what the value's heading names, or else the cell of the row; None where it is empty."""
+        if headed is not None or column is None:
+            return headed
+        cell = self._required(row, column) if needed else self.sheet.filled(row, column.index)
+        return None if is_blank(cell) else cell
+
+    # --- all rows together --------------------------------------------------------------------------------------------
+
+    def _report_blanks(self) -> None:
+        for column, rows in self.blanks.items():
+            others = [self.sheet.row_number(row) for row in rows][1:]
+            problem = Sentence("column {heading!r} is empty in a row that holds a reading", heading=column.name)
+            if others:
+                problem = Sentence(
+                    "column {heading!r} is empty in a row that holds a reading and in {count} more: {rows}",
+                    heading=column.name,
+                    count=len(others),
+                    rows=", ".join(map(str, others[:20])) + (" …" if len(others) > 20 else ""),
+                )
+            self._refuse(problem, next(iter(rows)), column, None, _IN_TEXT if self.sheet.is_text else _EVERY_ROW)
+
+    def _report_overridden(self) -> None:
+        if self.given_unit is not None and self.overridden:
+            text = Sentence(
+                "read in {unit} as told, although the heading says otherwise: {headings}",
+                unit=self.given_unit.said,
+                headings=tuple(sorted(self.overridden)),
+            )
+            self.rows.messages.append(Message("warning", "unit_told", text, self.table.heading_place()))
+
+    def _report_hidden_columns(self) -> None:
+        for column in self.columns.hidden:
+            self.rows.cells.update((row, column.index) for row in self.table.rows)
+        for columns, done in (
+            (self.columns.hidden, Sentence("left aside, because a visible column holds the same part")),
+            (self.columns.hidden_read, Sentence("read, because no visible column holds the same part")),
+        ):
+            if columns:
+                one, several = Sentence("hidden column {names} {done}"), Sentence("hidden columns {names} {done}")
+                names = tuple(repr(column.name) for column in columns)
+                text = counted(len(columns), one, several, names=names, done=done)
+                self.rows.messages.append(Message("warning", "hidden_columns", text, self.table.heading_place()))
+
+    def _refuse(
+        self, problem: Sentence, row: int, column: Column | None, value: object = None, expected: Sentence | None = None
+    ) -> None:
+        place = self.sheet.place(row) if column is None else self.table.place(row, column)
+        self.rows.problems.append(ReadingsError(problem, place=place, value=value, expected=expected))
+
+    def _once(self, row: int, column: Column, problem: ReadingsError) -> None:
+        """Add a problem of the row once, not for each of its values."""
+        place = self.table.place(row, column)
+        if place not in {known.place for known in self.rows.problems[-8:]}:
+            self.rows.problems.append(at(place, problem))

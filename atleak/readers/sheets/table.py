@@ -1,0 +1,456 @@
+"""A table of a sheet: its headings and what they say its columns are, its rows, and what its title says of all.
+
+Which row holds the headings, and what each column is.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+from atleak.catalogue.instruments import Part
+from atleak.common.errors import Message, Place
+from atleak.common.sentences import Sentence
+from atleak.readers.cells.sheet import Cell, Sheet
+from atleak.readers.sheets.column_headings import (
+    KEYS,
+    LETTERED,
+    OF_LANDS,
+    SAYS_NOTHING,
+    Column,
+    Role,
+    both_ends,
+    is_explained,
+    read_heading,
+    split_unit,
+    spot_of_heading,
+    tokens_of,
+)
+from atleak.readers.sheets.head_fields import is_row_of_fields
+from atleak.readers.sheets.words import is_blank, is_page_title, number_of, part_of, part_said, side_of, text_of
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table of a sheet, with headings in rows ``first`` to ``last`` from 0, of all columns in ``texts``.
+
+    A table that goes on under another title, or on another sheet, has no headings of its own: ``last`` is then the row
+    above its first one, -1 at the top of a sheet. ``sheet`` holds its cells at the places of the whole sheet, and
+    nothing of the tables beside and below. ``part`` and ``component`` are what the title or the sheet's name says, with
+    ``said_by`` naming it. ``aside`` is why a table holds no readings of this valve body, None where it may. ``used``
+    are columns whose numbers went into others behind the last, ``filled`` rows whose labels are those of a row above,
+    and ``told`` is what is to be said of both.
+    """
+
+    sheet: Sheet
+    first: int
+    last: int
+    columns: tuple[Column, ...]
+    texts: tuple[str, ...] = ()
+    part: Part | None = None
+    component: str | None = None
+    said_by: Sentence | None = None
+    aside: Sentence | None = None
+    used: frozenset[int] = frozenset()
+    told: tuple[Message, ...] = ()
+    filled: frozenset[int] = frozenset()
+
+    # --- headings and columns -----------------------------------------------------------------------------------------
+
+    def heading(self, index: int) -> str:
+        """Return a column's heading on one line; "" where it has none."""
+        return " ".join(self.texts[index].split()) if index < len(self.texts) else ""
+
+    def heading_place(self, index: int | None = None) -> Place:
+        """Return the place of a column's heading, or of the row of headings."""
+        return self.sheet.place(max(self.last, 0), index, "" if index is None else self.heading(index))
+
+    def of(self, role: Role) -> tuple[Column, ...]:
+        """Return the columns of that role."""
+        return tuple(column for column in self.columns if column.role == role)
+
+    def role(self, index: int) -> Role | None:
+        """Return the role of a column, None where its heading says nothing known."""
+        return next((column.role for column in self.columns if column.index == index), None)
+
+    @cached_property
+    def values(self) -> tuple[Column, ...]:
+        """Return the columns of diameters and their coordinates."""
+        return tuple(column for column in self.columns if column.holds_value)
+
+    @cached_property
+    def of_lands(self) -> tuple[Column, ...]:
+        """Return the columns of what a land itself has, or its component: contact length, position, fitted repair."""
+        return tuple(column for column in self.columns if column.role in OF_LANDS)
+
+    @property
+    def labels(self) -> list[Column]:
+        """Return the columns that say of which component, part or place the rows are."""
+        return [column for column in self.columns if column.role in ("component", "part", "plane", "land")]
+
+    @property
+    def roles(self) -> set[Role]:
+        """Return what the headings name, of all that makes a reading."""
+        return {column.role for column in self.columns}.difference(SAYS_NOTHING)
+
+    @property
+    def complete(self) -> bool:
+        """Return whether the rows under the headings can be read at all."""
+        return bool(self.of("component") and self.values)
+
+    @property
+    def score(self) -> float:
+        """Return how much this looks like the headings of a measuring sheet."""
+        named = self.roles
+        distinct = {(column.role, column.coordinate, column.group) for column in self.values}
+        return (
+            2.0 * ("component" in named)
+            + 2.0 * bool(distinct)
+            + len(named & {"part", "plane", "land", "direction"})
+            + 0.5 * ("repeat" in named)
+            + 0.1 * min(len(distinct), 20)
+            + 0.05 * any(column.unit for column in self.values)
+            - 0.1 * (len(self.values) - len(distinct))
+            - 0.01 * (self.last - self.first)
+        )
+
+    @property
+    def has_part(self) -> bool:
+        """Return whether a column says the part, or every heading of a value; also a "component" column of parts."""
+        headed = bool(self.values) and all(column.part for column in self.values)
+        return bool(self.of("part")) or headed or any(map(self.names_parts, self.of("component")))
+
+    @property
+    def is_of_lands(self) -> bool:
+        """Return whether it holds no diameters, and what lands themselves have: lengths, repairs that are fitted."""
+        return not self.values and bool(self.of_lands) and not self.aside
+
+    @property
+    def readable(self) -> bool:
+        """Return whether readings can be read from the table at all."""
+        known = self.of("component") or self.component is not None
+        return bool(known and self.values and not self.aside)
+
+    @cached_property
+    def span(self) -> range:
+        """Return the columns that the table spans."""
+        wide = [index for index, text in enumerate(self.texts) if text]
+        return range(min(wide), max(wide) + 1) if wide else range(self.sheet.width)
+
+    # --- rows and cells -----------------------------------------------------------------------------------------------
+
+    @property
+    def rows(self) -> range:
+        """Return the rows under the headings."""
+        return range(self.last + 1, len(self.sheet.rows))
+
+    def cells(self, index: int) -> dict[int, Cell]:
+        """Return what stands in a column under its heading, by row; in each row of merged cells."""
+        return {row: cell for row in self.rows if not is_blank(cell := self.sheet.filled(row, index))}
+
+    def count_values(self) -> int:
+        """Count the cells under the headings that hold something where a diameter belongs."""
+        return sum(not is_blank(self.sheet.cell(row, column.index)) for row in self.rows for column in self.values)
+
+    def names_parts(self, column: Column) -> bool:
+        """Return whether most cells of a column name a part, and nothing else."""
+        cells = self.cells(column.index).values()
+        return 2 * sum(part_said(text_of(cell)) is not None for cell in cells) > len(cells)
+
+    def place(self, row: int, column: Column) -> Place:
+        """Return the place of a cell."""
+        return self.sheet.place(row, column.index, column.name)
+
+    @cached_property
+    def block(self) -> range:
+        """Return the rows under the headings up to the first empty one."""
+        for row in self.rows[1:]:
+            if all(is_blank(self.sheet.cell(row, column)) for column in self.span):
+                return range(self.last + 1, row)
+        return self.rows
+
+    @cached_property
+    def title(self) -> str:
+        """Return the line of text above the headings, but no count of pages; "" where there is none."""
+        lines = [cells for row in self.sheet.rows[: max(self.first, 0)] if (cells := self._filled(row))]
+        alone = lines and len(lines[-1]) == 1 and isinstance(lines[-1][0], str)
+        return str(lines[-1][0]) if alone and not is_page_title(lines[-1][0]) else ""
+
+    def _filled(self, row: Iterable[Cell]) -> list[Cell]:
+        return [cell for cell in row if not is_blank(cell)]
+
+    @cached_property
+    def where(self) -> Sentence:
+        """Return the rows from the headings to the last one, as a person counts them."""
+        first = self.sheet.row_number(max(self.first, 0))
+        rows = [row for row in self.block if self._filled(self.sheet.rows[row])]
+        last = self.sheet.row_number(rows[-1]) if rows else first
+        if self.sheet.name is None:
+            return Sentence("rows {first} to {last}", first=first, last=last)
+        return Sentence("sheet {name!r}, rows {first} to {last}", name=self.sheet.name, first=first, last=last)
+
+    # --- the same table, otherwise ------------------------------------------------------------------------------------
+
+    @property
+    def as_it_stands(self) -> Table:
+        """Return the table for what stands above its headings in the file, also where it was turned."""
+        if not self.sheet.turned:
+            return self
+        first = min((each.index for each in self.columns if each.holds_size or each.role in KEYS), default=0)
+        return replace(self, sheet=replace(self.sheet, turned=False), first=first)
+
+    def with_columns(
+        self, columns: Sequence[tuple[Column, int]], cells: Callable[[int], Iterable[Cell]], instead_of: frozenset[int]
+    ) -> Table:
+        """Return the table with further columns behind its last one.
+
+        Parameters
+        ----------
+        columns
+            each with the column of the file that it is made from; they get their own index.
+        cells
+            gives what stands in them in a row.
+        instead_of
+            the columns that are not read any more.
+        """
+        first = max(self.sheet.width, len(self.texts))
+        added = [replace(column, index=first + at) for at, (column, _) in enumerate(columns)]
+        sources = {column.index: source for column, (_, source) in zip(added, columns, strict=True)}
+        rows = [[*row, *[""] * (first - len(row)), *cells(number)] for number, row in enumerate(self.sheet.rows)]
+        texts = (*self.texts, *[""] * (first - len(self.texts)), *(column.heading for column in added))
+        return replace(
+            self,
+            sheet=replace(self.sheet, rows=rows, derived={**self.sheet.derived, **sources}),
+            columns=(*(column for column in self.columns if column.index not in instead_of), *added),
+            texts=texts,
+        )
+
+
+EXPECTED = Sentence(
+    "one row of headings with at least: component (or 'No.'), part (spool or sleeve), plane (or land), and either "
+    "diameter or coordinate x1 and coordinate x2; also read: direction, repeat, unit"
+)
+
+_DEPTH = 4  # rows that headings may be spread over
+
+
+def _starts_table(table: Table) -> bool:
+    """Return whether this can only be headings: two sizes, or a size beside what it is of."""
+    sizes = [column for column in table.columns if column.holds_size and _is_named_size(column)]
+    others = [column for column in table.columns if column.role == "quantity" and column.unit is not None]
+    keys = {column.role for column in table.columns}.intersection(KEYS)
+    several = len(table.values) > 1  # "spool" and "bore", or "0°" and "90°"
+    return (len(sizes) or several) + bool(keys) > 1 or (bool(others or table.of_lands) and len(keys) > 1)
+
+
+def _is_named_size(column: Column) -> bool:
+    """Return whether a word of its own says a size, not only "spool" or "0°", which stand in readings too."""
+    words = tokens_of(column.heading)
+    named = words.any("of_size", "of_reading") or both_ends(set(words)) or column.role == "coordinate"
+    return not column.holds_value or named or column.unit is not None or bool(column.standing)
+
+
+def best_header(sheet: Sheet) -> Table | None:
+    """Return the row (or up to three rows) that looks most like headings, or None where none does."""
+    rows = (row for row in range(len(sheet.rows)) if _may_hold_headings(sheet, row))
+    found = [header for row in rows for header in _headers_at(sheet, row) if header.score > 2.0]
+    return max(found, key=lambda header: round(header.score, 9), default=None)
+
+
+def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Table]:
+    """Return the headings of every table, from top to bottom. ``is_component`` knows the cells of readings."""
+    candidates = []
+    for first in range(len(sheet.rows)):
+        if not _may_hold_headings(sheet, first) or _names_component(sheet, first, is_component):
+            continue
+        decimals = _holds_decimals(sheet, first)
+        if decimals and sum(isinstance(cell, str) and read_heading(cell) is not None for cell in sheet.rows[first]) < 3:
+            continue
+        for header in _headers_at(sheet, first):
+            last = header.last
+            if last > first and (
+                decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)
+            ):
+                break
+            if last > first and is_row_of_fields(sheet.rows[first]):
+                continue
+            # a row that holds a number is taken only where its headings leave no doubt
+            if _starts_table(header) and (not decimals or (header.complete and len(header.roles) > 2)):
+                candidates.append(header)
+    headers: list[Table] = []
+    taken: set[int] = set()
+    for header in sorted(candidates, key=lambda each: (-round(each.score + _depth_bonus(each), 9), each.first)):
+        rows = range(header.first, header.last + 1)
+        if taken.isdisjoint(rows):
+            headers.append(header)
+            taken.update(rows)
+    return sorted(headers, key=lambda each: each.first)
+
+
+def _depth_bonus(table: Table) -> float:
+    """Score headings under headings higher: "nominal" and "actual" under "diameter" make no table of their own."""
+    return sum(
+        0.02
+        for row in range(table.first + 1, table.last + 1)
+        if any(
+            isinstance(cell, str) and (column := read_heading(cell)) is not None and column.holds_size
+            for cell in table.sheet.rows[row]
+        )
+    )
+
+
+def _names_component(sheet: Sheet, row: int, is_component: Callable[[str], bool]) -> bool:
+    return any(isinstance(cell, str) and cell and is_component(cell) for cell in sheet.rows[row])
+
+
+def _holds_decimals(sheet: Sheet, row: int) -> bool:
+    return any(
+        _has_decimals(cell) if isinstance(cell, str) else isinstance(cell, float) and not cell.is_integer()
+        for cell in sheet.rows[row]
+    )
+
+
+@lru_cache(maxsize=16384)
+def _has_decimals(text: str) -> bool:
+    return re.search(r"\d[.,]\d|^[.,]\d", text) is not None and number_of(text) is not None
+
+
+def _may_hold_headings(sheet: Sheet, row: int) -> bool:
+    """Return whether a row has two texts, or one over several columns; over the first column it is a title."""
+    texts = [column for column, cell in enumerate(sheet.rows[row]) if isinstance(cell, str) and cell.strip()]
+    if len(texts) != 1:
+        return len(texts) > 1
+    return texts[0] > 0 and sheet.merged.get((row, texts[0] + 1)) == (row, texts[0])
+
+
+def _headers_at(sheet: Sheet, first: int) -> Iterator[Table]:
+    for last in range(first, min(first + _DEPTH, len(sheet.rows))):
+        if last > first and not any(not is_blank(cell) for cell in sheet.rows[last]):
+            return
+        headings = _headings(sheet, first, last)
+        columns = [column for index, text in enumerate(headings) if (column := read_heading(text, index)) is not None]
+        columns += _numbered(columns, headings)
+        header = Table(sheet, first, last, read_together(columns), tuple(headings))
+        if last > first and _is_data(header):
+            return
+        yield header
+
+
+def _headings(sheet: Sheet, first: int, last: int) -> list[str]:
+    """Return the text over every column: a heading over several columns counts for each of them, merged or not."""
+    width = max(len(row) for row in sheet.rows[first : last + 1])
+    levels = [[_said(sheet, row, column) for column in range(width)] for row in range(first, last + 1)]
+    for depth, texts in enumerate(levels[:-1]):
+        for column in range(1, width):
+            if texts[column] or (first + depth, column) in sheet.merged:
+                continue
+            below = [level[column] for level in levels[depth + 1 :]]
+            beside = [level[column - 1] for level in levels[depth + 1 :]]
+            same_above = all(level[column] == level[column - 1] for level in levels[:depth])
+            # below stand only a part, a place or a repeat, so that what they are of stands over them
+            if any(below) and any(beside) and same_above and all(map(_is_under_another, filter(None, below))):
+                texts[column] = texts[column - 1]
+    return [" ".join(dict.fromkeys(text for text in texts if text)) for texts in zip(*levels, strict=True)]
+
+
+def _said(sheet: Sheet, row: int, column: int) -> str:
+    cell = sheet.filled(row, column)
+    return str(cell).strip() if isinstance(cell, str) else text_of(cell)
+
+
+@lru_cache(maxsize=4096)
+def _is_under_another(text: str) -> bool:
+    rest, _ = split_unit(text)
+    words = tokens_of(rest)
+    of_another = words.any("mean", "sum", "mean_in_heading", "of_specification", "of_reading")
+    return of_another or is_explained(spot_of_heading(words)[1])
+
+
+def _numbered(columns: Sequence[Column], headings: Sequence[str]) -> list[Column]:
+    """Return columns headed 1, 2 … alone beside component and part, where no other holds a diameter."""
+    roles = {column.role for column in columns}
+    if not {"component", "part"} <= roles or any(column.holds_size for column in columns):
+        return []
+    numbered = [index for index, text in enumerate(headings) if re.fullmatch(r"[1-9]", text)]
+    if len(numbered) < 2 or [headings[index] for index in numbered] != [str(at + 1) for at in range(len(numbered))]:
+        return []
+    return [
+        Column(index, headings[index], "diameter", repeat=int(headings[index]), tentative=True, unsure=True)
+        for index in numbered
+    ]
+
+
+def _is_data(header: Table) -> bool:
+    """Return whether the last row taken for headings is a reading: it names a component of its own."""
+    cell = header.sheet.cell
+    return any(
+        not is_blank(cell(header.last, column.index))
+        and any(not is_blank(cell(above, column.index)) for above in range(header.first, header.last))
+        for column in header.of("component")
+    )
+
+
+def read_together(columns: list[Column]) -> tuple[Column, ...]:
+    """Correct what single headings say by what all columns say together.
+
+    A direction or part in a value's heading holds only where no column of its own says it. "Spool" and "sleeve" are
+    diameters where both stand there and nothing else is one.
+    """
+    roles = {column.role for column in columns}
+    bare = [column for column in columns if column.role == "diameter" and part_of(column.heading) and not column.unit]
+    others = any(column.holds_value and column not in bare for column in columns)
+    if others or "part" in roles or len({column.part for column in bare}) < 2:
+        columns = [column for column in columns if column not in bare]
+    columns = _lettered(columns)
+    if any(column.part == "spool" and side_of(column.heading) for column in columns):
+        columns = [_as_inner(column) for column in columns]
+    angles = {column.direction for column in columns if column.holds_value} - {None}
+    # "x1" and "x2" without "y1" and "y2" are only the names of two coordinates
+    only_names = len(angles) == 1 and any(re.search(r"\b[xy][12]\b", column.heading.lower()) for column in columns)
+    said = {
+        "direction": "direction" in roles or only_names,
+        **{role: role in roles for role in ("part", "land", "plane")},
+    }
+    unsaid: dict[str, Any] = {name: None for name, elsewhere in said.items() if elsewhere}
+    together = [replace(column, **unsaid) if column.holds_value and unsaid else column for column in columns]
+    counted: dict[tuple[object, ...], set[int | None]] = defaultdict(set)
+    for column in together:
+        if column.holds_value:
+            counted[column.station].add(column.repeat)
+    # repeats count from 1, behind a word for them with one left out at most: 12 and 24 are something else
+    gaps = {
+        column.station
+        for column in together
+        if column.repeat is not None
+        and (
+            column.repeat > len(counted[column.station]) + tokens_of(column.heading).any("of_repeat")
+            or {None, 1} <= counted[column.station]  # "measurement 1", "measurement 2", "result"
+        )
+    }
+    return tuple(replace(column, repeat=None) if column.station in gaps else column for column in together)
+
+
+def _lettered(columns: list[Column]) -> list[Column]:
+    """Return diameters headed "dx" and "Dx" as of spool and bore, where both letters stand there."""
+    letters = {
+        column.index: match[1]
+        for column in columns
+        if column.holds_value and (match := LETTERED.search(column.heading))
+    }
+    if set(letters.values()) != {"d", "D"}:
+        return columns
+    return [
+        replace(column, part=part_of(letters[column.index])) if column.index in letters and not column.part else column
+        for column in columns
+    ]
+
+
+def _as_inner(column: Column) -> Column:
+    """Return a column headed "ID" beside one headed "OD" as the bore's diameter."""
+    if column.role != "component" or side_of(column.heading) != "sleeve":
+        return column
+    return replace(column, role="diameter", part="sleeve", rank=0, tentative=column.unit is None)

@@ -1,0 +1,451 @@
+"""What was typed in, cell by cell, sign for sign; every change gives a new object, and the last ones can be undone.
+
+Judge typed entries by the rules of the measuring sheet, each at its own cell, and say which of them count.
+
+Typed entries as the measuring sheet in which a job keeps them: text, every sign as it was typed.
+
+`atleak.readers.sheets.measuring_sheet.read_readings` reads it as any other sheet. A column says of every row whether it
+counts, so that nothing that cannot be a reading enters a verdict, and nothing typed is lost.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.instruments import Instruments
+from atleak.catalogue.repairs import LandKey
+from atleak.catalogue.written_numbers import decimal_number
+from atleak.common.damage import own_errors_only
+from atleak.common.errors import InputError, Place, ReadingsError
+from atleak.common.sentences import Sentence
+from atleak.common.unit_systems import MM
+from atleak.common.units import unit, unit_names
+from atleak.measurements.measuring_plan import PARTS, Cell, CellKey, Plan
+from atleak.measurements.readings import TYPED_MARK, LandClearance, Reading, Readings, clearances, far_from_nominal
+from atleak.readers.cells.sheet_file import csv_bytes, csv_rows
+from atleak.readers.sheets.plausibility import contradictions, off_by_factor
+from atleak.readers.sheets.words import diameter, is_blank
+
+MOST_STEPS = 200  # that can be undone
+_LONGEST = 40  # signs of one entry: a number and its unit are far shorter
+_LARGEST_BLOCK = 5_000  # entries that one paste may hold
+BASE_UNIT = "mm"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """The text of one cell, and the two coordinates [m] it is the distance of, where a sheet gave them."""
+
+    text: str
+    coordinates: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a series of steps led to: the entries, the cell to go on in, and how many values found no cell."""
+
+    typed: Typed
+    at: Cell | None = None
+    left_over: int = 0
+
+
+@dataclass(frozen=True)
+class Typed:
+    """The entries of all cells, by which plan they were asked for, and what else the sheet they go on from holds."""
+
+    entries: Mapping[Cell, Entry] = field(default_factory=dict)
+    plan: Plan = Plan()  # noqa: RUF009  frozen, so safe to share
+    unit: str = BASE_UNIT  # of the entries that name none
+    sheet: Readings | None = None  # gone on from: its head, lengths and unworn ends; its readings are in the cells
+    earlier: tuple[Mapping[Cell, Entry], ...] = field(default=(), compare=False)
+
+    @classmethod
+    def going_on_from(cls, readings: Readings, plan: Plan = Plan(), decimal: str = ".") -> Typed:  # noqa: B008  frozen
+        """Return the cells filled with the readings of a sheet, written with a decimal sign."""
+        entries = {
+            cell_of(each): Entry(in_mm(each.diameter).replace(".", decimal), each.coordinates)
+            for each in readings.readings
+        }
+        return cls(entries, plan, sheet=replace(readings, readings=()))
+
+    def put(self, cell: Cell, text: str) -> Typed:
+        """Return this with another text in a cell; an empty one takes its entry out."""
+        return self.fill({cell: text})
+
+    def fill(self, texts: Mapping[Cell, str]) -> Typed:
+        """Return this with other texts in several cells, as one step."""
+        new = dict(self.entries)
+        for cell, text in texts.items():
+            said = " ".join(text.split())[:_LONGEST]
+            if not said:
+                new.pop(cell, None)
+            elif cell not in new or new[cell].text != said:
+                new[cell] = Entry(said)
+        if new == self.entries:
+            return self
+        return replace(self, entries=new, earlier=(*self.earlier, self.entries)[-MOST_STEPS:])
+
+    def in_unit(self, unit: str) -> Typed:
+        """Return this with another unit for what is typed from now on; entries that named none keep the old one."""
+        if unit == self.unit:
+            return self
+        entries = {
+            cell: replace(entry, text=f"{entry.text} {self.unit}") if decimal_number(entry.text) is not None else entry
+            for cell, entry in self.entries.items()
+        }
+        return replace(self, entries=entries, unit=unit, earlier=())
+
+    def paste(self, cells: Sequence[Cell], start: Cell, block: str) -> Done:
+        """Return this with a block of a spreadsheet in the cells along, row by row; its empty cells change nothing."""
+        values = block_values(block)
+        places = cells[cells.index(start) :] if start in cells else ()
+        filled = {cell: text for cell, text in zip(places, values, strict=False) if not is_blank(text)}
+        after = places[min(len(values), len(places) - 1)] if places else None
+        return Done(self.fill(filled), after, max(len(values) - len(places), 0))
+
+    def undo(self) -> Done:
+        """Return this one step earlier, and the first cell in which it differs; the same where there is none."""
+        if not self.earlier:
+            return Done(self)
+        back = replace(self, entries=self.earlier[-1], earlier=self.earlier[:-1])
+        changed = [
+            cell for cell in {**back.entries, **self.entries} if back.entries.get(cell) != self.entries.get(cell)
+        ]
+        return Done(back, next(iter(changed), None))
+
+    def after(self, steps: Iterable[Mapping[str, Any]], cells: Sequence[Cell]) -> Done:
+        """Return what steps lead to that come from a page: put a text, paste a block, undo.
+
+        A step that is none of these, or of a cell that is not there, changes nothing.
+
+        Parameters
+        ----------
+        steps
+            each with a ``do`` (put, paste, undo), and but for the last the key of a cell and a text.
+        cells
+            the cells that the page shows, in its order.
+        """
+        named = {cell.key: cell for cell in cells}
+        done = Done(self)
+        for step in steps:
+            next_one = _after_one(done.typed, step, named, cells)
+            done = replace(next_one, left_over=done.left_over + next_one.left_over)
+        return done
+
+
+def _after_one(typed: Typed, step: Mapping[str, Any], named: Mapping[CellKey, Cell], cells: Sequence[Cell]) -> Done:
+    if step.get("do") == "undo":
+        return typed.undo()
+    key = step.get("cell")
+    cell = named.get(tuple(key)) if isinstance(key, list) and all(map(_is_plain, key)) else None
+    if cell is None:
+        return Done(typed)
+    text = str(step.get("text", ""))
+    return typed.paste(cells, cell, text) if step.get("do") == "paste" else Done(typed.put(cell, text))
+
+
+def _is_plain(value: object) -> bool:
+    return value is None or isinstance(value, str | int | float)
+
+
+def cell_of(reading: Reading) -> Cell:
+    """Return the cell that a reading belongs in."""
+    return Cell(*reading.station, reading.repeat)
+
+
+def block_values(block: str) -> list[str]:
+    r"""Return the cells of a block that was copied from a spreadsheet, row by row.
+
+    >>> block_values("15,001\t15,002\r\n15,003\t\r\n")
+    ['15,001', '15,002', '15,003', '']
+    """
+    lines = block.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n").split("\n")
+    return [value.strip() for line in lines for value in line.split("\t")][:_LARGEST_BLOCK]
+
+
+def in_mm(metres: float) -> str:
+    """Write a length [m] in mm, with the digits that it was given with."""
+    return f"{round(metres * MM, 7):.10g}"
+
+
+_AT_A_CELL = ("repeats_disagree", "large_ovality", "tight_direction")  # codes of what a land's messages say of a cell
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """What is doubtful about an entry, in a sentence, and whether it counts as a reading nevertheless."""
+
+    text: Sentence
+    counts: bool
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What the entries are worth.
+
+    ``counting`` are the readings that a verdict may rest on; ``refused`` the lands of which the readings cannot be
+    together, so that none of them counts.
+    """
+
+    doubts: Mapping[Cell, Doubt]
+    counting: Mapping[Cell, Reading]
+    refused: frozenset[LandKey]
+    states: tuple[LandClearance, ...]
+
+
+def judge(
+    typed: Typed,
+    controller: Controller,
+    *,
+    temperature: float | None = None,
+    instruments: Instruments | None = None,
+) -> Judged:
+    """Judge all entries together.
+
+    Parameters
+    ----------
+    typed
+        the entries.
+    controller
+        whose lands were measured, with what is fitted to them.
+    temperature
+        of gauge and parts [°C], where the job states it.
+    instruments
+        those that measured; the catalogue's defaults unless given.
+    """
+    judging = _Judging(typed, controller)
+    judging.leave_out_slips()
+    judging.leave_out_contradictions()
+    states = judging.states(temperature, instruments)
+    judging.doubt(states)
+    return Judged(judging.doubts, judging.readings, frozenset(judging.refused), states)
+
+
+class _Judging:
+    """Collects doubts; ``readings`` are those that still count. Each bears the number of its cell as its place."""
+
+    def __init__(self, typed: Typed, controller: Controller) -> None:
+        self.controller = controller
+        self.doubts: dict[Cell, Doubt] = {}
+        self.readings: dict[Cell, Reading] = {}
+        self.lands: dict[Cell, Land] = {}  # of those with a reading
+        self.refused: set[LandKey] = set()
+        self.unit = typed.unit
+        self.sheet = typed.sheet or Readings("", "", None, typed.unit, False, "tidy", ())
+        for number, (cell, entry) in enumerate(typed.entries.items()):
+            land = controller.land_of_plane(cell.component, cell.plane)
+            if is_blank(entry.text) or land is None:
+                continue
+            try:
+                value, written = diameter(entry.text)
+            except ReadingsError as error:
+                self.doubts[cell] = Doubt(_said(error), False)
+                continue
+            metres = (written or unit(self.unit, "length")).to_si(value)
+            self.readings[cell] = Reading(*cell.key, metres, Place(key=str(number)), entry.coordinates)
+            self.lands[cell] = land
+        self.by_place = {reading.place: cell for cell, reading in self.readings.items()}
+
+    def together(self) -> Readings:
+        """Return what still counts as the readings of a sheet."""
+        return replace(self.sheet, unit=self.unit, readings=tuple(self.readings.values()))
+
+    def leave_out_slips(self) -> None:
+        """Leave out what is far off its nominal diameter."""
+        for reading, error in off_by_factor(self.together(), self.controller):
+            cell = self.by_place[reading.place]
+            self.doubts[cell] = Doubt(_said(error), False)
+            del self.readings[cell]
+
+    def leave_out_contradictions(self) -> None:
+        """Leave out lands of which the readings, or those at unworn ends beside them, cannot be together."""
+        now = self.together()
+        wrong = contradictions(now, self.controller)
+        if now.unworn:
+            known = {land.key for land, _ in wrong}
+            wrong += [each for each in contradictions(now.when_new, self.controller) if each[0].key not in known]
+        for land, error in wrong:
+            self._refuse(land.key, error)
+
+    def _refuse(self, key: LandKey, error: InputError) -> None:
+        mine = [cell for cell in self.readings if self.lands[cell].key == key]
+        at = self.by_place.get(error.place, mine[0] if mine else None)
+        if at is not None:
+            self.doubts[at] = Doubt(_said(error), False)
+        self.refused.add(key)
+        for cell in mine:
+            del self.readings[cell]
+
+    def states(self, temperature: float | None, instruments: Instruments | None) -> tuple[LandClearance, ...]:
+        """Return the clearances of what counts; a land that only the temperature makes impossible is left out."""
+        at = self.together().measured_at(temperature).value
+        while True:
+            try:
+                return clearances(self.together(), self.controller, temperature=at, instruments=instruments)
+            except ReadingsError as error:
+                self._refuse(self.lands[self.by_place[error.place]].key, error)
+
+    def doubt(self, states: Collection[LandClearance]) -> None:
+        """Doubt what counts and is unusual nevertheless: alone, or beside the other readings of its land."""
+        said: dict[Cell, Sentence] = {}
+        for cell, text in self._unusual(states):
+            said[cell] = Sentence("{first}; {second}", first=said[cell], second=text) if cell in said else text
+        for cell, text in said.items():
+            self.doubts.setdefault(cell, Doubt(text, True))
+
+    def _unusual(self, states: Collection[LandClearance]) -> Iterator[tuple[Cell, Sentence]]:
+        for cell, reading in self.readings.items():
+            far = far_from_nominal(self.lands[cell], cell.part, reading.diameter)
+            if far:
+                yield cell, far
+        for state in states:
+            for message in state.messages:
+                if message.code in _AT_A_CELL and message.place in self.by_place:
+                    yield self.by_place[message.place], message.text
+
+
+def _said(error: InputError) -> Sentence:
+    """Return what is wrong without a place: it stands at its cell."""
+    said = error.problem
+    if error.value is not None:
+        said = Sentence("{problem} ({value})", problem=said, value=error.value)
+    if error.expected:
+        said = Sentence("{problem}; expected {expected}", problem=said, expected=error.expected)
+    return said
+
+
+TYPED_FILE = "typed readings.csv"
+_SEPARATED = b"sep=;\r\n"  # so that a spreadsheet program, and the intake, need not guess
+_KEYS = ("No.", "Part", "Plane", "Direction", "Repeat")
+_COORDINATES = ("Coordinate x1 [mm]", "Coordinate x2 [mm]")
+_LAST = ("Counts", "Taken at")
+_UNWORN = "unworn end"
+_MM = unit("mm", "length")
+_OF_LANDS = ("No.", "Land", "Contact length [mm]", "Position from left end [mm]", "Fitted repair")
+
+
+def written(typed: Typed, counting: Collection[Cell], controller: Controller) -> bytes | None:
+    """Return the file; None where nothing was typed.
+
+    Parameters
+    ----------
+    typed
+        all entries.
+    counting
+        the cells of which the readings count.
+    controller
+        whose lands they are of.
+    """
+    if not typed.entries:
+        return None
+    rows = [[TYPED_MARK, json.dumps(asdict(typed.plan))], [f"Controller {controller.id}"]]
+    rows += [*_head(typed.sheet), _headings(typed.unit)]
+    for cell in typed.plan.in_order(controller, typed.entries):
+        rows.append([*_labels(cell), *_values(typed.entries[cell]), "yes" if cell in counting else "no", ""])
+    for reading in typed.sheet.unworn if typed.sheet else ():
+        size = f"{in_mm(reading.diameter)} mm"
+        rows.append([*_labels(cell_of(reading)), *_values(Entry(size, reading.coordinates)), "yes", _UNWORN])
+    return _SEPARATED + csv_bytes([*rows, *_of_lands(typed.sheet)])
+
+
+def _headings(unit: str) -> list[str]:
+    return [*_KEYS, *_COORDINATES, f"Diameter [{unit}]", *_LAST]
+
+
+def _labels(cell: Cell) -> list[str]:
+    direction = "" if cell.direction is None else f"{cell.direction:.12g}"
+    return [cell.component, cell.part, cell.plane, direction, str(cell.repeat)]
+
+
+def _values(entry: Entry) -> list[str]:
+    if entry.coordinates is None:
+        return ["", "", entry.text]
+    return [*map(in_mm, entry.coordinates), ""]
+
+
+def _head(sheet: Readings | None) -> Iterator[list[str]]:
+    """Yield what the sheet that is gone on from states of the measurement as a whole."""
+    if sheet is None:
+        return
+    if sheet.temperature is not None:
+        yield ["Measuring temperature", f"{sheet.temperature:.12g} °C"]
+    if sheet.date is not None:
+        yield ["Date", sheet.date.isoformat()]
+    for name, um in zip(("side", "tip"), sheet.pump.um, strict=True):
+        if um is not None:
+            yield [f"Pump {name} clearance [µm]", f"{um:.12g}"]
+
+
+def _of_lands(sheet: Readings | None) -> Iterator[list[str]]:
+    """Yield, as a table of its own, what that sheet states of lands themselves."""
+    if sheet is None or not (sheet.own_lands.lengths or sheet.own_lands.fitted):
+        return
+    yield []
+    yield [*_OF_LANDS]
+    for each in sheet.own_lands.lengths:
+        sizes = (each.contact_length, each.position)
+        yield [each.component, str(each.land), *("" if size is None else in_mm(size) for size in sizes), ""]
+    for fitted in sheet.own_lands.fitted:
+        yield [fitted.component, "", "", "", fitted.repair]
+
+
+@own_errors_only(InputError)
+def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed | None:
+    """Return the entries of a file that `written` gave; None for any other file, and for another valve body's.
+
+    Parameters
+    ----------
+    content
+        of the file.
+    sheet
+        what `read_readings` reads of that same file.
+    controller
+        whose lands it names.
+
+    Raises
+    ------
+    InputError
+        where atleak itself fails on it.
+    """
+    rows = csv_rows(content.removeprefix(_SEPARATED))
+    if not rows or rows[0][:1] != [TYPED_MARK]:
+        return None
+    units = {tuple(_headings(name)): name for name in unit_names("length")}
+    head = next((number for number, row in enumerate(rows) if tuple(row) in units), None)
+    if head is None:
+        return None
+    try:
+        plan = TypeAdapter(Plan).validate_json(rows[0][1] if len(rows[0]) > 1 else "")
+        entries = dict(_entries(rows[head + 1 :]))
+    except ValueError:  # somebody has edited it
+        return None
+    if any(controller.land_of_plane(cell.component, cell.plane) is None for cell in entries):
+        return None
+    return Typed(entries, plan, units[tuple(rows[head])], sheet=replace(sheet, readings=()))
+
+
+def _entries(rows: Iterable[list[str]]) -> Iterator[tuple[Cell, Entry]]:
+    """Yield the entries of the table that begins here.
+
+    Raises
+    ------
+    ValueError
+        where it is not as `written` gave it.
+    """
+    for row in itertools.takewhile(bool, rows):
+        component, part, plane, direction, repeat, first, second, text, _, taken_at = row
+        if taken_at:
+            continue
+        cell = Cell(component, PARTS[PARTS.index(part)], plane, float(direction) if direction else None, int(repeat))
+        if text:
+            yield cell, Entry(text)
+        else:
+            ends = _MM.to_si(float(first)), _MM.to_si(float(second))
+            yield cell, Entry(in_mm(abs(ends[0] - ends[1])), ends)

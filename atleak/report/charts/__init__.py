@@ -1,0 +1,1 @@
+"""Say each chart once; draw it on the screen and on paper."""

@@ -1,0 +1,323 @@
+"""Turn results into plotly figures: transparent, with units on the axes and few points per trace.
+
+Nothing is computed here but what a picture needs. Figures are tested by their trace data.
+
+Draw how sure a unit's numbers are: intervals, limits, and the sources of the uncertainty.
+
+A decision shows by its symbol and its words as well as by its colour. Units are those that people read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from atleak.catalogue.limits import RuleKind
+from atleak.catalogue.operating_point import OperatingPoint
+from atleak.catalogue.repairs import LandKey
+from atleak.common.style import DECISION_MARKS, SCREEN, look_of
+from atleak.common.unit_systems import DM3_MIN, PERCENT, UM
+from atleak.common.verdicts import VERDICTS, Band
+from atleak.common.wording import Wording, wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.rules import Rule
+from atleak.diagnosis.uncertainty import DECISIONS, LandUncertainty, TotalUncertainty, UnitUncertainty
+from atleak.engine.projection import Projection
+from atleak.report.charts.comparison_figures import open_mark
+from atleak.report.charts.figure import Figure, by_land, framed
+
+POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
+_NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
+_NEAR = 0.08  # part of the axis within which a word centred on its mark would be cut by the axis
+
+
+def land_name(land: LandDiagnosis) -> str:
+    """Return component and land: ``25 · 1``."""
+    component, number = land.key
+    return f"{component} · {number}"
+
+
+def leakage_ranking(diagnosis: Diagnosis, say: Wording | None = None, *, lands: int = 20) -> Figure:
+    """Draw the lands by leakage at the stated condition, the largest on top, by verdict, with 95 % intervals.
+
+    Parameters
+    ----------
+    say
+        the words of a language; English unless given.
+    lands
+        how many of the largest are drawn.
+    """
+    say = say or wording("en")
+    ranked = diagnosis.ranked[:lands]
+    figure, scale, unit = Figure(), say.convert(DM3_MIN, "flow"), say.unit("flow")
+    clearance = f"%{{customdata[1]:.{say.digits('clearance')}f}} {say.unit('clearance')}"
+    hover = (
+        f"%{{y}} %{{customdata[0]}}<br>%{{x:.3f}} {unit}, {say('columns.share')} %{{customdata[2]:.2f}} %<br>"
+        f"{say('columns.clearance')} {clearance}"
+    )
+
+    def told(land: LandDiagnosis) -> tuple[str, float, float]:
+        component = say.name(diagnosis.controller.components[land.key[0]])
+        return component, say.convert(land.state.radial_clearance * UM, "clearance"), land.share * PERCENT
+
+    for verdict in VERDICTS:
+        leaking = [land for land in ranked if land.verdict == verdict]
+        if leaking:
+            values, names = [land.leakage for land in leaking], list(map(land_name, leaking))
+            said = {"factor": scale, "spans": list(map(_interval, leaking)), "told": list(map(told, leaking))}
+            figure.bars(values, names, say.signed(verdict), look_of(verdict), hover=hover, **said)
+    ends = [max(land.leakage, *(_interval(land) or (0.0,))) * scale for land in ranked]
+    figure.add_scatter(
+        x=ends,
+        y=list(map(land_name, ranked)),
+        mode="text",
+        text=[f"  {look_of(land.verdict).sign} {say.number(land.leakage * scale, 3)}" for land in ranked],
+        textposition="middle right",
+        cliponaxis=False,
+        showlegend=False,
+        hoverinfo="skip",
+    )
+    title = f"{say('figures.leaked')} [{unit}]"
+    figure.update_xaxes(title=title, range=[0.0, 1.25 * max(ends, default=0.0) or 1.0])
+    return by_land(figure, list(map(land_name, ranked)), 22, say, bargap=0.25)
+
+
+def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
+    return land.uncertainty.leakage_interval if land.uncertainty else None
+
+
+def total_share(diagnosis: Diagnosis, say: Wording | None = None) -> Figure:
+    """Draw the total share at each condition over the bands that apply there, and the worst of the road test.
+
+    An open mark is the same unit new. A unit that nobody measured has no bands. Bars are the 95 % intervals of the
+    measurement, where readings are there; the hover says how likely each band is. English unless ``say`` is given.
+    """
+    say = say or wording("en")
+    unit, reported = diagnosis.uncertainty, diagnosis.reported
+    totals = [unit.total(point.condition.name) if unit else None for point in reported]
+    rules = [diagnosis.total_rule(point) for point in reported]
+    points = [
+        (_named(point, say), point.share, total.share_interval if total else None, _likely_bands(total, say))
+        for point, total in zip(reported, totals, strict=True)
+    ]
+    worst = diagnosis.road.max_share if diagnosis.road else None
+    if worst is not None and worst.share is not None:
+        points.append((say("figures.worst_of_log", time=say.number(worst.time, 1)), worst.share, None, ""))
+    ends = [
+        end * PERCENT for _, share, interval, _ in points for end in (share, *(interval or ())) if math.isfinite(end)
+    ]
+    figure = Figure()
+    right = _bands(figure, rules if diagnosis.judged else [], max(ends, default=0.0), say)
+    new = [
+        (_named(point, say), rule.new)
+        for point, rule in zip(reported, rules, strict=True)
+        if rule.new is not None and math.isfinite(rule.new)
+    ]
+    shown = [point for point in points if math.isfinite(point[1])]
+    figure.marks(
+        [share for _, share, _, _ in shown],
+        [_two_lines(label) for label, _, _, _ in shown],
+        say("figures.as_measured" if diagnosis.judged else "figures.as_new"),
+        (SCREEN.leakage, "diamond", 14, 1.5),
+        factor=PERCENT,
+        spans=[interval for _, _, interval, _ in shown],
+        text=[f"<b>{say.percent(share)}</b>" for _, share, _, _ in shown],
+        textposition=["top right" if share * PERCENT < _NEAR * right else "top center" for _, share, _, _ in shown],
+        told=[likely for _, _, _, likely in shown],
+        hover="%{y}: %{x:.2f} %<br>%{customdata}",
+    )
+    mark, hover = (SCREEN.leakage, "circle-open", 12, 2.0), f"%{{y}}: %{{x:.2f}} % {say('figures.new')}"
+    labels = [_two_lines(label) for label, _ in new]
+    figure.marks([share for _, share in new], labels, say("figures.same_unit_new"), mark, factor=PERCENT, hover=hover)
+    figure.update_xaxes(title=say("figures.drawn_share"), range=[0.0, right])
+    order = [_two_lines(label) for label, _, _, _ in points]
+    figure.update_yaxes(type="category", categoryarray=order, range=[len(points) - 0.4, -0.8])
+    return framed(figure, 130 + 56 * len(points), top=40)
+
+
+def _two_lines(label: str) -> str:
+    return label.replace(", ", ",<br>")
+
+
+def _named(point: Projection, say: Wording) -> str:
+    return say.condition(point.condition)
+
+
+def _likely_bands(total: TotalUncertainty | None, say: Wording) -> str:
+    """Return how likely each band is; bands below half a percent are left out."""
+    if total is None:
+        return ""
+    return ", ".join(f"{say.level(band)} {say.percent(p, 0)}" for band, p in total.band_probabilities if p >= 0.005)
+
+
+def _bands(figure: Figure, rules: Sequence[Rule], largest: float, say: Wording) -> float:
+    """Draw each condition's own bands behind its bar, with signs and words; return the right end of the axis [%]."""
+    limits = [[min(limit, 10.0) * PERCENT for _, limit in rule.steps.levels] for rule in rules]
+    right = max([1.1 * largest, *(1.2 * edge for edges in limits for edge in edges)])
+    for place, (rule, begins) in enumerate(zip(rules, limits, strict=True)):
+        edges = [0.0, *np.minimum.accumulate(begins[::-1])[::-1], right]  # a band ends where a worse one begins
+        names = [Band.GREEN, *(name for name, _ in rule.steps.levels)]
+        for name, low, high in zip(names, edges[:-1], edges[1:], strict=True):
+            if low >= high:
+                continue
+            look = look_of(name)
+            figure.add_shape(
+                type="rect", x0=low, x1=high, y0=place - 0.45, y1=place + 0.45,
+                fillcolor=look.screen, opacity=0.28, line={"width": 0}, layer="below",
+            )  # fmt: skip
+            figure.add_annotation(
+                x=low, y=place + 0.45, xanchor="left", yanchor="bottom", xshift=2,
+                text=f"{look.sign} {say.level(name)}" if high - low > _NAMED * right else look.sign, font={"size": 10},
+            )  # fmt: skip
+    return right
+
+
+def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None, say: Wording | None = None) -> Figure:
+    """Draw the wear of every measured land against the limits that apply to it, the most worn on top.
+
+    English unless ``say`` is given.
+    """
+    say = say or wording("en")
+    chosen = diagnosis.lands if lands is None else lands
+    worn = [(0.0 if land.within_new else land.wear, land) for land in chosen if land.wear is not None]
+    worn.sort(key=lambda pair: pair[0])
+    figure = Figure()
+    hover = "%{y}: %{x:.1f} %"
+    for verdict in VERDICTS:
+        these = [(wear, land_name(land)) for wear, land in worn if land.verdict == verdict]
+        if these:
+            values, names, look = [wear for wear, _ in these], [name for _, name in these], look_of(verdict)
+            mark = (look.screen, look.marker, 11, 0.0)
+            figure.marks(values, names, say.level(verdict), mark, factor=PERCENT, hover=hover)
+    rules = [(rule, land_name(land)) for _, land in worn for rule in land.rules if rule.kind is RuleKind.WEAR]
+    for level in dict.fromkeys(level for rule, _ in rules for level, _ in rule.steps.levels):
+        limits = [(limit, name) for rule, name in rules if (limit := rule.steps.limit_of(level)) is not None]
+        mark = (look_of(level).screen, f"{look_of(level).marker}-open", 9, 1.0)
+        values, names = [limit for limit, _ in limits], [name for _, name in limits]
+        named = say("figures.from_here", level=say.level(level))
+        figure.marks(values, names, named, mark, factor=PERCENT, hover=hover)
+    figure.update_xaxes(title=f"{say('figures.wear')} [%]")
+    return by_land(figure, [land_name(land) for _, land in reversed(worn)], 18, say)
+
+
+def clearances(
+    unit: UnitUncertainty, say: Wording, lands: int = 20, advised: Callable[[LandKey], str] = lambda _: ""
+) -> Figure:
+    """Draw radial clearances with their intervals, beside the mounting clearance and the limit that decides.
+
+    Parameters
+    ----------
+    lands
+        how many are drawn: those likeliest to be over a limit.
+    advised
+        says in the reader's language what would make the verdict of a land clear, under the pointer.
+    """
+    chosen = _chosen(unit, lands)
+    figure, um, name_of = Figure(), say.convert(UM, "clearance"), say.unit("clearance")
+    digits = say.digits("clearance", 1)
+    names, number = list(map(_name, chosen)), f"%{{x:.{digits}f}} {name_of}"
+    new = [land.sources.state.land.mounting_high for land in chosen]
+    open_mark(figure, new, names, say("figures.mounting"), "line-ns-open", um, number)
+    limits = list(map(_clearance_limit, chosen))
+    open_mark(figure, limits, names, say("figures.limit"), "triangle-down-open", um, number)
+    for decision in DECISIONS:
+        shown = [land for land in chosen if land.decision == decision]
+        if not shown:
+            continue
+        colour, symbol = DECISION_MARKS[decision]
+        figure.marks(
+            [land.sources.state.radial_clearance for land in shown],
+            list(map(_name, shown)),
+            say.get("decisions", decision),
+            (colour, symbol, 10, 2.0),
+            factor=um,
+            spans=[land.clearance_interval for land in shown],
+            told=[
+                ((land.u_clearance or 0.0) * um, PERCENT * (land.probability_over_limit or 0.0), advised(land.key))
+                for land in shown
+            ],
+            hover=f"%{{y}}: {number}, u = %{{customdata[0]:.{digits + 1}f}} {name_of}<br>"
+            f"{say('columns.over_limit')}: %{{customdata[1]:.0f}} %<br>%{{customdata[2]}}",
+        )
+    figure.update_xaxes(title=say("figures.clearance", unit=name_of, coverage=_coverage(unit, say)), rangemode="tozero")
+    return by_land(figure, list(map(_name, chosen)), 24, say)
+
+
+def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int = 20) -> Figure:
+    """Draw leakages at the stated condition with intervals; a thin line ends where a spool that touches would leak.
+
+    Parameters
+    ----------
+    at
+        the stated condition.
+    lands
+        how many of the largest are drawn.
+    """
+    chosen = sorted((land for land in unit.lands if land.conditions), key=lambda land: -land.conditions[0].leakage)
+    chosen = chosen[:lands]
+    figure, flow, name_of = Figure(), say.convert(DM3_MIN, "flow"), say.unit("flow")
+    at_first = [land.conditions[0] for land in chosen]
+    ends = [end for each in at_first for end in (each.leakage * flow, each.eccentric[1] * flow, None)]
+    names = [end for land in chosen for end in (_name(land), _name(land), None)]
+    figure.line(ends, names, SCREEN.rule, 1, "dot", name=say("figures.touching"))
+    figure.marks(
+        [each.leakage for each in at_first],
+        list(map(_name, chosen)),
+        say("figures.leakage_interval", coverage=_coverage(unit, say)),
+        (SCREEN.leakage, "diamond", 9, 0.0),
+        factor=flow,
+        spans=[land.leakage_interval for land in chosen],
+        told=[tuple(end * flow for end in land.leakage_interval or (math.nan, math.nan)) for land in chosen],
+        hover=f"%{{y}}: %{{x:.3f}} {name_of}, %{{customdata[0]:.3f}} – %{{customdata[1]:.3f}}",
+    )
+    figure.update_xaxes(title=say("figures.leakage", unit=name_of, condition=say.condition(at)), rangemode="tozero")
+    return by_land(figure, list(map(_name, chosen)), 24, say)
+
+
+def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> Figure:
+    """Draw the sources of one land's uncertainty: each source's part of the variance of clearance and share."""
+    of_clearance = dict(land.budget)
+    of_share = dict(land.conditions[0].budget) if land.conditions else {}
+    names = sorted(
+        dict.fromkeys([*of_share, *of_clearance]),
+        key=lambda name: max(of_share.get(name, 0.0), of_clearance.get(name, 0.0)),
+    )[-sources:]
+    figure = Figure()
+    for title, parts, colour, shape in (
+        (say("columns.of_clearance"), of_clearance, SCREEN.leakage, ""),
+        (say("columns.of_share"), of_share, SCREEN.share, "/"),
+    ):
+        values, named = (
+            [parts.get(name, 0.0) for name in names],
+            [say.get("uncertainty_sources", name) for name in names],
+        )
+        figure.bars(values, named, title, (colour, shape), factor=PERCENT, hover=f"%{{y}}: %{{x:.1f}} % {title}")
+    figure.update_xaxes(title=say("figures.variance"), rangemode="tozero")
+    figure.update_yaxes(type="category")
+    return framed(figure, 110 + 30 * max(len(names), 3), barmode="group")
+
+
+def _chosen(unit: UnitUncertainty, lands: int) -> list[LandUncertainty]:
+    decided = [(land.deciding.severity, land) for land in unit.lands if land.deciding is not None]
+    return [land for _, land in sorted(decided, key=lambda pair: pair[0], reverse=True)[:lands]]
+
+
+def _clearance_limit(land: LandUncertainty) -> float | None:
+    """Return the limit that decides, as a clearance [m]; None where it limits the share."""
+    decided = land.deciding
+    if decided is None or decided.rule.kind is RuleKind.PAIR_SHARE:
+        return None
+    if decided.rule.kind is RuleKind.WEAR:
+        return land.sources.state.land.mounting_high * (1.0 + decided.limit)
+    return decided.limit
+
+
+def _name(land: LandUncertainty) -> str:
+    return f"{land.key[0]} · {land.key[1]}"
+
+
+def _coverage(unit: UnitUncertainty, say: Wording) -> str:
+    return say.percent(unit.coverage, 0)

@@ -1,0 +1,254 @@
+"""Draw a chart on the screen: rows over one axis, or spreads over classes of a quantity.
+
+What is spread over units is drawn as boxes: a pale one in which nine of ten units are, a darker one with half of them,
+and the median. Of too few units there is a thin line from the least to the most in place of the boxes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from atleak.analysis.rates import Spread
+from atleak.common.style import FAINT_GRID, SCREEN, SPREADS_ON_SCREEN, Look
+from atleak.common.wording import Wording
+from atleak.report.charts.chart import Chart, ClassChart, Field, Layer, RowChart
+from atleak.report.charts.figure import HATCH, Figure, error_bars, framed
+
+_WIDTH = 0.86  # of a box, of its class
+_ABOVE = 0.27  # the middle of a row, parts of its height: where its name stands
+_THICK = 0.7  # of a bar here, of what it is on paper, where its name stands beside it
+_ROOM = 4.0  # [%] of a bar's length that a number in it takes
+_MIDDLE = SCREEN.leakage  # colour of medians
+
+
+def drawn(chart: Chart, say: Wording) -> Figure:
+    """Return a chart as a figure; of several small ones the first."""
+    if isinstance(chart, RowChart):
+        return _rows(chart)
+    return _classes(chart if isinstance(chart, ClassChart) else chart[0], say)
+
+
+# --- rows
+
+
+def _rows(chart: RowChart) -> Figure:
+    figure, rows = Figure(), len(chart.names)
+    places = list(range(rows))[::-1]
+    ends = [0.0] * rows
+    for layer in chart.layers:
+        spans = layer.spans or [None] * rows
+        here = [number for number in range(rows) if layer.values[number] is not None]
+        values = [layer.values[number] or 0.0 for number in here]
+        bars = {"type": "bar"} if layer.thick else {}
+        for number, value in zip(here, values, strict=True):
+            span = spans[number]
+            ends[number] = max(ends[number], span[1] if span else value)
+        figure.add(
+            "bar" if bars else "scatter",
+            x=values,
+            y=[places[number] + 0.6 * layer.lift for number in here],
+            name=layer.name,
+            error_x=error_bars(values, [spans[at] for at in here], 1.0, *(() if bars else (layer.look.screen,))),
+            customdata=[layer.told[number] for number in here],
+            hovertemplate="%{customdata}<extra></extra>",
+            **(_bars(layer, here, values, stacked=chart.stacked) if bars else _marks(layer, here)),
+        )
+    if any(chart.beside) and not chart.stacked:
+        figure.add_scatter(
+            x=ends,
+            y=places,
+            mode="text",
+            text=list(chart.beside),
+            textposition="middle right",
+            cliponaxis=False,
+            showlegend=False,
+            hoverinfo="skip",
+        )
+    if chart.zero:
+        figure.add_vline(x=0.0, line={"color": SCREEN.rule, "width": 1.5, "dash": "dot"})
+    for name, place in zip(chart.names, places, strict=True):  # above its row: names are long, and a phone is narrow
+        figure.add_annotation(x=0.0, y=place + _ABOVE, xref="x domain", text=name, xanchor="left", yanchor="bottom")
+    figure.update_xaxes(title=chart.axis, range=[0.0, 100.0] if chart.stacked else None)
+    figure.update_xaxes(rangemode=None if chart.zero or chart.stacked else "tozero")
+    figure.update_yaxes(range=[-_ABOVE - 0.1, rows - 0.2], showticklabels=False, showgrid=False)
+    return framed(figure, 170 + 46 * max(rows, 1), barmode="stack" if chart.stacked else "overlay")
+
+
+def _bars(layer: Layer, here: Sequence[int], values: Sequence[float], *, stacked: bool) -> dict[str, Any]:
+    inside = [layer.inside[number] for number in here] if layer.inside else []
+    words = {
+        "text": [said if value >= _ROOM else "" for said, value in zip(inside, values, strict=False)],
+        "textposition": "inside",
+        "insidetextanchor": "middle",
+        "constraintext": "none",
+        "textangle": 0,
+    }
+    return {
+        "orientation": "h",
+        "width": _THICK * layer.thick,
+        "marker": {**shade(layer.look), **({"line": {"width": 0}} if stacked else {})},
+        **(words if inside else {}),
+    }
+
+
+def _marks(layer: Layer, here: Sequence[int]) -> dict[str, Any]:
+    symbol, colour = layer.look.marker, layer.look.screen
+    is_open = [layer.open[number] for number in here] if layer.open else [False] * len(here)
+    return {
+        "mode": "markers",
+        "cliponaxis": False,
+        "marker": {
+            "symbol": [f"{symbol}-open" if each else symbol for each in is_open],
+            "size": 10,
+            "color": colour,
+            "line": {"width": 2 if layer.open or symbol == "line-ns" else 1, "color": colour},
+        },
+    }
+
+
+def shade(look: Look) -> dict[str, Any]:
+    """Return the colour of a level's bars, and the pattern that tells it without colour."""
+    return {"color": look.screen, "pattern": HATCH | {"shape": look.pattern}}
+
+
+# --- classes
+
+
+def _classes(chart: ClassChart, say: Wording) -> Figure:
+    rows = len(chart.fields)
+    figure = Figure(rows=rows, spacing=0.05, heights=[field.height for field in chart.fields])
+    for row, field in enumerate(chart.fields, start=1):
+        if any(field.spreads):
+            _boxes(figure, row, chart, field, say)
+            _beside(figure, row, chart, field, say)
+        if field.stack:
+            _stack(figure, row, chart, field)
+        if field.units:
+            figure.add_bar(
+                row=row,
+                **_over(chart.edges),
+                y=list(field.units),
+                name=field.title,
+                marker={"color": SCREEN.rule, "opacity": 0.5, "line": {"width": 0}},
+                showlegend=False,
+                hovertemplate="%{y:,.0f}<extra></extra>",
+            )
+            figure.update_yaxes(row=row, rangemode="tozero", nticks=3)
+        figure.update_yaxes(row=row, title=field.title, gridcolor=FAINT_GRID)
+    if chart.edges:
+        figure.update_xaxes(range=[chart.edges[0][0], chart.edges[-1][1]])
+    figure.update_xaxes(row=rows, title=chart.axis)
+    return framed(figure, 140 + round(330 * sum(field.height for field in chart.fields)), barmode="overlay")
+
+
+def _over(edges: Sequence[tuple[float, float]], narrower: float = 0.0) -> dict[str, Any]:
+    """Return where bars stand over classes, and how wide they are."""
+    return {
+        "x": [0.5 * (low + high) for low, high in edges],
+        "width": [(high - low) * (_WIDTH - narrower) for low, high in edges],
+    }
+
+
+def _boxes(figure: Figure, row: int, chart: ClassChart, field: Field, say: Wording) -> None:
+    """Draw boxes where there are enough units, thin lines elsewhere, and the medians."""
+
+    def shown(value: float) -> float:
+        return float(say.convert(value, field.kind))
+
+    known = [
+        (edge, spread, name)
+        for edge, spread, name in zip(chart.edges, field.spreads, chart.classes, strict=True)
+        if spread is not None
+    ]
+    boxed = [(edge, tuple(map(shown, spread.quantiles))) for edge, spread, _ in known if spread.quantiles is not None]
+    for number, shade_of_box in enumerate(SPREADS_ON_SCREEN):
+        figure.add_bar(
+            row=row,
+            **_over([edge for edge, _ in boxed], 0.3 * number),
+            base=[parts[number] for _, parts in boxed],
+            y=[parts[-1 - number] - parts[number] for _, parts in boxed],
+            name=say(f"fleet.{'half' if number else 'most'}"),
+            legendgroup=f"spread-{number}",
+            showlegend=row == 1,
+            marker={"color": shade_of_box, "line": {"width": 0}},
+            hoverinfo="skip",
+        )
+    few = [(edge, spread) for edge, spread, _ in known if spread.quantiles is None]
+    figure.add_scatter(
+        row=row,
+        x=[at for edge, _ in few for at in (0.5 * sum(edge), 0.5 * sum(edge), None)],
+        y=[end for _, spread in few for end in (shown(spread.least), shown(spread.most), None)],
+        mode="lines",
+        name=say("fleet.few"),
+        legendgroup="few",
+        showlegend=row == 1 and bool(few),
+        line={"color": _MIDDLE, "width": 1.5},
+        hoverinfo="skip",
+    )
+    figure.add_scatter(
+        row=row,
+        x=[0.5 * sum(edge) for edge, _, _ in known],
+        y=[shown(spread.median) for _, spread, _ in known],
+        mode="markers+lines",
+        name=say("fleet.median"),
+        legendgroup="median",
+        showlegend=row == 1,
+        line={"color": _MIDDLE, "width": 2},
+        marker={
+            "size": 9,
+            "color": _MIDDLE,
+            "symbol": ["circle" if spread.quantiles else "circle-open" for _, spread, _ in known],
+            "line": {"width": 2, "color": _MIDDLE},
+        },
+        customdata=[f"{name}<br>{_spread_words(spread, field.kind, say)}" for _, spread, name in known],
+        hovertemplate="%{customdata}<extra></extra>",
+    )
+
+
+def _spread_words(spread: Spread, kind: str, say: Wording) -> str:
+    units = say("fleet.one_unit") if spread.units == 1 else say("fleet.units", count=say.number(spread.units, 0))
+    median = say("fleet.median_of", value=say.quantity(spread.median, kind))
+    if spread.quantiles is None:
+        ends = say("fleet.from_to", ends=say.span([spread.least, spread.most], kind))
+        return f"{median}, {ends}<br>{say('fleet.few_of', units=units)}"
+    most, half = (say.span([spread.quantiles[at], spread.quantiles[-1 - at]], kind) for at in range(2))
+    return f"{median}<br>{say('fleet.most')}: {most}<br>{say('fleet.half')}: {half}<br>{units}"
+
+
+def _beside(figure: Figure, row: int, chart: ClassChart, field: Field, say: Wording) -> None:
+    """Draw the mean of all, and the largest or the lowest of any."""
+    pointed = "triangle-up-open" if field.extreme == "largest" else "triangle-down-open"
+    for what, values, symbol in (("mean", field.means, "diamond"), (field.extreme, field.extremes, pointed)):
+        here = [(edge, value) for edge, value in zip(chart.edges, values, strict=False) if value is not None]
+        if here:
+            figure.add_scatter(
+                row=row,
+                x=[0.5 * sum(edge) for edge, _ in here],
+                y=[float(say.convert(value, field.kind)) for _, value in here],
+                mode="markers",
+                name=say(f"fleet.{what}"),
+                legendgroup=what,
+                showlegend=what != "mean" or row == 1,
+                marker={"symbol": symbol, "size": 8, "color": SCREEN.ink, "line": {"width": 1.5, "color": SCREEN.ink}},
+                customdata=[say.quantity(value, field.kind) for _, value in here],
+                hovertemplate=f"{say(f'fleet.{what}')}: %{{customdata}}<extra></extra>",
+            )
+
+
+def _stack(figure: Figure, row: int, chart: ClassChart, field: Field) -> None:
+    base = [0.0] * len(chart.edges)
+    for name, look, parts in field.stack:
+        figure.add_bar(
+            row=row,
+            **_over(chart.edges),
+            y=list(parts),
+            base=list(base),
+            name=name,
+            showlegend=any(parts),
+            marker={**shade(look), "line": {"width": 0}},
+            customdata=list(field.told),
+            hovertemplate=f"{name}: %{{y:.1f}} %<br>%{{customdata}}<extra></extra>",
+        )
+        base = [below + part for below, part in zip(base, parts, strict=True)]
+    figure.update_yaxes(row=row, range=[0.0, 100.0])

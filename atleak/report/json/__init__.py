@@ -1,0 +1,1 @@
+"""Write a result as JSON, with the schema that it keeps."""

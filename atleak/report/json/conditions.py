@@ -1,0 +1,176 @@
+"""Turn a message into the record that scripts rely on.
+
+Turn one condition of a diagnosis, and its pump, into JSON records: leakage, slip, pressures and circuits.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from atleak.catalogue.limits import RuleKind
+from atleak.catalogue.repairs import LandKey
+from atleak.catalogue.section_pressures import SECTIONS
+from atleak.common.errors import Message
+from atleak.common.unit_systems import DM3_MIN, KPA, MM3_S, PERCENT, RPM
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.rules import Rule
+from atleak.diagnosis.uncertainty import RuleDecision, TotalUncertainty
+from atleak.engine.projection import CircuitState, Projection
+from atleak.report.tables.names import concentric_factors
+
+
+def message_record(message: Message) -> dict[str, Any]:
+    """Return a message, with its place where it has one."""
+    record: dict[str, Any] = {"level": message.level, "code": message.code, "text": message.text}
+    if message.place is not None:
+        record["place"] = message.place.known or None
+    return record
+
+
+def finite(value: float) -> float | None:
+    """Return a number as JSON can hold it: None for what is no number or has no end."""
+    return value if math.isfinite(value) else None
+
+
+def scaled(value: float | None, factor: float) -> float | None:
+    """Return a number in another unit; None where there is none."""
+    return None if value is None else finite(value * factor)
+
+
+def named(item: Any, *names: str) -> dict[str, Any]:
+    """Return some attributes of an item by their names."""
+    return {name: getattr(item, name) for name in names}
+
+
+def of_land(key: LandKey) -> dict[str, Any]:
+    """Return by what a land is known."""
+    return {"component": key[0], "land": key[1]}
+
+
+def ends(name: str, interval: tuple[float | None, float | None] | None, factor: float = 1.0) -> dict[str, float | None]:
+    """Return the two ends of an interval in another unit, by ``{name}`` with low and high; None where none is known."""
+    both = zip(("low", "high"), interval or (None, None), strict=True)
+    return {name.format(end): scaled(value, factor) for end, value in both}
+
+
+def decided_record(decided: RuleDecision | None) -> dict[str, Any]:
+    """Return how sure what a rule says is, and how likely its limit is passed."""
+    if decided is None:
+        return {"decision": None, "probability_over_limit": None}
+    return named(decided, "decision", "probability_over_limit")
+
+
+def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
+    """Return the record of one condition of a diagnosis."""
+    at = projection.condition
+    total = diagnosis.uncertainty.total(at.name) if diagnosis.uncertainty else None
+    rule = diagnosis.total_rule(projection)
+    new, unworn = diagnosis.new_at(projection), diagnosis.unworn_at(projection)  # pressures are judged by the latter
+    permissible = projection.permissible
+    return {
+        "name": at.name,
+        "label": at.label,
+        "state": at.state,
+        "temperature_c": at.temperature,
+        "engine_rpm": at.engine_speed * RPM,
+        "gear": at.gear,
+        **{f"{name}_kpa": projection.pressures[name] * KPA for name in SECTIONS},
+        "p_g_held_kpa": projection.main_pressure_held * KPA,
+        **ends("p_g_held_{}_kpa", total.main_pressure_interval if total else None, KPA),
+        "p_g_held_new_kpa": unworn.main_pressure_held * KPA,
+        **ends("permissible_{}_kpa", (permissible.low, permissible.high) if permissible else None, KPA),
+        "leakage_dm3_min": projection.leakage * DM3_MIN,
+        **ends("leakage_{}_dm3_min", total.leakage_interval if total else None, DM3_MIN),
+        "leakage_new_dm3_min": new.leakage * DM3_MIN,
+        **ends("leakage_new_{}_dm3_min", total.new_leakage_interval if total else None, DM3_MIN),
+        "other_leakage_dm3_min": projection.other_leakage * DM3_MIN,
+        "growth_percent": scaled(projection.leakage / new.leakage - 1.0, PERCENT) if new.leakage > 0.0 else None,
+        **ends("growth_{}_percent", total.growth_interval if total else None, PERCENT),
+        "pump_supply_dm3_min": projection.pump_supply * DM3_MIN,
+        "pump_slip_dm3_min": projection.slip * DM3_MIN,
+        "pump_slip_new_dm3_min": scaled(slips(diagnosis, projection)[1], DM3_MIN),
+        "pump_capacity_dm3_min": projection.pump_capacity * DM3_MIN,
+        "consumers_dm3_min": projection.consumers * DM3_MIN,
+        "consumers_starved_dm3_min": projection.starved * DM3_MIN,
+        "reserve": finite(projection.reserve),
+        **ends("reserve_{}", total.reserve_interval if total else None),
+        "reserve_new": finite(unworn.reserve),
+        "share_percent": finite(projection.share * PERCENT),
+        "share_new_percent": finite(new.share * PERCENT),
+        "share_unworn_percent": scaled(rule.new, PERCENT),
+        "limit_percent": finite(rule.limit * PERCENT),
+        "band": diagnosis.band(projection),
+        **decided_record(total.decision if total else None),
+        "minimum_engine_rpm": projection.minimum_speed * RPM,
+        **ends("concentric_factor_{}", concentric_factors(diagnosis.profile, projection)),
+        "circuits": [_circuit(diagnosis, projection, state, total) for state in projection.circuits],
+        "rules": [unit_rule_record(diagnosis, each) for each in diagnosis.pressure_rules_at(projection)],
+        "source": at.source,
+    }
+
+
+def unit_rule_record(diagnosis: Diagnosis, rule: Rule) -> dict[str, Any]:
+    """Return the record of a rule of the whole unit: a reserve, a circuit or a permissible pressure."""
+    return {
+        "rule": rule.id,
+        "kind": rule.kind,
+        "circuit": rule.circuit.id if rule.circuit else None,
+        "value": finite(rule.value * rule.kind.factor),
+        "limit": finite(rule.limit * rule.kind.factor),
+        "level": rule.level,
+        "verdict": diagnosis.verdict_on(rule),
+        **decided_record(diagnosis.decided(rule)),
+        "origin": rule.origin,
+    }
+
+
+def _circuit(
+    diagnosis: Diagnosis, projection: Projection, state: CircuitState, total: TotalUncertainty | None
+) -> dict[str, Any]:
+    circuit = state.circuit
+    new = diagnosis.unworn_at(projection).circuit(circuit.id).pressure
+    rule = diagnosis.pressure_rule(projection, RuleKind.CIRCUIT_LOSS, circuit)
+    decided = diagnosis.decided(rule) if rule else None
+    return {
+        "id": circuit.id,
+        "name": circuit.name,
+        "vented": state.vented,
+        "pressure_kpa": state.pressure * KPA,
+        **ends("pressure_{}_kpa", total.circuit_intervals.get(circuit.id) if total else None, KPA),
+        "pressure_new_kpa": new * KPA,
+        "set_kpa": scaled(state.set_pressure, KPA),
+        "loss_kpa": (new - state.pressure) * KPA,
+        "feed_dm3_min": state.feed * DM3_MIN,
+        "relief_dm3_min": state.relief * DM3_MIN,
+        "verdict": diagnosis.verdict_on(rule),
+        "decision": decided.decision if decided else None,
+        "causes": [
+            {**of_land(key), "loss_kpa": loss * KPA}
+            for key, loss in diagnosis.losses_at(projection).get(circuit.id, {}).items()
+        ],
+    }
+
+
+def slips(diagnosis: Diagnosis, projection: Projection) -> tuple[float, float | None]:
+    """Return what the pump slips at a condition, and what it did when new [m³/s]; None where that is not known."""
+    compared = diagnosis.controller.pump.as_new is not None
+    return projection.slip, diagnosis.new_at(projection).slip if compared else None
+
+
+def pump_record(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the pump as ``atleak diagnose --json`` has it."""
+    pump = diagnosis.controller.pump
+    record: dict[str, Any] = {
+        "kind": pump.kind,
+        "displacement_mm3": pump.displacement * MM3_S,
+        "held_at_demand": pump.held_at_demand,
+        "slip_coefficient": pump.slip_coefficient if diagnosis.model.uses_slip else None,
+        "slip_coefficient_new": pump.as_new.slip_coefficient if pump.as_new is not None else None,
+    }
+    of = {"measured": pump.measured, "new": pump.clearances, "limit": pump.limits}
+    verdict = diagnosis.pump.verdict
+    record |= {"verdict": verdict, "repairs": [{"work": "as_new"}] if verdict.flagged else []}
+    for number, name in enumerate(("side", "tip")):
+        record |= {f"{name}_clearance_{which}_um": each.um[number] for which, each in of.items()}
+    return record

@@ -1,0 +1,371 @@
+"""Turn a diagnosis into the JSON record that scripts rely on (``format`` 1): unrounded, units in the keys."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from atleak.analysis.repair.plan import RepairPlan, RepairStep, Total, plan_repairs
+from atleak.catalogue.limits import Limits, RuleKind, Steps
+from atleak.common.cache import kept_with
+from atleak.common.unit_systems import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, UM
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.land import LandDiagnosis, PumpDiagnosis
+from atleak.diagnosis.rules import Rule
+from atleak.diagnosis.uncertainty import LandUncertainty, UnitUncertainty
+from atleak.engine.leakage import GapLeakage
+from atleak.engine.operation import LINE
+from atleak.report.json.conditions import (
+    condition_record,
+    decided_record,
+    ends,
+    finite,
+    message_record,
+    named,
+    of_land,
+    pump_record,
+    scaled,
+    unit_rule_record,
+)
+from atleak.report.tables.complaint import explanations, finding, measure_first, reason
+from atleak.report.tables.gauges import gauge_record
+from atleak.report.tables.lands import LandAtCondition, MatrixRow, condition_matrix
+from atleak.report.tables.repairs import cost_record, option_record, plan_ends
+from atleak.report.tables.road_record import road_record
+from atleak.version import __version__
+
+FORMAT = 1
+_DECIDING = {
+    RuleKind.TOTAL_SHARE: "total",
+    RuleKind.CIRCUIT_LOSS: "circuit",
+    RuleKind.BELOW_LINE: "circuit",
+}  # what decided, where the rule's name differs
+
+
+def to_json(record: Any) -> str:
+    """Return a record as JSON text: UTF-8 signs kept, no NaN or infinity (unknown is null)."""
+    return json.dumps(record, ensure_ascii=False, indent=2, allow_nan=False) + "\n"
+
+
+def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes.
+
+    It is made once and kept with the diagnosis: not to be changed.
+    """
+    return kept_with(diagnosis, "record", "", lambda: _record(diagnosis), most=1)
+
+
+def _record(diagnosis: Diagnosis) -> dict[str, Any]:
+    idle, plan = diagnosis.hot_idle, plan_repairs(diagnosis)
+    return {
+        "format": FORMAT,
+        "atleak": __version__,
+        **head_record(diagnosis),
+        "lands": [land_record(row) for row in condition_matrix(diagnosis)],
+        "gaps": [_gap(gap) for gap in diagnosis.projection.gaps],
+        "projection": condition_record(diagnosis, diagnosis.projection),
+        "hot_idle": None if idle is None else condition_record(diagnosis, idle),
+        "conditions": [condition_record(diagnosis, each) for each in diagnosis.projections],
+        "repair_plan": [_repair_step(step) for step in plan.steps],
+        "repair_plan_ends": _repair_ends(plan),
+        "road_test": road_record(diagnosis),
+        "pressure_table": gauge_record(diagnosis),
+        "messages": [message_record(message) for message in diagnosis.messages],
+    }
+
+
+def head_record(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return what a diagnosis rests on, and the verdict of the unit."""
+    readings, measured_at = diagnosis.readings, diagnosis.measured_at
+    return {
+        "profile": {"name": diagnosis.profile.name, **diagnosis.profile.options},
+        "controller": {
+            **named(diagnosis.controller, "id", "name", "source", "sha256"),
+            "representative": bool(diagnosis.controller.representative),
+            "representative_note": diagnosis.controller.representative or None,
+        },
+        "fluid": {
+            **named(diagnosis.fluid, "id", "name", "source"),
+            "sha256": diagnosis.fluid.origin.sha256,
+            "representative": list(diagnosis.fluid.representative),
+            "state": diagnosis.fluid.state,
+            "state_assumed": diagnosis.fluid_state_assumed,
+        },
+        "pump": {
+            **pump_record(diagnosis),
+            "rules": [unit_rule_record(diagnosis, rule) for rule in diagnosis.pump.rules],
+        },
+        "limits": limits_record(diagnosis.limits),
+        "mileage_km": diagnosis.mileage,
+        "readings": {
+            "file": readings.file if readings else None,
+            "sha256": readings.sha256 if readings else None,
+            "date": readings.date.isoformat() if readings and readings.date else None,
+            "measuring_temperature_c": measured_at.value if measured_at else None,
+            "measuring_temperature_assumed": measured_at.assumed if measured_at else None,
+            "lands_measured": diagnosis.measured,
+            "lands_total": len(diagnosis.lands),
+        },
+        "uncertainty": _uncertainty(diagnosis.uncertainty),
+        "complaint": _complaint(diagnosis),
+        "verdict": diagnosis.verdict,
+        "unit": _unit(diagnosis),
+    }
+
+
+def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the verdict of the unit, how sure it is, and the land, total or pressure that gave it."""
+    decided_by = diagnosis.decided_by
+    verdict = {
+        "verdict": diagnosis.verdict,
+        "decision": diagnosis.decision,
+        "provisional": bool(diagnosis.provisional),
+        "provisional_because": list(diagnosis.provisional),
+        "upper_bound": diagnosis.upper_bound,
+    }
+    if decided_by is None:
+        nothing = dict.fromkeys(("condition", "component", "land", "circuit", "where", "rule", "value", "limit"))
+        return {**verdict, "decided_by": {"kind": "readings", **nothing} if diagnosis.verdict.flagged else None}
+    rule = decided_by if isinstance(decided_by, Rule) else decided_by.deciding
+    component, land = decided_by.key if isinstance(decided_by, LandDiagnosis) else (None, None)
+    kind = "pump" if isinstance(decided_by, PumpDiagnosis) else "land"
+    return {
+        **verdict,
+        "decided_by": {
+            "kind": _DECIDING.get(rule.kind, rule.kind) if isinstance(decided_by, Rule) and rule else kind,
+            "condition": rule.condition.name if rule and rule.condition else None,
+            "component": component,
+            "land": land,
+            "circuit": rule.circuit.id if rule and rule.circuit else None,
+            "where": rule.where if rule and rule.where else None,
+            "rule": rule.id if rule else None,
+            "value": finite(rule.value * rule.kind.factor) if rule else None,
+            "limit": finite(rule.limit * rule.kind.factor) if rule else None,
+        },
+    }
+
+
+def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Return the customer's complaint, where it can show, what explains it, and the lands to measure first."""
+    complaint = diagnosis.complaint
+    if complaint is None:
+        return None
+    return {
+        **named(complaint, "id", "label", "source"),
+        "conditions": list(complaint.conditions),
+        "measure_first": [
+            {
+                **of_land(each.land.key),
+                "doubt": each.doubt,
+                "condition": each.projection.condition.name,
+                "part_percent": each.part * PERCENT,
+                "reason": reason(each, wording("en")),
+            }
+            for each in measure_first(diagnosis)
+        ],
+        "text": finding(diagnosis, wording("en")),
+        "explained_by": [
+            {
+                "rule": each.rule.id,
+                "condition": each.rule.condition.name if each.rule.condition else None,
+                "circuit": each.rule.circuit.id if each.rule.circuit else None,
+                "held_kpa": None if each.held is None else each.held.now * KPA,
+                "new_kpa": None if each.held is None else each.held.new * KPA,
+                "lands": [of_land(key) for key in each.lands],
+            }
+            for each in explanations(diagnosis, complaint)
+        ],
+    }
+
+
+def _uncertainty(unit: UnitUncertainty | None) -> dict[str, Any] | None:
+    """Return the assumptions that the intervals and decisions depend on."""
+    if unit is None:
+        return None
+    return {
+        "spool_instrument": unit.instruments.spool.id,
+        "sleeve_instrument": unit.instruments.sleeve.id,
+        "assumptions": dict(unit.assumptions.settings),
+        **named(unit, "coverage", "guard_factor", "draws", "seed"),
+    }
+
+
+def limits_record(limits: Limits) -> dict[str, Any]:
+    """Return a limit set with every limit and its origin."""
+    return {
+        **named(limits, "id", "name", "source"),
+        "sha256": limits.origin.sha256,
+        "rules": {kind: _steps(kind, steps) for kind, steps in limits.rules.items()},
+    }
+
+
+def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
+    levels: dict[str, float] = {}
+    for level, limit in steps.levels:
+        if steps.has_limit(level):
+            levels["_".join(filter(None, (level, kind.suffix)))] = limit * kind.factor
+        if level in steps.at_least:
+            levels[f"{level}_at_least_um"] = steps.at_least[level] * UM
+        if level in steps.growth:
+            growth, added = steps.growth[level]
+            levels |= {f"{level}_growth_percent": growth * PERCENT, f"{level}_added_points": added * PERCENT}
+    if steps.fall is not None:
+        levels["fall_percent"] = steps.fall * PERCENT
+    return {**levels, "origin": steps.origin, "source": steps.source}
+
+
+def land_record(row: MatrixRow) -> dict[str, Any]:
+    """Return the record of one land at every condition."""
+    land = row.land
+    state, nominal, uncertainty = land.state, land.state.land, land.uncertainty
+    at = land.replace_mileage
+    return {
+        **of_land(land.key),
+        "measured": state.status,
+        **named(state, "spool_readings", "sleeve_readings"),
+        "spool_diameter_mm": state.spool_diameter * MM,
+        "sleeve_diameter_mm": state.sleeve_diameter * MM,
+        "radial_clearance_um": state.radial_clearance * UM,
+        "uncertainty_um": scaled(uncertainty.u_clearance, UM) if uncertainty else None,
+        "contact_length_mm": nominal.contact_length * MM,
+        "contact_length_measured": nominal.contact_length_measured,
+        "position_mm": scaled(nominal.position, MM),
+        "seal": nominal.seal,
+        "fitted_repair": nominal.fitted,
+        "mounting_clearance_um": nominal.mounting_high * UM,
+        "mounting_clearance_low_um": nominal.mounting_range[0] * UM,
+        "mounting_tolerance_um": scaled(nominal.mounting_tolerance, UM),
+        "new_clearance_um": nominal.new_clearance * UM,
+        "new_origin": nominal.new_origin,
+        "wear_percent": None if land.wear is None else land.wear * PERCENT,
+        "effective_clearance_um": land.effective_clearance * UM,
+        "leakage_dm3_min": land.leakage * DM3_MIN,
+        "drawn_from_pump_dm3_min": land.drawn_from_pump * DM3_MIN,
+        **ends("leakage_{}_dm3_min", uncertainty.leakage_interval if uncertainty else None, DM3_MIN),
+        "share_percent": finite(land.share * PERCENT),
+        **named(land, "verdict", "decision", "suspect", "probability_over_limit"),
+        "advice": uncertainty.advice if uncertainty else None,
+        "replace_mileage_km": at.value if at and math.isfinite(at.high) else None,
+        **ends("replace_mileage_{}_km", (at.low, at.high) if at else None),
+        "representative": list(nominal.representative),
+        "conditions": [_at_condition(cell) for cell in row.cells],
+        "rules": [_rule(rule, uncertainty) for rule in land.rules],
+        "messages": [message_record(message) for message in land.messages],
+    }
+
+
+def _at_condition(cell: LandAtCondition) -> dict[str, Any]:
+    condition = cell.projection.condition
+    return {
+        **named(condition, "name", "label"),
+        "leakage_dm3_min": cell.leakage * DM3_MIN,
+        "drawn_from_pump_dm3_min": cell.drawn_from_pump * DM3_MIN,
+        "share_percent": finite(cell.share * PERCENT),
+        "loss_kpa": scaled(cell.loss, KPA),
+        "verdict": cell.verdict,
+        "elsewhere": cell.elsewhere or None,
+    }
+
+
+def _rule(rule: Rule, uncertainty: LandUncertainty | None) -> dict[str, Any]:
+    decided = uncertainty.on(rule) if uncertainty else None
+    return {
+        "rule": rule.id,
+        "value": finite(rule.value * rule.kind.factor),
+        "limit": finite(rule.limit * rule.kind.factor),
+        "verdict": rule.verdict,
+        **decided_record(decided),
+        "measurable": uncertainty.measurable(decided) if uncertainty and decided else None,
+        "new": scaled(rule.new, rule.kind.factor),
+        "growth_percent": scaled(rule.growth, PERCENT),
+        "origin": rule.origin,
+    }
+
+
+def _gap(leak: GapLeakage) -> dict[str, Any]:
+    gap = leak.gap
+    return {
+        **named(gap, "component", "land", "section"),
+        "from": str(gap.high),
+        "to": str(gap.low),
+        "pressure_drop_kpa": leak.pressure_drop * KPA,
+        "diameter_mm": leak.diameter * MM,
+        "contact_length_mm": leak.contact_length * MM,
+        "effective_clearance_um": leak.effective_clearance * UM,
+        "kinematic_viscosity_mm2_s": leak.kinematic_viscosity * MM2_S,
+        "density_g_cm3": leak.density * G_CM3,
+        "leakage_mm3_s": leak.leakage * MM3_S,
+        "drawn_from_pump": leak.drawn_from_pump,
+        "reynolds_number": leak.reynolds_number,
+        "published": gap.published,
+    }
+
+
+def _repair_step(step: RepairStep) -> dict[str, Any]:
+    return {
+        **of_land(step.land.key),
+        "verdict": step.land.verdict,
+        "for_total": step.for_total,
+        "together": [of_land(each.key) for each in step.together],
+        "options": [option_record(option, step.land.key) for option in step.options],
+        "chosen": None if step.chosen is None else step.chosen.repair.id,
+        "at": step.at.condition.name,
+        "at_label": step.at.condition.label,
+        "share_before_percent": finite(step.at.before.share * PERCENT),
+        "share_after_percent": finite(step.at.after.share * PERCENT),
+        "conditions": [
+            {
+                **named(each.condition, "name", "label"),
+                "share_before_percent": finite(each.before.share * PERCENT),
+                "share_after_percent": finite(each.after.share * PERCENT),
+                "band_after": each.after.band,
+                **_held(each.after),
+            }
+            for each in step.conditions
+        ],
+    }
+
+
+def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
+    """Return the totals that the plan ends at, and what else than lands those may be up to that are not green."""
+    return {
+        "reached": plan.reached,
+        "chosen_by": plan.choice.basis,
+        "proven_best": plan.choice.proven,
+        "conditions": [_end(total, judged=plan.judged) for total in plan.ends],
+        "remaining": [
+            {
+                **_end(left.total, judged=plan.judged),
+                "new_share_percent": finite(left.new_share * PERCENT),
+                "kinematic_viscosity_mm2_s": left.kinematic_viscosity * MM2_S,
+                "pump_loss_percent": left.pump_loss * PERCENT,
+            }
+            for left in plan.remaining
+        ],
+        "pressures_past": [rule.id for rule in plan.pressures_past],
+        "lands_not_measured": plan.unmeasured,
+        "cost": cost_record(plan.cost),
+        "text": " ".join(plan_ends(plan, wording("en"))),
+    }
+
+
+def _end(total: Total, *, judged: bool) -> dict[str, Any]:
+    """Return a total at the end of the plan; one of a unit that was not measured has no band."""
+    return {
+        **named(total.condition, "name", "label"),
+        "share_percent": finite(total.share * PERCENT),
+        "band": total.band if judged else None,
+        **_held(total),
+    }
+
+
+def _held(total: Total) -> dict[str, Any]:
+    """Return the reserve and the pressures that hold with some lands repaired."""
+    circuits = {name: pressure * KPA for name, pressure in total.pressures.items() if name != LINE}
+    return {
+        "reserve_after": finite(total.reserve),
+        "p_g_held_after_kpa": total.pressures[LINE] * KPA,
+        "circuits_after_kpa": circuits,
+    }

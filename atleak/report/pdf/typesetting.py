@@ -1,0 +1,289 @@
+"""Turn the core's drawings into pictures for programs that take no SVG, with the package's own fonts alone.
+
+Prepare the pictures of a job for printing.
+
+Set pages with typst: as PDF/A-2a and PDF/UA-1 where the bundled fonts allow, else as a plain PDF that says so.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import io
+import json
+import shutil
+import unicodedata
+import warnings
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import typst
+from PIL import Image, ImageColor, ImageOps
+
+from atleak.common.damage import own_errors_only
+from atleak.common.errors import InputError
+from atleak.common.seals import KEYWORD
+from atleak.common.sentences import Sentence
+from atleak.common.style import LOOKS, PAPER, SHEET_OF_PAPER, Paper
+from atleak.common.verdicts import VERDICTS, Verdict
+from atleak.common.wording import Wording
+from atleak.measurements.job_card import Job, clean_text
+from atleak.report.charts.drawing import shortened
+from atleak.report.pdf.blocks import joined
+from atleak.report.pdf.fonts import BOX_FONT, FONTS, OWN_FONT, OwnFont, box_font, characters_of
+from atleak.version import __version__
+
+DOTS = 150  # of an inch: on paper, where a sheet is shrunk, about 200
+_PAGES = b"""
+#for each in json(bytes(sys.inputs.drawings)) {
+  page(width: each.width * 1pt, height: each.height * 1pt, margin: 0pt, fill: rgb(each.ground),
+    image(bytes(each.svg), format: "svg", width: 100%, height: 100%))
+}
+"""
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A drawing as SVG, the size in which it is shown [pt], and the colour of what lies under it."""
+
+    svg: str
+    width: float
+    height: float
+    ground: str = SHEET_OF_PAPER
+
+
+@cache
+def bundled_fonts() -> typst.Fonts:
+    """Return the fonts of the package and no others."""
+    return typst.Fonts(include_system_fonts=False, include_embedded_fonts=False, font_paths=[str(FONTS)])
+
+
+def pngs_of(drawings: Sequence[Drawing]) -> list[bytes]:
+    """Return each drawing as PNG in shades of grey, all drawn in one go; the same drawings give the same bytes."""
+    if not drawings:
+        return []
+    given = [asdict(each) for each in drawings]
+    compiler = typst.Compiler(_PAGES, font_paths=bundled_fonts())
+    drawn = compiler.compile(format="png", ppi=DOTS, sys_inputs={"drawings": json.dumps(given)})
+    assert drawn is not None  # typst returns what it writes to no file
+    pages = drawn if isinstance(drawn, list) else [drawn]
+    return [_small(png, each.ground) for png, each in zip(pages, drawings, strict=True)]
+
+
+def _small(png: bytes, ground: str) -> bytes:
+    """Return a picture in few shades of grey, a third as large, which says how many dots an inch has."""
+    target = io.BytesIO()
+    grey = Image.open(io.BytesIO(png)).convert("L").point(_shades(ground))
+    grey.save(target, "PNG", dpi=(DOTS, DOTS))
+    return target.getvalue()
+
+
+@cache
+def _shades(ground: str) -> list[int]:
+    """Return for every shade the nearest one that is kept: sixteen and that of the ground, so that no box is seen."""
+    kept = (*range(0, 256, 17), ImageColor.getcolor(ground, "L"))
+    return [min(kept, key=lambda shade: abs(shade - each)) for each in range(256)]
+
+
+_PHOTO_PIXELS = 1400  # of the longer side: enough to be sharp at the printed size
+_PICTURE_LIMIT = 80_000_000  # a picture with more pixels is not opened
+
+
+def write_pictures(job: Job, folder: Path) -> dict[str, str]:
+    """Write the job's pictures beside the template, upright and no larger than they are printed; return their files."""
+    files = {}
+    for number, (name, content) in enumerate(job.pictures.items()):
+        suffix, content = printable_picture(name, content)
+        files[name] = f"picture{number}.{suffix}"
+        (folder / files[name]).write_bytes(content)
+    return files
+
+
+@own_errors_only(InputError, "name")
+def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
+    """Return a picture as PNG or JPEG, upright, scaled down and without its metadata (a phone writes the place there).
+
+    Raises
+    ------
+    InputError
+        if the picture is no PNG, JPEG or WebP file, is damaged or is too large.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of damaged notes of the camera: the picture can be seen all the same
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            picture: Image.Image = Image.open(io.BytesIO(content), formats=("PNG", "JPEG", "WEBP"))
+            if picture.width * picture.height > _PICTURE_LIMIT:
+                expected = Sentence("at most {count} pixels", count=_PICTURE_LIMIT)
+                raise InputError(Sentence("picture too large"), value=name, expected=expected)
+            picture = ImageOps.exif_transpose(picture)
+            picture.thumbnail((_PHOTO_PIXELS, _PHOTO_PIXELS))
+            transparent = picture.mode in ("RGBA", "LA", "PA") or "transparency" in picture.info
+            target = io.BytesIO()
+            if transparent:
+                picture.convert("RGBA").save(target, "PNG")
+                return "png", target.getvalue()
+            picture.convert("RGB").save(target, "JPEG", quality=85)
+            return "jpg", target.getvalue()
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
+        expected = Sentence("a sound PNG, JPEG or WebP file")
+        raise InputError(Sentence("picture cannot be read"), value=name, expected=expected) from error
+
+
+STANDARDS: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")
+TEMPLATES = Path(__file__).parent.parent / "templates"
+_UNDATED = dt.date(2000, 1, 1)  # PDF/A requires a date; today's date would make two files of one job differ
+_MISSING_NAMED = 8
+_RUNNING = 24  # letters of each name that stand at the head of every page, in one line
+
+
+def common_data(
+    title: str, subject: str, job: Job, paper: Paper, say: Wording, pictures: dict[str, str]
+) -> dict[str, Any]:
+    """Return what ``common.typ`` places on every kind of page: the file's properties, letterhead, colours and signs."""
+    plate = job.vehicle.registration or job.vehicle.vin
+    return {
+        "lang": say.language,
+        "paper": paper.typst,
+        "title": title,
+        "name": joined((title, job.number, plate), " · "),
+        "author": job.workshop.name or "atleak",
+        "description": subject,
+        "keywords": KEYWORD,
+        "running": joined((shortened(each, _RUNNING) for each in (job.workshop.name, job.number, plate)), " · "),
+        "made": f"atleak {__version__}",
+        "page": say("title.page", page="{page}", pages="{pages}"),
+        "end": "",
+        "note": None,
+        "more-fonts": [],
+        "head": _letterhead(job, pictures, say),
+        "inks": {"ink": PAPER.ink, "soft": PAPER.soft, "rule": PAPER.rule},
+        "looks": {verdict: _look(verdict) for verdict in VERDICTS},
+    }
+
+
+def _letterhead(job: Job, pictures: dict[str, str], say: Wording) -> dict[str, Any]:
+    shop = job.workshop
+    lines = [
+        *shop.address.splitlines(),
+        f"{say('facts.phone')} {shop.phone}" if shop.phone else "",
+        shop.email,
+        shop.website,
+        f"{say('facts.register')} {shop.registration}" if shop.registration else "",
+    ]
+    return {
+        "workshop": shop.name,
+        "lines": [line for line in lines if line],
+        "logo": pictures.get(shop.logo or ""),
+        "logo-alt": shop.name or say("title.logo"),
+    }
+
+
+def _look(verdict: Verdict) -> dict[str, Any]:
+    """Return what the template needs to draw a verdict: colours, corners of its sign, whether its word is bold."""
+    look = LOOKS[verdict]
+    return {
+        "line": look.line,
+        "tint": look.tint,
+        "on-tint": look.on_tint,
+        "corners": [list(point) for point in look.shape.points],
+        "filled": look.shape.filled,
+        "ground": verdict.flagged,
+        "bold": verdict.calls_for_repair,
+    }
+
+
+def compile_pdf(
+    template: str, folder: Path, data: dict[str, Any], date: dt.date | None, say: Wording, own: OwnFont | None = None
+) -> bytes:
+    """Return the bytes of a PDF.
+
+    Parameters
+    ----------
+    template
+        name of one of the package's templates, without its ending.
+    folder
+        an empty one but for the pictures that the data name; it is written into.
+    data
+        what the template places.
+    date
+        of the file; a fixed one where none is given.
+    own
+        a font for characters that the package's own ones lack; without such characters it changes nothing.
+    """
+    for path in TEMPLATES.glob("*.typ"):
+        shutil.copy(path, folder)
+    data = _cleaned(data)
+    moment = dt.datetime.combine(date or _UNDATED, dt.time(), dt.UTC)
+
+    def run(fonts: typst.Fonts, standards: Sequence[typst.PDFStandard], **changes: Any) -> bytes:
+        compiler = typst.Compiler(folder / f"{template}.typ", root=folder, font_paths=fonts)
+        inputs = {"data": json.dumps({**data, **changes}, ensure_ascii=False)}
+        pdf = compiler.compile(format="pdf", sys_inputs=inputs, pdf_standards=list(standards), timestamp=moment)
+        assert isinstance(pdf, bytes)  # typst returns bytes for one document that it writes to no file
+        return _made_by_atleak(pdf)
+
+    said = json.dumps(data, ensure_ascii=False)
+    families = []
+    if own is not None and own.glyphs.intersection(map(ord, unprintable(said))):
+        (folder / "own.ttf").write_bytes(own.content)
+        families.append(OWN_FONT)
+
+    def fonts() -> typst.Fonts:
+        paths = [str(FONTS), *([str(folder)] if families else [])]
+        return typst.Fonts(include_system_fonts=False, include_embedded_fonts=False, font_paths=paths)
+
+    try:
+        return run(fonts() if families else bundled_fonts(), STANDARDS, **{"more-fonts": families})
+    except typst.TypstError as error:
+        missing = unprintable(said, own)
+        if not missing:
+            reason = str(error.message).splitlines()[0]
+            note = say("title.plain_other", reason=reason)
+            return run(fonts(), (), note=note, **{"more-fonts": families})
+        (folder / "boxes.ttf").write_bytes(box_font(missing, said))
+        families.append(BOX_FONT)
+        note = say("title.plain", characters=named_characters(missing))
+        return run(fonts(), (), note=note, **{"more-fonts": families})
+
+
+def _made_by_atleak(pdf: bytes) -> bytes:
+    """Name atleak as the program that made the file, in its information and its metadata alike; its size stays."""
+    for before, after in ((b"/Creator(", b")"), (b"<xmp:CreatorTool>", b"</xmp:CreatorTool>")):
+        start = pdf.find(before)
+        end = pdf.find(after, start)
+        if start < 0 or end < 0:
+            continue
+        room = end - start - len(before)
+        name = next(each for each in (f"atleak {__version__}", "atleak", "") if len(each) <= room).encode()
+        if name:
+            pdf = pdf[:start] + before + name + after + b" " * (room - len(name)) + pdf[end + len(after) :]
+    return pdf
+
+
+def named_characters(missing: Sequence[str]) -> str:
+    """Return the first of some characters with their code points."""
+    named = ", ".join(f"U+{ord(sign):04X} {sign}" for sign in missing[:_MISSING_NAMED])
+    return f"{named}, …" if len(missing) > _MISSING_NAMED else named
+
+
+def unprintable(text: str, own: OwnFont | None = None) -> list[str]:
+    """Return the characters of a text that no font of the report has, in their order in the text."""
+    known = characters_of(own)
+    return [sign for sign in dict.fromkeys(text) if ord(sign) not in known and not _invisible(sign)]
+
+
+def _invisible(sign: str) -> bool:
+    """Tell whether nothing is drawn for a character: joiners, signs of direction, variation selectors."""
+    return unicodedata.category(sign) in ("Cc", "Cf") or "VARIATION SELECTOR" in unicodedata.name(sign, "")
+
+
+def _cleaned(data: Any) -> Any:
+    """Return the data without the characters that a PDF cannot hold."""
+    if isinstance(data, str):
+        return clean_text(data)
+    if isinstance(data, dict):
+        return {key: _cleaned(value) for key, value in data.items()}
+    return [_cleaned(value) for value in data] if isinstance(data, list) else data

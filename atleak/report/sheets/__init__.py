@@ -1,0 +1,1 @@
+"""Write the blank sheets that a workshop fills in."""

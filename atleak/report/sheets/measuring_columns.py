@@ -1,0 +1,201 @@
+"""The columns of a measuring sheet's table, in their order; the words that its tabs share, and the formats of cells.
+
+The rows of a measuring sheet in the order of measuring, and which of them share a cell.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from itertools import groupby
+from typing import Any
+
+import xlsxwriter
+from xlsxwriter.format import Format
+from xlsxwriter.utility import xl_col_to_name
+
+from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.instruments import Part
+from atleak.common.sentences import Sentence
+from atleak.common.style import SHEET_COLOURS
+from atleak.common.wording import Wording
+from atleak.measurements.measuring_plan import DIRECTIONS, PARTS, REPEATS
+from atleak.measurements.readings import NOMINAL_HEADING, Reading
+from atleak.report.sheets.paging import Block
+
+
+class Column(IntEnum):
+    """A column, by its number from 0: heading, kind of quantity that its unit is of, least width in characters."""
+
+    COMPONENT = Sentence("No."), None, 5
+    NAME = Sentence("Component"), None, 20
+    PART = Sentence("Part"), None, 8
+    PLANE = Sentence("Plane"), None, 7
+    DIRECTION = Sentence("Direction"), None, 9
+    REPEAT = Sentence("Repeat"), None, 8
+    X1 = Sentence("Coordinate\nx1 (y1)"), "length", 12
+    X2 = Sentence("Coordinate\nx2 (y2)"), "length", 12
+    DIAMETER = Sentence("Diameter"), "length", 12
+    NOMINAL = NOMINAL_HEADING, "length", 10
+    CLEARANCE = Sentence("Mounting\nclearance"), "clearance", 10
+    ORIGIN = Sentence("Nominal values\nare"), None, 14
+    DEVIATION = Sentence("Deviation from\nnominal"), "clearance", 11
+    TAKEN_AT = Sentence("Taken at"), None, 11
+
+    heading: Sentence
+    kind: str | None
+    least_width: int
+
+    def __new__(cls, heading: Sentence, kind: str | None, least_width: int) -> Column:
+        """Number the columns as they stand here."""
+        column = int.__new__(cls, len(cls.__members__))
+        column._value_ = len(cls.__members__)
+        column.heading, column.kind, column.least_width = heading, kind, least_width
+        return column
+
+    @property
+    def letter(self) -> str:
+        """Return what a spreadsheet calls it."""
+        return str(xl_col_to_name(self))
+
+    def said(self, say: Wording) -> str:
+        """Return the heading with its unit."""
+        return say.sentence(self.heading) + (f" [{say.unit(self.kind)}]" if self.kind else "")
+
+    def width(self, say: Wording) -> int:
+        """Return the width in characters: no word of the heading is broken."""
+        return max(self.least_width, 1 + max(map(len, self.said(say).split())))
+
+
+SHEET = Sentence("Measurements")
+UNWORN_END = Sentence("unworn end")  # what marks a reading there; the intake's vocabulary knows it in every language
+PUMP_SIDE, PUMP_TIP = Sentence("Pump side clearance"), Sentence("Pump tip clearance")  # the intake reads them
+REPRESENTATIVE, AS_STATED = Sentence("representative"), Sentence("as stated")
+PART_NAMES: Mapping[str, Sentence] = {
+    "spool": Sentence("spool"),
+    "piston": Sentence("piston"),
+    "end plug": Sentence("end plug"),
+    "sleeve": Sentence("sleeve"),
+}
+
+
+def formats_of(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
+    """Return the formats for every tab; lengths have as many digits as the reader's unit wants."""
+    length = f"0.{'0' * say.digits('length', 3)}"
+    shade = SHEET_COLOURS
+    cell = {"border": 1, "border_color": shade["border"], "valign": "vcenter"}
+    given = {**cell, "bg_color": shade["given"]}
+    entry = {**cell, "bg_color": shade["entry"], "locked": False}
+    soft = {**given, "font_color": shade["soft"]}
+    wrapped = {"text_wrap": True, "valign": "top"}
+    heading = {"bg_color": shade["heading"], "font_color": shade["on_heading"]}
+    properties: Mapping[str, Mapping[str, Any]] = {
+        "title": {"bold": True, "font_size": 14},
+        "field label": {"bold": True, "text_wrap": True, "valign": "vcenter"},
+        "field": {"bottom": 1, "bg_color": shade["entry"], "text_wrap": True, "valign": "vcenter"},
+        "note": {**wrapped, "italic": True, "font_size": 8, "font_color": shade["note"]},
+        "heading": {**cell, **heading, "bold": True, "text_wrap": True, "align": "center"},
+        "text": {**given, "text_wrap": True, "align": "left"},
+        "upright": {**given, "align": "center", "rotation": 90},
+        "on top": {**given, **wrapped, "align": "left"},
+        "number": {**given, "align": "center"},
+        "angle": {**given, "align": "center", "num_format": '0"°"'},
+        "input": {**entry, "num_format": length},
+        "choice": entry,
+        "nominal": {**soft, "num_format": length},
+        "clearance": {**soft, "num_format": "0.0"},
+        "pressure": {**entry, "num_format": "0.0"},
+        "origin": {**soft, "italic": True, "text_wrap": True},
+        "deviation": {**given, "num_format": "0"},
+        "alarm": {"bg_color": shade["alarm"], "font_color": shade["on_heading"], "bold": True},
+        "wrap": wrapped,
+        "topic": {**wrapped, "bold": True},
+    }
+    return {name: book.add_format(dict(look)) for name, look in properties.items()}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One reading that is to be taken, and what it was if it was taken."""
+
+    land: Land
+    part: Part
+    plane: str
+    direction: float | None
+    repeat: int
+    reading: Reading | None
+
+    @property
+    def nominal(self) -> float:
+        """Return nominal diameter of the part [m]."""
+        return self.land.nominal_of(self.part)
+
+
+Key = Callable[[Row], tuple[Any, ...]]
+
+
+def of_component(row: Row) -> tuple[Any, ...]:
+    """Return what the rows of a component have alike."""
+    return (row.land.component,)
+
+
+def of_part(row: Row) -> tuple[Any, ...]:
+    """Return what the rows of a part have alike."""
+    return *of_component(row), row.part
+
+
+def of_round(row: Row) -> tuple[Any, ...]:
+    """Return what the rows have alike that are measured without lifting the part off."""
+    return *of_part(row), row.repeat
+
+
+def of_plane(row: Row) -> tuple[Any, ...]:
+    """Return what the rows of a plane have alike within a round."""
+    return *of_round(row), row.plane
+
+
+def of_direction(row: Row) -> tuple[Any, ...]:
+    """Return what the rows of a direction have alike within a plane."""
+    return *of_plane(row), row.direction
+
+
+def rows_of(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> list[Row]:
+    """Return the rows in the order of measuring that the sheet states, `how_to_measure.order` of the texts."""
+    given: dict[tuple[Any, ...], dict[int, Reading]] = defaultdict(dict)
+    directions: dict[tuple[str, Part, str], list[float | None]] = defaultdict(list)
+    for reading in readings:
+        repeats = given[reading.station]
+        repeats[reading.repeat if reading.repeat not in repeats else max(repeats) + 1] = reading
+        known = directions[reading.component, reading.part, reading.plane]
+        if reading.direction not in known:
+            known.append(reading.direction)
+
+    def rows_of_part(component: str, part: Part) -> Iterator[Row]:
+        for land in controller.lands_of(component):
+            for plane in land.planes:
+                measured = directions[component, part, plane]
+                wanted = [angle for angle in DIRECTIONS if angle not in measured] if blank_rows else []
+                for direction in sorted([*measured, *wanted], key=lambda angle: -1.0 if angle is None else angle):
+                    repeats = given[component, part, plane, direction]
+                    for repeat in {*repeats, *(range(1, REPEATS + 1) if blank_rows else ())}:
+                        yield Row(land, part, plane, direction, repeat, repeats.get(repeat))
+
+    components = dict.fromkeys(land.component for land in controller.lands)
+    parts = [rows_of_part(component, part) for component in components for part in PARTS]
+    return [row for rows in parts for row in sorted(rows, key=lambda row: row.repeat)]
+
+
+def runs(numbered: Sequence[tuple[int, Row]], pages: Sequence[int], key: Key) -> Iterator[tuple[int, int, Row]]:
+    """Return first number, last number and first row of every run of rows with the same key on the same page."""
+    for _, block in groupby(zip(numbered, pages, strict=True), key=lambda each: (each[1], key(each[0][1]))):
+        inside = [entry for entry, _ in block]
+        yield inside[0][0], inside[-1][0], inside[0][1]
+
+
+def blocks_of(rows: Sequence[Row], keys: Sequence[Key] = (of_component, of_part, of_round, of_plane)) -> list[Block]:
+    """Return the numbers of rows of components, within them of parts, of the rounds of measuring, of planes."""
+    key, *finer = keys
+    groups = [list(block) for _, block in groupby(rows, key=key)]
+    return [blocks_of(group, finer) if finer else len(group) for group in groups]

@@ -1,0 +1,385 @@
+"""Write the tab of a measuring sheet that says how to measure.
+
+Write the measuring sheet of a controller as a workbook, empty or filled in.
+
+Its form is that of the source study's Table 1; `atleak.readers.sheets.measuring_sheet.read_readings` reads it back.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import xlsxwriter
+from xlsxwriter.format import Format
+from xlsxwriter.worksheet import Worksheet
+
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
+from atleak.common.sentences import Name, Sentence
+from atleak.common.unit_systems import MM, UM, Quantity
+from atleak.common.wording import Wording, wording
+from atleak.measurements.gauge_readings import PressureTable
+from atleak.measurements.measuring_plan import PARTS
+from atleak.measurements.own_lands import OwnLands
+from atleak.measurements.readings import Reading
+from atleak.report.sheets.lands_sheet import LANDS, write_lands
+from atleak.report.sheets.measuring_columns import (
+    AS_STATED,
+    PART_NAMES,
+    PUMP_SIDE,
+    PUMP_TIP,
+    REPRESENTATIVE,
+    SHEET,
+    UNWORN_END,
+    Column,
+    Row,
+    blocks_of,
+    formats_of,
+    of_component,
+    of_direction,
+    of_part,
+    of_plane,
+    rows_of,
+    runs,
+)
+from atleak.report.sheets.measuring_head import (
+    FIELDS,
+    HEADER,
+    INSTRUMENTS,
+    JOB,
+    PICTURES,
+    PLACES,
+    TITLE_HEIGHTS,
+    ComponentRows,
+    code_text,
+    draw_head,
+    draw_spools,
+    instruments_for,
+    label_of,
+)
+from atleak.report.sheets.paging import Paging, Tab, only, put, row_height, workbook
+from atleak.report.sheets.pressure_sheet import PRESSURES, write_pressures
+
+INSTRUCTIONS = Sentence("How to measure")
+_WIDTHS = (24, 96)
+_BETWEEN = 6.0  # [pt] height of the row below a topic, which also keeps words of several from being read as headings
+_TOPICS = (
+    "before", "temperature", "pump", "where", "in_which_order", "drawing", "code", "how_often", "what_to_write",
+    "bores", "unworn_ends", "not_measured", "more_rows", "lands", "pressures", "check", "refused", "nominal_values",
+)  # fmt: skip
+
+
+def write_instructions(tab: Tab, controller: Controller, far: float) -> None:
+    """Write a row for every topic, as high as its text is long.
+
+    Parameters
+    ----------
+    tab
+        on which nothing is written yet.
+    controller
+        whose representative values are named as such.
+    far
+        how far from the nominal diameter a cell is coloured [µm].
+    """
+    sheet, formats, say = tab.sheet, tab.formats, tab.say
+    values = {
+        "reference": say.plain_quantity(REFERENCE_TEMPERATURE, "temperature"),
+        "bore": say.plain_quantity(15.0, "length"),
+        "more": say.plain_quantity(2.0, "clearance"),
+        "warm": say.plain_quantity(35.0, "temperature"),
+        "most": say.plain_quantity(0.5, "length"),
+        "far": say.plain_quantity(far, "clearance"),
+        "order": say("how_to_measure.order"),
+        "choice": repr(say.sentence(UNWORN_END)),
+        "representative": say.name(controller.representative),
+    }
+    tabs = {"lands": LANDS, "pressures": PRESSURES}
+    Paging(_WIDTHS).set_up(sheet)
+    sheet.write_string(0, 0, say.sentence(INSTRUCTIONS), formats["title"])
+    for number, topic in enumerate(_TOPICS if controller.representative else _TOPICS[:-1]):
+        row, title = 2 * number + 2, say(f"how_to_measure.{topic}_title")
+        key = "in_inches" if topic == "what_to_write" and say.unit("length") != "mm" else topic
+        said = say(f"how_to_measure.{key}", tab=say.sentence(tabs.get(topic, "")), **values)
+        sheet.write_string(row, 0, title, formats["topic"])
+        sheet.write_string(row, 1, said, formats["wrap"])
+        sheet.set_row(row, row_height(zip((title, said), _WIDTHS, strict=True)))
+        sheet.set_row(row + 1, _BETWEEN)
+
+
+__all__ = ["FIELDS", "INSTRUCTIONS", "PUMP_SIDE", "PUMP_TIP", "SHEET", "UNWORN_END", "write_readings", "write_template"]
+
+_HEADINGS_ROW = 54.0  # [pt]
+_CHOICES = 255  # characters that a spreadsheet program takes as the choices of a cell
+_ANGLES = (0, 45, 90, 135)  # [°] to choose from; another may be typed
+_NUMBER = 5  # characters of a component's number; an id of more is written upright
+_FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
+_MEASURED = (Column.X1, Column.X2, Column.DIAMETER)
+
+
+def write_template(
+    controller: Controller,
+    *,
+    fields: Mapping[str, str] | None = None,
+    language: str = "en",
+    units: str = "metric",
+) -> bytes:
+    """Return an empty measuring sheet: two directions and two repeats in every plane of every land.
+
+    Parameters
+    ----------
+    controller
+        whose lands are to be measured.
+    fields
+        what is known of the job, by the names of `FIELDS`, such as `atleak.report.sheets.measuring_head.fields_of`
+        gives; the code of the job stands beside it.
+    language
+        one of `atleak.common.wording.languages`; a sheet in any of them is read back.
+    units
+        one of `atleak.common.unit_systems.SYSTEMS`; the headings name them.
+
+    Returns
+    -------
+    bytes
+        of an .xlsx workbook; the same controller gives the same bytes.
+    """
+    return write_readings(controller, (), fields=fields, language=language, units=units)
+
+
+def write_readings(
+    controller: Controller,
+    readings: Iterable[Reading],
+    *,
+    fields: Mapping[str, str] | None = None,
+    blank_rows: bool = True,
+    pressures: PressureTable | None = None,
+    own_lands: OwnLands = OwnLands(),  # noqa: B008  frozen, so safe to share
+    language: str = "en",
+    units: str = "metric",
+) -> bytes:
+    """Return a measuring sheet with readings filled in.
+
+    Parameters
+    ----------
+    controller
+        whose lands the sheet holds, in its order.
+    readings
+        to fill in; coordinates are written where a reading has them, its diameter otherwise. A reading of a plane that
+        the controller does not have is left out.
+    fields
+        what to write at the head of the sheet, by the names of `FIELDS`.
+    blank_rows
+        whether planes, directions and repeats without a reading get an empty row; who is to fill them in is shown
+        every spool with its planes.
+    pressures
+        gauge readings to fill in on the tab of pressures, the first of each cell.
+    own_lands
+        lengths and fitted repairs to fill in on the tab of lands.
+    language, units
+        as `write_template`.
+
+    Returns
+    -------
+    bytes
+        of an .xlsx workbook. Texts stay texts: nothing a user wrote becomes a formula.
+    """
+    readings, say = list(readings), wording(language, units)
+    empty = not readings and not fields and pressures is None and own_lands == OwnLands()
+    rows = rows_of(controller, readings, blank_rows)
+
+    def write(book: xlsxwriter.Workbook) -> None:
+        formats = formats_of(book, say)
+        sheet = _Sheet(book.add_worksheet(say.sentence(SHEET)), formats, controller, say)
+        sheet.head(fields or {})
+        sheet.body(rows, drawn=blank_rows)
+        sheet.set_up(len(rows), (fields or {}).get(JOB, ""))
+        lands, gauges, instructions = (
+            Tab(book.add_worksheet(say.sentence(name)), formats, say) for name in (LANDS, PRESSURES, INSTRUCTIONS)
+        )
+        write_lands(lands, controller, own_lands)
+        write_pressures(gauges, controller, pressures)
+        write_instructions(instructions, controller, _FAR)
+
+    font = {"default_format_properties": {"font_name": "Arial", "font_size": 10}}  # as wide in every program
+    return workbook(write, _title(controller, say), mark="measuring sheet" if empty else None, options=font)
+
+
+def _title(controller: Controller, say: Wording) -> str:
+    return say.sentence(Sentence("Measuring sheet: {name}", name=Name(controller.name)))
+
+
+class _Sheet:
+    """Writes the sheet of measurements."""
+
+    def __init__(self, sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, say: Wording) -> None:
+        self.sheet, self.formats, self.controller, self.say = sheet, formats, controller, say
+        paging = Paging(tuple(column.width(say) for column in Column))
+        fields = (paging.row_height,) * (HEADER - len(TITLE_HEIGHTS))  # for a pencil too
+        self.paging, self.breaks = replace(paging, above=(*TITLE_HEIGHTS, *fields, _HEADINGS_ROW)), list[int]()
+
+    def head(self, fields: Mapping[str, str]) -> None:
+        sheet, formats, controller, say = self.sheet, self.formats, self.controller, self.say
+        told = Sentence(
+            "Controller {id}. Yellow cells are to be filled in. All dimensions in {unit}",
+            id=controller.id,
+            unit=say.unit("length"),
+        )
+        told_all = f"{say.sentence(told)}\n{say('how_to_measure.order')}"
+        titles = ((_title(controller, say), "title"), (told_all, "wrap"), (say.name(controller.representative), "note"))
+        for row, (text, form) in enumerate(titles):
+            sheet.merge_range(row, 0, row, PICTURES - 1, "", formats[form])
+            sheet.write_string(row, 0, text, formats[form])
+        gaps = controller.pump.gaps
+        left_out = {name for name, slips in ((PUMP_SIDE, gaps.side), (PUMP_TIP, gaps.tips)) if slips is None}
+        for field, (row, label, first, last) in PLACES.items():
+            if field in left_out - fields.keys():
+                continue  # the file does not say what would slip through it
+            for start, end, text, form in (
+                (label, first - 1, label_of(field, say), "field label"),
+                (first, last, fields.get(field, ""), "field"),
+            ):
+                if end > start:
+                    sheet.merge_range(row, start, row, end, "", formats[form])
+                sheet.write_string(row, start, text, formats[form])
+        for column in Column:
+            sheet.write_string(HEADER, column, column.said(say), formats["heading"])
+        for row, height in enumerate(self.paging.above):
+            sheet.set_row(row, height)
+        draw_head(sheet, code_text(controller, fields), say)
+
+    def body(self, rows: Sequence[Row], *, drawn: bool) -> None:
+        """Write a row for every reading; what several rows share is merged, on each page anew, with its spool drawn."""
+        self.breaks = self.paging.breaks(blocks_of(rows))  # none cuts a component, or a part or plane of a large one
+        for row in range(len(rows)):
+            self.sheet.set_row(HEADER + 1 + row, self.paging.row_height)
+        pages = [bisect_right(self.breaks, row) for row in range(len(rows))]
+        numbered = list(enumerate(rows, start=HEADER + 1))
+        on_pages = {first: (last, entry.land.component) for first, last, entry in runs(numbered, pages, of_component)}
+        blocks = [
+            ComponentRows(component, first, (last - first + 1) * self.paging.row_height)
+            for first, (last, component) in on_pages.items()
+        ]
+        width = self.paging.widths[Column.NAME]
+        with_spool = draw_spools(self.sheet, self.controller, blocks if drawn else (), width, self.say)
+        on_top = {block.row for block in with_spool}
+        for first, (last, component) in on_pages.items():
+            name = self.say.name(self.controller.components[component])
+            self._label(first, last, Column.COMPONENT, component, "text" if len(component) <= _NUMBER else "upright")
+            self._label(first, last, Column.NAME, name, "on top" if first in on_top else "text")
+        for first, last, entry in runs(numbered, pages, of_part):
+            self._label(first, last, Column.PART, self._part_name(entry), "text")
+        for first, last, entry in runs(numbered, pages, of_plane):
+            self._label(first, last, Column.PLANE, entry.plane, "number")
+            self._label(first, last, Column.NOMINAL, self._shown(entry.nominal), "nominal")
+            clearance = round(float(self.say.convert(entry.land.mounting_high * UM, "clearance")), 6)
+            self._label(first, last, Column.CLEARANCE, clearance, "clearance")
+            self._label(first, last, Column.ORIGIN, self.say.sentence(_origin(entry.land)), "origin")
+            for row in range(first, last + 1):
+                self._deviation(row, first, rows[row - HEADER - 1])
+        for first, last, entry in runs(numbered, pages, of_direction):
+            self._label(first, last, Column.DIRECTION, entry.direction, "angle")
+        for row, entry in numbered:
+            self.sheet.write_number(row, Column.REPEAT, entry.repeat, self.formats["number"])
+            self.sheet.write_blank(row, Column.TAKEN_AT, None, self.formats["choice"])
+            for column, metres in zip(_MEASURED, _values(entry.reading), strict=True):
+                shown = None if metres is None else self._shown(metres)
+                put(self.sheet, row, column, shown, self.formats["input"])
+
+    def _part_name(self, entry: Row) -> str:
+        return self.say.sentence(PART_NAMES[entry.land.part_name if entry.part == "spool" else "sleeve"])
+
+    def _label(self, first: int, last: int, column: int, value: str | float | None, name: str) -> None:
+        """Write one value over several rows, merged as in Table 1."""
+        form = self.formats[name]
+        if last > first:
+            self.sheet.merge_range(first, column, last, column, "", form)
+        put(self.sheet, first, column, value, form)
+
+    def _shown(self, metres: float) -> float:
+        """Return a length in the unit of the headings, to a tenth of a nanometre: the decimal digits as typed."""
+        return round(float(self.say.convert(metres * MM, "length")), 7 if self.say.unit("length") == "mm" else 8)
+
+    def _deviation(self, row: int, first: int, entry: Row) -> None:
+        one, other, size = (f"{column.letter}{row + 1}" for column in _MEASURED)
+        given = f"${Column.NOMINAL.letter}${first + 1}"
+        nominal = given if self.say.unit("length") == "mm" else _in_mm(given)
+        measured = f"IF(ISNUMBER({size}),{_in_mm(size)},ABS({_in_mm(one)}-{_in_mm(other)}))"
+        factor = round(float(self.say.convert(UM / MM, "clearance")), 6)
+        filled = f"OR(ISNUMBER({size}),AND(ISNUMBER({one}),ISNUMBER({other})))"
+        off = None if entry.reading is None else (entry.reading.diameter - entry.nominal) * UM
+        known = "" if off is None else round(float(self.say.convert(off, "clearance")), 6)
+        self.sheet.write_formula(
+            row,
+            Column.DEVIATION,
+            f'=IF({filled},{factor:.10g}*({measured}-{nominal}),"")',
+            self.formats["deviation"],
+            known,
+        )
+
+    def _choose(self, rows: tuple[int, int], column: int, choices: Iterable[str], *, others: bool = False) -> None:
+        """Let cells be chosen from a list, which commas part; others too where they may be typed."""
+        known = [choice for choice in choices if "," not in choice]
+        while len(",".join(known)) > _CHOICES:
+            known.pop()
+        told, title = Sentence("One of the list: {choices}", choices=tuple(known)), Sentence("Not in the list")
+        choice = only("list", title, told, self.say, source=known, show_error=not others)
+        self.sheet.data_validation(rows[0], column, rows[1], column, choice)
+
+    def set_up(self, rows: int, job: str) -> None:
+        """Add what a person needs who fills it in on a screen or on paper."""
+        sheet, say, first, last = self.sheet, self.say, HEADER + 1, HEADER + max(rows, 1)
+        far = float(say.convert(_FAR, "clearance"))
+        sheet.freeze_panes(first, Column.PLANE)
+        told = Sentence(
+            "A number in the unit of the heading, larger than 0, such as {example}. Leave empty what was not measured.",
+            example=Quantity(9.939, "length", 3),
+        )
+        sizes = only("decimal", Sentence("Not a dimension"), told, say, criteria=">", value=0)
+        sheet.data_validation(first, _MEASURED[0], last, _MEASURED[-1], sizes)
+        self._choose((first, last), Column.TAKEN_AT, [say.sentence(UNWORN_END)])
+        parts = [
+            self._part_name(Row(land, part, "", None, 1, None)) for land in self.controller.lands for part in PARTS
+        ]
+        self._choose((first, last), Column.PART, dict.fromkeys(parts))
+        self._choose((first, last), Column.DIRECTION, map(str, _ANGLES), others=True)
+        for part, field in INSTRUMENTS.items():
+            place = PLACES[field]
+            names = [say.name(name) for name in instruments_for(part)]
+            self._choose((place.row, place.row), place.first, names, others=True)
+        deviation = Column.DEVIATION
+        alarm = {"type": "cell", "criteria": "not between", "minimum": -far, "maximum": far}
+        empty = {"type": "formula", "criteria": f"=NOT(ISNUMBER(${deviation.letter}{first + 1}))", "stop_if_true": True}
+        sheet.conditional_format(first, deviation, last, deviation, empty)
+        sheet.conditional_format(first, deviation, last, deviation, {**alarm, "format": self.formats["alarm"]})
+        self.paging.set_up(sheet)
+        sheet.set_h_pagebreaks([first + row for row in self.breaks])
+        sheet.repeat_rows(HEADER)
+        sheet.print_area(0, 0, last, max(Column))
+        page = say("title.page", page="&P", pages="&N")
+        name = " · ".join(filter(None, (job, say.name(self.controller.name))))
+        sheet.set_footer(f"&L{name.replace('&', '&&')[:120]}&R{page}")
+        sheet.ignore_errors(
+            {"number_stored_as_text": f"{Column.COMPONENT.letter}{first + 1}:{Column.DIRECTION.letter}{last + 1}"}
+        )
+
+
+def _in_mm(cell: str) -> str:
+    """Return the formula of a cell's length in mm, whether its heading says [mm] or [inch]."""
+    return f'{cell}*IF(ISNUMBER(FIND("[in",LOWER({cell.lstrip("$")[0]}${HEADER + 1}))),25.4,1)'
+
+
+def _values(reading: Reading | None) -> tuple[float | None, float | None, float | None]:
+    if reading is None:
+        return None, None, None
+    if reading.coordinates is not None:
+        return *reading.coordinates, None
+    return None, None, reading.diameter
+
+
+def _origin(land: Land) -> Sentence:
+    diameter, clearance = (key in land.representative for key in ("nominal_diameter_mm", "mounting_clearance_um"))
+    if diameter and clearance:
+        return REPRESENTATIVE
+    if diameter:
+        return Sentence("diameter representative")
+    return Sentence("clearance representative") if clearance else AS_STATED

@@ -1,0 +1,1 @@
+"""Say each answer once, as tables, sections and sentences that every medium prints."""

@@ -1,0 +1,336 @@
+"""Turn a comparison into the JSON record that scripts rely on: each side by the keys of a diagnosis, and changes.
+
+Say in a reader's language what a comparison comes to: the verdicts, what changed, the total where it was worst.
+
+Lay out a comparison as tables: lands, totals, pressures and the events of two logs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from atleak.analysis.comparison import (
+    Change,
+    Comparison,
+    ConditionComparison,
+    EventPair,
+    LandComparison,
+    LogComparison,
+)
+from atleak.analysis.comparison.results import ChoiceName
+from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, UM
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.land import LandDiagnosis
+from atleak.engine.projection import Projection
+from atleak.measurements.events import Event
+from atleak.measurements.road_test import RoadTest
+from atleak.report.json.conditions import condition_record, finite, message_record, scaled
+from atleak.report.json.diagnosis import FORMAT, head_record, land_record
+from atleak.report.tables.lands import MatrixRow
+from atleak.report.tables.names import land_words
+from atleak.report.tables.sentences import caveats
+from atleak.report.tables.table import VERDICT, Column, Table, columns
+from atleak.version import __version__
+
+
+def comparison_record(comparison: Comparison) -> dict[str, Any]:
+    """Return the record of a comparison, in the form ``atleak compare --json`` writes.
+
+    ``before`` and ``after`` hold what ``atleak diagnose --json`` says of the same job; ``alike`` is the unit after by
+    the choices of the job before, null where no choice differs. Changes of conditions are to ``alike``.
+    """
+    before, after = comparison.before, comparison.after
+    alike = comparison.alike if comparison.differing else None
+    return {
+        "format": FORMAT,
+        "atleak": __version__,
+        "before": head_record(before),
+        "after": head_record(after),
+        "alike": None if alike is None else head_record(alike),
+        "differing": [vars(each) for each in comparison.differing],
+        "lands_compared": len(comparison.compared),
+        "lands_changed": len(comparison.changed),
+        "lands": [_land(comparison, land) for land in comparison.lands],
+        "conditions": [_condition(comparison, each) for each in comparison.conditions],
+        "events": None if comparison.logs is None else [_pair(pair) for pair in comparison.logs.pairs],
+        "messages": [message_record(message) for message in comparison.messages],
+    }
+
+
+def _land(comparison: Comparison, land: LandComparison) -> dict[str, Any]:
+    component, number = land.key
+    change = land.change
+    low, high = (change.interval if change else None) or (None, None)
+    return {
+        "component": component,
+        "land": number,
+        "before": _side_of_land(comparison.before, land.before),
+        "after": _side_of_land(comparison.after, land.after),
+        "change_um": scaled(change.value, UM) if change else None,
+        "change_u_um": scaled(change.standard_uncertainty, UM) if change else None,
+        "change_low_um": scaled(low, UM),
+        "change_high_um": scaled(high, UM),
+        "significant": change.significant if change else None,
+    }
+
+
+def _side_of_land(diagnosis: Diagnosis, land: LandDiagnosis | None) -> dict[str, Any] | None:
+    return None if land is None else land_record(MatrixRow.of(land, diagnosis, diagnosis.projections))
+
+
+def _condition(comparison: Comparison, each: ConditionComparison) -> dict[str, Any]:
+    record = {
+        "name": each.name,
+        "label": each.projection.condition.label,
+        "before": _side(comparison.before, each.before),
+        "after": _side(comparison.after, each.after),
+        "alike": _side(comparison.alike, each.alike) if comparison.differing else None,
+        **_change("leakage", "dm3_min", each.leakage, DM3_MIN),
+        **_change("share", "percent", each.share, PERCENT),
+        **_change("reserve", "", each.reserve, 1.0),
+        **_change("p_g_held", "kpa", each.main_pressure, KPA),
+    }
+    record["circuits"] = [
+        {"id": one.circuit.id, "name": one.circuit.name, **_change("pressure", "kpa", one.change, KPA)}
+        for one in each.circuits
+    ]
+    return record
+
+
+def _side(diagnosis: Diagnosis, at: Projection | None) -> dict[str, Any] | None:
+    return None if at is None else condition_record(diagnosis, at)
+
+
+def _change(name: str, unit: str, change: Change | None, factor: float) -> dict[str, Any]:
+    """Return a change with its interval, the unit last in each key."""
+    low, high = (change.interval if change else None) or (None, None)
+    values = {"change": change.value if change else None, "change_low": low, "change_high": high}
+    record: dict[str, Any] = {
+        "_".join(filter(None, (name, what, unit))): None if value is None else finite(value * factor)
+        for what, value in values.items()
+    }
+    return {**record, f"{name}_significant": change.significant if change else None}
+
+
+def _pair(pair: EventPair) -> dict[str, Any]:
+    event = pair.event
+    return {
+        "kind": event.kind,
+        "from_gear": event.from_gear,
+        "to_gear": event.to_gear,
+        "order": pair.order,
+        "before": _event(pair.before),
+        "after": _event(pair.after),
+    }
+
+
+def _event(event: Event | None) -> dict[str, Any] | None:
+    return None if event is None else {"start_s": event.start, "stop_s": event.stop}
+
+
+def verdicts_sentence(comparison: Comparison, say: Wording) -> str:
+    """Say the verdict of the unit at both visits, with their signs."""
+    before, after = (say.signed(each.verdict) for each in (comparison.before, comparison.after))
+    return say("comparison.verdicts", before=before, after=after)
+
+
+def visit_caveats(comparison: Comparison, say: Wording) -> list[str]:
+    """Say what each verdict rests on; what is so at one visit alone, or differs, begins with whose it is."""
+    before, after = caveats(comparison.before, say), caveats(comparison.after, say)
+    return [
+        *(line for line in before if line in after),
+        *(f"{say('comparison.before')}: {line}" for line in before if line not in after),
+        *(f"{say('comparison.after')}: {line}" for line in after if line not in before),
+    ]
+
+
+def changed_sentence(comparison: Comparison, say: Wording) -> str:
+    """Say how many lands changed by more than the measurements can be off."""
+    compared = len(comparison.compared)
+    if not compared:
+        return say("comparison.none_compared")
+    return say("comparison.changed", changed=len(comparison.changed), compared=compared)
+
+
+def total_sentence(comparison: Comparison, say: Wording) -> str | None:
+    """Say what the total was and is where it was worst before; None where no total can be compared.
+
+    Where choices differ this is the unit after by the choices of the job before, and its own total stands beside it.
+    """
+    leading = comparison.leading
+    if leading is None or leading.before is None or leading.share is None:
+        return None
+    own = leading.after if comparison.differing else None
+    return say(
+        "comparison.total" if own is None else "comparison.total_alike",
+        condition=say.condition(leading.before.condition),
+        before=say.percent(leading.share.before),
+        after=say.percent(leading.share.after),
+        own="" if own is None else say.percent(own.share),
+        new=say.percent(comparison.before.new_at(leading.before).share),
+        how=how_sure(leading.share, say),
+    )
+
+
+def how_sure(change: Change | None, say: Wording) -> str:
+    """Say whether a change is more than the measurements can be off."""
+    known = None if change is None else change.significant
+    return say(f"comparison.{'unknown' if known is None else 'beyond' if known else 'within'}")
+
+
+def differing_sentence(comparison: Comparison, say: Wording) -> str | None:
+    """Say in which choices the two jobs differ, and that the difference is not the repair's alone."""
+    if not comparison.differing:
+        return None
+    names: list[ChoiceName] = [each.name for each in comparison.differing]
+    return say("comparison.differing", choices=", ".join(say(f"choices.{name}") for name in names))
+
+
+def land_name(comparison: Comparison, land: LandComparison, say: Wording) -> str:
+    """Name a land: ``25/1 main pressure valve``."""
+    after = comparison.after.controller
+    return land_words(after if land.key[0] in after.components else comparison.before.controller, land.key, say)
+
+
+def with_uncertainty(change: Change | None, say: Wording) -> str:
+    """Return a change of a clearance [µm] with its sign and half of its 95 % interval: ``−23.5 ± 3.2``."""
+    if change is None or change.interval is None:
+        return "–"
+    half = 0.5 * (change.interval[1] - change.interval[0]) * UM
+    digits = say.digits("clearance", 1)
+    value = signed_number(say.convert(change.value * UM, "clearance"), digits, say)
+    return f"{value} ± {say.value(half, 'clearance', 1)}"
+
+
+def signed_number(value: float, digits: int, say: Wording) -> str:
+    """Return a number with its sign, also where it is positive; no sign where it rounds to zero."""
+    text = say.number(value, digits)
+    return f"+{text}" if value > 0.0 and float(f"{value:.{digits}f}") != 0.0 else text
+
+
+def event_name(pair: EventPair, say: Wording) -> str:
+    """Name a matched event: ``shift 1 → 2``; of several alike with its place among them."""
+    event = pair.event
+    gears = "" if event.to_gear is None else f" {event.from_gear} → {event.to_gear}"
+    return f"{say(f'events.{event.kind}')}{gears}" + (f" ({pair.order})" if pair.order > 1 else "")
+
+
+_OF_A_QUANTITY = ("condition", "what", "before", "after", "change", "interval", "unit", "changed")
+_SHOWN = 0.5  # [kPa] that a pressure without decimals shows
+_UM = "clearance", 1
+
+
+def land_table(comparison: Comparison, lands: Sequence[LandComparison], say: Wording) -> Table:
+    """Return one row for every land: both verdicts, clearances and what changed, wear, share and decision."""
+
+    def both(key: str, of: Callable[[LandDiagnosis], Any], *kind: Any, times: float | None = None) -> Iterator[Column]:
+        def at(side: str, land: LandComparison) -> Any:
+            diagnosed: LandDiagnosis | None = getattr(land, side)
+            return None if diagnosed is None else of(diagnosed)
+
+        for side in ("before", "after"):
+            yield replace(Column(f"{key}_{side}", *kind), of=partial(at, side), times=times)
+
+    shown = (
+        Column("verdict", VERDICT, width=92, of=lambda land: land.after and land.after.verdict),
+        Column("was", of=lambda land: land.before and say.signed(land.before.verdict)),
+        Column("pair", width=176, of=lambda land: land_name(comparison, land, say)),
+        *both("clearance", lambda land: land.state.radial_clearance if land.state.measured else None, *_UM, times=UM),
+        Column("change", words_of="clearance", of=lambda land: land.change and with_uncertainty(land.change, say)),
+        Column("changed", of=lambda land: land.change and land.significant),
+        *both("wear", lambda land: land.wear, "percent", 1, times=PERCENT),
+        *both("share", lambda land: finite(land.share), "percent", 2, times=PERCENT),
+        *both("decision", lambda land: land.decision and say.get("decisions", land.decision)),
+    )
+    return Table("lands", shown, lands, say).filled
+
+
+def condition_table(comparison: Comparison, say: Wording, *, brief: bool = False) -> Table:
+    """Return one row for every total, reserve and pressure of every condition that both jobs were judged at.
+
+    In brief a pressure that did not change by as much as is shown is left out, and so is the flow behind a share; a
+    condition is named in its first row only.
+    """
+    rows: list[dict[str, Any]] = []
+    for each in comparison.on_both_sides:
+        of_condition = _quantities(each, say, brief=brief)
+        if brief:
+            of_condition[1:] = [{**row, "condition": ""} for row in of_condition[1:]]
+        rows += of_condition
+    return Table("totals", columns(*_OF_A_QUANTITY), rows, say).filled
+
+
+def _quantities(each: ConditionComparison, say: Wording, *, brief: bool) -> list[dict[str, Any]]:
+    rows = [
+        _row(each, say("compared.share"), "percent", each.share, PERCENT, 1, say),
+        None if brief else _row(each, say("compared.leakage"), "flow", each.leakage, DM3_MIN, 2, say),
+        _row(each, say("compared.reserve"), "number", each.reserve, 1.0, 2, say),
+    ]
+    line = say("compared.main_pressure")
+    pressures = [(line, each.main_pressure), *((say.name(one.circuit.name), one.change) for one in each.circuits)]
+    for name, change in pressures:
+        moved = change is not None and (change.significant or abs(change.value * KPA) >= _SHOWN)
+        rows.append(_row(each, name, "pressure", change, KPA, 0, say) if moved or not brief else None)
+    return [row for row in rows if row is not None]
+
+
+def _row(
+    each: ConditionComparison, what: str, kind: str, change: Change | None, factor: float, digits: int, say: Wording
+) -> dict[str, Any] | None:
+    if change is None:
+        return None
+    places, scale = say.digits(kind, digits), say.convert(factor, kind)  # none of these kinds has a zero of its own
+    return {
+        "condition": say.condition(each.before.condition) if each.before else "",
+        "what": what,
+        "before": say.number(change.before * scale, places),
+        "after": say.number(change.after * scale, places),
+        "change": signed_number(change.value * scale, places, say),
+        "interval": "" if change.interval is None else _interval(change.interval, scale, places, say),
+        "unit": say.unit(kind),
+        "changed": change.significant,
+    }
+
+
+def _interval(ends: tuple[float, float], scale: float, places: int, say: Wording) -> str:
+    low, high = (say.number(end * scale, places) for end in ends)
+    return say("written.to", low=low, high=high)
+
+
+def event_table(logs: LogComparison, say: Wording) -> Table:
+    """Return one row for every event of either log, before → after: start, duration, mean pressure and fluid."""
+
+    def means(pair: EventPair, quantity: str, factor: float) -> list[float | None]:
+        sides = (logs.before.road_test, pair.before), (logs.after.road_test, pair.after)
+        return [
+            _mean(None if event is None else test.window(event.start, event.stop), quantity, factor)
+            for test, event in sides
+        ]
+
+    def both(pair: EventPair, name: str) -> list[float | None]:
+        return [None if event is None else getattr(event, name) for event in (pair.before, pair.after)]
+
+    def arrow(key: str, kind: str, digits: int, of: Callable[[EventPair], Iterable[float | None]]) -> Column:
+        return Column(key, words_of=kind, of=lambda pair: " → ".join(say.value(at, kind, digits) for at in of(pair)))
+
+    shown = (
+        Column("event", of=lambda pair: event_name(pair, say)),
+        arrow("starts", "time", 1, lambda pair: both(pair, "start")),
+        arrow("lasts", "time", 1, lambda pair: both(pair, "duration")),
+        arrow("mean_pressure", "pressure", 0, lambda pair: means(pair, "main_pressure", KPA)),
+        arrow("fluid", "temperature", 0, lambda pair: means(pair, "atf_temperature", 1.0)),
+    )
+    return Table("logs", shown, logs.pairs, say)
+
+
+def _mean(part: RoadTest | None, quantity: str, factor: float) -> float | None:
+    values = None if part is None else part.values(quantity)
+    if values is None or not np.isfinite(values).any():
+        return None
+    return float(np.nanmean(values)) * factor

@@ -1,0 +1,113 @@
+"""Rows and record of a gauge study, for page, terminal and JSON alike."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from atleak.analysis.gauge_study import CATEGORY, SPREAD, GaugeStudy
+from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.wording import Wording
+from atleak.report.json.conditions import message_record
+from atleak.report.json.diagnosis import FORMAT
+from atleak.report.tables.table import Column, Table
+from atleak.version import __version__
+
+
+def component_rows(study: GaugeStudy) -> list[dict[str, Any]]:
+    """Return one row for each component of variation; deviations in µm, shares in percent, None where unknown."""
+    return [
+        {
+            "component": component.name,
+            "deviation_um": component.deviation * UM,
+            "spread_um": SPREAD * component.deviation * UM,
+            "contribution_percent": _percent(component.contribution),
+            "of_study_percent": _percent(component.of_study),
+            **({} if study.tolerance is None else {"of_tolerance_percent": _percent(component.of_tolerance)}),
+        }
+        for component in study.components
+        if not (study.pooled and component.name == "interaction")
+    ]
+
+
+def anova_rows(study: GaugeStudy) -> list[dict[str, Any]]:
+    """Return one row for each source of the analysis of variance, in µm²."""
+    return [
+        {
+            "source": row.source,
+            "squares_um2": row.squares * UM**2,
+            "freedom": row.freedom,
+            "mean_square_um2": None if row.source == "total" else row.mean_square * UM**2,
+            "f": row.f,
+            "probability": row.probability,
+        }
+        for row in study.table
+    ]
+
+
+def study_record(study: GaugeStudy) -> dict[str, Any]:
+    """Return everything a study says, as scripts read it: µm and percent; nothing is rounded."""
+    readings = study.readings
+    return {
+        "format": FORMAT,
+        "atleak": __version__,
+        "file": readings.file,
+        "sha256": readings.sha256 or None,
+        "parts": list(readings.parts),
+        "operators": list(readings.operators),
+        "trials": readings.trials,
+        "step_um": None if readings.step is None else readings.step * UM,
+        "alpha": study.alpha,
+        "interaction_pooled": study.pooled,
+        "tolerance_um": None if study.tolerance is None else study.tolerance * UM,
+        "anova": anova_rows(study),
+        "components": component_rows(study),
+        "grr_of_study_percent": _percent(study.grr.of_study),
+        "grr_of_tolerance_percent": _percent(study.grr.of_tolerance),
+        "categories": study.categories,
+        "category_factor": CATEGORY,
+        "judged": study.judged,
+        "messages": [message_record(message) for message in study.messages],
+    }
+
+
+def component_table(study: GaugeStudy, say: Wording) -> Table:
+    """Return the components of variation as a table that people read."""
+    shown = (
+        Column("variation_part", of=lambda row: say(f"gauge_study_names.{row['component']}"), width=150),
+        Column("deviation", "clearance", 3, of="deviation_um"),
+        Column("spread", "clearance", 3, of="spread_um"),
+        Column("contribution", "percent", 2, of="contribution_percent"),
+        Column("of_study", "percent", 2, of="of_study_percent"),
+        Column("of_tolerance", "percent", 2, of="of_tolerance_percent"),
+    )
+    return Table("components", shown, component_rows(study), say).filled
+
+
+def anova_table(study: GaugeStudy, say: Wording) -> Table:
+    """Return the analysis of variance as a table that people read."""
+    shown = (
+        Column("variation_source", of=lambda row: say(f"gauge_study_names.{row['source']}"), width=150),
+        Column("squares", digits=2, of="squares_um2"),
+        Column("freedom", digits=0),
+        Column("mean_square", digits=2, of="mean_square_um2"),
+        Column("f_ratio", digits=2, of="f"),
+        Column("by_chance", digits=4, of="probability"),
+    )
+    return Table("anova", shown, anova_rows(study), say)
+
+
+def result_sentence(study: GaugeStudy, say: Wording) -> str:
+    """Say how much of what varies is of gauge and people, and how many groups of parts it tells apart."""
+    if study.judged is None:
+        return say("gauge_study.nothing")
+    count = study.categories
+    categories = say("gauge_study.no_categories") if count is None else say("gauge_study.categories", number=count)
+    share, key = (
+        (study.grr.of_study, "result") if study.tolerance is None else (study.grr.of_tolerance, "result_tolerance")
+    )
+    judged = say(f"gauge_study.{study.judged}")
+    return say(f"gauge_study.{key}", grr=say.percent(share), judged=judged, categories=categories)
+
+
+def _percent(fraction: float | None) -> float | None:
+    return None if fraction is None else fraction * PERCENT

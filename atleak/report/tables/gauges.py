@@ -1,0 +1,194 @@
+"""Rows and the JSON record of gauge readings: what was shown, what is permissible, what is expected, the verdict."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from atleak.catalogue.circuits import PermissiblePressure
+from atleak.catalogue.controller import Controller
+from atleak.common.unit_systems import KPA, PERCENT, RPM
+from atleak.common.wording import Wording, wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.gauge_check import CheckedReading, PressureCheck
+from atleak.diagnosis.gauge_patterns import Pattern
+from atleak.measurements.gauge_readings import LINE, Cell, tap_name
+from atleak.report.json.conditions import finite, scaled, unit_rule_record
+from atleak.report.tables.names import land_words
+from atleak.report.tables.table import VERDICT, Column, Table
+
+WORTH_NAMING, LEAST_OF_A_LAND, MOST_LANDS = 0.05, 0.005, 4  # parts of a loss that causes explain, to be named
+MOST_TYPED = 3  # decimal places of a gauge reading [kPa]; more are those of a converted unit
+
+
+def gauge_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Return the gauge readings as ``atleak diagnose --json`` writes them; None without any."""
+    check = diagnosis.pressures
+    if check is None:
+        return None
+    deciding = check.deciding
+    return {
+        "file": check.table.file,
+        "sha256": check.table.sha256,
+        "sheet": check.table.sheet,
+        "verdict": check.verdict,
+        "decision": deciding.decision if deciding else None,
+        "decided_by": deciding.rule.where if deciding and deciding.rule.verdict.flagged else None,
+        "taps": list(check.table.taps),
+        "readings": [_reading(diagnosis, each) for each in check.readings],
+        "patterns": [_pattern(each, diagnosis.controller) for each in check.patterns],
+    }
+
+
+def _reading(diagnosis: Diagnosis, checked: CheckedReading) -> dict[str, Any]:
+    reading, permissible, deciding = checked.reading, checked.permissible, checked.deciding
+    line = reading.cell.tap == LINE
+    return {
+        **_cell(checked.cell),
+        "label": checked.label,
+        "repeat": reading.repeat,
+        "gear": checked.gear,
+        "pressure_kpa": reading.pressure * KPA,
+        "temperature_c": reading.temperature,
+        "engine_rpm": scaled(reading.engine_speed, RPM),
+        "permissible_low_kpa": scaled(permissible.low if permissible else None, KPA),
+        "permissible_high_kpa": scaled(permissible.high if permissible else None, KPA),
+        "permissible_source": permissible.source if permissible else None,
+        "stands": checked.stands,
+        "over_permissible_kpa": scaled(checked.over, KPA),
+        "expected_kpa": scaled(checked.expected, KPA),
+        "line_kpa": None if line else scaled(checked.line, KPA),
+        "below_line_kpa": None if line else scaled(checked.below_line, KPA),
+        "loss_kpa": scaled(checked.loss, KPA),
+        "loss_low_kpa": scaled(checked.loss_interval[0] if checked.loss_interval else None, KPA),
+        "loss_high_kpa": scaled(checked.loss_interval[1] if checked.loss_interval else None, KPA),
+        "not_judged": checked.unjudged,
+        "verdict": checked.verdict,
+        "decision": deciding.decision if deciding else None,
+        "probability_over_limit": finite(deciding.probability_over_limit) if deciding else None,
+        "rules": [unit_rule_record(diagnosis, each.rule) for each in checked.decisions],
+        "place": reading.place.known,
+    }
+
+
+def _pattern(pattern: Pattern, controller: Controller) -> dict[str, Any]:
+    say = wording("en")
+    return {
+        "kind": pattern.kind,
+        "text": pattern_text(pattern, controller, say),
+        "source": say.get("pattern_sources", pattern.source),
+        "cells": [_cell(cell) for cell in pattern.cells],
+        "lands": [
+            {"component": key[0], "land": key[1], "share_percent": share * PERCENT}
+            for (what, *which), share in pattern.causes.items()
+            if what == "land"
+            for key in which
+        ],
+    }
+
+
+def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
+    """Return a pattern as sentences in a language, with where to look first."""
+    worst, amount = pattern.worst, pattern.amount or 0.0
+    circuits = ", ".join(tap_text(controller, name, say) for name in pattern.circuits)
+    key = f"{pattern.kind}_named" if pattern.kind == "one_range_low" and circuits else pattern.kind
+    sentence = say(
+        f"patterns.{key}",
+        ranges=", ".join(pattern.ranges),
+        others=", ".join(pattern.others),
+        circuits=circuits,
+        count=len(pattern.cells),
+        worst="" if worst is None else f"{worst.range}, {say.sentence(worst.engine.label)}",
+        percent=say.percent(amount, 0),
+        kpa=say.value(amount * KPA, "pressure", 0),
+    )
+    assumed = "" if pattern.measured else "_assumed"  # no reading tells how likely each cause is
+
+    def part(what: str, share: float) -> str:
+        return what if assumed else say("patterns.part_of_it", what=what, percent=say.percent(share, 0))
+
+    lands = [
+        part(land_words(controller, which[0], say), share)
+        for (what, *which), share in pattern.causes.items()
+        if what == "land" and share >= LEAST_OF_A_LAND
+    ][:MOST_LANDS]
+    others = [
+        part(say(f"patterns.cause_{what}"), share)
+        for (what, *_), share in pattern.causes.items()
+        if what != "land" and share >= WORTH_NAMING
+    ]
+    named = [say(f"patterns.lands_first{assumed}", lands=", ".join(lands))] if lands else []
+    beside = [say(f"patterns.besides{assumed}", causes=", ".join(others))] if others else []
+    by_a_land = bool(assumed) or next(iter(pattern.causes), ("land",))[0] == "land"
+    return " ".join([sentence, *(named + beside if by_a_land else beside + named)])
+
+
+def _cell(cell: Cell) -> dict[str, Any]:
+    return {"range": cell.range, "state": cell.engine, "tap": cell.tap}
+
+
+def permissible_text(permissible: PermissiblePressure | None, say: Wording) -> str | None:
+    """Return what is permissible in a reader's language and unit; None where nothing is stated.
+
+    >>> permissible_text(PermissiblePressure(frozenset(), "idle", 412e3, None, ""), wording("en"))
+    'from 412'
+    """
+    if permissible is None:
+        return None
+    low, high = ("" if end is None else _kpa(end, say) for end in (permissible.low, permissible.high))
+    key = "low_and_high" if low and high else "low" if low else "high"
+    return say(f"permissible.{key}", low=low, high=high)
+
+
+def _kpa(pressure: float, say: Wording) -> str:
+    kpa = round(pressure * KPA, 1)
+    return say.value(kpa, "pressure", 0 if kpa.is_integer() else 1)
+
+
+def tap_text(controller: Controller, tap: str, say: Wording) -> str:
+    """Return the name of a tap in a language."""
+    return say("permissible.line") if tap == LINE else say.name(tap_name(controller, tap))
+
+
+def gauge_table(check: PressureCheck, say: Wording) -> Table:
+    """Return a row for every reading: what was shown, permitted, expected, and the verdict; no column is empty."""
+    repeated = any(each.reading.repeat > 1 for each in check.readings)
+    circuits = any(each.cell.tap != LINE for each in check.readings)
+
+    def tap(each: CheckedReading) -> str:
+        return say("permissible.line") if each.cell.tap == LINE else say.name(each.tap_name)
+
+    shown = (
+        Column("verdict", VERDICT, width=92, of=lambda each: each.verdict or say("texts.not_judged")),
+        Column("range", of=lambda each: each.cell.range),
+        Column("engine_state", width=150, of=lambda each: say.sentence(each.cell.engine.label)),
+        Column("tap", width=150, of=lambda each: tap(each) if circuits else None),
+        Column("reading_number", digits=0, width=44, of=lambda each: each.reading.repeat if repeated else None),
+        Column("gauge", "pressure", _typed_places(check), of=lambda each: each.reading.pressure, times=KPA),
+        Column("permitted", words_of="pressure", of=lambda each: permissible_text(each.permissible, say)),
+        Column("expected", "pressure", of=lambda each: each.expected, times=KPA),
+        Column("lost", "pressure", of=lambda each: each.loss, times=KPA),
+        Column("lost_between", words_of="pressure", of=lambda each: _between(each, say)),
+        Column("past_limit", of=lambda each: None if each.over_limit is None else say.percent(each.over_limit, 0)),
+        Column("decision", width=110, of=lambda each: each.deciding and say.get("decisions", each.deciding.decision)),
+    )
+    return Table("gauges", shown, check.readings, say).filled
+
+
+def _typed_places(check: PressureCheck) -> int:
+    """Return how many decimal places of a kPa were typed; one of another unit seldom has a whole number of them."""
+    decimals = [len(f"{each.reading.pressure * KPA:.9g}".partition(".")[2]) for each in check.readings]
+    return max((places for places in decimals if places <= MOST_TYPED), default=0)
+
+
+def _between(each: CheckedReading, say: Wording) -> str | None:
+    if each.loss_interval is None:
+        return None
+    low, high = (say.value(max(end, 0.0) * KPA, "pressure", 0) for end in each.loss_interval)
+    return say("permissible.low_and_high", low=low, high=high)
+
+
+def pattern_sentences(check: PressureCheck, controller: Controller, say: Wording) -> list[str]:
+    """Return what the readings hint at together, each hint with where it is known from."""
+    return [
+        f"{pattern_text(each, controller, say)} ({say.get('pattern_sources', each.source)})" for each in check.patterns
+    ]

@@ -1,0 +1,307 @@
+"""Rows of the repairs that a valve body's file names for a plan's steps, in a reader's language, and as a record.
+
+Say in a reader's language what a repair brings and where the plan ends.
+
+Say what a set of repairs brings at every condition: share, pressure held and reserve, before and after.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from atleak.analysis.repair.plan import (
+    Basis,
+    Cost,
+    MoveKey,
+    OfferedRepair,
+    OfferedRepairs,
+    Option,
+    Remainder,
+    RepairedAt,
+    RepairPlan,
+    RepairStep,
+    Total,
+)
+from atleak.catalogue.entries import Evidence
+from atleak.catalogue.limits import RuleKind
+from atleak.catalogue.repairs import LandKey, Repair
+from atleak.common.unit_systems import KPA, MM, MM2_S, UM
+from atleak.common.wording import Wording, isolated
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.engine.operation import LINE
+from atleak.report.json.conditions import named, of_land, scaled
+from atleak.report.tables.names import land_number
+from atleak.report.tables.sentences import land_in_words, rule_reached
+from atleak.report.tables.table import Column, Judged, Table, span
+
+
+@dataclass(frozen=True)
+class OptionRow:
+    """One repair that the file names for the land of one step; the number counts the steps from 1."""
+
+    number: int
+    step: RepairStep
+    option: Option
+
+    @property
+    def chosen(self) -> bool:
+        """Tell whether the plan computes with it."""
+        return self.step.chosen is self.option
+
+    @property
+    def lands(self) -> str:
+        """Name the lands that it changes."""
+        return ", ".join(f"{component}/{land}" for component, land in self.option.lands)
+
+    @property
+    def representative(self) -> bool:
+        """Tell whether price, hours and clearance are those of such repairs in general."""
+        return self.option.repair.evidence is Evidence.REPRESENTATIVE
+
+    def name(self, say: Wording) -> str:
+        """Name it with its part number, and say where it is representative."""
+        label = repair_name(self.option.repair, say)
+        return f"{label} ({say('plan.representative')})" if self.representative else label
+
+    @property
+    def left(self) -> list[float]:
+        """Return the radial clearance that it leaves of the step's land [µm], or the ends of a range."""
+        state = self.option.states[self.step.land.key]
+        ends = (state.radial_clearance,) if self.option.repair.keeps_clearance else state.land.mounting_ends
+        return [end * UM for end in ends]
+
+    def leaves(self, say: Wording) -> str:
+        """Return what it leaves in the reader's unit, without it: a number, or the ends of a range."""
+        return span(self.left, "clearance", say)
+
+    def price(self, say: Wording) -> str:
+        """Return the price with its currency; a dash where the file states none."""
+        repair = self.option.repair
+        return "–" if repair.price is None else f"{say.number(repair.price, 2)} {repair.currency}"
+
+    def hours(self, say: Wording) -> str:
+        """Return the hours of work; a dash where the file states none."""
+        return say.number(self.option.repair.hours, 1)
+
+    def use(self, say: Wording) -> str:
+        """Say whether it is the one that is planned, and where it does not mend the land."""
+        said = [
+            say("plan.chosen") if self.chosen else "",
+            "" if self.option.mends(self.step.land.key) else say("plan.mends_not"),
+        ]
+        return ", ".join(filter(None, said))
+
+
+def repair_name(repair: Repair, say: Wording) -> str:
+    """Return the name of a repair with its part number."""
+    name = say.name(repair.name)
+    return f"{name} ({repair.part_number})" if repair.part_number else name
+
+
+def option_rows(plan: RepairPlan) -> list[OptionRow]:
+    """Return every option of every step of a plan, those of the file's order, the planned one first."""
+    return [
+        OptionRow(number, step, option)
+        for number, step in enumerate(plan.steps, start=1)
+        for option in sorted(step.options, key=lambda option: option is not step.chosen)
+    ]
+
+
+def planned(row: OptionRow, say: Wording) -> str:
+    """Say one option in a line: what it is, what it leaves, and what it costs."""
+    hours = row.option.repair.hours
+    said = [
+        row.name(say),
+        say("plan.leaves", clearance=say.span(row.left, "clearance", 1)),
+        "" if row.option.repair.price is None else row.price(say),
+        "" if hours is None else say("plan.hours", hours=row.hours(say)),
+        row.option.repair.tool or "",
+        say("plan.together", lands=row.lands) if len(row.option.lands) > 1 else "",
+    ]
+    return ", ".join(filter(None, said))
+
+
+def costs(plan: RepairPlan, say: Wording) -> Iterator[str]:
+    """Say what the planned repairs cost together; nothing where the file names none for any step."""
+    cost = plan.cost
+    if cost is None:
+        return
+    nothing = cost.repairs == cost.without_price == cost.without_hours
+    if cost.repairs and nothing:
+        yield say("plan.cost_none", count=cost.repairs)
+    elif cost.repairs:
+        prices = " + ".join(f"{say.number(price, 2)} {currency}" for currency, price in cost.prices.items())
+        hours = None if cost.without_hours == cost.repairs else cost.hours
+        yield say("plan.cost", count=cost.repairs, prices=prices or "–", hours=say.number(hours, 1))
+    if not nothing and (cost.without_price or cost.without_hours):
+        yield say("plan.cost_open", prices=cost.without_price, hours=cost.without_hours)
+    chosen = [row for row in option_rows(plan) if row.chosen]
+    if any(row.representative for row in chosen):
+        yield say("plan.cost_representative", count=sum(row.representative for row in chosen))
+    if cost.without_option:
+        yield say("plan.without_option", count=cost.without_option)
+
+
+def option_record(option: Option, key: LandKey) -> dict[str, Any]:
+    """Return an option as plain values: what it is, what it costs, and what it leaves of a land."""
+    repair, land = option.repair, option.states[key].land
+    return {
+        **named(repair, "id", "kind", "name", "part_number", "price", "currency", "hours", "tool"),
+        "lands": [of_land(changed) for changed in option.lands],
+        "nominal_diameter_mm": land.nominal_diameter * MM,
+        "clearance_after_um": option.states[key].radial_clearance * UM,
+        "mounting_clearance_low_um": None if repair.keeps_clearance else land.mounting_range[0] * UM,
+        "mounting_clearance_um": None if repair.keeps_clearance else land.mounting_high * UM,
+        "mounting_tolerance_um": None if repair.keeps_clearance else scaled(land.mounting_tolerance, UM),
+        "mends": option.mends(key),
+        **named(repair, "evidence", "source"),
+    }
+
+
+def cost_record(cost: Cost | None) -> dict[str, Any] | None:
+    """Return what a plan costs as plain values; None where the file names no repair for any of its steps."""
+    if cost is None:
+        return None
+    return {
+        "prices": [{"price": price, "currency": currency} for currency, price in cost.prices.items()],
+        **named(cost, "hours", "repairs", "without_price", "without_hours", "without_option"),
+    }
+
+
+def no_help(step: RepairStep, say: Wording) -> str:
+    """Say why a land that lowers no total is on the list."""
+    return say("plan.draws_no_more" if step.leaks else "plan.never_leaks")
+
+
+def plan_ends(plan: RepairPlan, say: Wording) -> Iterator[str]:
+    """Say where the plan ends: green everywhere, or what remains and what that may be up to."""
+    if not plan.judged:
+        yield say("plan.not_judged")
+        return
+    if plan.pump_first:
+        yield say("pump.planned_first")
+    if plan.for_total:
+        yield say("plan.for_total", count=plan.for_total)
+    if plan.reached:
+        yield say("plan.green" if plan.steps else "plan.green_already")
+    for left in plan.remaining:
+        yield _remains(left, say)
+    for rule in plan.pressures_past:
+        condition = say.condition(rule.condition) if rule.condition else ""
+        what = say(f"rules.{rule.kind}") + (f" ({say.name(rule.circuit.name)})" if rule.circuit else "")
+        yield say("plan.pressure_stays", condition=condition, what=what, level=say.level(rule.level))
+    if plan.lands_past:
+        lands = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in plan.lands_past)
+        yield say("plan.land_stays", lands=lands)
+    currencies = plan.choice.moves.currencies
+    if plan.choice.basis is Basis.FEWEST and len(currencies) > 1:
+        yield say("plan.currencies", currencies=", ".join(currencies))
+    if not plan.choice.proven:
+        yield say("estimate.not_proven", rounds=plan.choice.rounds)
+    if plan.unmeasured:
+        yield say("plan.unmeasured", count=plan.unmeasured)
+    yield from costs(plan, say)
+
+
+def _remains(left: Remainder, say: Wording) -> str:
+    total = left.total
+    condition = say.condition(total.condition)
+    if not math.isfinite(total.share):
+        return say("plan.no_delivery", condition=condition)
+    stays = say("plan.stays", condition=condition, share=say.percent(total.share), band=say.level(total.band))
+    if not left.new_is_past:
+        return f"{stays} {say('plan.by_lands')}"
+    viscosity, loss = say.number(left.kinematic_viscosity * MM2_S, 2), say.percent(left.pump_loss, 0)
+    new = say("plan.as_new", share=say.percent(left.new_share))
+    return f"{stays} {new} {say('plan.not_lands', viscosity=viscosity, loss=loss)}"
+
+
+def effect_table(effect: Sequence[RepairedAt], say: Wording) -> Table:
+    """Return every condition with what the unit leaks and holds there, as measured and with the repairs."""
+
+    def judged(kind: RuleKind, total: Total, words: str) -> Judged:
+        rule = next((rule for rule in total.pressure_rules if rule.kind is kind), None)
+        return Judged(words, rule.verdict if rule is not None and rule.verdict.flagged else None)
+
+    def share(total: Total) -> Judged:
+        return Judged(f"{_share(total, say)} {say.signed(total.band)}", total.band)
+
+    def line(total: Total) -> Judged:
+        held = say.quantity(total.pressures[LINE] * KPA, "pressure")
+        return judged(RuleKind.PERMISSIBLE_PRESSURE, total, held)
+
+    def reserve(total: Total) -> Judged:
+        return judged(RuleKind.RESERVE, total, say.number(total.reserve, 2))
+
+    def at_end(of: Callable[[Total], Judged], end: str, at: RepairedAt) -> Judged:
+        return of(getattr(at, end))
+
+    columns = [Column("condition", of=lambda at: say.condition(at.condition))]
+    for name, of in (("share", share), ("line", line), ("reserve", reserve)):
+        heading, then = say(f"repair_plan.column_{name}"), say(f"repair_plan.column_{name}_then")
+        columns.append(Column(name, words=heading, of=partial(at_end, of, "before")))
+        columns.append(Column(f"{name}_then", words=then, of=partial(at_end, of, "after")))
+    if any(_worst_circuit(at.after) for at in effect):
+        heading = say("repair_plan.column_worst_circuit")
+        columns.append(Column("worst_circuit", words=heading, of=lambda at: _circuit(at, say)))
+    return Table("effect", tuple(columns), effect, say)
+
+
+def _share(total: Total, say: Wording, digits: int = 1) -> str:
+    return say.percent(total.share, digits) if math.isfinite(total.share) else say("diagnosis.no_flow")
+
+
+def _worst_circuit(total: Total) -> str | None:
+    """Return the circuit whose pressure is farthest from that when new."""
+    rules = [rule for rule in total.pressure_rules if rule.circuit is not None]
+    worst = max(rules, key=lambda rule: rule.value, default=None)
+    return worst.circuit.id if worst is not None and worst.circuit is not None else None
+
+
+def _circuit(at: RepairedAt, say: Wording) -> str:
+    worst = _worst_circuit(at.before)
+    if worst is None:
+        return "–"
+    name = next(each.circuit.name for each in at.before.projection.circuits if each.circuit.id == worst)
+    before, after = (say.quantity(total.pressures[worst] * KPA, "pressure") for total in (at.before, at.after))
+    return say("repair_plan.circuit_holds", circuit=isolated(say.name(name)), before=before, after=after)
+
+
+def effect_sentences(
+    repairs: OfferedRepairs,
+    keys: Collection[MoveKey],
+    effect: Sequence[RepairedAt],
+    say: Wording,
+) -> Iterator[str]:
+    """Say whether everything is within its limits then, what stays past one, and which flagged lands are left."""
+    past = [rule for at in effect for rule in at.after.past]
+    chosen = repairs.chosen(keys)
+    if past:
+        yield say("repair_plan.stays", rules="; ".join(rule_reached(rule, say) for rule in past))
+    else:
+        one = len(chosen) == 1
+        yield say("repair_plan.all_within_one") if one else say("repair_plan.all_within", count=len(chosen))
+    mended = {key for move in chosen for key in move.lands}
+    controller = repairs.diagnosis.controller
+    left = [land_number(controller, land.key, say) for land in repairs.diagnosis.flagged if land.key not in mended]
+    if left:
+        yield say("repair_plan.flagged_left", lands=", ".join(left))
+
+
+def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording) -> str:
+    """Say one repair: the worst verdict, its lands, what is done, and what it brings alone where that is most."""
+    first = each.lands[0]
+    others = ", ".join(land_number(diagnosis.controller, land.key, say) for land in each.lands[1:])
+    lands = ", ".join(filter(None, (land_in_words(diagnosis, first.key, say), others)))
+    option = each.move.option
+    work = say("repair_plan.as_new") if option is None else repair_name(option.repair, say)
+    at = each.best_at
+    alone = say("repair_plan.no_help")
+    if at.saving > 0.0:
+        before, after = _share(at.before, say, 2), _share(at.after, say, 2)
+        alone = say("repair_plan.alone", before=before, after=after, condition=say.condition(at.condition))
+    return f"{say.signed(first.verdict)} · {lands}: {work} ({alone})"

@@ -1,0 +1,312 @@
+"""Tables of a road-test log: its events, its pressures, and each channel's values over a part and at its ends.
+
+List the instants of a road test that people read, the sustained extremes first.
+
+Thin a road test's leakage for a sheet or a page: few samples, no spike lost, gaps kept.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from atleak.common.sentences import Sentence
+from atleak.common.thinning import thinned
+from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.wording import Wording
+from atleak.diagnosis.uncertainty import UnitUncertainty
+from atleak.engine.extremes import Extremes, Instant
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.engine.road_pressure import Departure, PlaceFinding, RoadPressure
+from atleak.measurements.events import Event
+from atleak.measurements.road_test import RoadTest
+from atleak.report.tables.road_words import event_remark
+from atleak.report.tables.table import Column, Table
+
+Scale = tuple[str, Callable[[Any], Any]]  # a unit's name, and the function from SI to it
+Scales = Mapping[str, Scale]  # by quantity
+Curve = tuple[str, np.ndarray, np.ndarray, str]  # name, stamps [s], values in the reader's unit, that unit
+
+
+def event_table(events: Sequence[Event], say: Wording) -> Table:
+    """Return a row for every event of a log."""
+    columns = (
+        Column("event", of=lambda event: say(f"events.{event.kind}"), width=150),
+        Column("event_gears", of=lambda each: None if each.to_gear is None else f"{each.from_gear} → {each.to_gear}"),
+        Column("event_start", "time", 2, of="start"),
+        Column("event_stop", "time", 2, of="stop"),
+        Column("event_lasts", "time", 2, of="duration"),
+        Column("event_source", of=lambda event: say.get("event_sources", event.source)),
+        Column("event_note", of=lambda event: event_remark(event, say) or None, width=300),
+    )
+    return Table("events", columns, events, say)
+
+
+def place_table(permitted: RoadPressure, say: Wording) -> Table:
+    """Return a row for every gear and state in which main pressure was judged."""
+
+    def worst(place: PlaceFinding, of: Callable[[Departure], Any]) -> Any:
+        return None if place.worst is None else of(place.worst)
+
+    columns = (
+        Column("place_gear", digits=0, of="gear"),
+        Column("place_state", of=lambda place: say(f"states.{place.state}"), width=100),
+        Column("place_judged", "time", 2, of="judged"),
+        Column("place_lowest", "pressure", 0, of=lambda place: worst(place, lambda at: at.pressure), times=KPA),
+        Column("place_limit", "pressure", 0, of=lambda place: worst(place, lambda at: at.limit), times=KPA),
+        Column(
+            "place_below_by",
+            "percent",
+            1,
+            of=lambda place: worst(place, lambda at: max(at.fraction, 0.0)),
+            times=PERCENT,
+        ),
+        Column("place_below", "time", 2, of="below"),
+        Column("place_above", "time", 2, of="above"),
+        Column("place_source", of=lambda place: worst(place, lambda at: at.source)),
+    )
+    return Table("places", columns, permitted.places, say)
+
+
+def circuit_table(road: RoadLeakage, say: Wording) -> Table:
+    """Return a row for every circuit that the log applies: what it holds."""
+    columns = (
+        Column("circuit", of=lambda each: each.circuit.name),
+        Column("circuit_lowest", "pressure", 0, of="lowest", times=KPA),
+        Column("circuit_at_main", "pressure", 0, of="main_pressure", times=KPA),
+        Column("circuit_at", "time", 1, of="time"),
+        Column("circuit_mean", "pressure", 0, of="mean", times=KPA),
+    )
+    return Table("circuits", columns, [*road.circuit_ranges.values()], say)
+
+
+def log_curves(test: RoadTest, road: RoadLeakage | None, scales: Scales, say: Wording, file: str = "") -> list[Curve]:
+    """Return every channel of a log, and its leakage, pump flow and share, in the reader's units; suspect ones are NaN.
+
+    Parameters
+    ----------
+    road
+        the leakage over the log, if there is one.
+    scales
+        quantity → unit's name and the function from SI to that unit.
+    file
+        named beside each channel: of a log that is laid over another one.
+    """
+
+    def named(name: str) -> str:
+        return say("road_test.of_log", channel=name, file=file) if file else name
+
+    curves: list[Curve] = []
+    for name in test.channels:
+        channel = test.channels[name]
+        unit, convert = scales.get(name, (channel.unit, as_it_is))
+        curves.append((named(say(f"log_quantities.{name}")), channel.time, convert(channel.good), unit))
+    if road is not None:
+        flow = say.unit("flow")
+        leakage = say.convert(road.leakage * DM3_MIN, "flow")
+        curves.append((named(say("road_test.leakage_row")), road.time, leakage, flow))
+        if road.pump_capacity is not None and road.share is not None:
+            pump = say.convert(road.pump_capacity * DM3_MIN, "flow")
+            curves.append((named(say("road_test.pump_flow")), road.time, pump, flow))
+            curves.append((named(say("road_test.share")), road.time, road.share * PERCENT, "%"))
+    return curves
+
+
+def value_rows(curves: Sequence[Curve], ends: tuple[float, float], say: Wording) -> list[dict[str, str]]:
+    """Return one row for every curve that has a value: its least, mean, largest, and the last value at each end.
+
+    Parameters
+    ----------
+    ends
+        the cursors [s].
+
+    Notes
+    -----
+    The mean is that of a channel's own samples, each counting alike.
+    """
+    rows = []
+    for name, time, values, unit in curves:
+        good = values[np.isfinite(values)]
+        if not len(good):
+            continue
+        rows.append(
+            {
+                "log_channel": name,
+                "log_in": unit,
+                "log_least": short(float(good.min()), say),
+                "log_mean": short(float(good.mean()), say),
+                "log_largest": short(float(good.max()), say),
+                "log_first": short(_last_at(time, values, ends[0]), say),
+                "log_second": short(_last_at(time, values, ends[1]), say),
+                "log_samples": whole(len(good), say),
+            }
+        )
+    return rows
+
+
+def _last_at(time: np.ndarray, values: np.ndarray, moment: float) -> float | None:
+    """Return the last value at or before a moment; None before the first and where that sample has none."""
+    if not len(time):
+        return None
+    if len(time) == 1:  # a constant
+        return float(values[0])
+    place = int(np.searchsorted(time, moment + 1e-9, side="right")) - 1
+    return float(values[place]) if place >= 0 and math.isfinite(values[place]) else None
+
+
+def short(value: float | None, say: Wording) -> str:
+    """Return a number with three digits and every digit before the decimal sign: ``1.65``, ``92.7``, ``2 346``."""
+    if value is None or not math.isfinite(value):
+        return say.number(None, 0)
+    size = abs(value)
+    if value.is_integer():
+        return say.number(value, 0)
+    digits = 3 if size < 0.001 else min(max(2 - math.floor(math.log10(size)), 0), 5)
+    return say.number(value, digits)
+
+
+def whole(count: int | None, say: Wording) -> str:
+    """Return a count with its thousands parted: ``1 800 000``."""
+    return say.number(None if count is None else float(count), 0)
+
+
+def as_it_is(values: Any) -> Any:
+    """Return values in the unit that they are in."""
+    return values
+
+
+@dataclass(frozen=True)
+class RoadInstant:
+    """One instant as it is shown: ``name`` is its key in records and texts."""
+
+    name: str
+    instant: Instant
+    leads: bool  # read first, and marked in a printed picture: sustained, or without a sustained counterpart
+    after_start: bool = False  # in the first moments after a start of the engine
+
+    def label(self, say: Wording) -> str:
+        """Return its name in the reader's language."""
+        label = say(f"instants.{self.name}")
+        return say("instants.after_start", instant=label) if self.after_start else label
+
+
+def road_instants(road: RoadLeakage) -> tuple[RoadInstant, ...]:
+    """Return the instants of a road test in the order in which people read them."""
+    rows = [*_of(road.extremes), RoadInstant("min_leakage", road.min_leakage, True)]
+    if road.start is not None:
+        rows += [RoadInstant(row.name, row.instant, True, True) for row in _of(road.start) if row.leads]
+    return tuple(rows)
+
+
+def _of(extremes: Extremes) -> Iterable[RoadInstant]:
+    """Return the largest leakage and share, sustained where that is known, then as single samples."""
+    pairs = (
+        ("max_leakage", extremes.max_leakage, extremes.max_leakage_sustained),
+        ("max_share", extremes.max_share, extremes.max_share_sustained),
+    )
+    yield from (RoadInstant(f"{name}_sustained", sustained, True) for name, _, sustained in pairs if sustained)
+    yield from (RoadInstant(name, single, sustained is None) for name, single, sustained in pairs if single)
+
+
+def instant_record(instant: Instant, uncertainty: UnitUncertainty | None) -> dict[str, Any]:
+    """Return an instant with its 95 % intervals in workshop units, as records hold it; None where a value is not known.
+
+    Without readings nothing was measured and no interval is known.
+    """
+    interval = uncertainty.instants.get(instant) if uncertainty else None
+    leakage = interval.leakage_interval if interval else (None, None)
+    share = (interval.share_interval if interval else None) or (None, None)
+    return {
+        "time_s": instant.time,
+        "leakage_dm3_min": instant.leakage * DM3_MIN,
+        "leakage_low_dm3_min": _scaled(leakage[0], DM3_MIN),
+        "leakage_high_dm3_min": _scaled(leakage[1], DM3_MIN),
+        "pump_capacity_dm3_min": _scaled(instant.pump_capacity, DM3_MIN),
+        "share_percent": _scaled(instant.share, PERCENT),
+        "share_low_percent": _scaled(share[0], PERCENT),
+        "share_high_percent": _scaled(share[1], PERCENT),
+    }
+
+
+def instant_table(road: RoadLeakage, uncertainty: UnitUncertainty | None, say: Wording) -> Table:
+    """Return a row for every instant; columns without any value are left out."""
+    columns = (
+        Column("instant", width=190),
+        Column("instant_time", "time", 2, of="time_s"),
+        Column("instant_leakage", "flow", 2, of="leakage_dm3_min"),
+        Column("instant_leakage_low", "flow", 2, of="leakage_low_dm3_min"),
+        Column("instant_leakage_high", "flow", 2, of="leakage_high_dm3_min"),
+        Column("instant_pump", "flow", 1, of="pump_capacity_dm3_min"),
+        Column("instant_share", "percent", 2, of="share_percent"),
+        Column("instant_share_low", "percent", 1, of="share_low_percent"),
+        Column("instant_share_high", "percent", 1, of="share_high_percent"),
+    )
+    rows = [{"instant": row.label(say), **instant_record(row.instant, uncertainty)} for row in road_instants(road)]
+    return Table("instants", columns, rows, say).filled
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None or not math.isfinite(value) else value * factor
+
+
+@dataclass(frozen=True)
+class RoadSeries:
+    """Columns of equal length by name, in workshop units; NaN where a sample is not usable."""
+
+    columns: dict[str, np.ndarray]
+    labels: dict[str, tuple[Sentence, str]]  # the same names → words and unit for people
+    samples: int  # of the log
+    instants: tuple[RoadInstant, ...]
+
+    @property
+    def thinned(self) -> bool:
+        return self.samples > len(self.columns["time_s"])
+
+
+def road_series(road: RoadLeakage, points: int) -> RoadSeries:
+    """Return about ``points`` samples of a road test.
+
+    They are `thinned` by leakage and share; the instants that the result names are among them.
+    """
+    series, instants = [road.leakage] if road.share is None else [road.leakage, road.share], road_instants(road)
+    keep = thinned(series, points, keep=[row.instant.sample for row in instants])
+    named = _columns(road)
+    return RoadSeries(
+        columns={name: array[keep] * factor for name, _, _, array, factor in named},
+        labels={name: (label, unit) for name, label, unit, _, _ in named},
+        samples=len(road.time),
+        instants=instants,
+    )
+
+
+def _columns(road: RoadLeakage) -> list[tuple[str, Sentence, str, np.ndarray, float]]:
+    """Return name, words, unit, values in SI and the factor from SI to the unit."""
+    columns = [
+        ("time_s", Sentence("time"), "s", road.time, 1.0),
+        ("leakage_dm3_min", Sentence("leakage"), "dm³/min", road.leakage, DM3_MIN),
+    ]
+    share = road.share
+    if road.pump_capacity is not None and share is not None:
+        columns.append(("pump_capacity_dm3_min", Sentence("pump capacity"), "dm³/min", road.pump_capacity, DM3_MIN))
+        columns.append(("share_percent", Sentence("share"), "%", share, PERCENT))
+    for section, flow in road.sections.items():
+        columns.append(
+            (f"leakage_{section}_dm3_min", Sentence("leakage {section}", section=section), "dm³/min", flow, DM3_MIN)
+        )
+    for circuit, pressure in road.circuits.items():
+        columns.append((f"{circuit}_kpa", Sentence("{circuit}, computed", circuit=circuit), "kPa", pressure, KPA))
+    for quantity, name, said, unit, factor in (
+        ("main_pressure", "p_g_kpa", Sentence("p_g"), "kPa", KPA),
+        ("converter_pressure", "p_k_kpa", Sentence("p_k"), "kPa", KPA),
+        ("engine_speed", "engine_rpm", Sentence("engine"), "1/min", RPM),
+        ("atf_temperature", "temperature_c", Sentence("temperature"), "°C", 1.0),
+        ("gear", "gear", Sentence("gear"), "", 1.0),
+    ):
+        values = road.road_test.values(quantity)
+        if values is not None:
+            columns.append((name, said, unit, values, factor))
+    return columns

@@ -1,0 +1,81 @@
+"""The coverage benchmark, small: that it runs, repeats itself and would notice a wrong interval."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from atleak.catalogue.controller_file import load_controller
+
+DRAWS = 500
+
+
+@pytest.fixture(scope="module")
+def benchmark(benchmark_of: Callable[[str], ModuleType]) -> ModuleType:
+    return benchmark_of("coverage")
+
+
+# lands of one unit share an error: the standard error is about 1 % with 150 units, 3 % with 20
+@pytest.mark.parametrize(("units", "tolerance"), [(20, 8.0), pytest.param(150, 3.0, marks=pytest.mark.slow)])
+def test_intervals_hold_the_truth(benchmark: ModuleType, units: int, tolerance: float) -> None:
+    counted = benchmark.count_world(benchmark.AS_DECLARED, range(units), 2 * DRAWS)
+    rates = benchmark.world_rates(benchmark.AS_DECLARED, counted)
+    for name in ("clearance", "leakage", "share"):
+        assert rates["coverage"][name] == pytest.approx(95.0, abs=tolerance)
+    for rule in rates["rules"].values():
+        assert rule["pass_truly_over"] <= 5.0
+        assert rule["decided_wrongly"] < rule["unguarded_wrong"]
+    again = benchmark.count_world(benchmark.AS_DECLARED, range(units), 2 * DRAWS)
+    assert again == counted
+
+
+def test_a_worse_instrument_than_declared_is_noticed(benchmark: ModuleType) -> None:
+    world = next(world for world in benchmark.WORLDS if world.calibration == 2.0)
+    rates = benchmark.world_rates(world, benchmark.count_world(world, range(60), DRAWS))
+    assert rates["coverage"]["clearance"] < 85.0
+    as_if_declared = rates | {"world": benchmark.AS_DECLARED.name}
+    assert any(name in text for text in benchmark.world_failures(as_if_declared, 0.0) for name in ("clearance", "leak"))
+
+
+def test_a_pair_worn_to_one_side_has_the_mean_cube_of_its_closed_form(benchmark: ModuleType) -> None:
+    from simulated.pairs import Form, Pair
+
+    round_form = Form(0.0, 0.0, 0.0, 0.0)
+    land = load_controller("four_speed_2023").lands[0]
+    pair = Pair(land, 14e-3, 20e-6, 10e-6, 0.8, 0.7, 9e-3, {"spool": round_form, "sleeve": round_form})
+    even, deepest = 20e-6 + 0.2 * 10e-6, math.pi * 0.8 * 10e-6
+    # of h = max(cos θ, 0): E h = 1/π, E h² = 1/4, E h³ = 2/(3π)
+    cube = (
+        even**3 + 3.0 * even**2 * deepest / math.pi + 3.0 * even * deepest**2 / 4.0 + deepest**3 * 2.0 / 3.0 / math.pi
+    )
+    assert np.mean(pair.around() ** 3) == pytest.approx(cube, rel=1e-4, abs=0.0)
+    eccentric = replace(pair, wear=0.0, eccentricity=0.5)
+    assert np.mean(eccentric.around() ** 3) == pytest.approx(20e-6**3 * (1.0 + 1.5 * 0.5**2), rel=1e-9, abs=0.0)
+    # two opposite points see the sum of both sides; around the bore they see the mean
+    around = [pair.diameter("sleeve", direction, 0.0) for direction in np.arange(0.0, 180.0, 1.0)]
+    assert np.mean(around) - pair.spool == pytest.approx(2.0 * pair.clearance, abs=1e-9)
+    assert pair.diameter("sleeve", math.degrees(0.7), 0.0) == pytest.approx(14e-3 + 2.0 * even + deepest, abs=1e-12)
+
+
+def test_the_population_is_the_same_whatever_the_file_knows_of_new(benchmark: ModuleType) -> None:
+    from simulated import population
+
+    worn = next(unit for unit in range(10) if not population.simulate(population.Known.PAIR, unit).is_new)
+    known, other = (population.simulate(case, worn) for case in (population.Known.PAIR, population.Known.RANGE))
+    assert known.pairs == other.pairs
+    assert known.diagnosis.readings == other.diagnosis.readings
+    assert {pair.mounting for pair in known.pairs} != {
+        land.mounting_clearance for land in known.diagnosis.controller.lands
+    }
+    rates = benchmark.population_rates(
+        population.Known.PAIR, benchmark.count_population(population.Known.PAIR, range(worn, worn + 1))
+    )
+    assert rates["unworn"]["lands"] + rates["worn"]["lands"] == len(known.pairs)
+    assert sum(rates["worn"][name] for name in ("pass", "conditional", "flagged")) == pytest.approx(100.0, abs=1e-9)
+    impossible = rates | {"unworn": {"pass": 80.0, "flagged": 2.0}}
+    assert len(benchmark.population_failures(impossible, 0.0)) >= 2

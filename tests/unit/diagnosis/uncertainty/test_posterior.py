@@ -1,0 +1,92 @@
+"""Losses of circuits given what gauges showed: weights, proposals and causes, beside what is known without them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.instruments import load_instruments
+from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
+from atleak.diagnosis.uncertainty.posterior import Shown, Unit, losses
+from atleak.diagnosis.uncertainty.sources import find_sources
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import WORKSHOP
+from atleak.engine.projection import project
+from atleak.measurements.readings import clearances
+
+DRAWS = 2048
+CLUTCH = "clutch_a"
+
+
+def unit_of(fluid: Fluid, assumptions: Assumptions = DEFAULTS, name: str = "zf_6hp26") -> Unit:
+    controller = load_controller(name)
+    states = clearances(None, controller)
+    model = LeakageModel(controller, states, fluid, WORKSHOP)
+    sources, _ = find_sources(states, None, controller, load_instruments(), assumptions)
+    points = [each for each in controller.operating_points if each.gear == 1]
+    return Unit(model, sources, assumptions, [project(model, each) for each in points])
+
+
+@pytest.fixture
+def unit(hipol: Fluid) -> Unit:
+    return unit_of(hipol)
+
+
+def test_where_no_gauge_tells_anything_the_loss_is_that_of_what_is_assumed(unit: Unit) -> None:
+    point = next(iter(unit.conditions))
+    vague = replace(unit.assumptions, main_pressure=1e3)
+    unit.assumptions = vague
+    lost = losses(unit, [Shown(point, CLUTCH, 500e3)], [(CLUTCH, point)], DRAWS)[CLUTCH, point]
+    assert lost.weights.sum() == pytest.approx(1.0, abs=1e-9)
+    assert lost.effective == pytest.approx(DRAWS, rel=1e-3, abs=0.0)
+    drawn = unit.draw(unit.prior, DRAWS, 0)
+    now, new = (unit.pressures(drawn, point, new=each)[CLUTCH] for each in (False, True))
+    assert lost.probability_over(55e3) == pytest.approx(float(np.mean(new - now >= 55e3)), abs=1e-3)
+
+
+def test_a_unit_of_which_nothing_can_be_worn_has_lost_nothing(hipol: Fluid) -> None:
+    sound = replace(DEFAULTS, worn_lands=0.0, worn_seals=0.0, worn_pumps=0.0)
+    unit = unit_of(hipol, sound)
+    point = next(iter(unit.conditions))
+    lost = losses(unit, [Shown(point, CLUTCH, 100e3)], [(CLUTCH, point)], DRAWS)[CLUTCH, point]
+    assert lost.draws == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("missing", [80e3, 200e3, 400e3])
+def test_a_loss_that_an_exact_gauge_shows_is_what_is_said(hipol: Fluid, missing: float) -> None:
+    unit = unit_of(hipol, replace(DEFAULTS, main_pressure=0.002))
+    point = max(unit.conditions, key=lambda each: each.main_pressure)
+    new = project(unit.model, point)
+    shown = [
+        Shown(point, "p_g", new.main_pressure_held),
+        Shown(point, CLUTCH, new.circuit(CLUTCH).pressure - missing),
+    ]
+    lost = losses(unit, shown, [(CLUTCH, point)], DRAWS)[CLUTCH, point]
+    assert lost.quantile(0.5) == pytest.approx(missing, abs=20e3)
+    assert lost.quantile(0.025) < lost.quantile(0.5) < lost.quantile(0.975)
+
+
+def test_drawing_around_what_was_found_changes_how_well_it_is_known_not_what(hipol: Fluid) -> None:
+    """Many draws of the prior alone say the same as few that are drawn again around what was found."""
+    unit = unit_of(hipol)
+    point = max(unit.conditions, key=lambda each: each.main_pressure)
+    new = project(unit.model, point)
+    shown = [Shown(point, "p_g", new.main_pressure_held), Shown(point, CLUTCH, new.circuit(CLUTCH).pressure - 120e3)]
+    few, many = (losses(unit, shown, [(CLUTCH, point)], draws)[CLUTCH, point] for draws in (1024, 32_768))
+    assert len(many.draws) <= 32_768, "so many need no second round"
+    assert few.quantile(0.5) == pytest.approx(many.quantile(0.5), abs=15e3)
+    assert few.probability_over(55e3) == pytest.approx(many.probability_over(55e3), abs=0.1)
+
+
+def test_what_leaks_is_ranked_and_its_parts_add_up(unit: Unit) -> None:
+    point = max(unit.conditions, key=lambda each: each.main_pressure)
+    held = project(unit.model, point).circuit(CLUTCH).pressure
+    lost = losses(unit, [Shown(point, CLUTCH, held - 300e3)], [(CLUTCH, point)], DRAWS)[CLUTCH, point]
+    assert list(lost.causes.values()) == sorted(lost.causes.values(), reverse=True)
+    assert sum(lost.causes.values()) == pytest.approx(1.0, abs=1e-9)
+    of_circuit = {gap.key for gap in unit.model.controller.gaps if gap.high.section == CLUTCH}
+    assert {cause[1] for cause in lost.causes if cause[0] == "land"} <= of_circuit

@@ -1,0 +1,285 @@
+"""Parts of two units are not put together, and what a sheet says besides its diameters is not lost."""
+
+from __future__ import annotations
+
+import io
+
+import openpyxl
+import pytest
+
+from atleak.common.errors import ReadingsError
+from atleak.measurements.readings import Readings
+from atleak.readers.sheets.measuring_sheet import read_readings
+
+PAIR = ("tcc_regulator", "1", "10.998", "11.032")
+LANDS = (PAIR, ("accumulator", "1", "17.998", "18.041"))
+
+
+def read(controller, *lines, **choices) -> Readings:
+    return read_readings("\n".join(lines).encode(), controller, name="sheet.csv", **choices)
+
+
+def refusal(controller, *lines, **choices) -> str:
+    with pytest.raises(ReadingsError) as refused:
+        read(controller, *lines, **choices)
+    return str(refused.value)
+
+
+def said(readings, code):
+    return [message.text for message in readings.messages if message.code == code]
+
+
+def halves(first, second):
+    spools = [f"{component};{land};{spool}" for component, land, spool, _ in LANDS]
+    bores = [f"{component};{land};{bore}" for component, land, _, bore in LANDS]
+    return (first, "Valve;Land;Spool [mm]", *spools, "", second, "Valve;Land;Bore [mm]", *bores)
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [("Gearbox 1", "Gearbox 2"), ("Unit A (Smith)", "Unit B (Jones)"), ("Getriebe Nr. 7", "Getriebe Nr. 8")],
+)
+def test_titles_of_two_units_are_refused_with_both_names(controller, first, second):
+    assert f"{first!r} and {second!r}" in refusal(controller, *halves(first, second))
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("Gearbox 1", "Gearbox 1"),
+        ("Unit A: spools", "Unit A: bores"),
+        ("Spools", "Unit: mm"),
+        ("Micrometer serial 4711", "Comparator serial 8822"),
+    ],
+)
+def test_titles_of_one_unit_are_read_as_one_measurement(controller, first, second):
+    assert len(read(controller, *halves(first, second)).readings) == 4
+
+
+def test_sheets_of_two_units_are_refused_and_one_can_be_chosen(controller):
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for name, (component, land, spool, bore) in zip(("Unit A (Smith)", "Unit B (Jones)"), LANDS, strict=True):
+        sheet = book.create_sheet(name)
+        sheet.append(["Valve", "Land", "Spool [mm]", "Bore [mm]"])
+        sheet.append([component, int(land), float(spool), float(bore)])
+    stream = io.BytesIO()
+    book.save(stream)
+    with pytest.raises(ReadingsError, match=r'--sheet "Unit A \(Smith\)"'):
+        read_readings(stream.getvalue(), controller, name="sheet.xlsx")
+    chosen = read_readings(stream.getvalue(), controller, name="sheet.xlsx", sheet="Unit B (Jones)")
+    assert {reading.component for reading in chosen.readings} == {"accumulator"}
+
+
+SERIALS = (
+    "Valve;Land;Part;Serial;Diameter [mm]",
+    *(f"{component};{land};spool;A17;{spool}" for component, land, spool, _ in LANDS),
+    *(f"{component};{land};bore;B18;{bore}" for component, land, _, bore in LANDS),
+)
+
+
+def test_a_column_of_two_serial_numbers_is_refused_until_rows_are_chosen(controller):
+    assert '--where "Serial=A17"' in refusal(controller, *SERIALS)
+    assert len(read(controller, *SERIALS, where={"Serial": "A17"}).readings) == 2
+
+
+@pytest.mark.parametrize("heading", ["Gauge serial", "Micrometer S/N", "Part serial", "Spool serial"])
+def test_the_serial_number_of_a_gauge_or_part_is_no_question(controller, heading):
+    lines = (SERIALS[0].replace("Serial", heading), *SERIALS[1:])
+    assert len(read(controller, *lines).readings) == 4
+
+
+def test_a_serial_number_for_every_part_is_no_question(controller):
+    lines = [line.replace("A17", f"A{at}").replace("B18", f"B{at}") for at, line in enumerate(SERIALS)]
+    assert len(read(controller, *lines).readings) == 4
+
+
+@pytest.mark.parametrize("heading", ["Clearance [µm]", "Spiel [µm]", "Gap [µm]", "Bore wear [µm]", "Szczelina [µm]"])
+def test_a_clearance_without_the_other_part_is_named(controller, heading):
+    readings = read(controller, f"Valve;Land;Spool [mm];{heading}", "tcc_regulator;1;10.998;94")
+    (text,) = said(readings, "clearance_not_used")
+    assert text.startswith(f"column {heading!r} says 94 µm in row 2")
+
+
+def test_a_clearance_of_a_land_whose_parts_stand_in_two_rows_is_used(controller):
+    lines = ("tcc_regulator;1;spool;10.998;34", "tcc_regulator;1;bore;11.032;34")
+    readings = read(controller, "Valve;Land;Part;Diameter [mm];Clearance [µm]", *lines)
+    assert not said(readings, "clearance_not_used")
+
+
+@pytest.mark.parametrize(
+    ("sentence", "is_told"),
+    [
+        ("Zero error of the micrometer: +0.004 mm (to be subtracted)", True),
+        ("The zero error of the bore gauge was 3 µm", True),
+        ("Nullpunktfehler der Messschraube: +0,004 mm (abzuziehen)", True),
+        ("Błąd zera mikrometru: +0,004 mm", True),
+        ("Zero error of the micrometer: 0.000 mm", False),
+        ("Diameters corrected for the zero error of the micrometer: +0.004 mm", False),
+        ("Micrometer zeroed at 18 mm", False),
+    ],
+)
+def test_a_zero_error_in_a_sentence_above_the_table_is_told(controller, sentence, is_told):
+    table = "Valve;Land;Spool [mm];Bore [mm]\ntcc_regulator;1;10.998;11.032"
+    readings = read_readings(f"{sentence}\n\n{table}".encode(), controller, name="sheet.csv")
+    found = said(readings, "correction_not_applied")
+    assert bool(found) == is_told
+    assert not is_told or repr(sentence) in str(found)
+
+
+@pytest.mark.parametrize("heading", ["Zero [mm]", "Zero error [mm]", "Gauge zero [mm]", "Nullpunkt [mm]"])
+@pytest.mark.parametrize("zero", ["0.012", "0"])
+def test_a_zero_that_is_not_zero_is_told(controller, heading, zero):
+    readings = read(controller, f"Valve;Land;Spool [mm];Bore [mm];{heading}", f"tcc_regulator;1;10.998;11.032;{zero}")
+    assert bool(said(readings, "correction_not_applied")) == (zero != "0")
+
+
+def test_a_ring_that_the_gauge_was_set_with_is_no_correction(controller):
+    lines = ("Zero set with ring 15.000 mm", "Readings of today", "Valve;Land;Spool [mm];Bore [mm]", ";".join(PAIR))
+    assert not said(read(controller, *lines), "correction_not_applied")
+
+
+def test_two_lands_exchanged_are_refused_naming_both(controller):
+    lines = (
+        "Valve;Land;Spool [mm];Bore [mm]",
+        "pressure_regulator;2;14.997;15.034",
+        "pressure_regulator;1;12.498;12.535",
+    )
+    text = refusal(controller, *lines)
+    assert "component pressure_regulator land 2 measures like component pressure_regulator land 1" in text
+
+
+SIZES = {("pressure_regulator", "1"): (14.997, 15.034), ("pressure_regulator", "2"): (12.498, 12.535),
+         ("tcc_regulator", "1"): (10.998, 11.032)}  # fmt: skip
+
+
+@pytest.mark.parametrize("onward", [1, 2])
+def test_three_lands_exchanged_in_a_circle_are_refused_naming_all(controller, onward):
+    lands = list(SIZES)
+    rows = [
+        f"{component};{land};{SIZES[lands[(number + onward) % 3]][0]};{SIZES[lands[(number + onward) % 3]][1]}"
+        for number, (component, land) in enumerate(lands)
+    ]
+    text = refusal(controller, "Valve;Land;Spool [mm];Bore [mm]", *rows)
+    like = " land ".join(lands[onward])
+    assert f"component pressure_regulator land 1 measures like component {like}: the readings of component " in text
+    assert text.count("exchanged in a circle?") == 3
+    assert "pressure_regulator land 2 and component tcc_regulator land 1 exchanged in a circle?" in text
+
+
+def test_lands_that_measure_like_others_without_a_circle_are_not_called_exchanged(controller):
+    rows = ("pressure_regulator;1;12.498;12.535", "pressure_regulator;2;10.998;11.032", "tcc_regulator;1;10.998;11.032")
+    assert len(read(controller, "Valve;Land;Spool [mm];Bore [mm]", *rows).readings) == 6
+
+
+def test_a_column_of_temperatures_is_named_unless_the_head_states_one(controller):
+    table = ("Valve;Land;Spool [mm];Bore [mm];Temp [°C]", *(";".join((*pair, "38")) for pair in LANDS))
+    (text,) = said(read(controller, *table), "temperature_not_read")
+    assert text.startswith("column 'Temp [°C]' says 38 and is not read")
+    stated = read(controller, "Temperature:;38", "", *table)
+    assert stated.temperature == 38.0
+    assert not said(stated, "temperature_not_read")
+
+
+def test_a_row_of_sigma_is_a_spread(controller):
+    rows = [f"tcc_regulator;1;{part}" for part in ("spool", "bore")]
+    sizes = [("R1", "10.998", "11.032"), ("avg", "10.998", "11.032"), ("σ", "0.001", "0.001")]
+    lines = [f"{row};{repeat};{size[at]}" for at, row in enumerate(rows) for repeat, *size in sizes]
+    readings = read(controller, "Valve;Land;Part;Repeat;Diameter [mm]", *lines)
+    assert len(readings.readings) == 2
+    assert not said(readings, "summary_disagrees")
+
+
+def test_upper_and_lower_deviations_beside_the_measured_one(controller):
+    lines = (
+        "Valve;Land;Part;Nominal [mm];Upper dev [µm];Lower dev [µm];Deviation [µm]",
+        "tcc_regulator;1;spool;11.0;0;-8;-2",
+        "tcc_regulator;1;bore;11.0;45;30;32",
+    )
+    assert [round(reading.diameter * 1e3, 6) for reading in read(controller, *lines).readings] == [10.998, 11.032]
+
+
+@pytest.mark.parametrize(
+    ("headings", "row", "says"),
+    [
+        (
+            "Valve;Land;Part;Mean [mm];SD [mm]",
+            "tcc_regulator;1;spool;10.998;0.002",
+            "Means are no readings ('Mean [mm]')",
+        ),
+        ("Valve;Land;Spool Anna;Spool Ben", "tcc_regulator;1;10.998;10.999", "under 'Spool Anna', 'Spool Ben'"),
+        ("Valve;Land;Part;Shift 1 [mm];Shift 2 [mm]", "tcc_regulator;1;spool;10.998;11.010", "'Shift 1 [mm]'"),
+        (
+            "Valve;Land;Nominal [mm];Spool dev Anna [µm];Spool dev Ben [µm]",
+            "tcc_regulator;1;11.0;-2;-3",
+            "under 'Spool dev Anna [µm]'",
+        ),
+    ],
+)
+def test_the_refusal_of_headings_names_the_columns_that_hold_the_numbers(controller, headings, row, says):
+    assert says in refusal(controller, headings, row)
+
+
+def test_remarks_that_return_at_every_land_are_refused_with_the_word_that_strikes_a_row_out(controller):
+    rows = [
+        f"{component};{land};spool;{spool};{said}" for component, land, spool, _ in LANDS for said in ("dirty", "clean")
+    ]
+    headings = "Valve;Land;Part;Diameter [mm];Remark"
+    assert "the remark 'rejected'" in refusal(controller, headings, *rows)
+    assert len(read(controller, headings, *(row.replace("dirty", "rejected") for row in rows)).readings) == 2
+
+
+DEVIATIONS = "Valve;Land;Part;Nominal [mm];"
+
+
+@pytest.mark.parametrize(
+    ("headings", "spool", "bore", "read_as"),
+    [
+        ("Deviation 1 [µm];Deviation 2 [µm]", "-2;-3", "32;33", [10.998, 10.997, 11.032, 11.033]),
+        ("Deviation 0° [µm];Deviation 90° [µm]", "-2;-3", "32;33", [10.998, 10.997, 11.032, 11.033]),
+        ("Abw. (0°) [1/100 mm];Abw. (90°) [1/100 mm]", "-0,2;-0,3", "3,2;3,3", [10.998, 10.997, 11.032, 11.033]),
+        ("Deviation [1/100 mm]", "-0.2", "3.2", [10.998, 11.032]),
+        ("Deviation in 1/1000 mm", "-2", "32", [10.998, 11.032]),
+    ],
+)
+def test_deviations_told_apart_by_their_headings_and_in_parts_of_a_unit(controller, headings, spool, bore, read_as):
+    lines = (DEVIATIONS + headings, f"tcc_regulator;1;spool;11.0;{spool}", f"tcc_regulator;1;bore;11.0;{bore}")
+    assert [round(each.diameter * 1e3, 6) for each in read(controller, *lines).readings] == read_as
+
+
+def test_deviations_of_both_parts_from_one_nominal_diameter(controller):
+    readings = read(controller, "Valve;Land;Nominal [mm];Spool dev [µm];Bore dev [µm]", "tcc_regulator;1;11.0;-2;32")
+    assert [(each.part, round(each.diameter * 1e3, 6)) for each in readings.readings] == [
+        ("spool", 10.998), ("sleeve", 11.032),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("headings", "asks"),
+    [
+        ("Deviation [µm];Deviation [µm]", "two columns are read as the same diameter"),
+        ("Deviation [µm];Deviation measured [µm]", "two columns are read as the same diameter"),
+        ("Deviation before [µm];Deviation after [µm]", "those are that say no more than part, direction or repeat"),
+        ("Deviation [0.01 mm];Remark", "nothing says in which unit the deviations are"),
+        ("Deviation 0.01 mm;Remark", "nothing says in which unit the deviations are"),
+        ("Deviation [hundredths];Remark", "nothing says in which unit the deviations are"),
+    ],
+)
+def test_deviations_that_can_be_read_in_two_ways_are_asked_about(controller, headings, asks):
+    rows = ("tcc_regulator;1;spool;11.0;-2;-3", "tcc_regulator;1;bore;11.0;32;33")
+    assert asks in refusal(controller, DEVIATIONS + headings, *rows)
+
+
+def test_deviations_of_a_bore_are_none_from_a_spool_s_nominal_diameter(controller):
+    text = refusal(controller, "Valve;Land;Spool nominal [mm];Bore deviation [µm]", "tcc_regulator;1;11.0;32")
+    assert "No deviations of diameters were understood under 'Bore deviation [µm]'" in text
+
+
+@pytest.mark.parametrize("heading", ["Diameter [1/100 mm]", "Diameter (1/100 mm)", "Diameter in 1/100 mm"])
+def test_hundredths_of_a_millimetre_are_a_unit(controller, heading):
+    pair = ("tcc_regulator;1;spool;1099.8", "tcc_regulator;1;bore;1103.2")
+    readings = read(controller, f"Valve;Land;Part;{heading}", *pair)
+    assert [round(each.diameter * 1e3, 6) for each in readings.readings] == [10.998, 11.032]
+    assert readings.unit == "1/100 mm"
+    lines = ("tcc_regulator;1;spool;1099.8;1/100 mm", "tcc_regulator;1;bore;11032;1/1000 mm")
+    assert read(controller, "Valve;Land;Part;Diameter;Unit", *lines).unit == "1/100 mm, µm"
